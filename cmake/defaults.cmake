@@ -1,0 +1,26 @@
+# Build type, language level and the flags that every number of hmax depends on.
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, RelWithDebInfo or Debug" FORCE)
+endif()
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+
+# Interface targets carried by every library of the house.
+add_library(hmax_flags INTERFACE)
+# Contraction to fused multiply-add changes the last bits from compiler to compiler: same input, same output bits.
+target_compile_options(hmax_flags INTERFACE -ffp-contract=off)
+if(HMAX_SANITIZE)
+  target_compile_options(hmax_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(hmax_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+add_library(hmax_warnings INTERFACE)
+target_compile_options(hmax_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                                               -Wnon-virtual-dtor -Woverloaded-virtual)
+if(HMAX_WARNINGS_AS_ERRORS)
+  target_compile_options(hmax_warnings INTERFACE -Werror)
+endif()
