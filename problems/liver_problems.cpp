@@ -138,7 +138,7 @@ std::span<const LiverFamily> liver_families() {
         {"male_normal:heavy", with_material(benchmark, "male_normal:heavy")},
         {"female_normal:light", with_material(benchmark, "female_normal:light")},
         {"female_normal:heavy", with_material(benchmark, "female_normal:heavy")}},
-       start,
+       start(),
        60,
        "ends of the published mass ranges"},
   }};
