@@ -1,12 +1,54 @@
-# Required packages stop the configuration with the name of the Debian package; optional ones are reported.
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)   # libeigen3-dev
-find_package(fmt REQUIRED)                    # libfmt-dev
-find_package(CLI11 REQUIRED)                  # libcli11-dev
-find_package(nlohmann_json REQUIRED)          # nlohmann-json3-dev
-find_package(tomlplusplus REQUIRED)           # libtomlplusplus-dev
-find_package(SQLite3 REQUIRED)                # libsqlite3-dev
-find_package(muparser REQUIRED)               # libmuparser-dev
+# Required packages stop the configuration with the name of the Debian package; optional ones are recorded for
+# `hmax doctor`. Both leave one line `name|version|needed for|Debian package` in a list that build_info.cmake reads.
 
-find_package(Boost 1.74 QUIET)                # libboost-dev: Boost.Odeint as a peer and as a reference engine
-find_package(SUNDIALS QUIET COMPONENTS arkode cvode nvecserial)   # libsundials-dev
-find_program(HMAX_GNUPLOT gnuplot)            # gnuplot-nox: figures
+# hmax_require(NAME DEBIAN NEEDED_FOR [find_package arguments...]); HMAX_WAY_OUT ends the message when NAME is missing
+macro(hmax_require name debian needed_for)
+  find_package(${name} ${ARGN} QUIET)
+  if(NOT ${name}_FOUND)
+    message(FATAL_ERROR "hmax needs ${name} for ${needed_for}: run scripts/setup, or install the Debian package ${debian}${HMAX_WAY_OUT}.")
+  endif()
+  list(APPEND HMAX_LIBRARIES "${name}|${${name}_VERSION}|${needed_for}|${debian}")
+endmacro()
+
+# hmax_optional(NAME FOUND VERSION DEBIAN NEEDED_FOR)
+macro(hmax_optional name found version debian needed_for)
+  if(${found})
+    list(APPEND HMAX_OPTIONAL_PARTS "${name}|${version}|${needed_for}|${debian}")
+  else()
+    list(APPEND HMAX_OPTIONAL_PARTS "${name}||${needed_for}|${debian}")
+    message(STATUS "hmax: without ${name} (Debian package ${debian}), so without ${needed_for}")
+  endif()
+endmacro()
+
+set(HMAX_LIBRARIES "")
+hmax_require(Eigen3 libeigen3-dev "vectors and matrices" 3.4 NO_MODULE)
+hmax_require(fmt libfmt-dev "text output")
+hmax_require(nlohmann_json nlohmann-json3-dev "JSON output")
+hmax_require(tomlplusplus libtomlplusplus-dev "configuration files")
+hmax_require(SQLite3 libsqlite3-dev "the result store")
+hmax_require(muparser libmuparser-dev "problems given as formulas")
+hmax_require(CLI11 libcli11-dev "the command line")
+if(HMAX_BUILD_TESTS)
+  set(HMAX_WAY_OUT ", or configure with -DHMAX_BUILD_TESTS=OFF")
+  hmax_require(GTest libgtest-dev "the test suite")
+endif()
+if(HMAX_BUILD_MICRO)
+  set(HMAX_WAY_OUT ", or configure with -DHMAX_BUILD_MICRO=OFF")
+  hmax_require(benchmark libbenchmark-dev "the micro-benchmarks")
+endif()
+
+set(HMAX_OPTIONAL_PARTS "")
+find_package(Boost 1.74 QUIET)
+set(HMAX_HAVE_BOOST ${Boost_FOUND})
+hmax_optional(Boost HMAX_HAVE_BOOST "${Boost_VERSION_STRING}" libboost-dev "Boost.Odeint as a peer and as a reference engine")
+
+find_package(SUNDIALS QUIET COMPONENTS arkode cvode nvecserial)
+set(HMAX_HAVE_SUNDIALS ${SUNDIALS_FOUND})
+hmax_optional(SUNDIALS HMAX_HAVE_SUNDIALS "${SUNDIALS_VERSION}" libsundials-dev "the foreign engines CVODE and ARKODE")
+
+find_program(HMAX_GNUPLOT gnuplot)
+if(HMAX_GNUPLOT)
+  execute_process(COMMAND "${HMAX_GNUPLOT}" --version OUTPUT_VARIABLE HMAX_GNUPLOT_VERSION OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  string(REGEX REPLACE "^gnuplot ([0-9.]+) patchlevel ([0-9]+).*" "\\1.\\2" HMAX_GNUPLOT_VERSION "${HMAX_GNUPLOT_VERSION}")
+endif()
+hmax_optional(gnuplot HMAX_GNUPLOT "${HMAX_GNUPLOT_VERSION}" gnuplot-nox "figures")

@@ -1,19 +1,25 @@
-# hmax_folder(NAME LINKS target... [PRIVATE target...]): the library hmax::NAME made of the sources of this folder.
-# LINKS are what the headers of the folder include, PRIVATE what only its sources include.
+# hmax_folder(NAME [LINKS target...] [PRIVATE target...] [SOURCES generated_file...]):
+# the library hmax::NAME made of the sources of this folder.
+# LINKS are what the headers of the folder include, PRIVATE what only its sources include. Headers are a file set with
+# the project as base, so that "NAME/file.hpp" is found in the build tree and under include/hmax once installed.
 function(hmax_folder name)
-  cmake_parse_arguments(FOLDER "" "" "LINKS;PRIVATE" ${ARGN})
+  cmake_parse_arguments(FOLDER "" "" "LINKS;PRIVATE;SOURCES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+  list(APPEND sources ${FOLDER_SOURCES})
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.hpp")
+  list(FILTER headers EXCLUDE REGEX "/bench/(micro|peers)/")   # programs, not part of the library
   set(target hmax_${name})
   if(sources)
     add_library(${target} STATIC ${sources})
-    target_link_libraries(${target} PUBLIC ${FOLDER_LINKS} hmax_flags PRIVATE ${FOLDER_PRIVATE} $<BUILD_INTERFACE:hmax_warnings>)
-    target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hmax>)
-    target_compile_features(${target} PUBLIC cxx_std_20)
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE ${FOLDER_PRIVATE} $<BUILD_INTERFACE:hmax_warnings>)
   else()
     add_library(${target} INTERFACE)
-    target_link_libraries(${target} INTERFACE ${FOLDER_LINKS} hmax_flags)
-    target_include_directories(${target} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hmax>)
-    target_compile_features(${target} INTERFACE cxx_std_20)
+    set(scope INTERFACE)
   endif()
+  target_link_libraries(${target} ${scope} ${FOLDER_LINKS} hmax_flags)
+  target_compile_features(${target} ${scope} cxx_std_20)
+  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}" FILES ${headers})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   add_library(hmax::${name} ALIAS ${target})
 endfunction()

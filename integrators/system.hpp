@@ -1,6 +1,10 @@
 /// Concepts of what is integrated. A method knows a system by these verbs and no problem by name.
 #pragma once
 
+#ifdef __FAST_MATH__
+#error "hmax must not be compiled with -ffast-math: it makes isnan false, and divergence would pass unseen."
+#endif
+
 #include <Eigen/Core>
 #include <concepts>
 

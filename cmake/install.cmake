@@ -1,0 +1,18 @@
+# install: the program, one library and one header folder per folder of the house, and what find_package(hmax) reads.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/hmax")
+set_target_properties(hmax_flags PROPERTIES EXPORT_NAME flags)
+install(TARGETS hmax_flags hmax_integrators hmax_problems hmax_results hmax_analysis hmax_bench hmax_plots
+        EXPORT hmax_targets
+        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+        FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
+install(TARGETS hmax RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+install(EXPORT hmax_targets NAMESPACE hmax:: FILE hmaxTargets.cmake DESTINATION "${package_dir}")
+
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/hmaxConfig.cmake.in" "${PROJECT_BINARY_DIR}/hmaxConfig.cmake"
+                              INSTALL_DESTINATION "${package_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/hmaxConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/hmaxConfig.cmake" "${PROJECT_BINARY_DIR}/hmaxConfigVersion.cmake"
+        DESTINATION "${package_dir}")
