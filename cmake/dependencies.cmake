@@ -16,7 +16,7 @@ macro(hmax_optional name found version debian needed_for)
     list(APPEND HMAX_OPTIONAL_PARTS "${name}|${version}|${needed_for}|${debian}")
   else()
     list(APPEND HMAX_OPTIONAL_PARTS "${name}||${needed_for}|${debian}")
-    message(STATUS "hmax: without ${name} (Debian package ${debian}), so without ${needed_for}")
+    message(NOTICE "hmax: without ${name} (Debian package ${debian}), so without ${needed_for}")
   endif()
 endmacro()
 
