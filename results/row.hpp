@@ -14,12 +14,12 @@ struct RowKey {
   std::string parameters;  ///< all parameters, "m=1.45 c=2 ...", shortest digits that read back equal
   std::string y0;          ///< initial state, "0.5,1"
   std::string method;      ///< method id
-  std::string mode;        ///< fixed: integrate with h; sampled: adaptive inside, output every h; adaptive: rtol only
-  std::string control;     ///< none | i | pi | deadband | matlab
-  double h = 0;            ///< step or output interval [s]; 0 in mode adaptive
-  double rtol = 0;         ///< relative tolerance; 0 in mode fixed
-  double atol = 0;         ///< absolute tolerance; 0 in mode fixed
-  double t_end = 0;        ///< end time asked for [s]
+  std::string mode;     ///< fixed: steps of h; sampled: adaptive inside, output every h; adaptive: rtol only
+  std::string control;  ///< none | i | pi | deadband | matlab
+  double h = 0;         ///< step or output interval [s]; 0 in mode adaptive
+  double rtol = 0;      ///< relative tolerance; 0 in mode fixed
+  double atol = 0;      ///< absolute tolerance; 0 in mode fixed
+  double t_end = 0;     ///< end time asked for [s]
 
   bool operator==(const RowKey&) const = default;
 };
@@ -27,19 +27,20 @@ struct RowKey {
 /// A measurement. Numbers that could not be obtained are NaN; `status` then says why.
 struct Row {
   RowKey key;
-  std::string outcome;            ///< reached_end, diverged, step_too_small, too_many_steps, ...
-  double t_reached = 0;           ///< time of the last accepted point, or of divergence [s]
-  std::int64_t steps = 0;         ///< accepted steps
-  std::int64_t rejected = 0;      ///< rejected attempts
-  std::int64_t rhs = 0;           ///< evaluations of f
-  std::vector<double> cpu_s;      ///< CPU time of one run, one entry per repetition, in the order measured [s]
-  std::int64_t runs_per_sample = 1;  ///< runs timed together in one repetition, so that the clock is long enough
-  double error_end = 0;           ///< max norm of the error at t_end
-  double error_global = 0;        ///< largest max-norm error over all output points
-  double reference_error = 0;     ///< bound on the error of the reference itself
-  std::string reference;          ///< what the errors were measured against
-  std::int64_t subnormals = 0;    ///< state components that were subnormal at some accepted step
-  std::string status;             ///< empty when every number is there; otherwise one sentence
+  std::string outcome;        ///< reached_end, diverged, step_too_small, too_many_steps, ...
+  double t_reached = 0;       ///< time of the last accepted point, or of divergence [s]
+  std::int64_t steps = 0;     ///< accepted steps
+  std::int64_t rejected = 0;  ///< rejected attempts
+  std::int64_t rhs = 0;       ///< evaluations of f
+  std::vector<double> cpu_s;  ///< CPU time of one run, one entry per repetition, in the order measured [s]
+  std::int64_t runs_per_sample = 1;  ///< runs timed together in one repetition
+  double error_end = 0;              ///< max norm of the error at t_end
+  double error_global = 0;           ///< largest max-norm error over all output points
+  double reference_error = 0;        ///< bound on the error of the reference itself
+  std::string reference;             ///< what the errors were measured against
+  std::int64_t subnormals = 0;       ///< state components that were subnormal at some accepted step
+  std::string status;                ///< empty when every number is there; otherwise one sentence
+  std::int64_t session = 0;          ///< session that measured it; set by the store, 0 before
 };
 
 /// Order statistics of the CPU samples of one row [s].
@@ -47,7 +48,8 @@ struct TimingSummary {
   double median, q1, q3, p99;
 };
 
-/// Quantiles by linear interpolation between order statistics (type 7 of [hyndman1996sample]); NaN when empty.
+/// Quantiles by linear interpolation between order statistics (type 7 of [hyndman1996sample]); NaN when there
+/// is no sample or one is NaN.
 TimingSummary summarise(std::vector<double> samples);
 
 }  // namespace hmax

@@ -1,0 +1,18 @@
+/// Numbers as text and back, independent of the locale.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace hmax {
+
+/// The shortest digits that read back as the same double; "nan", "inf", "-inf" for the others, "-0" for minus
+/// zero.
+std::string to_text(double value);
+
+/// The number that fills `text`, apart from blanks around it; Fortran exponents (1.0D+3) and a leading plus
+/// are understood. Empty when there is anything else, also for digits beyond the range of double.
+std::optional<double> to_number(std::string_view text);
+
+}  // namespace hmax

@@ -1,0 +1,118 @@
+/// A thin owner of an SQLite connection and its statements; private to store.cpp, which alone knows
+/// sqlite3.h.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include <sqlite3.h>
+
+namespace hmax::sqlite {
+
+/// A result code that SQLite gave, with its own words.
+struct Failure : std::runtime_error {
+  Failure(int code_, int system_error_, const std::string& words)
+      : std::runtime_error(words), code(code_), system_error(system_error_) {}
+  int code;          ///< extended result code
+  int system_error;  ///< errno behind it, 0 when there is none
+};
+
+struct Close {
+  void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+};
+using Database = std::unique_ptr<sqlite3, Close>;
+
+inline void check(sqlite3* database, int code) {
+  if (code != SQLITE_OK) {
+    throw Failure(sqlite3_extended_errcode(database), sqlite3_system_errno(database),
+                  sqlite3_errmsg(database));
+  }
+}
+
+inline void execute(sqlite3* database, const char* sql) {
+  check(database, sqlite3_exec(database, sql, nullptr, nullptr, nullptr));
+}
+
+/// A prepared statement; parameters and columns count from 0.
+class Statement {
+ public:
+  Statement(sqlite3* database, const char* sql) : database_(database) {
+    sqlite3_stmt* raw = nullptr;
+    check(database, sqlite3_prepare_v2(database, sql, -1, &raw, nullptr));
+    statement_.reset(raw);
+  }
+
+  void bind(int index, std::int64_t value) {
+    check(database_, sqlite3_bind_int64(statement_.get(), index + 1, value));
+  }
+  void bind(int index, double value) {
+    check(database_, sqlite3_bind_double(statement_.get(), index + 1, value));
+  }
+  void bind(int index, std::string_view text) {
+    // A null pointer would bind NULL: an empty view may carry one.
+    const char* data = text.empty() ? "" : text.data();
+    check(database_,
+          sqlite3_bind_text64(statement_.get(), index + 1, data, text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+  }
+
+  /// @returns true while there is a row to read
+  bool step() {
+    const int code = sqlite3_step(statement_.get());
+    if (code == SQLITE_ROW) return true;
+    if (code == SQLITE_DONE) return false;
+    const Failure failure(sqlite3_extended_errcode(database_), sqlite3_system_errno(database_),
+                          sqlite3_errmsg(database_));
+    sqlite3_reset(statement_.get());
+    throw failure;
+  }
+  void run() {
+    while (step()) {
+    }
+    reset();
+  }
+  void reset() { sqlite3_reset(statement_.get()); }
+
+  int type(int column) const { return sqlite3_column_type(statement_.get(), column); }
+  std::int64_t integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
+  double number(int column) const { return sqlite3_column_double(statement_.get(), column); }
+  std::string text(int column) const {
+    const auto* data = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
+    return data ? std::string(data, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column)))
+                : std::string();
+  }
+
+ private:
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+  };
+  sqlite3* database_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+};
+
+inline std::int64_t integer(sqlite3* database, const char* sql) {
+  Statement query(database, sql);
+  return query.step() ? query.integer(0) : 0;
+}
+
+/// BEGIN IMMEDIATE ... commit(); rolled back when it ends without.
+class Transaction {
+ public:
+  explicit Transaction(sqlite3* database) : database_(database) { execute(database, "BEGIN IMMEDIATE"); }
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
+  ~Transaction() {
+    if (database_) sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+  void commit() {
+    execute(database_, "COMMIT");
+    database_ = nullptr;
+  }
+
+ private:
+  sqlite3* database_;
+};
+
+}  // namespace hmax::sqlite

@@ -1,0 +1,439 @@
+#include "results/store.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+#include "results/schema.hpp"
+#include "results/sqlite.hpp"
+
+namespace hmax {
+
+namespace {
+
+namespace fs = std::filesystem;
+using sqlite::Database;
+using sqlite::Statement;
+
+/// How long a call waits for another process before it gives up [ms].
+constexpr int patience_ms = 2000;
+
+/// What SQLite could not do, as a sentence with a remedy.
+InputError translated(const sqlite::Failure& failure, const fs::path& file) {
+  const std::string path = file.string();
+  const std::string cause =
+      failure.system_error != 0 ? std::strerror(failure.system_error) : std::string(failure.what());
+  switch (failure.code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return InputError(
+          fmt::format("The store '{}' is locked by another process: wait until it ends, or stop it.", path));
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+      return InputError(fmt::format(
+          "The store '{}' is read-only: make the file and its folder writable, or choose another file.",
+          path));
+    case SQLITE_NOTADB:
+      return InputError(fmt::format(
+          "'{}' is not a store of hmax but some other file, left untouched: choose another file.", path));
+    case SQLITE_CORRUPT:
+      return InputError(
+          fmt::format("The store '{0}' is damaged ({1}): restore a copy, or save what is readable with "
+                      "`sqlite3 '{0}' .recover`.",
+                      path, failure.what()));
+    case SQLITE_FULL:
+    case SQLITE_IOERR:
+      return InputError(
+          fmt::format("Cannot write to the store '{}' ({}): free some space or choose another disk; every "
+                      "row stored before is kept.",
+                      path, cause));
+    default:
+      return InputError(
+          fmt::format("Cannot use the store '{}' ({}): make the file and its folder readable and writable, "
+                      "or choose another file.",
+                      path, cause));
+  }
+}
+
+/// Runs `action` and turns what SQLite throws into an InputError about `file`.
+template <class Action>
+decltype(auto) reporting(const fs::path& file, Action&& action) {
+  try {
+    return action();
+  } catch (const sqlite::Failure& failure) {
+    throw translated(failure, file);
+  }
+}
+
+Database connect(const std::string& name, int flags) {
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(name.c_str(), &raw, flags, nullptr);
+  Database database(raw);
+  if (!database) throw sqlite::Failure(code, 0, sqlite3_errstr(code));
+  sqlite3_extended_result_codes(raw, 1);
+  sqlite::check(raw, code);
+  sqlite3_busy_timeout(raw, patience_ms);
+  return database;
+}
+
+/// For a folder in which no log file can be made: reads the file as it is, which is complete when no log is
+/// left.
+Database connect_immutable(const fs::path& absolute) {
+  std::string uri = "file:";
+  for (const char c : absolute.string()) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/';
+    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return connect(uri + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+}
+
+struct Identity {
+  std::int64_t application, version, tables;
+};
+
+/// Needs a transaction around it: between two of its questions another process may lay out the file.
+Identity identity(sqlite3* database) {
+  return {.application = sqlite::integer(database, "PRAGMA application_id"),
+          .version = sqlite::integer(database, "PRAGMA user_version"),
+          .tables = sqlite::integer(database, "SELECT count(*) FROM sqlite_master")};
+}
+
+bool is_empty(const Identity& id) { return id.application == 0 && id.version == 0 && id.tables == 0; }
+
+/// Lays out an empty file; another process may do the same at the same time.
+void lay_out(sqlite3* database) {
+  sqlite::execute(database, "PRAGMA journal_mode = WAL");
+  sqlite::Transaction transaction(database);
+  if (!is_empty(identity(database))) return;
+  sqlite::execute(database, store_schema);
+  sqlite::execute(database, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                                        store_application_id, Store::schema_version)
+                                .c_str());
+  transaction.commit();
+}
+
+bool is_special(double value) { return std::isnan(value) || (value == 0 && std::signbit(value)); }
+
+/// See store_schema: numbers that SQLite would change travel as text.
+void bind_exact(Statement& statement, int index, double value) {
+  if (is_special(value)) {
+    statement.bind(index, to_text(value));
+  } else {
+    statement.bind(index, value);
+  }
+}
+
+double exact_number(const Statement& statement, int column) {
+  if (statement.type(column) == SQLITE_TEXT) return to_number(statement.text(column)).value_or(std::nan(""));
+  return statement.number(column);
+}
+
+std::string samples_to_json(const std::vector<double>& samples) {
+  std::string json = "[";
+  for (const double sample : samples) {
+    if (json.size() > 1) json += ',';
+    json += std::isfinite(sample) && !is_special(sample) ? to_text(sample) : '"' + to_text(sample) + '"';
+  }
+  return json + "]";
+}
+
+std::vector<double> samples_from_json(const std::string& text, const fs::path& file) {
+  try {
+    std::vector<double> samples;
+    for (const nlohmann::json& entry : nlohmann::json::parse(text)) {
+      samples.push_back(entry.is_string() ? to_number(entry.get<std::string>()).value_or(std::nan(""))
+                                          : entry.get<double>());
+    }
+    return samples;
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(
+        fmt::format("The store '{}' holds CPU times that cannot be read: restore a copy.", file.string()));
+  }
+}
+
+constexpr int key_columns = 11;
+
+void bind_key(Statement& statement, const RowKey& key) {
+  int index = 0;
+  for (const std::string* text :
+       {&key.problem, &key.material, &key.parameters, &key.y0, &key.method, &key.mode, &key.control}) {
+    statement.bind(index++, *text);
+  }
+  for (const double number : {key.h, key.rtol, key.atol, key.t_end}) {
+    if (!std::isfinite(number)) throw std::invalid_argument("The numbers of a row key must be finite.");
+    statement.bind(index++, number);
+  }
+}
+
+constexpr const char* key_condition =
+    "problem = ? AND material = ? AND parameters = ? AND y0 = ? AND method = ? AND mode = ? AND control = ? "
+    "AND h = ? AND rtol = ? AND atol = ? AND t_end = ?";
+
+constexpr const char* insert_sql =
+    "INSERT INTO rows (problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, "
+    "session, outcome, "
+    "t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, reference_error, "
+    "reference, "
+    "subnormals, status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
+
+constexpr const char* select_sql =
+    "SELECT problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, "
+    "outcome, "
+    "t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, reference_error, "
+    "reference, "
+    "subnormals, status FROM rows ORDER BY problem, material, parameters, y0, mode, method, control, h DESC, "
+    "rtol DESC, "
+    "atol DESC, t_end DESC";
+
+void bind_row(Statement& statement, const Row& row, std::int64_t session) {
+  bind_key(statement, row.key);
+  int index = key_columns;
+  statement.bind(index++, session);
+  statement.bind(index++, row.outcome);
+  bind_exact(statement, index++, row.t_reached);
+  for (const std::int64_t count : {row.steps, row.rejected, row.rhs}) statement.bind(index++, count);
+  statement.bind(index++, samples_to_json(row.cpu_s));
+  statement.bind(index++, row.runs_per_sample);
+  for (const double error : {row.error_end, row.error_global, row.reference_error})
+    bind_exact(statement, index++, error);
+  statement.bind(index++, row.reference);
+  statement.bind(index++, row.subnormals);
+  statement.bind(index++, row.status);
+}
+
+Row read_row(const Statement& query, const fs::path& file) {
+  Row row;
+  int column = 0;
+  for (std::string* text : {&row.key.problem, &row.key.material, &row.key.parameters, &row.key.y0,
+                            &row.key.method, &row.key.mode, &row.key.control}) {
+    *text = query.text(column++);
+  }
+  for (double* number : {&row.key.h, &row.key.rtol, &row.key.atol, &row.key.t_end})
+    *number = query.number(column++);
+  row.session = query.integer(column++);
+  row.outcome = query.text(column++);
+  row.t_reached = exact_number(query, column++);
+  for (std::int64_t* count : {&row.steps, &row.rejected, &row.rhs}) *count = query.integer(column++);
+  row.cpu_s = samples_from_json(query.text(column++), file);
+  row.runs_per_sample = query.integer(column++);
+  for (double* error : {&row.error_end, &row.error_global, &row.reference_error})
+    *error = exact_number(query, column++);
+  row.reference = query.text(column++);
+  row.subnormals = query.integer(column++);
+  row.status = query.text(column++);
+  return row;
+}
+
+std::string describe(const RowKey& key) {
+  return fmt::format("{} {} {} {} h={} rtol={}", key.problem, key.material, key.method, key.mode,
+                     to_text(key.h), to_text(key.rtol));
+}
+
+}  // namespace
+
+struct Store::Impl {
+  fs::path file;
+  Database database;
+  std::int64_t session = 0;                         ///< 0 before begin_session()
+  std::int64_t watermark = 0;                       ///< id of the newest row when the session began
+  mutable std::unique_ptr<Statement> insert, find;  ///< prepared once; gone before the database closes
+
+  Impl(fs::path file_, Database database_) : file(std::move(file_)), database(std::move(database_)) {}
+  sqlite3* db() const { return database.get(); }
+
+  /// Id of the row with this key, 0 when there is none.
+  std::int64_t id_of(const RowKey& key) const {
+    if (!find)
+      find = std::make_unique<Statement>(db(),
+                                         fmt::format("SELECT id FROM rows WHERE {}", key_condition).c_str());
+    bind_key(*find, key);
+    const std::int64_t id = find->step() ? find->integer(0) : 0;
+    find->reset();
+    return id;
+  }
+
+  static std::unique_ptr<Impl> open(const fs::path& file, bool create);
+};
+
+std::unique_ptr<Store::Impl> Store::Impl::open(const fs::path& file, bool create) {
+  const std::string path = file.string();
+  std::error_code error;
+  const fs::path absolute = fs::absolute(file, error);
+  const fs::file_status status = fs::status(absolute, error);
+  if (fs::is_directory(status)) {
+    throw InputError(fmt::format("'{}' is a folder, not a store: name a file inside it.", path));
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw InputError(fmt::format("'{}' is not a regular file: name another file for the store.", path));
+  }
+  if (!fs::exists(status)) {
+    if (!create)
+      throw InputError(
+          fmt::format("There is no store '{}': check the path, or make it with `hmax sweep`.", path));
+    fs::create_directories(absolute.parent_path(), error);
+    if (error) {
+      throw InputError(
+          fmt::format("Cannot make the folder of the store '{}' ({}): choose a folder that can be written.",
+                      path, error.message()));
+    }
+  }
+
+  return reporting(file, [&] {
+    const auto identify = [](const Database& opened) {
+      sqlite::execute(opened.get(), "BEGIN");
+      const Identity found = identity(opened.get());
+      sqlite::execute(opened.get(), "COMMIT");
+      return found;
+    };
+    Database database = connect(absolute.string(), SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0));
+    Identity id{};
+    try {
+      id = identify(database);
+    } catch (const sqlite::Failure& failure) {
+      const int code = failure.code & 0xff;
+      fs::path log = absolute;
+      log += "-wal";
+      const bool log_left = fs::exists(log, error) && fs::file_size(log, error) > 0;
+      if (create || log_left || (code != SQLITE_CANTOPEN && code != SQLITE_READONLY)) throw;
+      database = connect_immutable(absolute);
+      id = identify(database);
+    }
+    if (create && sqlite3_db_readonly(database.get(), "main") == 1) {
+      throw sqlite::Failure(SQLITE_READONLY, 0, "read-only");
+    }
+    if (create && is_empty(id)) {
+      lay_out(database.get());
+      id = identify(database);
+    }
+    if (is_empty(id)) {
+      throw InputError(fmt::format("'{}' is empty, not a store: make one with `hmax sweep`.", path));
+    }
+    if (id.application != store_application_id) {
+      throw InputError(fmt::format(
+          "'{}' is an SQLite file but not a store of hmax, left untouched: choose another file.", path));
+    }
+    if (id.version != schema_version) {
+      throw InputError(
+          fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
+                      "choose another file, or "
+                      "export it with the hmax that made it.",
+                      path, id.version, schema_version));
+    }
+    sqlite::execute(database.get(), "PRAGMA synchronous = NORMAL");
+    return std::make_unique<Impl>(file, std::move(database));
+  });
+}
+
+Store::Store(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Store::Store(Store&&) noexcept = default;
+Store& Store::operator=(Store&&) noexcept = default;
+Store::~Store() = default;
+
+Store Store::open_or_create(const fs::path& file) { return Store(Impl::open(file, true)); }
+Store Store::open_existing(const fs::path& file) { return Store(Impl::open(file, false)); }
+
+std::int64_t Store::begin_session(const Fingerprint& fingerprint) {
+  return reporting(impl_->file, [&] {
+    sqlite::Transaction transaction(impl_->db());
+    Statement add(
+        impl_->db(),
+        "INSERT INTO sessions (started, fingerprint) VALUES (strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?)");
+    add.bind(0, to_json(fingerprint));
+    add.run();
+    const std::int64_t session = sqlite3_last_insert_rowid(impl_->db());
+    const std::int64_t watermark = sqlite::integer(impl_->db(), "SELECT coalesce(max(id), 0) FROM rows");
+    transaction.commit();
+    impl_->session = session;
+    impl_->watermark = watermark;
+    return session;
+  });
+}
+
+void Store::insert(std::span<const Row> rows) {
+  if (impl_->session == 0) throw std::logic_error("Store::insert needs begin_session() first.");
+  // Rows of this span or session are the caller's mistake; a row that another process added meanwhile is not.
+  const auto refuse = [&](const RowKey& key, std::int64_t existing) {
+    Statement owner(impl_->db(), "SELECT session FROM rows WHERE id = ?");
+    owner.bind(0, existing);
+    const bool foreign = owner.step() && owner.integer(0) != impl_->session;
+    if (foreign && existing > impl_->watermark) {
+      throw InputError(fmt::format(
+          "Another process stored the row '{}' in '{}' at the same time: wait until it ends, then resume.",
+          describe(key), impl_->file.string()));
+    }
+    throw std::logic_error(
+        fmt::format("The row '{}' is in the store '{}' already.", describe(key), impl_->file.string()));
+  };
+  reporting(impl_->file, [&] {
+    sqlite::Transaction transaction(impl_->db());
+    if (!impl_->insert) impl_->insert = std::make_unique<Statement>(impl_->db(), insert_sql);
+    for (const Row& row : rows) {
+      if (const std::int64_t existing = impl_->id_of(row.key)) refuse(row.key, existing);
+      bind_row(*impl_->insert, row, impl_->session);
+      impl_->insert->run();
+    }
+    transaction.commit();
+  });
+}
+
+void Store::insert(const Row& row) { insert(std::span<const Row>(&row, 1)); }
+
+bool Store::contains(const RowKey& key) const {
+  return reporting(impl_->file, [&] { return impl_->id_of(key) != 0; });
+}
+
+std::int64_t Store::size() const {
+  return reporting(impl_->file, [&] { return sqlite::integer(impl_->db(), "SELECT count(*) FROM rows"); });
+}
+
+std::vector<Row> Store::rows() const {
+  return reporting(impl_->file, [&] {
+    std::vector<Row> rows;
+    Statement query(impl_->db(), select_sql);
+    while (query.step()) rows.push_back(read_row(query, impl_->file));
+    return rows;
+  });
+}
+
+std::vector<Session> Store::sessions() const {
+  return reporting(impl_->file, [&] {
+    std::vector<Session> sessions;
+    Statement query(impl_->db(), "SELECT id, started, fingerprint FROM sessions ORDER BY id");
+    while (query.step()) {
+      sessions.push_back({query.integer(0), query.text(1), fingerprint_from_json(query.text(2))});
+    }
+    return sessions;
+  });
+}
+
+void Store::note(std::string_view key, std::string_view value) {
+  reporting(impl_->file, [&] {
+    Statement set(impl_->db(),
+                  "INSERT INTO notes (key, value) VALUES (?, ?) "
+                  "ON CONFLICT (key) DO UPDATE SET value = excluded.value");
+    set.bind(0, key);
+    set.bind(1, value);
+    set.run();
+  });
+}
+
+std::map<std::string, std::string> Store::notes() const {
+  return reporting(impl_->file, [&] {
+    std::map<std::string, std::string> notes;
+    Statement query(impl_->db(), "SELECT key, value FROM notes");
+    while (query.step()) notes.emplace(query.text(0), query.text(1));
+    return notes;
+  });
+}
+
+const fs::path& Store::file() const { return impl_->file; }
+
+}  // namespace hmax

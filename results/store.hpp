@@ -1,0 +1,87 @@
+/// Where measured rows are kept: one SQLite file that survives a kill at any moment.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "results/fingerprint.hpp"
+#include "results/row.hpp"
+
+namespace hmax {
+
+/// One program run that added rows to a store.
+struct Session {
+  std::int64_t id = 0;
+  std::string started;  ///< UTC, "2024-05-06T07:08:09Z"
+  Fingerprint fingerprint;
+};
+
+/// A set of rows with unique keys, the sessions that measured them, and notes about the whole.
+///
+/// Rows are committed before insert() returns (write-ahead log, synchronous NORMAL): SIGKILL loses nothing
+/// that was inserted and leaves nothing half done; a power cut may lose the last rows, never the store.
+/// Several processes may read and write one store at the same time.
+///
+/// Every function throws InputError, one sentence with the path and the remedy, when the file cannot be used:
+/// a folder that cannot be written, a full disk, a read-only or locked file, something that is no store,
+/// another schema.
+class Store {
+ public:
+  /// The number of the table layout in results/schema.hpp; a file with another number is refused and left
+  /// untouched.
+  static constexpr int schema_version = 1;
+
+  /// Opens for reading and writing; a missing file, and its folder, are created.
+  static Store open_or_create(const std::filesystem::path& file);
+
+  /// Opens a store that must exist. Reading works on read-only files and folders, writing then throws.
+  static Store open_existing(const std::filesystem::path& file);
+
+  Store(Store&&) noexcept;
+  Store& operator=(Store&&) noexcept;
+  ~Store();
+
+  /// Rows inserted from now on belong to this session.
+  /// @returns its id, larger than those of all sessions before
+  std::int64_t begin_session(const Fingerprint& fingerprint);
+
+  /// All of `rows` or, when this throws, none of them; Row::session is not read, the session begun last is
+  /// stored.
+  /// @throws std::logic_error       without begin_session(), or when a key is there already: ask contains()
+  /// first
+  /// @throws std::invalid_argument  when a number of a key is not finite
+  /// @throws InputError             also when another process stored the same key since begin_session()
+  void insert(std::span<const Row> rows);
+  void insert(const Row& row);
+
+  bool contains(const RowKey& key) const;
+
+  /// Number of rows.
+  std::int64_t size() const;
+
+  /// Every row, bit for bit as inserted, in an order that does not depend on the order of insertion: by
+  /// problem, material, parameters, y0, mode, method, control, then h, rtol, atol, t_end from large to small.
+  std::vector<Row> rows() const;
+
+  /// Sessions by id.
+  std::vector<Session> sessions() const;
+
+  /// Sets or replaces a remark about the store as a whole, such as the sweep it was made by.
+  void note(std::string_view key, std::string_view value);
+  std::map<std::string, std::string> notes() const;
+
+  const std::filesystem::path& file() const;
+
+ private:
+  struct Impl;
+  explicit Store(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hmax

@@ -1,0 +1,232 @@
+#include "results/store.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "results/errors.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+Row row(const std::string& method, double h) {
+  Row r;
+  r.key = {.problem = "liver_forced",
+           .material = "",
+           .parameters = "m=1.45 c=2",
+           .y0 = "0.5,1",
+           .method = method,
+           .mode = "fixed",
+           .control = "none",
+           .h = h,
+           .rtol = 0,
+           .atol = 0,
+           .t_end = 100};
+  r.outcome = "reached_end";
+  r.t_reached = 100;
+  r.steps = 1000;
+  r.rhs = 4000;
+  r.cpu_s = {1e-4, 2e-4, 1.5e-4};
+  r.error_end = 1e-6;
+  r.error_global = 2e-6;
+  r.reference_error = 1e-14;
+  r.reference = "dop_853 at 1e-14";
+  return r;
+}
+
+/// Equality of bits, except that every NaN is one NaN.
+void expect_same_number(double a, double b) {
+  if (std::isnan(a) || std::isnan(b)) {
+    EXPECT_TRUE(std::isnan(a) && std::isnan(b)) << a << " " << b;
+  } else {
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)) << a << " " << b;
+  }
+}
+
+void expect_same_row(const Row& a, const Row& b) {
+  EXPECT_EQ(a.key, b.key);
+  EXPECT_EQ(a.outcome, b.outcome);
+  expect_same_number(a.t_reached, b.t_reached);
+  EXPECT_EQ(a.steps, b.steps);
+  EXPECT_EQ(a.rejected, b.rejected);
+  EXPECT_EQ(a.rhs, b.rhs);
+  ASSERT_EQ(a.cpu_s.size(), b.cpu_s.size());
+  for (std::size_t i = 0; i < a.cpu_s.size(); ++i) expect_same_number(a.cpu_s[i], b.cpu_s[i]);
+  EXPECT_EQ(a.runs_per_sample, b.runs_per_sample);
+  expect_same_number(a.error_end, b.error_end);
+  expect_same_number(a.error_global, b.error_global);
+  expect_same_number(a.reference_error, b.reference_error);
+  EXPECT_EQ(a.reference, b.reference);
+  EXPECT_EQ(a.subnormals, b.subnormals);
+  EXPECT_EQ(a.status, b.status);
+}
+
+template <class Action>
+std::string input_error(Action&& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Store, EveryFieldComesBackBitForBit) {
+  Scratch scratch;
+  Row first = row("rk4", 0.1);
+  first.key.material = "male_fat:heavy";
+  first.key.parameters = std::string("a=1 \0 b='\"; DROP TABLE rows; -- \xc3\xa4", 39);
+  first.key.rtol = 0.1 + 0.2;
+  first.key.atol = std::numeric_limits<double>::denorm_min();
+  first.outcome = "diverged";
+  first.t_reached = nan;
+  first.steps = std::numeric_limits<std::int64_t>::max();
+  first.rejected = 7;
+  first.rhs = (std::int64_t{1} << 53) + 1;
+  first.cpu_s = {0.1,    -0.0,    0.0,   nan, inf, -inf, std::numeric_limits<double>::denorm_min(),
+                 1e-308, 1.0 / 3, 1e300, 2};
+  first.runs_per_sample = 12345;
+  first.error_end = -0.0;
+  first.error_global = inf;
+  first.reference_error = 3 * std::numeric_limits<double>::denorm_min();
+  first.reference = "exact";
+  first.subnormals = 42;
+  first.status = "It diverged at t = 3.";
+  Row second = row("rk4", 0.2);
+  second.error_end = -inf;
+  second.cpu_s = {};
+  {
+    Store store = Store::open_or_create(scratch / "a.sqlite");
+    EXPECT_EQ(store.begin_session({}), 1);
+    store.insert(first);
+    store.insert(second);
+  }
+  const Store store = Store::open_existing(scratch / "a.sqlite");
+  const std::vector<Row> rows = store.rows();
+  ASSERT_EQ(rows.size(), 2u);
+  const bool swapped = rows[0].key.h == 0.2;
+  expect_same_row(rows[swapped ? 1 : 0], first);
+  expect_same_row(rows[swapped ? 0 : 1], second);
+  EXPECT_EQ(rows[0].session, 1);
+  EXPECT_TRUE(store.contains(first.key));
+  EXPECT_FALSE(store.contains(row("rk4", 0.1).key));
+}
+
+TEST(Store, OrderOfRowsDoesNotDependOnOrderOfInsertion) {
+  Scratch scratch;
+  std::vector<Row> rows;
+  for (const char* method : {"explicit_euler", "rk4", "dormand_prince_54"}) {
+    for (const double h : {2.0, 0.6, 0.05, 0.00005}) rows.push_back(row(method, h));
+  }
+  std::mt19937 random(1);
+  std::vector<RowKey> order;
+  for (int trial = 0; trial < 5; ++trial) {
+    std::shuffle(rows.begin(), rows.end(), random);
+    Store store = Store::open_or_create(scratch / std::to_string(trial));
+    store.begin_session({});
+    for (const Row& r : rows) store.insert(r);
+    std::vector<RowKey> keys;
+    for (const Row& r : store.rows()) keys.push_back(r.key);
+    if (trial == 0) order = keys;
+    EXPECT_EQ(keys, order);
+  }
+  EXPECT_EQ(order.front().method, "dormand_prince_54");
+  EXPECT_EQ(order[0].h, 2.0);
+  EXPECT_EQ(order[3].h, 0.00005);
+}
+
+TEST(Store, AKeyIsStoredOnceAndASpanWithADoubleIsStoredNotAtAll) {
+  Scratch scratch;
+  Store store = Store::open_or_create(scratch / "a");
+  EXPECT_THROW(store.insert(row("rk4", 1)), std::logic_error);  // no session
+  store.begin_session({});
+  store.insert(row("rk4", 1));
+  EXPECT_THROW(store.insert(row("rk4", 1)), std::logic_error);
+  EXPECT_THROW(store.insert(std::vector{row("rk4", 3), row("rk4", 4), row("rk4", 3)}), std::logic_error);
+  EXPECT_EQ(store.size(), 1);
+  Row minus = row("rk4", 1);
+  minus.key.rtol = -0.0;
+  EXPECT_TRUE(store.contains(minus.key));
+  minus.key.rtol = nan;
+  EXPECT_THROW(store.insert(minus), std::invalid_argument);
+  store.insert(std::vector{row("rk4", 3), row("rk4", 4)});
+  EXPECT_EQ(store.size(), 3);
+}
+
+TEST(Store, ARowNamesTheSessionThatMeasuredIt) {
+  Scratch scratch;
+  Fingerprint one, two;
+  one.cpu = "one";
+  two.cpu = "two";
+  two.libraries["sqlite"] = "3";
+  two.debug_build = true;
+  {
+    Store store = Store::open_or_create(scratch / "a");
+    store.begin_session(one);
+    store.insert(row("rk4", 1));
+  }
+  Store store = Store::open_or_create(scratch / "a");
+  store.begin_session(two);
+  store.insert(row("rk4", 0.5));
+  const auto sessions = store.sessions();
+  ASSERT_EQ(sessions.size(), 2u);
+  EXPECT_EQ(sessions[0].fingerprint, one);
+  EXPECT_EQ(sessions[1].fingerprint, two);
+  EXPECT_EQ(sessions[1].started.size(), std::string("2024-05-06T07:08:09Z").size());
+  EXPECT_EQ(store.rows()[0].session, 1);
+  EXPECT_EQ(store.rows()[1].session, 2);
+}
+
+TEST(Store, NotesAreReplacedAndKept) {
+  Scratch scratch;
+  {
+    Store store = Store::open_or_create(scratch / "a");
+    store.note("sweep", "h = [2]");
+    store.note("sweep", "h = [2, 0.6]");
+    store.note("empty", "");
+  }
+  const auto notes = Store::open_existing(scratch / "a").notes();
+  EXPECT_EQ(notes, (std::map<std::string, std::string>{{"empty", ""}, {"sweep", "h = [2, 0.6]"}}));
+}
+
+TEST(Store, MakesItsFolder) {
+  Scratch scratch;
+  Store::open_or_create(scratch / "results/runs/default.sqlite");
+  EXPECT_TRUE(std::filesystem::exists(scratch / "results/runs/default.sqlite"));
+}
+
+TEST(Store, RefusesWhatIsNoStoreAndLeavesItUntouched) {
+  Scratch scratch;
+  for (const std::string& content :
+       {std::string("h,error\n1,2\n"), std::string(5000, 'x'), std::string("SQLite format 3\0garbage", 23)}) {
+    write_text(scratch / "notes.csv", content);
+    for (const bool create : {true, false}) {
+      const std::string words = input_error([&] {
+        create ? Store::open_or_create(scratch / "notes.csv") : Store::open_existing(scratch / "notes.csv");
+      });
+      EXPECT_NE(words.find((scratch / "notes.csv").string()), std::string::npos) << words;
+    }
+    EXPECT_EQ(read_text(scratch / "notes.csv"), content);
+  }
+  EXPECT_NE(input_error([&] { Store::open_or_create(scratch.folder()); }).find("folder"), std::string::npos);
+  EXPECT_NE(input_error([&] { Store::open_existing(scratch / "absent"); }).find("no store"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "absent"));
+  EXPECT_NE(input_error([&] { Store::open_or_create("/dev/full"); }).find("regular file"), std::string::npos);
+  write_text(scratch / "file", "x");
+  EXPECT_NE(input_error([&] { Store::open_or_create(scratch / "file/store"); }), "");
+}
+
+}  // namespace
+}  // namespace hmax
