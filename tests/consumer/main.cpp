@@ -1,4 +1,5 @@
-/// Uses an installed hmax the way a reader of the README would: headers of two folders and one compiled function.
+/// Uses an installed hmax the way a reader of the README would: headers of two folders and one compiled
+/// function.
 #include <cstdio>
 #include <integrators/tableaux.hpp>
 #include <results/build_info.hpp>

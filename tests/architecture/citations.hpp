@@ -1,0 +1,37 @@
+/// Keys of references.bib, and the places in a text that cite them.
+#pragma once
+
+#include <regex>
+#include <set>
+#include <string>
+
+namespace hmax::architecture {
+
+namespace detail {
+inline std::set<std::string> captures(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::set<std::string> found;
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) found.insert((*it)[1]);
+  return found;
+}
+}  // namespace detail
+
+/// The keys defined by a BibTeX file.
+inline std::set<std::string> bibliography_keys(const std::string& bibtex) {
+  return detail::captures(bibtex, R"((?:^|\n)@[a-z]+\{([^,\s]+),)");
+}
+
+/// The keys a text cites: [name1999word] and [name1999word, section 2] in prose, and the same shape as a
+/// string of data.
+inline std::set<std::string> cited_keys(const std::string& text) {
+  auto keys = detail::captures(text, R"(\[([a-z]+[12][0-9]{3}[a-z]+)[\],;: ])");
+  keys.merge(detail::captures(text, R"re("([a-z]+[12][0-9]{3}[a-z]+)")re"));
+  return keys;
+}
+
+/// What stands behind `source = ` in a header of tableaux, whatever its shape.
+inline std::set<std::string> tableau_sources(const std::string& text) {
+  return detail::captures(text, R"re(\bsource = "([^"]*)")re");
+}
+
+}  // namespace hmax::architecture

@@ -1,0 +1,81 @@
+/// Which file may include what: the arrows between the folders, and the places where foreign headers may
+/// appear.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace hmax::architecture {
+
+/// One #include line. `file` is relative to the project with forward slashes, `header` is what stands between
+/// the quotes or angle brackets.
+struct Include {
+  std::string file, header;
+  bool quoted;
+};
+
+/// The folders each folder may include; arrows point down only.
+inline const std::map<std::string, std::set<std::string>> allowed_arrows{
+    {"integrators", {"integrators"}},
+    {"problems", {"problems"}},
+    {"results", {"results"}},
+    {"analysis", {"analysis", "integrators", "problems", "results"}},
+    {"bench", {"bench", "analysis", "integrators", "problems", "results"}},
+    {"plots", {"plots", "results"}},
+    {"cli", {"cli", "plots", "bench", "analysis", "integrators", "problems", "results"}},
+    {"tests", {"tests", "cli", "plots", "bench", "analysis", "integrators", "problems", "results"}},
+};
+
+/// A foreign header and the files that may include it, both as regular expressions.
+struct ForeignRule {
+  std::string header, files;
+};
+
+inline const std::vector<ForeignRule> foreign_rules{
+    {"^(sundials|cvodes?|arkode|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)/",
+     "^(integrators/sundials|tests)/"},
+    {"^boost/numeric/odeint", "^(integrators/odeint/|bench/peers/|bench/micro/|bench/reference|tests/)"},
+    {"^benchmark/", "^bench/micro/"},
+    {"^muParser", "^problems/formula[a-z_]*\\.cpp$"},
+    {"^toml", "\\.cpp$"},
+    {"^sqlite3", "^(results/sqlite\\.hpp|(results|tests)/.*\\.cpp)$"},
+    {"^results/sqlite\\.hpp$", "^(results|tests)/.*\\.cpp$"},  // the wrapper: SQLite stays behind the store
+    {"^CLI/", "^cli/"},
+    {"^(gtest|gmock)/", "^tests/"},
+};
+
+/// The first part of a path: "integrators" of "integrators/system.hpp", empty when there is no slash.
+inline std::string folder_of(const std::string& path) {
+  return path.substr(0, path.find('/') + 1 ? path.find('/') : 0);
+}
+
+/// Nothing when the include is allowed, otherwise one sentence that says why not.
+inline std::optional<std::string> violation(const Include& include) {
+  const std::string arrow = include.file + " includes " + include.header;
+  const std::string from = folder_of(include.file), to = folder_of(include.header);
+  if (include.quoted && !allowed_arrows.contains(to))
+    return arrow + ": includes are written from the root of the project.";
+  if (!include.quoted && allowed_arrows.contains(to)) return arrow + ": own headers stand in quotes.";
+  if (include.quoted && !allowed_arrows.at(from).contains(to))
+    return arrow + ": no arrow leads from " + from + " to " + to + ".";
+  for (const auto& [header, files] : foreign_rules)
+    if (std::regex_search(include.header, std::regex(header)) &&
+        !std::regex_search(include.file, std::regex(files)))
+      return arrow + ": this header may stand only in files matching " + files + ".";
+  return std::nullopt;
+}
+
+/// The #include lines of a source text; conditional ones count.
+inline std::vector<Include> includes_of(const std::string& file, const std::string& text) {
+  static const std::regex line(R"((?:^|\n)[ \t]*#[ \t]*include[ \t]*([<"])([^>"\n]+)[>"])");
+  std::vector<Include> found;
+  for (std::sregex_iterator it(text.begin(), text.end(), line), end; it != end; ++it)
+    found.push_back({file, (*it)[2], (*it)[1] == "\""});
+  return found;
+}
+
+}  // namespace hmax::architecture
