@@ -1,0 +1,110 @@
+#include "results/table.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+std::string complaint(const std::string& text) {
+  try {
+    parse_csv(text, "my.csv");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Numbers, ReadWhatPeopleAndProgramsWrite) {
+  EXPECT_EQ(to_number(" 1.5\r"), 1.5);
+  EXPECT_EQ(to_number("+2"), 2.0);
+  EXPECT_EQ(to_number("1.0D+3"), 1000.0);
+  EXPECT_EQ(to_number("-inf"), -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(to_number("NaN").value()));
+  for (const char* text : {"", " ", "1,5", "1.5x", "0x10", "1e999", "--1", "+-1", "+", "one", "1 2", "d"}) {
+    EXPECT_FALSE(to_number(text)) << text;
+  }
+}
+
+TEST(Numbers, AreWrittenWithTheFewestDigitsThatReadBack) {
+  EXPECT_EQ(to_text(0.1), "0.1");
+  EXPECT_EQ(to_text(0.00005), "5e-05");
+  EXPECT_EQ(to_text(-0.0), "-0");
+  EXPECT_EQ(to_text(-std::nan("")), "nan");
+}
+
+TEST(Table, ComesBackFromItsFileBitForBit) {
+  Scratch scratch;
+  const double tiny = std::numeric_limits<double>::denorm_min(),
+               inf = std::numeric_limits<double>::infinity();
+  Table table;
+  table.notes = {{"problem", "liver: forced, x'' + x = 0"}, {"machine", ""}};
+  table.columns = {"t [s]", "x, \"first\" [m]", "#3"};
+  table.values = {
+      {0, 0.1, 1.0 / 3, tiny}, {-0.0, inf, -inf, std::nan("")}, {1e308, -tiny, 12345678901234567.0, 5e-5}};
+  write_csv(scratch / "deep/folder/a.csv", table);
+  const Table back = read_csv(scratch / "deep/folder/a.csv");
+  EXPECT_EQ(back.notes, table.notes);
+  EXPECT_EQ(back.columns, table.columns);
+  ASSERT_EQ(back.values.size(), 3u);
+  for (std::size_t c = 0; c < 3; ++c) {
+    ASSERT_EQ(back.values[c].size(), 4u);
+    for (std::size_t r = 0; r < 4; ++r) {
+      if (std::isnan(table.values[c][r])) {
+        EXPECT_TRUE(std::isnan(back.values[c][r]));
+      } else {
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(back.values[c][r]),
+                  std::bit_cast<std::uint64_t>(table.values[c][r]));
+      }
+    }
+  }
+}
+
+TEST(Table, AcceptsOtherProgramsLineEndsMarksAndMissingLastNewline) {
+  const Table table = parse_csv(
+      "\xEF\xBB\xBF# made by: a spreadsheet\r\n\r\n\"h [s]\",error\r\n 0.1 ,1.0D-3\r\n0.2,nan", "x");
+  EXPECT_EQ(table.notes[0].second, "a spreadsheet");
+  EXPECT_EQ(table.columns, (std::vector<std::string>{"h [s]", "error"}));
+  EXPECT_EQ(table.values[0], (std::vector<double>{0.1, 0.2}));
+  EXPECT_EQ(table.values[1][0], 1e-3);
+  EXPECT_TRUE(parse_csv("a,b\n", "x").values[1].empty());
+}
+
+TEST(Table, NamesFileAndLineOfWhatItCannotRead) {
+  EXPECT_EQ(complaint("a,b\n1,2\n1,5,2\n"),
+            "my.csv:3: 3 cells where the header has 2: write decimals with a point, 1.5 and not 1,5.");
+  EXPECT_NE(complaint("a,b\n\"1,5\",2\n").find("my.csv:2: '1,5' in column 'a'"), std::string::npos);
+  EXPECT_NE(complaint("a,b\n\n# note: x\n1\n").find("my.csv:4: 1 cells"), std::string::npos);
+  EXPECT_NE(complaint("a;b\n1;2\n").find("semicolons"), std::string::npos);
+  EXPECT_NE(complaint("a,b\n1;2\n").find("semicolons"), std::string::npos);
+  EXPECT_NE(complaint("a\n1e999\n").find("range"), std::string::npos);
+  EXPECT_NE(complaint("").find("no table"), std::string::npos);
+  EXPECT_NE(complaint("# only: notes\n").find("no table"), std::string::npos);
+}
+
+TEST(Table, AFileThatCannotBeUsedIsAnInputErrorAndTheOldOneStays) {
+  Scratch scratch;
+  const Table table{.notes = {}, .columns = {"a"}, .values = {{1}}};
+  EXPECT_THROW(read_csv(scratch / "absent.csv"), InputError);
+  EXPECT_THROW(read_csv(scratch.folder()), InputError);
+  EXPECT_THROW(write_csv(scratch.folder(), table), InputError);
+  EXPECT_THROW(write_csv("/dev/full", table), InputError);
+  write_text(scratch / "file", "old");
+  EXPECT_THROW(write_csv(scratch / "file/a.csv", table), InputError);
+  EXPECT_THROW(write_csv(scratch / "file", Table{}), std::invalid_argument);
+  EXPECT_EQ(read_text(scratch / "file"), "old");
+  write_csv(scratch / "file", table);
+  EXPECT_EQ(read_text(scratch / "file"), "a\n1\n");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch.folder()), {}), 1);
+}
+
+}  // namespace
+}  // namespace hmax
