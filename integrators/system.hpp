@@ -34,4 +34,12 @@ concept DifferentiableSystem =
     System<S> && requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
                           jacobian_of<typename S::State>& J) { system.jacobian(t, y, J); };
 
+/// A system whose dependence on time can be evaluated apart from the state, f(t, y) = f(g(t), y): driving forces, loads,
+/// prescribed motion. `at` returns g(t), a small value; `rhs_at` finishes the evaluation. A stepper then evaluates g
+/// once for all stages at the same time, which generic code that sees only f(t, y) cannot do.
+template <class S>
+concept TimeSplitSystem =
+    System<S> && requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
+                          typename S::State& dydt) { system.rhs_at(system.at(t), y, dydt); };
+
 }  // namespace hmax

@@ -60,17 +60,24 @@ class BasicOscillator {
 
   const OscillatorParameters& parameters() const noexcept { return parameters_; }
 
-  /// Writes y' into dydt. The components are written one by one: a vector store followed by the scalar loads
-  /// around the cosine would stall on store forwarding.
-  [[gnu::always_inline]] void rhs(Real t, const State& y, State& dydt) const noexcept {
+  /// The force per mass, P cos(w t) / m: all of the model that depends on time (concept TimeSplitSystem).
+  [[gnu::always_inline]] Real at(Real t) const noexcept {
     using std::cos;
+    return P_m_ != Real(0) ? P_m_ * cos(w_ * t) : Real(0);
+  }
+
+  /// Writes y' into dydt for a given force per mass. The velocity, the newest number in a Runge-Kutta stage, enters
+  /// last. The components are written one by one: a vector store followed by scalar loads would stall on store
+  /// forwarding.
+  [[gnu::always_inline]] void rhs_at(Real force, const State& y, State& dydt) const noexcept {
     const Real x = y[0];
     const Real v = y[1];
-    Real a = -c_m_ * v - x * (k1_m_ + k3_m_ * (x * x));
-    if (P_m_ != Real(0)) a += P_m_ * cos(w_ * t);
     dydt[0] = v;
-    dydt[1] = a;
+    dydt[1] = (force - x * (k1_m_ + k3_m_ * (x * x))) - c_m_ * v;
   }
+
+  /// Writes y' = f(t, y) into dydt.
+  [[gnu::always_inline]] void rhs(Real t, const State& y, State& dydt) const noexcept { rhs_at(at(t), y, dydt); }
 
   /// J = df/dy: the tangent stiffness is k1 + 3 k3 x^2.
   [[gnu::always_inline]] void jacobian(Real /*t*/, const State& y, Jacobian& J) const noexcept {

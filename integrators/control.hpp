@@ -1,0 +1,135 @@
+/// Where the next step ends and whether an attempt is accepted: fixed steps, or steps steered by the error.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "integrators/controller.hpp"
+#include "integrators/error_norm.hpp"
+#include "integrators/initial_step.hpp"
+
+namespace hmax {
+
+/// A time interval [t0, t_end], t_end >= t0.
+template <class Real>
+struct Span {
+  Real t0, t_end;
+};
+
+/// The step to attempt: from t to t_next = t + h up to rounding; `last` when t_next is the end of the span.
+template <class Real>
+struct Proposal {
+  Real h, t_next;
+  bool last;
+};
+
+/// What became of an attempt.
+enum class Judgement { accept, retry, give_up };
+
+/// The number of steps of size h that cover `length`: the last one is shorter when h does not divide it, unless it
+/// would be a sliver of less than 1e-9 h made by rounding.
+template <class Real>
+std::int64_t fixed_step_count(Real length, Real h) {
+  const Real quotient = length / h;
+  const Real nearest = std::round(quotient);
+  const Real sliver = std::max(Real(1e-9), 4 * std::numeric_limits<Real>::epsilon() * quotient);
+  return static_cast<std::int64_t>(std::abs(quotient - nearest) <= sliver ? nearest : std::ceil(quotient));
+}
+
+/// Steps of one size. Time is t0 + n h, computed and never accumulated; the last step ends at t_end exactly.
+template <class Real>
+class FixedStep {
+ public:
+  explicit FixedStep(Real h) : h_(h) {}
+
+  template <class Stepper, System Sys>
+  void start(const Stepper&, const Sys&, Span<Real> span, const typename Sys::State&) {
+    span_ = span;
+    n_ = 0;
+    last_ = fixed_step_count(span.t_end - span.t0, h_) - 1;
+    const Real rest = span.t_end - at(last_);
+    last_h_ = std::abs(rest - h_) <= Real(1e-6) * h_ ? h_ : rest;
+  }
+
+  Proposal<Real> propose(Real) const {
+    if (n_ == last_) [[unlikely]] return {last_h_, span_.t_end, true};
+    return {h_, at(n_ + 1), false};
+  }
+
+  template <class Stepper, class State>
+  Judgement judge(const Stepper&, const Proposal<Real>&, const State&, const State&) {
+    ++n_;
+    return Judgement::accept;
+  }
+
+ private:
+  [[nodiscard]] Real at(std::int64_t n) const { return span_.t0 + static_cast<Real>(n) * h_; }
+
+  Real h_;
+  Span<Real> span_{};
+  std::int64_t n_ = 0, last_ = 0;
+  Real last_h_ = 0;
+};
+
+/// Settings of a run steered by its error.
+template <class Real>
+struct Tolerances {
+  Real rtol, atol;
+  Real h_first = 0;                                  ///< 0: chosen from the right-hand side
+  Real h_max = std::numeric_limits<Real>::infinity();
+};
+
+/// Steps steered by the error estimate of the method: `Controller` decides the size, `Norm` weighs the error.
+template <class Real, template <class> class Controller, template <class> class Norm = RmsNorm>
+class Adaptive {
+ public:
+  static constexpr bool matlab_rules = std::is_same_v<Controller<Real>, MatlabController<Real>>;
+
+  /// @param error_order  order of the error estimate; the stepper's own unless it is known only at run time
+  Adaptive(Tolerances<Real> tolerances, int error_order)
+      : tolerances_(tolerances), norm_{tolerances.rtol, tolerances.atol}, controller_(error_order),
+        error_order_(error_order) {}
+
+  template <class Stepper, System Sys>
+  void start(const Stepper&, const Sys& system, Span<Real> span, const typename Sys::State& y) {
+    t_end_ = span.t_end;
+    const Real length = span.t_end - span.t0;
+    if constexpr (matlab_rules) tolerances_.h_max = std::min(tolerances_.h_max, length / 10);
+    if (tolerances_.h_first > 0)
+      h_ = tolerances_.h_first;
+    else if constexpr (matlab_rules)
+      h_ = matlab_initial_step(system, span.t0, y, error_order_, tolerances_.rtol, tolerances_.atol,
+                               tolerances_.h_max);
+    else
+      h_ = hairer_initial_step(system, span.t0, y, error_order_, norm_, length);
+    h_ = std::min(h_, tolerances_.h_max);
+  }
+
+  /// The last step is stretched by up to 1 % (10 % under MATLAB's rules) rather than leaving a sliver.
+  Proposal<Real> propose(Real t) const {
+    constexpr Real stretch = matlab_rules ? Real(1.1) : Real(1.01);
+    if (t + stretch * h_ >= t_end_) [[unlikely]] return {t_end_ - t, t_end_, true};
+    return {h_, t + h_, false};
+  }
+
+  template <class Stepper, class State>
+  Judgement judge(const Stepper& stepper, const Proposal<Real>& step, const State& y, const State& y_new) {
+    const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
+    h_ = std::min(verdict.h_next, tolerances_.h_max);
+    if (verdict.accept) [[likely]] return Judgement::accept;
+    // Below 16 units in the last place of t a step no longer moves time reliably.
+    const Real smallest = 16 * std::numeric_limits<Real>::epsilon() * std::abs(step.t_next);
+    return h_ <= std::max(smallest, std::numeric_limits<Real>::min()) ? Judgement::give_up : Judgement::retry;
+  }
+
+ private:
+  Tolerances<Real> tolerances_;
+  Norm<Real> norm_;
+  Controller<Real> controller_;
+  int error_order_;
+  Real t_end_ = 0, h_ = 0;
+};
+
+}  // namespace hmax

@@ -1,0 +1,120 @@
+/// Step-size controllers: from the error of an attempt to its verdict and the next step size.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hmax {
+
+/// What a controller says of one attempt.
+template <class Real>
+struct Verdict {
+  bool accept;
+  Real h_next;  ///< for the next step, or for the same step once more
+};
+
+/// Elementary (integral) controller: h_next = h clamp(0.9 err^(-1/q)), no growth right after a rejection
+/// [hairer1993solving, II.4].
+/// Every controller is constructed with q, the order of the error estimate (error = O(h^q)), and takes the square of
+/// the error norm; the error is acceptable when it is at most 1, and NaN is a rejection.
+template <class Real>
+class IntegralController {
+ public:
+  explicit IntegralController(int error_order) : exponent_(Real(-0.5) / static_cast<Real>(error_order)) {}
+
+  Verdict<Real> judge(Real error_squared, Real h) {
+    const bool accept = error_squared <= 1;  // false for NaN
+    Real factor = std::isfinite(error_squared) ? Real(0.9) * std::pow(error_squared, exponent_) : Real(0.1);
+    factor = std::clamp(factor, Real(0.2), accept && !rejected_ ? Real(5) : Real(1));
+    rejected_ = !accept;
+    return {accept, h * factor};
+  }
+
+ private:
+  Real exponent_;
+  bool rejected_ = false;
+};
+
+/// Proportional-integral controller: h_next = h 0.9 err^(-0.7/q) err_old^(0.4/q), smoother where stability limits the
+/// step [gustafsson1991control].
+template <class Real>
+class PiController {
+ public:
+  explicit PiController(int error_order)
+      : integral_(Real(-0.35) / static_cast<Real>(error_order)),
+        proportional_(Real(0.2) / static_cast<Real>(error_order)),
+        elementary_(Real(-0.5) / static_cast<Real>(error_order)) {}
+
+  Verdict<Real> judge(Real error_squared, Real h) {
+    const bool accept = error_squared <= 1;
+    if (!accept) {
+      rejected_ = true;
+      const Real factor = std::isfinite(error_squared) ? Real(0.9) * std::pow(error_squared, elementary_) : Real(0.1);
+      return {false, h * std::clamp(factor, Real(0.2), Real(1))};
+    }
+    // An error of exactly zero must not make the next proportional term vanish.
+    const Real error = std::max(error_squared, Real(1e-8));
+    Real factor = Real(0.9) * std::pow(error, integral_) * std::pow(previous_, proportional_);
+    factor = std::clamp(factor, Real(0.2), rejected_ ? Real(1) : Real(5));
+    previous_ = error;
+    rejected_ = false;
+    return {true, h * factor};
+  }
+
+ private:
+  Real integral_, proportional_, elementary_;
+  Real previous_ = 1;
+  bool rejected_ = false;
+};
+
+/// Elementary controller that leaves h alone while the error is in (0.5, 1]. A step size that changes every step makes
+/// the time of the next evaluation wait for the controller; an unchanged one is known in advance, so the processor
+/// works on the next step while the error of this one is still being weighed. Powers are taken in single precision:
+/// a step size needs no more.
+template <class Real>
+class DeadbandController {
+ public:
+  explicit DeadbandController(int error_order) : exponent_(-0.5F / static_cast<float>(error_order)) {}
+
+  Verdict<Real> judge(Real error_squared, Real h) {
+    if (error_squared <= 1) [[likely]] {
+      if (error_squared > Real(0.25)) [[likely]] return {true, h};
+      return {true, h * std::min(factor(std::max(error_squared, Real(1e-30))), Real(5))};
+    }
+    return {false, h * (std::isfinite(error_squared) ? std::max(factor(error_squared), Real(0.2)) : Real(0.1))};
+  }
+
+ private:
+  Real factor(Real error_squared) const {
+    const Real bounded = std::min(error_squared, Real(1e30));
+    return Real(0.9F * std::exp2(exponent_ * std::log2(static_cast<float>(bounded))));
+  }
+  float exponent_;
+};
+
+/// The rules of MATLAB's ode23 and ode45 [shampine1997matlab]: safety 0.8, growth at most 5, the first failure shrinks
+/// by the formula down to 0.1, further failures halve, no growth after a failure.
+template <class Real>
+class MatlabController {
+ public:
+  explicit MatlabController(int error_order) : exponent_(Real(-0.5) / static_cast<Real>(error_order)) {}
+
+  Verdict<Real> judge(Real error_squared, Real h) {
+    if (!(error_squared <= 1)) {
+      const bool first = !failed_;
+      failed_ = true;
+      if (!first || !std::isfinite(error_squared)) return {false, h / 2};
+      return {false, h * std::max(Real(0.1), Real(0.8) * std::pow(error_squared, exponent_))};
+    }
+    const Real factor = failed_ ? Real(1) : std::min(Real(5), Real(0.8) * std::pow(error_squared, exponent_));
+    failed_ = false;
+    return {true, h * factor};
+  }
+
+ private:
+  Real exponent_;
+  bool failed_ = false;
+};
+
+}  // namespace hmax

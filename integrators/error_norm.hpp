@@ -1,0 +1,47 @@
+/// How large a local error is, in units of what the user tolerates. The only place that weighs errors.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrators/state.hpp"
+
+namespace hmax {
+
+/// Root mean square of e_i / (atol + rtol max(|y_i|, |y_new,i|)) [hairer1993solving, II.4]. Norms are kept squared:
+/// the loop then needs no square root.
+template <class Real>
+struct RmsNorm {
+  Real rtol, atol;
+
+  /// @param error  callable, error(i) = component i of the local error
+  template <class State, class Error>
+  Real squared(const State& y, const State& y_new, const Error& error) const {
+    Real sum{0};
+    for (Eigen::Index i = 0; i < y.size(); ++i) {
+      const Real weight = atol + rtol * std::max(std::abs(y[i]), std::abs(y_new[i]));
+      sum += Eigen::numext::abs2(error(i) / weight);
+    }
+    return sum / static_cast<Real>(y.size());
+  }
+};
+
+/// The norm of MATLAB's ODE suite: max_i |e_i| / max(|y_i|, |y_new,i|, atol / rtol), accepted when at most rtol
+/// [shampine1997matlab]; here divided by rtol, squared.
+template <class Real>
+struct MatlabNorm {
+  Real rtol, atol;
+
+  template <class State, class Error>
+  Real squared(const State& y, const State& y_new, const Error& error) const {
+    Real largest{0};
+    for (Eigen::Index i = 0; i < y.size(); ++i) {
+      const Real weight = std::max({rtol * std::abs(y[i]), rtol * std::abs(y_new[i]), atol});
+      const Real e = Eigen::numext::abs2(error(i) / weight);
+      if (e > largest || std::isnan(e)) largest = e;
+    }
+    return largest;
+  }
+};
+
+}  // namespace hmax

@@ -1,0 +1,286 @@
+/// The one stepper of all explicit Runge-Kutta methods, fed by tableaux known at compile time or read at run time.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "integrators/error_norm.hpp"
+#include "integrators/runtime_tableau.hpp"
+#include "integrators/state.hpp"
+#include "integrators/stepper.hpp"
+#include "integrators/tableau.hpp"
+
+namespace hmax {
+
+/// The coefficients of a constexpr method in the form the stepper asks for: every index is a type, so that each stage
+/// compiles to its own straight line without loops, tests or zero weights.
+template <class Method>
+class StaticCoefficients {
+  static constexpr const auto& tableau = Method::tableau;
+  static constexpr std::size_t s = tableau.stages;
+
+ public:
+  static constexpr int order = Method::order;
+  static constexpr int error_order = Method::error_order;
+  static constexpr bool has_error = has_error_estimate(tableau);
+  static constexpr bool has_low_error = requires { Method::b_err_low; };
+  static constexpr bool fsal = is_fsal(tableau);
+  static constexpr bool has_interpolant = requires { Method::interpolant; };
+  static constexpr std::size_t extra_stages = [] {
+    if constexpr (has_interpolant)
+      return Method::interpolant.extra;
+    else
+      return 0;
+  }();
+  static constexpr std::size_t interpolant_degree = [] {
+    if constexpr (has_interpolant)
+      return Method::interpolant.degree;
+    else
+      return 3;  // cubic Hermite
+  }();
+
+  template <class T>
+  using Storage = std::array<T, s + extra_stages>;
+
+  template <std::size_t I>
+  struct StageRow {
+    static constexpr std::size_t size = I;
+    static constexpr long double weight(std::size_t j) { return tableau.a[I][j]; }
+  };
+  struct Weights {
+    static constexpr std::size_t size = s;
+    static constexpr long double weight(std::size_t j) { return tableau.b[j]; }
+  };
+  struct ErrorWeights {
+    static constexpr std::size_t size = s;
+    static constexpr long double weight(std::size_t j) { return tableau.b_err[j]; }
+  };
+  struct LowErrorWeights {
+    static constexpr std::size_t size = s;
+    static constexpr long double weight(std::size_t j) { return Method::b_err_low[j]; }
+  };
+  template <std::size_t E>
+  struct ExtraRow {
+    static constexpr std::size_t size = s + E;
+    static constexpr long double weight(std::size_t j) { return Method::interpolant.a[E][j]; }
+  };
+  template <std::size_t Power>
+  struct InterpolantColumn {
+    static constexpr std::size_t size = s + extra_stages;
+    static constexpr long double weight(std::size_t i) { return Method::interpolant.p[i][Power]; }
+  };
+
+  static constexpr std::size_t stages() { return s; }
+  template <std::size_t I>
+  static constexpr auto stage_row(std::integral_constant<std::size_t, I>) { return StageRow<I>{}; }
+  static constexpr auto weights() { return Weights{}; }
+  static constexpr auto error_weights() { return ErrorWeights{}; }
+  static constexpr long double node(std::size_t i) { return tableau.c[i]; }
+  /// The first later stage that stands at the same time as stage i; i itself when there is none.
+  static constexpr std::size_t first_at_node_of(std::size_t i) {
+    std::size_t j = 1;
+    while (tableau.c[j] != tableau.c[i]) ++j;
+    return j;
+  }
+  static constexpr long double extra_node(std::size_t e) { return Method::interpolant.c[e]; }
+
+  /// Calls f for the stages 1 .. s-1; the index is an integral_constant.
+  template <class F>
+  static void for_each_later_stage(F&& f) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (f(std::integral_constant<std::size_t, I + 1>{}), ...);
+    }(std::make_index_sequence<s - 1>{});
+  }
+};
+
+/// One step of an explicit Runge-Kutta method,
+///   k_i = f(t + c_i h, y + h sum_j a_ij k_j),    y_new = y + h sum_i b_i k_i.
+/// @tparam Coefficients  StaticCoefficients<Method>, or RuntimeTableau for a user's file
+/// @tparam StateT        Eigen column vector of any real or complex scalar, shape (n)
+/// @cost   s evaluations of f a step, s - 1 when the last stage is the first of the next (FSAL) or after a rejection;
+///         no allocation after init()
+/// @source [hairer1993solving] II.1, II.4; continuous output II.6
+template <class Coefficients, class StateT>
+class ExplicitRk {
+ public:
+  using State = StateT;
+  using Real = real_of<State>;
+  static constexpr int order = Coefficients::order;
+  static constexpr int error_order = Coefficients::error_order;
+
+  ExplicitRk() = default;
+  explicit ExplicitRk(Coefficients coefficients) : coefficients_(std::move(coefficients)) {}
+
+  /// Sizes the stages and forgets what was known of an earlier run.
+  template <System Sys>
+  void init(const Sys& system, Real, const State& y) {
+    if constexpr (requires { k_.resize(coefficients_.stages()); }) k_.resize(coefficients_.stages());
+    if constexpr (!is_small_state<State>) {
+      for (State& k : k_) k.resize(system.dim());
+      for (State& q : q_) q.resize(system.dim());
+      stage_.resize(y.size());
+      end_slope_.resize(y.size());
+    }
+    first_stage_known_ = end_slope_known_ = polynomial_known_ = false;
+  }
+
+  template <System Sys>
+  StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
+    if (!first_stage_known_) system.rhs(t, y, k_[0]);
+    first_stage_known_ = true;
+    end_slope_known_ = polynomial_known_ = false;
+    const bool fsal = coefficients_.fsal;
+    StageTimes<Sys> times;
+    coefficients_.for_each_later_stage([&](auto i) {
+      if (fsal && i + 1 == coefficients_.stages()) {
+        add_increment(coefficients_.weights(), y, h, k_, y_new);
+        evaluate(system, times, i, t, h, y_new);
+      } else {
+        stage_argument(coefficients_.stage_row(i), y, h, k_, stage_);
+        evaluate(system, times, i, t, h, stage_);
+      }
+    });
+    if (!fsal) add_increment(coefficients_.weights(), y, h, k_, y_new);
+    return StepStatus::ok;
+  }
+
+  /// Commits the last attempt: y_new is the new state.
+  void accept(const State&) {
+    if (coefficients_.fsal)
+      move_state(k_[coefficients_.stages() - 1], k_[0]);
+    else if (end_slope_known_)
+      move_state(end_slope_, k_[0]);
+    else
+      first_stage_known_ = false;
+  }
+
+  /// Square of the weighted error norm of the last attempt; at most 1 means good enough.
+  /// With two error rows (DOP853) the estimates e5 and e3 are combined as |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2)
+  /// [hairer1993solving, II.10].
+  template <class Norm>
+  Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm) const {
+    const Real e = weighted_square(coefficients_.error_weights(), h, y, y_new, norm);
+    if constexpr (has_low_error()) {
+      const Real e_low =
+          weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm);
+      const Real denominator = e + Real(0.01) * e_low;
+      return denominator == 0 ? Real{0} : e * e / denominator;
+    }
+    return e;
+  }
+
+  /// out = y(t + theta h) by the method's own interpolant, or by the cubic Hermite polynomial through both ends.
+  /// Costs nothing unless called; the polynomial is made once a step and further points cost O(degree n).
+  template <System Sys>
+  void interpolate(const Sys& system, Real t, Real h, const State& y, const State& y_new, Real theta, State& out) {
+    if (!polynomial_known_) make_polynomial(system, t, h, y, y_new);
+    const Real scale = h * theta;
+    if constexpr (is_small_state<State>) {
+      for_each_component<State>([&](Eigen::Index d) {
+        typename State::Scalar sum = q_.back()[d];
+        for (std::size_t j = q_.size() - 1; j-- > 0;) sum = q_[j][d] + theta * sum;
+        out[d] = y[d] + scale * sum;
+      });
+    } else {
+      out = q_.back();
+      for (std::size_t j = q_.size() - 1; j-- > 0;) out = q_[j] + theta * out;
+      out = y + scale * out;
+    }
+  }
+
+ private:
+  /// g(t) of the stages of one attempt, for systems that split off their dependence on time.
+  template <class Sys>
+  struct StageTimes {};
+  template <TimeSplitSystem Sys>
+    requires requires { Coefficients::first_at_node_of(1); }
+  struct StageTimes<Sys> {
+    std::array<decltype(std::declval<const Sys&>().at(Real{})), Coefficients::stages()> at;
+  };
+
+  /// k_i = f(t + c_i h, argument).
+  template <System Sys, class Index>
+  void evaluate(const Sys& system, StageTimes<Sys>& times, Index i, Real t, Real h, const State& argument) {
+    const Real time = t + static_cast<Real>(coefficients_.node(i)) * h;
+    if constexpr (requires { times.at; }) {
+      constexpr std::size_t first = Coefficients::first_at_node_of(i);
+      if constexpr (first == i) times.at[i] = system.at(time);
+      system.rhs_at(times.at[first], argument, k_[i]);
+    } else {
+      system.rhs(time, argument, k_[i]);
+    }
+  }
+
+  static constexpr bool has_low_error() {
+    if constexpr (requires { Coefficients::has_low_error; })
+      return Coefficients::has_low_error;
+    else
+      return false;
+  }
+  static constexpr bool has_interpolant() {
+    if constexpr (requires { Coefficients::has_interpolant; })
+      return Coefficients::has_interpolant;
+    else
+      return false;
+  }
+
+  static void move_state(State& from, State& to) {
+    if constexpr (is_small_state<State>)
+      copy_state(from, to);
+    else
+      to.swap(from);
+  }
+
+  template <class Row, class Norm>
+  Real weighted_square(Row row, Real h, const State& y, const State& y_new, const Norm& norm) const {
+    return norm.squared(y, y_new, [&](Eigen::Index d) { return increment_component(row, h, k_, d); });
+  }
+
+  /// q_j with y(t + theta h) = y + h sum_j q_j theta^(j+1).
+  template <System Sys>
+  void make_polynomial(const Sys& system, Real t, Real h, const State& y, const State& y_new) {
+    if constexpr (has_interpolant()) {
+      constexpr std::size_t s = Coefficients::stages();
+      [&]<std::size_t... E>(std::index_sequence<E...>) {
+        ((stage_argument(typename Coefficients::template ExtraRow<E>{}, y, h, k_, stage_),
+          system.rhs(t + static_cast<Real>(Coefficients::extra_node(E)) * h, stage_, k_[s + E])),
+         ...);
+      }(std::make_index_sequence<Coefficients::extra_stages>{});
+      [&]<std::size_t... J>(std::index_sequence<J...>) {
+        (set_weighted(typename Coefficients::template InterpolantColumn<J>{}, q_[J]), ...);
+      }(std::make_index_sequence<Coefficients::interpolant_degree>{});
+    } else {
+      if (!coefficients_.fsal && !end_slope_known_) {
+        system.rhs(t + h, y_new, end_slope_);
+        end_slope_known_ = true;
+      }
+      const State& f0 = k_[0];
+      const State& f1 = coefficients_.fsal ? k_[coefficients_.stages() - 1] : end_slope_;
+      q_[0] = f0;
+      q_[1] = (y_new - y) * (3 / h) - 2 * f0 - f1;
+      q_[2] = f0 + f1 - (y_new - y) * (2 / h);
+    }
+    polynomial_known_ = true;
+  }
+
+  template <StaticRow Row>
+  void set_weighted(Row row, State& out) const {
+    for (Eigen::Index d = 0; d < out.size(); ++d) out[d] = increment_component(row, Real{1}, k_, d);
+  }
+
+  [[no_unique_address]] Coefficients coefficients_;
+  typename Coefficients::template Storage<State> k_;
+  State stage_;      // argument of the stage in the making
+  State end_slope_;  // f at the new point, for the Hermite polynomial of methods without FSAL
+  std::array<State, Coefficients::interpolant_degree> q_;
+  bool first_stage_known_ = false, end_slope_known_ = false, polynomial_known_ = false;
+};
+
+/// The stepper of a constexpr method: Rk<tableaux::Rk4, Eigen::Vector2d>.
+template <class Method, class State>
+using Rk = ExplicitRk<StaticCoefficients<Method>, State>;
+
+}  // namespace hmax

@@ -1,0 +1,58 @@
+/// The size of the very first step, guessed from the right-hand side.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrators/state.hpp"
+
+namespace hmax {
+
+/// The starting step of [hairer1993solving, II.4]: an explicit Euler step estimates the second derivative, and h is
+/// chosen so that h^q max(|f|, |y''|) = 0.01. Two evaluations of f.
+/// @param error_order  q, order of the local error estimate
+/// @param norm         RmsNorm or MatlabNorm, which carry the tolerances
+/// @returns h > 0, at most `span`
+template <System Sys, class Norm>
+real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<typename Sys::State> t,
+                                                 const typename Sys::State& y, int error_order, const Norm& norm,
+                                                 real_of<typename Sys::State> span) {
+  using State = typename Sys::State;
+  using Real = real_of<State>;
+  State f0 = y, f1 = y, y1 = y;
+  system.rhs(t, y, f0);
+  auto size_of = [&](auto&& component) { return std::sqrt(norm.squared(y, y, component)); };
+  const Real d0 = size_of([&](Eigen::Index i) { return y[i]; });
+  const Real d1 = size_of([&](Eigen::Index i) { return f0[i]; });
+  Real h0 = d0 < Real(1e-5) || d1 < Real(1e-5) ? Real(1e-6) : Real(0.01) * d0 / d1;
+  if (!std::isfinite(h0)) h0 = Real(1e-6);
+  h0 = std::min(h0, span);
+  y1 = y + h0 * f0;
+  system.rhs(t + h0, y1, f1);
+  const Real d2 = size_of([&](Eigen::Index i) { return (f1[i] - f0[i]) / h0; });
+  const Real steepest = std::max(d1, d2);
+  const Real h1 = steepest <= Real(1e-15)
+                      ? std::max(Real(1e-6), h0 * Real(1e-3))
+                      : std::pow(Real(0.01) / steepest, Real(1) / static_cast<Real>(error_order));
+  const Real h = std::min({100 * h0, h1, span});
+  return h > 0 && std::isfinite(h) ? h : h0;
+}
+
+/// The starting step of MATLAB's ode23 and ode45: h = 0.8 rtol^(1/q) / |f / max(|y|, atol/rtol)|_inf, at most h_max
+/// [shampine1997matlab]. One evaluation of f.
+template <System Sys>
+real_of<typename Sys::State> matlab_initial_step(const Sys& system, real_of<typename Sys::State> t,
+                                                 const typename Sys::State& y, int error_order,
+                                                 real_of<typename Sys::State> rtol, real_of<typename Sys::State> atol,
+                                                 real_of<typename Sys::State> h_max) {
+  using Real = real_of<typename Sys::State>;
+  typename Sys::State f0 = y;
+  system.rhs(t, y, f0);
+  Real rate{0};
+  for (Eigen::Index i = 0; i < y.size(); ++i)
+    rate = std::max(rate, std::abs(f0[i]) / std::max(std::abs(y[i]), atol / rtol));
+  const Real h = Real(0.8) * std::pow(rtol, Real(1) / static_cast<Real>(error_order));
+  return h_max * rate > h ? h / rate : h_max;
+}
+
+}  // namespace hmax

@@ -1,0 +1,124 @@
+/// THE loop over time: the only one in the house.
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "integrators/control.hpp"
+#include "integrators/state.hpp"
+#include "integrators/stats.hpp"
+#include "integrators/stepper.hpp"
+
+namespace hmax {
+
+/// A step that is about to be accepted, as observers see it: both ends and, on request, everything between.
+template <class StepperT, System Sys>
+class StepView {
+ public:
+  using State = typename Sys::State;
+  using Real = real_of<State>;
+
+  StepView(StepperT& stepper, const Sys& system, Real t0, const Proposal<Real>& step, const State& y0, const State& y1)
+      : stepper_(stepper), system_(system), t0_(t0), step_(step), y0_(y0), y1_(y1) {}
+
+  [[nodiscard]] Real t0() const { return t0_; }
+  [[nodiscard]] Real t1() const { return step_.t_next; }
+  [[nodiscard]] Real h() const { return step_.h; }
+  [[nodiscard]] const State& y0() const { return y0_; }
+  [[nodiscard]] const State& y1() const { return y1_; }
+
+  /// out = y(t) by dense output, t in [t0, t1]; costs nothing unless called and never shortens a step.
+  void at(Real t, State& out) {
+    if (t == step_.t_next)
+      copy_state(y1_, out);
+    else
+      stepper_.interpolate(system_, t0_, step_.h, y0_, y1_, (t - t0_) / step_.h, out);
+  }
+
+  /// Ends the run at time t in [t0, t1].
+  void stop_at(Real t) { stop_ = t; }
+  [[nodiscard]] const std::optional<Real>& stop() const { return stop_; }
+
+ private:
+  StepperT& stepper_;
+  const Sys& system_;
+  Real t0_;
+  const Proposal<Real>& step_;
+  const State &y0_, &y1_;
+  std::optional<Real> stop_;
+};
+
+/// The observer of runs nobody watches; the loop then builds no view at all.
+struct ObserveNothing {};
+
+/// How a run ended: at time t, or diverged at time t (the last bounded state is kept).
+template <class Real>
+struct RunEnd {
+  Outcome outcome;
+  Real t;
+  Stats stats;  ///< steps and rejected; evaluations are counted by Counted<System>
+};
+
+/// Integrates y' = f(t, y) over `span`.
+/// @param stepper   taken by value: the loop owns the memory of the method, so the compiler may keep it in registers
+/// @param y         initial state in, last accepted state out, shape (n)
+/// @param control   FixedStep or Adaptive
+/// @param observer  called as observer(StepView&) once for each accepted step, in order of time
+/// @param max_steps attempts allowed
+/// Failure is a value (RunEnd::outcome), never an exception.
+template <class StepperT, System Sys, class Control, class Observer = ObserveNothing>
+#if defined(__GNUC__)
+[[gnu::flatten]]
+#endif
+RunEnd<real_of<typename Sys::State>> integrate(StepperT stepper, const Sys& system,
+                                               Span<real_of<typename Sys::State>> span, typename Sys::State& y,
+                                               Control control, Observer&& observer = {},
+                                               std::int64_t max_steps = 1'000'000'000) {
+  using State = typename Sys::State;
+  using Real = real_of<State>;
+  RunEnd<Real> end{Outcome::reached_end, span.t0, {}};
+  if (!is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (span.t_end == span.t0) return end;
+
+  State now = y, candidate = y;
+  stepper.init(system, span.t0, now);
+  control.start(stepper, system, span, now);
+  Real t = span.t0;
+  auto finish = [&](Outcome outcome, Real at) {
+    copy_state(now, y);
+    end.outcome = outcome;
+    end.t = at;
+    return end;
+  };
+
+  for (std::int64_t attempts = 0;; ++attempts) {
+    if (attempts == max_steps) [[unlikely]] return finish(Outcome::too_many_steps, t);
+    const Proposal<Real> step = control.propose(t);
+    if (stepper.attempt(system, t, now, step.h, candidate) != StepStatus::ok) [[unlikely]]
+      return finish(Outcome::newton_failed, t);
+    const Judgement judgement = control.judge(stepper, step, now, candidate);
+    if (judgement != Judgement::accept) [[unlikely]] {
+      ++end.stats.rejected;
+      if (judgement == Judgement::give_up) return finish(Outcome::step_too_small, t);
+      continue;
+    }
+    if (!is_bounded(candidate)) [[unlikely]] return finish(Outcome::diverged, step.t_next);
+    ++end.stats.steps;
+    if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
+      StepView<StepperT, Sys> view(stepper, system, t, step, now, candidate);
+      observer(view);
+      if (view.stop()) {
+        State stopped = now;
+        view.at(*view.stop(), stopped);
+        now = stopped;
+        return finish(Outcome::stopped, *view.stop());
+      }
+    }
+    stepper.accept(candidate);
+    copy_state(candidate, now);
+    t = step.t_next;
+    if (step.last) return finish(Outcome::reached_end, t);
+  }
+}
+
+}  // namespace hmax

@@ -1,0 +1,92 @@
+/// Guests of the loop: sampling and events. They read accepted steps and never change them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "integrators/integrate.hpp"
+
+namespace hmax {
+
+/// Calls sink(t, y) for t0 and for every multiple of the interval up to t_end, and at t_end, read off the dense
+/// output. Sample times are t0 + j interval, computed.
+template <class State, class Sink>
+class SampleEvery {
+ public:
+  using Real = real_of<State>;
+  SampleEvery(Span<Real> span, Real interval, const State& y0, Sink sink)
+      : span_(span), interval_(interval), count_(fixed_step_count(span.t_end - span.t0, interval)), sample_(y0),
+        sink_(std::move(sink)) {
+    sink_(span.t0, y0);
+  }
+
+  template <class View>
+  void operator()(View& view) {
+    for (; j_ <= count_; ++j_) {
+      const Real t = j_ == count_ ? span_.t_end : span_.t0 + static_cast<Real>(j_) * interval_;
+      if (t > view.t1()) return;
+      view.at(t, sample_);
+      sink_(t, sample_);
+    }
+  }
+
+ private:
+  Span<Real> span_;
+  Real interval_;
+  std::int64_t count_, j_ = 1;
+  State sample_;
+  Sink sink_;
+};
+
+/// Which sign changes of an event function count.
+enum class Crossing { rising, falling, any };
+
+/// A located event.
+template <class State>
+struct Event {
+  real_of<State> t;
+  State y;
+};
+
+/// Records the zeros of g(t, y) along the dense output; a terminal event ends the run there.
+/// One sign change a step is seen, as in every solver that looks at step ends; the zero is located by bisection to the
+/// resolution of t.
+/// @param g  callable g(t, y) -> real
+template <class State, class G>
+class EventFinder {
+ public:
+  using Real = real_of<State>;
+  EventFinder(G g, Crossing crossing, bool terminal, std::vector<Event<State>>& found)
+      : g_(std::move(g)), crossing_(crossing), terminal_(terminal), found_(found) {}
+
+  template <class View>
+  void operator()(View& view) {
+    const Real g0 = g_(view.t0(), view.y0()), g1 = g_(view.t1(), view.y1());
+    const bool rises = g0 < 0 && g1 >= 0, falls = g0 > 0 && g1 <= 0;
+    if (!(rises && crossing_ != Crossing::falling) && !(falls && crossing_ != Crossing::rising)) return;
+    Real before = view.t0(), after = view.t1();
+    State y = view.y1();
+    for (;;) {
+      const Real middle = before + (after - before) / 2;
+      if (middle <= before || middle >= after) break;
+      view.at(middle, y);
+      const Real g = g_(middle, y);
+      if (rises ? g < 0 : g > 0)
+        before = middle;
+      else
+        after = middle;
+    }
+    view.at(after, y);
+    found_.push_back({after, y});
+    if (terminal_) view.stop_at(after);
+  }
+
+ private:
+  G g_;
+  Crossing crossing_;
+  bool terminal_;
+  std::vector<Event<State>>& found_;
+};
+
+}  // namespace hmax
