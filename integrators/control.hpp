@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "integrators/controller.hpp"
 #include "integrators/error_norm.hpp"
@@ -28,8 +29,8 @@ struct Proposal {
 /// What became of an attempt.
 enum class Judgement { accept, retry, give_up };
 
-/// The number of steps of size h that cover `length`: the last one is shorter when h does not divide it, unless it
-/// would be a sliver of less than 1e-9 h made by rounding.
+/// The number of steps of size h that cover `length`: the last one is shorter when h does not divide it,
+/// unless it would be a sliver of less than 1e-9 h made by rounding.
 template <class Real>
 std::int64_t fixed_step_count(Real length, Real h) {
   const Real quotient = length / h;
@@ -54,7 +55,8 @@ class FixedStep {
   }
 
   Proposal<Real> propose(Real) const {
-    if (n_ == last_) [[unlikely]] return {last_h_, span_.t_end, true};
+    if (n_ == last_) [[unlikely]]
+      return {last_h_, span_.t_end, true};
     return {h_, at(n_ + 1), false};
   }
 
@@ -77,7 +79,7 @@ class FixedStep {
 template <class Real>
 struct Tolerances {
   Real rtol, atol;
-  Real h_first = 0;                                  ///< 0: chosen from the right-hand side
+  Real h_first = 0;  ///< 0: chosen from the right-hand side
   Real h_max = std::numeric_limits<Real>::infinity();
 };
 
@@ -89,7 +91,9 @@ class Adaptive {
 
   /// @param error_order  order of the error estimate; the stepper's own unless it is known only at run time
   Adaptive(Tolerances<Real> tolerances, int error_order)
-      : tolerances_(tolerances), norm_{tolerances.rtol, tolerances.atol}, controller_(error_order),
+      : tolerances_(tolerances),
+        norm_{tolerances.rtol, tolerances.atol},
+        controller_(error_order),
         error_order_(error_order) {}
 
   template <class Stepper, System Sys>
@@ -110,7 +114,8 @@ class Adaptive {
   /// The last step is stretched by up to 1 % (10 % under MATLAB's rules) rather than leaving a sliver.
   Proposal<Real> propose(Real t) const {
     constexpr Real stretch = matlab_rules ? Real(1.1) : Real(1.01);
-    if (t + stretch * h_ >= t_end_) [[unlikely]] return {t_end_ - t, t_end_, true};
+    if (t + stretch * h_ >= t_end_) [[unlikely]]
+      return {t_end_ - t, t_end_, true};
     return {h_, t + h_, false};
   }
 
@@ -118,7 +123,8 @@ class Adaptive {
   Judgement judge(const Stepper& stepper, const Proposal<Real>& step, const State& y, const State& y_new) {
     const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
     h_ = std::min(verdict.h_next, tolerances_.h_max);
-    if (verdict.accept) [[likely]] return Judgement::accept;
+    if (verdict.accept) [[likely]]
+      return Judgement::accept;
     // Below 16 units in the last place of t a step no longer moves time reliably.
     const Real smallest = 16 * std::numeric_limits<Real>::epsilon() * std::abs(step.t_next);
     return h_ <= std::max(smallest, std::numeric_limits<Real>::min()) ? Judgement::give_up : Judgement::retry;

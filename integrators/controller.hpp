@@ -16,8 +16,8 @@ struct Verdict {
 
 /// Elementary (integral) controller: h_next = h clamp(0.9 err^(-1/q)), no growth right after a rejection
 /// [hairer1993solving, II.4].
-/// Every controller is constructed with q, the order of the error estimate (error = O(h^q)), and takes the square of
-/// the error norm; the error is acceptable when it is at most 1, and NaN is a rejection.
+/// Every controller is constructed with q, the order of the error estimate (error = O(h^q)), and takes the
+/// square of the error norm; the error is acceptable when it is at most 1, and NaN is a rejection.
 template <class Real>
 class IntegralController {
  public:
@@ -36,8 +36,8 @@ class IntegralController {
   bool rejected_ = false;
 };
 
-/// Proportional-integral controller: h_next = h 0.9 err^(-0.7/q) err_old^(0.4/q), smoother where stability limits the
-/// step [gustafsson1991control].
+/// Proportional-integral controller: h_next = h 0.9 err^(-0.7/q) err_old^(0.4/q), smoother where stability
+/// limits the step [gustafsson1991control].
 template <class Real>
 class PiController {
  public:
@@ -50,7 +50,8 @@ class PiController {
     const bool accept = error_squared <= 1;
     if (!accept) {
       rejected_ = true;
-      const Real factor = std::isfinite(error_squared) ? Real(0.9) * std::pow(error_squared, elementary_) : Real(0.1);
+      const Real factor =
+          std::isfinite(error_squared) ? Real(0.9) * std::pow(error_squared, elementary_) : Real(0.1);
       return {false, h * std::clamp(factor, Real(0.2), Real(1))};
     }
     // An error of exactly zero must not make the next proportional term vanish.
@@ -68,10 +69,10 @@ class PiController {
   bool rejected_ = false;
 };
 
-/// Elementary controller that leaves h alone while the error is in (0.5, 1]. A step size that changes every step makes
-/// the time of the next evaluation wait for the controller; an unchanged one is known in advance, so the processor
-/// works on the next step while the error of this one is still being weighed. Powers are taken in single precision:
-/// a step size needs no more.
+/// Elementary controller that leaves h alone while the error is in (0.5, 1]. A step size that changes every
+/// step makes the time of the next evaluation wait for the controller; an unchanged one is known in advance,
+/// so the processor works on the next step while the error of this one is still being weighed. Powers are
+/// taken in single precision: a step size needs no more.
 template <class Real>
 class DeadbandController {
  public:
@@ -79,10 +80,12 @@ class DeadbandController {
 
   Verdict<Real> judge(Real error_squared, Real h) {
     if (error_squared <= 1) [[likely]] {
-      if (error_squared > Real(0.25)) [[likely]] return {true, h};
+      if (error_squared > Real(0.25)) [[likely]]
+        return {true, h};
       return {true, h * std::min(factor(std::max(error_squared, Real(1e-30))), Real(5))};
     }
-    return {false, h * (std::isfinite(error_squared) ? std::max(factor(error_squared), Real(0.2)) : Real(0.1))};
+    return {false,
+            h * (std::isfinite(error_squared) ? std::max(factor(error_squared), Real(0.2)) : Real(0.1))};
   }
 
  private:
@@ -93,8 +96,8 @@ class DeadbandController {
   float exponent_;
 };
 
-/// The rules of MATLAB's ode23 and ode45 [shampine1997matlab]: safety 0.8, growth at most 5, the first failure shrinks
-/// by the formula down to 0.1, further failures halve, no growth after a failure.
+/// The rules of MATLAB's ode23 and ode45 [shampine1997matlab]: safety 0.8, growth at most 5, the first
+/// failure shrinks by the formula down to 0.1, further failures halve, no growth after a failure.
 template <class Real>
 class MatlabController {
  public:

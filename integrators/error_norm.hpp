@@ -8,8 +8,8 @@
 
 namespace hmax {
 
-/// Root mean square of e_i / (atol + rtol max(|y_i|, |y_new,i|)) [hairer1993solving, II.4]. Norms are kept squared:
-/// the loop then needs no square root.
+/// Root mean square of e_i / (atol + rtol max(|y_i|, |y_new,i|)) [hairer1993solving, II.4]. Norms are kept
+/// squared: the loop then needs no square root.
 template <class Real>
 struct RmsNorm {
   Real rtol, atol;
@@ -26,8 +26,8 @@ struct RmsNorm {
   }
 };
 
-/// The norm of MATLAB's ODE suite: max_i |e_i| / max(|y_i|, |y_new,i|, atol / rtol), accepted when at most rtol
-/// [shampine1997matlab]; here divided by rtol, squared.
+/// The norm of MATLAB's ODE suite: max_i |e_i| / max(|y_i|, |y_new,i|, atol / rtol), accepted when at most
+/// rtol [shampine1997matlab]; here divided by rtol, squared.
 template <class Real>
 struct MatlabNorm {
   Real rtol, atol;

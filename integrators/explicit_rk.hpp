@@ -1,4 +1,5 @@
-/// The one stepper of all explicit Runge-Kutta methods, fed by tableaux known at compile time or read at run time.
+/// The one stepper of all explicit Runge-Kutta methods, fed by tableaux known at compile time or read at run
+/// time.
 #pragma once
 
 #include <array>
@@ -15,8 +16,8 @@
 
 namespace hmax {
 
-/// The coefficients of a constexpr method in the form the stepper asks for: every index is a type, so that each stage
-/// compiles to its own straight line without loops, tests or zero weights.
+/// The coefficients of a constexpr method in the form the stepper asks for: every index is a type, so that
+/// each stage compiles to its own straight line without loops, tests or zero weights.
 template <class Method>
 class StaticCoefficients {
   static constexpr const auto& tableau = Method::tableau;
@@ -75,7 +76,9 @@ class StaticCoefficients {
 
   static constexpr std::size_t stages() { return s; }
   template <std::size_t I>
-  static constexpr auto stage_row(std::integral_constant<std::size_t, I>) { return StageRow<I>{}; }
+  static constexpr auto stage_row(std::integral_constant<std::size_t, I>) {
+    return StageRow<I>{};
+  }
   static constexpr auto weights() { return Weights{}; }
   static constexpr auto error_weights() { return ErrorWeights{}; }
   static constexpr long double node(std::size_t i) { return tableau.c[i]; }
@@ -92,7 +95,8 @@ class StaticCoefficients {
   static void for_each_later_stage(F&& f) {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       (f(std::integral_constant<std::size_t, I + 1>{}), ...);
-    }(std::make_index_sequence<s - 1>{});
+    }
+    (std::make_index_sequence<s - 1>{});
   }
 };
 
@@ -100,7 +104,8 @@ class StaticCoefficients {
 ///   k_i = f(t + c_i h, y + h sum_j a_ij k_j),    y_new = y + h sum_i b_i k_i.
 /// @tparam Coefficients  StaticCoefficients<Method>, or RuntimeTableau for a user's file
 /// @tparam StateT        Eigen column vector of any real or complex scalar, shape (n)
-/// @cost   s evaluations of f a step, s - 1 when the last stage is the first of the next (FSAL) or after a rejection;
+/// @cost   s evaluations of f a step, s - 1 when the last stage is the first of the next (FSAL) or after a
+/// rejection;
 ///         no allocation after init()
 /// @source [hairer1993solving] II.1, II.4; continuous output II.6
 template <class Coefficients, class StateT>
@@ -164,18 +169,19 @@ class ExplicitRk {
   Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm) const {
     const Real e = weighted_square(coefficients_.error_weights(), h, y, y_new, norm);
     if constexpr (has_low_error()) {
-      const Real e_low =
-          weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm);
+      const Real e_low = weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm);
       const Real denominator = e + Real(0.01) * e_low;
       return denominator == 0 ? Real{0} : e * e / denominator;
     }
     return e;
   }
 
-  /// out = y(t + theta h) by the method's own interpolant, or by the cubic Hermite polynomial through both ends.
-  /// Costs nothing unless called; the polynomial is made once a step and further points cost O(degree n).
+  /// out = y(t + theta h) by the method's own interpolant, or by the cubic Hermite polynomial through both
+  /// ends. Costs nothing unless called; the polynomial is made once a step and further points cost O(degree
+  /// n).
   template <System Sys>
-  void interpolate(const Sys& system, Real t, Real h, const State& y, const State& y_new, Real theta, State& out) {
+  void interpolate(const Sys& system, Real t, Real h, const State& y, const State& y_new, Real theta,
+                   State& out) {
     if (!polynomial_known_) make_polynomial(system, t, h, y, y_new);
     const Real scale = h * theta;
     if constexpr (is_small_state<State>) {
@@ -196,7 +202,7 @@ class ExplicitRk {
   template <class Sys>
   struct StageTimes {};
   template <TimeSplitSystem Sys>
-    requires requires { Coefficients::first_at_node_of(1); }
+  requires requires { Coefficients::first_at_node_of(1); }
   struct StageTimes<Sys> {
     std::array<decltype(std::declval<const Sys&>().at(Real{})), Coefficients::stages()> at;
   };
@@ -248,10 +254,12 @@ class ExplicitRk {
         ((stage_argument(typename Coefficients::template ExtraRow<E>{}, y, h, k_, stage_),
           system.rhs(t + static_cast<Real>(Coefficients::extra_node(E)) * h, stage_, k_[s + E])),
          ...);
-      }(std::make_index_sequence<Coefficients::extra_stages>{});
+      }
+      (std::make_index_sequence<Coefficients::extra_stages>{});
       [&]<std::size_t... J>(std::index_sequence<J...>) {
         (set_weighted(typename Coefficients::template InterpolantColumn<J>{}, q_[J]), ...);
-      }(std::make_index_sequence<Coefficients::interpolant_degree>{});
+      }
+      (std::make_index_sequence<Coefficients::interpolant_degree>{});
     } else {
       if (!coefficients_.fsal && !end_slope_known_) {
         system.rhs(t + h, y_new, end_slope_);

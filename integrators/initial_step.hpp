@@ -8,15 +8,15 @@
 
 namespace hmax {
 
-/// The starting step of [hairer1993solving, II.4]: an explicit Euler step estimates the second derivative, and h is
-/// chosen so that h^q max(|f|, |y''|) = 0.01. Two evaluations of f.
+/// The starting step of [hairer1993solving, II.4]: an explicit Euler step estimates the second derivative,
+/// and h is chosen so that h^q max(|f|, |y''|) = 0.01. Two evaluations of f.
 /// @param error_order  q, order of the local error estimate
 /// @param norm         RmsNorm or MatlabNorm, which carry the tolerances
 /// @returns h > 0, at most `span`
 template <System Sys, class Norm>
 real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<typename Sys::State> t,
-                                                 const typename Sys::State& y, int error_order, const Norm& norm,
-                                                 real_of<typename Sys::State> span) {
+                                                 const typename Sys::State& y, int error_order,
+                                                 const Norm& norm, real_of<typename Sys::State> span) {
   using State = typename Sys::State;
   using Real = real_of<State>;
   State f0 = y, f1 = y, y1 = y;
@@ -38,12 +38,13 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   return h > 0 && std::isfinite(h) ? h : h0;
 }
 
-/// The starting step of MATLAB's ode23 and ode45: h = 0.8 rtol^(1/q) / |f / max(|y|, atol/rtol)|_inf, at most h_max
-/// [shampine1997matlab]. One evaluation of f.
+/// The starting step of MATLAB's ode23 and ode45: h = 0.8 rtol^(1/q) / |f / max(|y|, atol/rtol)|_inf, at most
+/// h_max [shampine1997matlab]. One evaluation of f.
 template <System Sys>
 real_of<typename Sys::State> matlab_initial_step(const Sys& system, real_of<typename Sys::State> t,
                                                  const typename Sys::State& y, int error_order,
-                                                 real_of<typename Sys::State> rtol, real_of<typename Sys::State> atol,
+                                                 real_of<typename Sys::State> rtol,
+                                                 real_of<typename Sys::State> atol,
                                                  real_of<typename Sys::State> h_max) {
   using Real = real_of<typename Sys::State>;
   typename Sys::State f0 = y;

@@ -1,7 +1,9 @@
 /// THE loop over time: the only one in the house.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "integrators/control.hpp"
@@ -18,7 +20,8 @@ class StepView {
   using State = typename Sys::State;
   using Real = real_of<State>;
 
-  StepView(StepperT& stepper, const Sys& system, Real t0, const Proposal<Real>& step, const State& y0, const State& y1)
+  StepView(StepperT& stepper, const Sys& system, Real t0, const Proposal<Real>& step, const State& y0,
+           const State& y1)
       : stepper_(stepper), system_(system), t0_(t0), step_(step), y0_(y0), y1_(y1) {}
 
   [[nodiscard]] Real t0() const { return t0_; }
@@ -60,7 +63,8 @@ struct RunEnd {
 };
 
 /// Integrates y' = f(t, y) over `span`.
-/// @param stepper   taken by value: the loop owns the memory of the method, so the compiler may keep it in registers
+/// @param stepper   taken by value: the loop owns the memory of the method, so the compiler may keep it in
+/// registers
 /// @param y         initial state in, last accepted state out, shape (n)
 /// @param control   FixedStep or Adaptive
 /// @param observer  called as observer(StepView&) once for each accepted step, in order of time
@@ -70,10 +74,10 @@ template <class StepperT, System Sys, class Control, class Observer = ObserveNot
 #if defined(__GNUC__)
 [[gnu::flatten]]
 #endif
-RunEnd<real_of<typename Sys::State>> integrate(StepperT stepper, const Sys& system,
-                                               Span<real_of<typename Sys::State>> span, typename Sys::State& y,
-                                               Control control, Observer&& observer = {},
-                                               std::int64_t max_steps = 1'000'000'000) {
+RunEnd<real_of<typename Sys::State>>
+integrate(StepperT stepper, const Sys& system, Span<real_of<typename Sys::State>> span,
+          typename Sys::State& y, Control control, Observer&& observer = {},
+          std::int64_t max_steps = 1'000'000'000) {
   using State = typename Sys::State;
   using Real = real_of<State>;
   RunEnd<Real> end{Outcome::reached_end, span.t0, {}};
@@ -92,7 +96,8 @@ RunEnd<real_of<typename Sys::State>> integrate(StepperT stepper, const Sys& syst
   };
 
   for (std::int64_t attempts = 0;; ++attempts) {
-    if (attempts == max_steps) [[unlikely]] return finish(Outcome::too_many_steps, t);
+    if (attempts == max_steps) [[unlikely]]
+      return finish(Outcome::too_many_steps, t);
     const Proposal<Real> step = control.propose(t);
     if (stepper.attempt(system, t, now, step.h, candidate) != StepStatus::ok) [[unlikely]]
       return finish(Outcome::newton_failed, t);
@@ -102,7 +107,8 @@ RunEnd<real_of<typename Sys::State>> integrate(StepperT stepper, const Sys& syst
       if (judgement == Judgement::give_up) return finish(Outcome::step_too_small, t);
       continue;
     }
-    if (!is_bounded(candidate)) [[unlikely]] return finish(Outcome::diverged, step.t_next);
+    if (!is_bounded(candidate)) [[unlikely]]
+      return finish(Outcome::diverged, step.t_next);
     ++end.stats.steps;
     if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
       StepView<StepperT, Sys> view(stepper, system, t, step, now, candidate);

@@ -9,14 +9,17 @@
 
 namespace hmax {
 
-/// Calls sink(t, y) for t0 and for every multiple of the interval up to t_end, and at t_end, read off the dense
-/// output. Sample times are t0 + j interval, computed.
+/// Calls sink(t, y) for t0 and for every multiple of the interval up to t_end, and at t_end, read off the
+/// dense output. Sample times are t0 + j interval, computed.
 template <class State, class Sink>
 class SampleEvery {
  public:
   using Real = real_of<State>;
   SampleEvery(Span<Real> span, Real interval, const State& y0, Sink sink)
-      : span_(span), interval_(interval), count_(fixed_step_count(span.t_end - span.t0, interval)), sample_(y0),
+      : span_(span),
+        interval_(interval),
+        count_(fixed_step_count(span.t_end - span.t0, interval)),
+        sample_(y0),
         sink_(std::move(sink)) {
     sink_(span.t0, y0);
   }
@@ -50,8 +53,8 @@ struct Event {
 };
 
 /// Records the zeros of g(t, y) along the dense output; a terminal event ends the run there.
-/// One sign change a step is seen, as in every solver that looks at step ends; the zero is located by bisection to the
-/// resolution of t.
+/// One sign change a step is seen, as in every solver that looks at step ends; the zero is located by
+/// bisection to the resolution of t.
 /// @param g  callable g(t, y) -> real
 template <class State, class G>
 class EventFinder {

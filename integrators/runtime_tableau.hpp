@@ -22,13 +22,15 @@ struct RuntimeTableau {
 
   std::string name;
   std::vector<long double> a, b, b_err, c;
-  int computed_order = 0;     ///< of b; at least 1, otherwise the method is not consistent
-  int embedded_order = 0;     ///< of b - b_err; 0 without an embedded method
-  bool fsal = false;          ///< the last stage is the first of the next step
+  int computed_order = 0;  ///< of b; at least 1, otherwise the method is not consistent
+  int embedded_order = 0;  ///< of b - b_err; 0 without an embedded method
+  bool fsal = false;       ///< the last stage is the first of the next step
 
   [[nodiscard]] std::size_t stages() const { return b.size(); }
   [[nodiscard]] bool has_error() const { return embedded_order > 0; }
-  [[nodiscard]] std::span<const long double> stage_row(std::size_t i) const { return {a.data() + i * b.size(), i}; }
+  [[nodiscard]] std::span<const long double> stage_row(std::size_t i) const {
+    return {a.data() + i * b.size(), i};
+  }
   [[nodiscard]] std::span<const long double> weights() const { return b; }
   [[nodiscard]] std::span<const long double> error_weights() const { return b_err; }
   [[nodiscard]] long double node(std::size_t i) const { return c[i]; }

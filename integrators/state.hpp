@@ -1,5 +1,5 @@
-/// The arithmetic of states: weighted sums in one pass, copies, norms. The only place that knows how a state is
-/// laid out.
+/// The arithmetic of states: weighted sums in one pass, copies, norms. The only place that knows how a state
+/// is laid out.
 #pragma once
 
 #include <cmath>
@@ -13,13 +13,14 @@
 
 namespace hmax {
 
-/// States of at most this many numbers are treated number by number. Eigen would move two doubles as one packet, and
-/// a packet load right after two scalar stores (as in a right-hand side) waits for the store buffer.
+/// States of at most this many numbers are treated number by number. Eigen would move two doubles as one
+/// packet, and a packet load right after two scalar stores (as in a right-hand side) waits for the store
+/// buffer.
 inline constexpr int max_scalar_states = 8;
 
 template <class State>
 inline constexpr bool is_small_state =
-    State::SizeAtCompileTime != Eigen::Dynamic && State::SizeAtCompileTime <= max_scalar_states;
+    State::SizeAtCompileTime != Eigen::Dynamic&& State::SizeAtCompileTime <= max_scalar_states;
 
 namespace detail {
 template <class F, std::size_t... D>
@@ -30,7 +31,7 @@ inline void unrolled(F&& f, std::index_sequence<D...>) {
 
 /// Calls f(d) for each component of a small state, unrolled.
 template <class State, class F>
-  requires is_small_state<State>
+requires is_small_state<State>
 inline void for_each_component(F&& f) {
   detail::unrolled(f, std::make_index_sequence<State::SizeAtCompileTime>{});
 }
@@ -44,8 +45,8 @@ inline void copy_state(const State& y, State& out) {
     out = y;
 }
 
-/// True when the squares of the components can still be summed: false for NaN, infinity and magnitudes beyond the
-/// square root of the largest number. This is what `diverged` means.
+/// True when the squares of the components can still be summed: false for NaN, infinity and magnitudes beyond
+/// the square root of the largest number. This is what `diverged` means.
 template <class State>
 inline bool is_bounded(const State& y) {
   using Real = real_of<State>;
@@ -84,8 +85,8 @@ inline auto fold_weights(Real h, const Term& term, const Left& left) {
   if constexpr (J >= Row::size)
     return left;
   else
-    return fold_weights<Row, Real, next_weight<Row>(J + 1)>(h, term,
-                                                            left + (h * static_cast<Real>(Row::weight(J))) * term(J));
+    return fold_weights<Row, Real, next_weight<Row>(J + 1)>(
+        h, term, left + (h * static_cast<Real>(Row::weight(J))) * term(J));
 }
 
 /// sum_j (h weight_j) term(j) as one expression; the row has at least one weight that is not zero.
@@ -96,8 +97,8 @@ inline auto weighted_sum(Real h, const Term& term) {
       h, term, (h * static_cast<Real>(Row::weight(first))) * term(first));
 }
 
-/// Writes expression(access) into out, where access(v) is a component or the whole of a vector: number by number for
-/// small states, one Eigen expression and one pass over memory for the others.
+/// Writes expression(access) into out, where access(v) is a component or the whole of a vector: number by
+/// number for small states, one Eigen expression and one pass over memory for the others.
 template <class State, class Expression>
 inline void assign(State& out, const Expression& expression) {
   if constexpr (is_small_state<State>)
@@ -108,8 +109,9 @@ inline void assign(State& out, const Expression& expression) {
 }
 }  // namespace detail
 
-/// The argument of a stage, out = y + h sum_j weight_j k_j; k[j] of shape (n). Summed from y onwards, so that only one
-/// multiplication and one addition wait for the newest k; the rounding this costs enters the step multiplied by h.
+/// The argument of a stage, out = y + h sum_j weight_j k_j; k[j] of shape (n). Summed from y onwards, so that
+/// only one multiplication and one addition wait for the newest k; the rounding this costs enters the step
+/// multiplied by h.
 template <StaticRow Row, class State, class Stages>
 inline void stage_argument(Row, const State& y, real_of<State> h, const Stages& k, State& out) {
   using Real = real_of<State>;
@@ -119,13 +121,14 @@ inline void stage_argument(Row, const State& y, real_of<State> h, const Stages& 
   });
 }
 
-/// The end of a step, out = y + (h sum_j weight_j k_j). The small increment is summed first: this rounding stays.
+/// The end of a step, out = y + (h sum_j weight_j k_j). The small increment is summed first: this rounding
+/// stays.
 template <StaticRow Row, class State, class Stages>
 inline void add_increment(Row, const State& y, real_of<State> h, const Stages& k, State& out) {
   using Real = real_of<State>;
   detail::assign(out, [&](auto access) {
-    return access(y) + detail::weighted_sum<Row, Real>(
-                           h, [&](std::size_t j) -> decltype(auto) { return access(k[j]); });
+    return access(y) +
+           detail::weighted_sum<Row, Real>(h, [&](std::size_t j) -> decltype(auto) { return access(k[j]); });
   });
 }
 
@@ -137,20 +140,21 @@ inline auto increment_component(Row, Real h, const Stages& k, Eigen::Index d) {
 
 /// The same with weights known at run time; k holds at least as many stages as there are weights.
 template <class Stages, class Real>
-inline auto increment_component(std::span<const long double> weights, Real h, const Stages& k, Eigen::Index d) {
+inline auto increment_component(std::span<const long double> weights, Real h, const Stages& k,
+                                Eigen::Index d) {
   typename std::remove_cvref_t<decltype(k[0])>::Scalar sum{0};
   for (std::size_t j = 0; j < weights.size(); ++j)
     if (weights[j] != 0) sum += (h * static_cast<Real>(weights[j])) * k[j][d];
   return sum;
 }
 template <class State, class Stages>
-inline void add_increment(std::span<const long double> weights, const State& y, real_of<State> h, const Stages& k,
-                          State& out) {
+inline void add_increment(std::span<const long double> weights, const State& y, real_of<State> h,
+                          const Stages& k, State& out) {
   for (Eigen::Index d = 0; d < y.size(); ++d) out[d] = y[d] + increment_component(weights, h, k, d);
 }
 template <class State, class Stages>
-inline void stage_argument(std::span<const long double> weights, const State& y, real_of<State> h, const Stages& k,
-                           State& out) {
+inline void stage_argument(std::span<const long double> weights, const State& y, real_of<State> h,
+                           const Stages& k, State& out) {
   add_increment(weights, y, h, k, out);
 }
 

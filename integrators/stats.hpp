@@ -26,13 +26,9 @@ class Counted {
     ++rhs_count_;
     system_.rhs(t, y, dydt);
   }
-  auto at(real_of<State> t) const
-    requires TimeSplitSystem<S>
-  {
-    return system_.at(t);
-  }
+  auto at(real_of<State> t) const requires TimeSplitSystem<S> { return system_.at(t); }
   template <class TimePart>
-    requires TimeSplitSystem<S>
+  requires TimeSplitSystem<S>
   void rhs_at(const TimePart& part, const State& y, State& dydt) const {
     ++rhs_count_;
     system_.rhs_at(part, y, dydt);

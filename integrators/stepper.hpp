@@ -27,29 +27,34 @@ enum class Outcome {
 /// The word that stores, tables and JSON use.
 constexpr std::string_view to_string(Outcome outcome) {
   switch (outcome) {
-    case Outcome::reached_end: return "reached_end";
-    case Outcome::stopped: return "stopped";
-    case Outcome::diverged: return "diverged";
-    case Outcome::step_too_small: return "step_too_small";
-    case Outcome::too_many_steps: return "too_many_steps";
-    case Outcome::newton_failed: return "newton_failed";
+    case Outcome::reached_end:
+      return "reached_end";
+    case Outcome::stopped:
+      return "stopped";
+    case Outcome::diverged:
+      return "diverged";
+    case Outcome::step_too_small:
+      return "step_too_small";
+    case Outcome::too_many_steps:
+      return "too_many_steps";
+    case Outcome::newton_failed:
+      return "newton_failed";
   }
   return "unknown";
 }
 
-/// init() prepares for a run and is the only call that allocates. attempt() writes a candidate for t + h into y_new
-/// and may be repeated with another h: only accept() commits. interpolate() is valid after a successful attempt and
-/// until accept(): it writes the state at t + theta h, theta in [0, 1].
+/// init() prepares for a run and is the only call that allocates. attempt() writes a candidate for t + h into
+/// y_new and may be repeated with another h: only accept() commits. interpolate() is valid after a successful
+/// attempt and until accept(): it writes the state at t + theta h, theta in [0, 1].
 template <class M, class Sys>
-concept Stepper =
-    System<Sys> && requires(M stepper, const Sys& system, real_of<typename Sys::State> t, const typename Sys::State& y,
-                            typename Sys::State& y_new) {
-      { M::order } -> std::convertible_to<int>;        // 0 when it is known only at run time
-      { M::error_order } -> std::convertible_to<int>;  // error estimate = O(h^error_order); 0 without one
-      stepper.init(system, t, y);
-      { stepper.attempt(system, t, y, t, y_new) } -> std::same_as<StepStatus>;
-      stepper.accept(y_new);
-      stepper.interpolate(system, t, t, y, y_new, t, y_new);
-    };
+concept Stepper = System<Sys> && requires(M stepper, const Sys& system, real_of<typename Sys::State> t,
+                                          const typename Sys::State& y, typename Sys::State& y_new) {
+  { M::order } -> std::convertible_to<int>;        // 0 when it is known only at run time
+  { M::error_order } -> std::convertible_to<int>;  // error estimate = O(h^error_order); 0 without one
+  stepper.init(system, t, y);
+  { stepper.attempt(system, t, y, t, y_new) } -> std::same_as<StepStatus>;
+  stepper.accept(y_new);
+  stepper.interpolate(system, t, t, y, y_new, t, y_new);
+};
 
 }  // namespace hmax

@@ -5,8 +5,9 @@
 #error "hmax must not be compiled with -ffast-math: it makes isnan false, and divergence would pass unseen."
 #endif
 
-#include <Eigen/Core>
 #include <concepts>
+
+#include <Eigen/Core>
 
 namespace hmax {
 
@@ -14,8 +15,9 @@ namespace hmax {
 template <class State>
 using real_of = typename Eigen::NumTraits<typename State::Scalar>::Real;
 
-/// A first-order system y' = f(t, y). `rhs` writes f into dydt (already sized, shape (dim)); it is const, has no
-/// hidden state and allocates nothing. State is an Eigen column vector, of fixed size where the dimension is known.
+/// A first-order system y' = f(t, y). `rhs` writes f into dydt (already sized, shape (dim)); it is const, has
+/// no hidden state and allocates nothing. State is an Eigen column vector, of fixed size where the dimension
+/// is known.
 template <class S>
 concept System = requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
                           typename S::State& dydt) {
@@ -30,16 +32,20 @@ using jacobian_of = Eigen::Matrix<typename State::Scalar, State::RowsAtCompileTi
 
 /// A system that also knows df/dy: `jacobian` writes J(i, j) = d f_i / d y_j, shape (dim, dim).
 template <class S>
-concept DifferentiableSystem =
-    System<S> && requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
-                          jacobian_of<typename S::State>& J) { system.jacobian(t, y, J); };
+concept DifferentiableSystem = System<S> &&
+    requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
+             jacobian_of<typename S::State>& J) {
+  system.jacobian(t, y, J);
+};
 
-/// A system whose dependence on time can be evaluated apart from the state, f(t, y) = f(g(t), y): driving forces, loads,
-/// prescribed motion. `at` returns g(t), a small value; `rhs_at` finishes the evaluation. A stepper then evaluates g
-/// once for all stages at the same time, which generic code that sees only f(t, y) cannot do.
+/// A system whose dependence on time can be evaluated apart from the state, f(t, y) = f(g(t), y): driving
+/// forces, loads, prescribed motion. `at` returns g(t), a small value; `rhs_at` finishes the evaluation. A
+/// stepper then evaluates g once for all stages at the same time, which generic code that sees only f(t, y)
+/// cannot do.
 template <class S>
-concept TimeSplitSystem =
-    System<S> && requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
-                          typename S::State& dydt) { system.rhs_at(system.at(t), y, dydt); };
+concept TimeSplitSystem = System<S> && requires(const S& system, real_of<typename S::State> t,
+                                                const typename S::State& y, typename S::State& dydt) {
+  system.rhs_at(system.at(t), y, dydt);
+};
 
 }  // namespace hmax

@@ -66,9 +66,9 @@ class BasicOscillator {
     return P_m_ != Real(0) ? P_m_ * cos(w_ * t) : Real(0);
   }
 
-  /// Writes y' into dydt for a given force per mass. The velocity, the newest number in a Runge-Kutta stage, enters
-  /// last. The components are written one by one: a vector store followed by scalar loads would stall on store
-  /// forwarding.
+  /// Writes y' into dydt for a given force per mass. The velocity, the newest number in a Runge-Kutta stage,
+  /// enters last. The components are written one by one: a vector store followed by scalar loads would stall
+  /// on store forwarding.
   [[gnu::always_inline]] void rhs_at(Real force, const State& y, State& dydt) const noexcept {
     const Real x = y[0];
     const Real v = y[1];
@@ -77,7 +77,9 @@ class BasicOscillator {
   }
 
   /// Writes y' = f(t, y) into dydt.
-  [[gnu::always_inline]] void rhs(Real t, const State& y, State& dydt) const noexcept { rhs_at(at(t), y, dydt); }
+  [[gnu::always_inline]] void rhs(Real t, const State& y, State& dydt) const noexcept {
+    rhs_at(at(t), y, dydt);
+  }
 
   /// J = df/dy: the tangent stiffness is k1 + 3 k3 x^2.
   [[gnu::always_inline]] void jacobian(Real /*t*/, const State& y, Jacobian& J) const noexcept {
