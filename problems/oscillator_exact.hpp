@@ -12,8 +12,8 @@
 
 namespace hmax {
 
-/// t -> (x(t), v(t)) with (x, v) = y0 at t = 0. Computed in long double, so that the double result is correct
-/// to its last digits as long as the phase, about 1e-19 times the number of radians passed, is.
+/// t -> (x(t), v(t)) with (x, v) = y0 at t = 0. Computed in long double; the error of its phase is a few
+/// 1e-19 times the number of radians passed.
 class ExactSolution {
  public:
   using ExtendedState = BasicOscillator<long double>::State;
