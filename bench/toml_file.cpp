@@ -107,6 +107,33 @@ void check_text(std::string_view text, const std::string& name) {
   }
 }
 
+/// Refuses what is not ASCII outside of strings and comments: TOML allows none, people paste curly quotes and
+/// long minus signs, and toml++ 3.3 answers some of them with undefined behaviour.
+void check_outside_of_strings(std::string_view text, const std::string& name) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size());
+    } else if (c == '"' || c == '\'') {
+      const std::string quotes(text.substr(i, 3) == std::string(3, c) ? 3 : 1, c);
+      const bool multi_line = quotes.size() == 3;
+      for (i += quotes.size(); i < text.size() && text.substr(i, quotes.size()) != quotes; ++i) {
+        if (c == '"' && text[i] == '\\') ++i;
+        if (!multi_line && i < text.size() && text[i] == '\n') break;
+      }
+      i += quotes.size() - 1;
+      // Up to two quotes may stand before the three that end a string.
+      for (int more = 0; multi_line && more < 2 && i + 1 < text.size() && text[i + 1] == c; ++more) ++i;
+    } else if (static_cast<unsigned char>(c) >= 0x80) {
+      const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n');
+      throw InputError(
+          fmt::format("{}:{}: a character that is not ASCII stands outside of quotes; use plain letters, "
+                      "spaces, quotes and minus signs there",
+                      name, line));
+    }
+  }
+}
+
 /// What to do about a syntax error that people with a decimal comma make.
 std::string comma_hint(std::string_view text, std::size_t line) {
   for (; line > 1; --line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
@@ -134,7 +161,10 @@ void TomlDocument::fail(std::string_view place, std::string_view message) const 
 }
 
 TomlDocument parse_toml(std::string_view text, std::string name) {
+  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   check_text(text, name);
+  check_outside_of_strings(text, name);
   TomlDocument document{.name = std::move(name), .root = Json::object(), .lines = {}};
   try {
     const toml::table table = toml::parse(text);

@@ -82,6 +82,20 @@ TEST(TomlFile, RefusesWhatBreaksItsParser) {
   }
 }
 
+TEST(TomlFile, RefusesWhatIsNotAsciiOutsideOfStringsAndComments) {
+  const std::string expected = "case.toml:2: a character that is not ASCII";
+  for (const std::string& before : {"a = 1\n"s, "a = '\\'\n"s, "a = \"\"\n"s, "a = 'x' # '\n"s,
+                                    R"(a = """x""""")"s + "\n", "a = \"\xE2\x88\x92\"\n"s})
+    EXPECT_EQ(complaint(before + "b = \xE2\x88\x92"
+                                 "1")
+                  .substr(0, expected.size()),
+              expected)
+        << before;
+  for (const std::string& sound : {R"(a = 'é')"s, R"(# 'é)"s, R"(a = "\"é")"s, R"("é" = 1)"s,
+                                   "a = '''\n\xC3\xA9'\n'''"s, R"(a = """\"""é""""")"s})
+    EXPECT_EQ(complaint(sound), "") << sound;
+}
+
 TEST(TomlFile, RefusesBytesThatAreNotText) {
   EXPECT_NE(complaint("a = \"\xFF\"").find("UTF-8"), std::string::npos);
   EXPECT_NE(complaint("a = 1\nb\0 = 2"s).find("case.toml:2: control byte 0x00"), std::string::npos);
