@@ -91,7 +91,8 @@ struct Jacobi {
 };
 
 /// Jacobi functions of parameter M = 1 - M1 by the arithmetic-geometric mean and descending Landen
-/// transformations [dlmf] 22.20(ii). M1 is a parameter of its own because 1 - M loses it near a separatrix.
+/// transformations [olver2010nist] 22.20(ii). M1 is a parameter of its own because 1 - M loses it near a
+/// separatrix.
 Jacobi jacobi(Real u, Real M, Real M1) {
   Real a[16], c[16];
   a[0] = 1;
@@ -111,7 +112,7 @@ Jacobi jacobi(Real u, Real M, Real M1) {
   return {std::sin(phi), cn, std::sqrt(M1 + M * cn * cn)};
 }
 
-/// Jacobi functions of u + v from those of u and of v [dlmf] 22.8.
+/// Jacobi functions of u + v from those of u and of v [olver2010nist] 22.8.
 Jacobi add(const Jacobi& u, const Jacobi& v, Real M) {
   const Real ss = u.sn * v.sn;
   const Real denominator = 1 - M * ss * ss;

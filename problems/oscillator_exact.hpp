@@ -41,7 +41,7 @@ class ExactSolution {
 /// a
 ///           separatrix
 /// @throws std::invalid_argument  for parameters that are no oscillator (see BasicOscillator)
-/// @source   [dlmf] 22.8, 22.13; checked by tests/problems/oscillator_exact_test.cpp
+/// @source   [olver2010nist] 22.8, 22.13; checked by tests/problems/oscillator_exact_test.cpp
 std::optional<ExactSolution> exact_solution(const OscillatorParameters& parameters,
                                             const Eigen::Vector2d& y0);
 
