@@ -96,12 +96,12 @@ OscillatorReference::OscillatorReference(const OscillatorParameters& parameters,
   do {
     if (pieces_.size() == most_pieces || !(y.cwiseAbs().maxCoeff() < largest_state)) break;
     Piece piece;
-    expand(parameters, t, y, kOrder, piece.coefficients);
-    const Real h = step_size(piece.coefficients, kOrder);
+    expand(parameters, t, y, taylor_order, piece.coefficients);
+    const Real h = step_size(piece.coefficients, taylor_order);
     if (!(h > 1e-15L * t) || h == 0) break;
     const bool last = !(t + h < t_end);
     const Real next = last ? static_cast<Real>(t_end) : t + h;
-    const State y_next = evaluate(piece.coefficients, kOrder, next - t);
+    const State y_next = evaluate(piece.coefficients, taylor_order, next - t);
     if (!y_next.allFinite()) break;
 
     // The second computation in two half steps; the dense outputs are compared inside the steps too.
@@ -110,7 +110,7 @@ OscillatorReference::OscillatorReference(const OscillatorParameters& parameters,
     for (int i = 0; i < 2; ++i) {
       expand(parameters, t + i * half, check, check_order, inner);
       for (const Real s : {Real(0.25), Real(0.5), Real(0.75), Real(1)}) {
-        const State coarse = evaluate(piece.coefficients, kOrder, (i + s) * half);
+        const State coarse = evaluate(piece.coefficients, taylor_order, (i + s) * half);
         const State fine = evaluate(inner, check_order, s * half);
         difference = std::max(difference, (coarse - fine).cwiseAbs().maxCoeff());
         largest = std::max(largest, coarse.cwiseAbs().maxCoeff());
@@ -159,7 +159,7 @@ OscillatorReference::ExtendedState OscillatorReference::extended_at(long double 
   if (!(t >= 0 && t <= valid_until_) || pieces_.empty())
     return State::Constant(std::numeric_limits<Real>::quiet_NaN());
   const std::size_t i = piece_at(t);
-  return evaluate(pieces_[i].coefficients, kOrder, t - starts_[i]);
+  return evaluate(pieces_[i].coefficients, taylor_order, t - starts_[i]);
 }
 
 double OscillatorReference::error_bound(double t) const {

@@ -48,11 +48,11 @@ class OscillatorReference {
   double error_bound(double t) const;
 
  private:
-  static constexpr int kOrder = 30;
+  static constexpr int taylor_order = 30;
 
   /// y(t) = sum_k coefficients[k] (t - start)^k up to the start of the next piece.
   struct Piece {
-    long double coefficients[kOrder + 1][2];
+    long double coefficients[taylor_order + 1][2];
   };
 
   std::size_t piece_at(long double t) const;

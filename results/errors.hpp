@@ -6,7 +6,8 @@
 
 namespace hmax {
 
-/// Bad input or usage, told in one sentence that names what is wrong and the remedy. The command exits with 2.
+/// Bad input or usage, told in one sentence that names what is wrong and the remedy. The command exits
+/// with 2.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -14,8 +14,8 @@ namespace hmax::sqlite {
 
 /// A result code that SQLite gave, with its own words.
 struct Failure : std::runtime_error {
-  Failure(int code_, int system_error_, const std::string& words)
-      : std::runtime_error(words), code(code_), system_error(system_error_) {}
+  Failure(int result_code, int os_error, const std::string& words)
+      : std::runtime_error(words), code(result_code), system_error(os_error) {}
   int code;          ///< extended result code
   int system_error;  ///< errno behind it, 0 when there is none
 };

@@ -246,7 +246,7 @@ struct Store::Impl {
   std::int64_t watermark = 0;                       ///< id of the newest row when the session began
   mutable std::unique_ptr<Statement> insert, find;  ///< prepared once; gone before the database closes
 
-  Impl(fs::path file_, Database database_) : file(std::move(file_)), database(std::move(database_)) {}
+  Impl(fs::path path, Database opened) : file(std::move(path)), database(std::move(opened)) {}
   sqlite3* db() const { return database.get(); }
 
   /// Id of the row with this key, 0 when there is none.

@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Splits a line at its commas; a cell in double quotes may hold commas, and quotes written twice [shafranovich2005common].
+/// Splits a line at its commas; a cell in double quotes may hold commas, and quotes written twice
+/// [shafranovich2005common].
 std::vector<std::string> split_cells(std::string_view line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
