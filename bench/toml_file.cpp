@@ -1,6 +1,7 @@
 #include "bench/toml_file.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -50,6 +51,37 @@ std::string step(std::string_view key) {
 
 int line_of(const toml::source_region& region) { return static_cast<int>(region.begin.line); }
 
+/// toml++ 3.3 answers some letters beyond ASCII with undefined behaviour wherever it expects a space, also
+/// within strings of many lines, so it never sees one: each byte of them, and '~' itself, stands as '~' and
+/// two hex digits.
+std::string masked(std::string_view text) {
+  std::string ascii;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x80 || c == '~') {
+      ascii += fmt::format("~{:02x}", byte);
+    } else {
+      ascii += c;
+    }
+  }
+  return ascii;
+}
+
+std::string unmasked(std::string_view ascii) {
+  std::string text;
+  for (std::size_t i = 0; i < ascii.size(); ++i) {
+    unsigned byte = 0;
+    if (ascii[i] == '~' && i + 2 < ascii.size() &&
+        std::from_chars(ascii.data() + i + 1, ascii.data() + i + 3, byte, 16).ptr == ascii.data() + i + 3) {
+      text += static_cast<char>(byte);
+      i += 2;
+    } else {
+      text += ascii[i];
+    }
+  }
+  return text;
+}
+
 Json converted(const toml::node& node, const std::string& place, TomlDocument& document) {
   if (const auto* table = node.as_table()) {
     // toml++ sorts keys by name; a reader of messages and of results expects the order of the file.
@@ -61,9 +93,9 @@ Json converted(const toml::node& node, const std::string& place, TomlDocument& d
     });
     Json object = Json::object();
     for (const auto& [key, value] : entries) {
-      const std::string inside = place + step(key->str());
+      const std::string name = unmasked(key->str()), inside = place + step(name);
       document.lines[inside] = line_of(key->source());
-      object[std::string(key->str())] = converted(*value, inside, document);
+      object[name] = converted(*value, inside, document);
     }
     return object;
   }
@@ -76,7 +108,7 @@ Json converted(const toml::node& node, const std::string& place, TomlDocument& d
     }
     return list;
   }
-  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* text = node.as_string()) return unmasked(text->get());
   if (const auto* integer = node.as_integer()) return integer->get();
   if (const auto* number = node.as_floating_point()) return number->get();
   if (const auto* truth = node.as_boolean()) return truth->get();
@@ -107,37 +139,13 @@ void check_text(std::string_view text, const std::string& name) {
   }
 }
 
-/// Refuses what is not ASCII outside of strings and comments: TOML allows none, people paste curly quotes and
-/// long minus signs, and toml++ 3.3 answers some of them with undefined behaviour.
-void check_outside_of_strings(std::string_view text, const std::string& name) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '#') {
-      i = std::min(text.find('\n', i), text.size());
-    } else if (c == '"' || c == '\'') {
-      const std::string quotes(text.substr(i, 3) == std::string(3, c) ? 3 : 1, c);
-      const bool multi_line = quotes.size() == 3;
-      for (i += quotes.size(); i < text.size() && text.substr(i, quotes.size()) != quotes; ++i) {
-        if (c == '"' && text[i] == '\\') ++i;
-        if (!multi_line && i < text.size() && text[i] == '\n') break;
-      }
-      i += quotes.size() - 1;
-      // Up to two quotes may stand before the three that end a string.
-      for (int more = 0; multi_line && more < 2 && i + 1 < text.size() && text[i + 1] == c; ++more) ++i;
-    } else if (static_cast<unsigned char>(c) >= 0x80) {
-      const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n');
-      throw InputError(
-          fmt::format("{}:{}: a character that is not ASCII stands outside of quotes; use plain letters, "
-                      "spaces, quotes and minus signs there",
-                      name, line));
-    }
-  }
-}
-
-/// What to do about a syntax error that people with a decimal comma make.
-std::string comma_hint(std::string_view text, std::size_t line) {
+/// What to do about syntax errors of people with a decimal comma or with a word processor.
+std::string hint(std::string_view text, std::size_t line) {
   for (; line > 1; --line) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
   const std::string written(text.substr(0, text.find('\n')));
+  if (std::any_of(written.begin(), written.end(),
+                  [](char c) { return static_cast<unsigned char>(c) >= 0x80; }))
+    return "; letters and signs that are not ASCII may stand only in quotes and in comments";
   static const std::regex decimal_comma(R"(=\s*([+-]?[0-9]+),([0-9]+)\s*(#.*)?\r?$)");
   std::smatch match;
   if (written.size() > 200 || !std::regex_search(written, match, decimal_comma)) return {};
@@ -164,15 +172,14 @@ TomlDocument parse_toml(std::string_view text, std::string name) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   check_text(text, name);
-  check_outside_of_strings(text, name);
   TomlDocument document{.name = std::move(name), .root = Json::object(), .lines = {}};
   try {
-    const toml::table table = toml::parse(text);
+    const toml::table table = toml::parse(masked(text));
     document.root = converted(table, "", document);
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
-    throw InputError(fmt::format("{}:{}:{}: {}{}", document.name, at.line, at.column, error.description(),
-                                 comma_hint(text, at.line)));
+    throw InputError(fmt::format("{}:{}:{}: {}{}", document.name, at.line, at.column,
+                                 unmasked(error.description()), hint(text, at.line)));
   }
   return document;
 }
