@@ -1,0 +1,488 @@
+#include "plots/figure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "plots/gnuplot.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+// Lengths are pixels of a figure 900 wide, the width at which a README shows it; y counts from the top.
+constexpr double width = 900;
+constexpr double left_margin = 74, right_margin = 20, below_panel = 50;
+constexpr double title_height = 40, panel_title_height = 26, note_height = 15, key_row = 19,
+                 footer_height = 24;
+constexpr double key_sample = 34;  // length of the line sample in the key
+constexpr double character = 7.1;  // mean width of a character of the key's font
+constexpr double lost_cell = 10;   // width and height given to a mark in the strip of lost runs
+constexpr std::size_t longest_label = 44;
+
+constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                             "#e69f00", "#56b4e9", "#000000", "#808080"};
+constexpr std::array dashes{"1", "(9,4)", "(12,4,2,4)", "(2,4)", "(18,5)"};
+
+template <class Array>
+auto wrapped(const Array& values, int index) {
+  const int size = static_cast<int>(values.size());
+  return values[static_cast<std::size_t>(((index % size) + size) % size)];
+}
+
+std::string line_of(const Style& style) {
+  return fmt::format("lc rgb '{}' lw {} dt {}", wrapped(colours, style.colour), style.width,
+                     wrapped(dashes, style.dash));
+}
+std::string point_of(const Style& style, double size = 0.75) {
+  return fmt::format("pt {} ps {} lc rgb '{}'", style.marker, size, wrapped(colours, style.colour));
+}
+
+bool drawable(double value, const Axis& axis) {
+  return std::isfinite(value) && (!axis.logarithmic || value > 0);
+}
+
+/// A range in the coordinate in which the axis is even: log10 of a logarithmic axis.
+struct Even {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+
+  void include(double value, const Axis& axis) {
+    if (!drawable(value, axis)) return;
+    const double even = axis.logarithmic ? std::log10(value) : value;
+    low = std::min(low, even);
+    high = std::max(high, even);
+  }
+};
+
+/// The range of an axis over `points`, with a margin on both sides; [0, 1] or [1, 10] when nothing can be
+/// drawn.
+Range range_of(const Axis& axis, Even points, double margin) {
+  if (axis.range) return *axis.range;
+  if (!(points.low <= points.high)) points = {0, 1};
+  double widen = margin * (points.high - points.low);
+  if (!(points.high > points.low))
+    widen = axis.logarithmic ? 0.5 : std::max(1e-12, 0.1 * std::abs(points.high));
+  const double low = points.low - widen, high = points.high + widen;
+  return axis.logarithmic ? Range{std::pow(10, low), std::pow(10, high)} : Range{low, high};
+}
+
+/// `set xtics ...` with powers of ten on a logarithmic axis, thinned to at most `most` labels; a range of
+/// less than two decades is also labelled at 2 and 5 times a power.
+std::string tics(char axis_name, const Axis& axis, const Range& range, double most) {
+  const std::string text = fmt::format("set {}tics out scale 0.5 nomirror ", axis_name);
+  if (!axis.logarithmic) return text + "autofreq\n";
+  const double low = std::log10(range.low) - 1e-9, high = std::log10(range.high) + 1e-9;
+  const int first = static_cast<int>(std::floor(low)), last = static_cast<int>(std::floor(high));
+  const int step = std::max(1, static_cast<int>(std::ceil((last - first + 1) / most)));
+  std::vector<int> multiples{1};
+  if (high - low < 2) multiples = {1, 2, 5};
+  std::string list;
+  for (int power = first; power <= last; ++power)
+    for (const int multiple : multiples) {
+      const double at = std::log10(multiple) + power;
+      if (at < low || at > high) continue;
+      const std::string factor = multiple == 1 ? "" : fmt::format("{}·", multiple);
+      const bool labelled = power % step == 0;
+      list += fmt::format("{}'{}' {}e{}{}", list.empty() ? "" : ", ",
+                          labelled ? fmt::format("{}10^{{{}}}", factor, power) : "", multiple, power,
+                          labelled ? "" : " 1");
+    }
+  return text + "(" + list + ")\n";
+}
+
+/// One entry of the key.
+struct Entry {
+  std::string label;
+  Style style;
+  bool line;
+};
+
+std::vector<Entry> key_of(const Figure& figure) {
+  std::vector<Entry> entries;
+  const auto add = [&](const std::string& label, const Style& style, bool line) {
+    const bool known =
+        std::any_of(entries.begin(), entries.end(), [&](const Entry& e) { return e.label == label; });
+    if (!label.empty() && !known) entries.push_back({label, style, line});
+  };
+  for (const Panel& panel : figure.panels)
+    for (const Curve& curve : panel.curves) add(curve.label, curve.style, curve.line);
+  for (const Panel& panel : figure.panels)
+    for (const Mark& mark : panel.marks) add(mark.label, mark.style, false);
+  return entries;
+}
+
+/// Where a value lies on its axis: 0 at the low end, 1 at the high end.
+double fraction(double value, const Axis& axis, const Range& range) {
+  return axis.logarithmic ? std::log(value / range.low) / std::log(range.high / range.low)
+                          : (value - range.low) / (range.high - range.low);
+}
+
+/// A mark in the strip of lost runs, in fractions of the panel.
+struct Lost {
+  double x, y;
+  Style style;
+};
+
+/// Everything about a panel that follows from its content.
+struct Extent {
+  Range x, y;
+  double strip = 0;    ///< share of the height taken by the strip of lost runs
+  double end_of_tics;  ///< y under the strip
+  std::vector<Lost> lost;
+};
+
+/// Lays the lost runs of one x out as rows of marks centred on it, as many a row as fit before the next x.
+void lay_out_lost(const Panel& panel, double panel_width, double panel_height, Extent& extent) {
+  std::map<double, std::vector<Style>> at;  // keyed by the fraction of the width
+  for (const Curve& curve : panel.curves)
+    for (const double lost : curve.lost)
+      if (drawable(lost, panel.x)) at[fraction(lost, panel.x, extent.x)].push_back(curve.style);
+  double nearest = 4 * lost_cell / panel_width;
+  for (auto here = at.begin(); here != at.end() && std::next(here) != at.end(); ++here)
+    nearest = std::min(nearest, std::next(here)->first - here->first);
+  const auto per_row =
+      static_cast<std::size_t>(std::max(1.0, std::floor(nearest * panel_width / lost_cell + 1e-9)));
+  std::size_t rows = 0;
+  for (const auto& [x, styles] : at) rows = std::max(rows, (styles.size() + per_row - 1) / per_row);
+  if (rows == 0) return;
+  extent.strip = std::min(0.5, (lost_cell * static_cast<double>(rows) + 10) / panel_height);
+  for (const auto& [x, styles] : at)
+    for (std::size_t i = 0; i < styles.size(); ++i) {
+      const std::size_t row = i / per_row, in_row = std::min(per_row, styles.size() - row * per_row);
+      const double offset = static_cast<double>(i % per_row) - (static_cast<double>(in_row) - 1) / 2;
+      const double down = (lost_cell * (static_cast<double>(row) + 0.5) + 5) / panel_height;
+      extent.lost.push_back({x + offset * lost_cell / panel_width, 1 - down, styles[i]});
+    }
+}
+
+Extent extent_of(const Panel& panel, double panel_width, double panel_height) {
+  Even x, y;
+  bool markers = false;
+  std::size_t most_lost = 0;
+  for (const Curve& curve : panel.curves) {
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      if (!drawable(curve.x[i], panel.x) || !drawable(curve.y[i], panel.y)) continue;
+      x.include(curve.x[i], panel.x);
+      y.include(curve.y[i], panel.y);
+      if (curve.low.empty()) continue;
+      y.include(curve.low[i], panel.y);
+      y.include(curve.high[i], panel.y);
+    }
+    for (const double lost : curve.lost) x.include(lost, panel.x);
+    markers = markers || curve.style.marker != 0;
+    most_lost += curve.lost.size();
+  }
+  for (const Mark& mark : panel.marks) {
+    x.include(mark.x, panel.x);
+    y.include(mark.y, panel.y);
+  }
+  Extent extent;
+  // Room for half a row of marks beside an outermost lost run.
+  extent.x = range_of(panel.x, x, most_lost > 1 ? 2 * lost_cell / panel_width : markers ? 0.04 : 0);
+  extent.y = range_of(panel.y, y, 0.06);
+  extent.end_of_tics = extent.y.high;
+  lay_out_lost(panel, panel_width, panel_height, extent);
+  // Lift the upper end so that every curve ends below the strip.
+  const double stretch = 1 / (1 - extent.strip);
+  auto& [low, high] = extent.y;
+  high = panel.y.logarithmic ? low * std::pow(high / low, stretch) : low + (high - low) * stretch;
+  return extent;
+}
+
+/// The text being written: script and data grow together, a block of data has the number by which the script
+/// asks for it.
+class Writer {
+ public:
+  Writer(const Figure& figure, const std::string& name) : figure_(figure), name_(name) {}
+
+  FigureSource write() {
+    layout();
+    header();
+    for (std::size_t i = 0; i < figure_.panels.size(); ++i) panel(figure_.panels[i], i);
+    footer();
+    return {script_, data_};
+  }
+
+ private:
+  /// Heights of rows and of the whole, the columns of the key.
+  void layout() {
+    const auto columns = static_cast<std::size_t>(columns_);
+    double y = figure_.title.empty() ? 8 : title_height;
+    for (std::size_t first = 0; first < figure_.panels.size(); first += columns) {
+      std::size_t notes = 0;
+      bool titled = false;
+      for (std::size_t i = first; i < std::min(first + columns, figure_.panels.size()); ++i) {
+        notes = std::max(notes, figure_.panels[i].notes.size());
+        titled = titled || !figure_.panels[i].title.empty();
+      }
+      y += (titled ? panel_title_height : 8) + note_height * static_cast<double>(notes);
+      tops_.push_back(y);
+      y += figure_.panel_height + below_panel;
+    }
+    key_ = key_of(figure_);
+    std::size_t longest = 1;
+    for (Entry& entry : key_) {
+      entry.label = shortened(one_line(entry.label), longest_label);
+      longest = std::max(longest, length_of(entry.label));
+    }
+    key_width_ = key_sample + 26 + character * static_cast<double>(longest);
+    const auto most = std::clamp<std::size_t>(static_cast<std::size_t>((width - 40) / key_width_), 1, 6);
+    key_rows_ = (key_.size() + most - 1) / most;
+    key_columns_ = key_rows_ == 0 ? 0 : (key_.size() + key_rows_ - 1) / key_rows_;
+    key_top_ = y + 4;
+    height_ = std::ceil(key_top_ + key_row * static_cast<double>(key_rows_) + footer_height);
+  }
+
+  double across(double x) const { return x / width; }
+  double up(double y) const { return 1 - y / height_; }
+
+  void header() {
+    script_ = fmt::format(
+        "# Draws {0}.svg, {0}.png and {0}.pdf from {0}.dat: run `gnuplot {0}.gp` in this folder.\n"
+        "reset\n"
+        "if (!exists('pass')) pass = 1\n"
+        "if (pass == 1) set terminal svg size {1},{2} font 'sans-serif,12' background '#ffffff' enhanced\n"
+        "if (pass == 2) set terminal pngcairo size {3},{4} font 'sans-serif,12' fontscale 1.5 linewidth 2 "
+        "pointscale 2 background '#ffffff' enhanced\n"
+        "if (pass == 3) set terminal pdfcairo size {5}in,{6}in font 'sans-serif,12' fontscale 0.54 linewidth "
+        "1 "
+        "pointscale 0.72 background '#ffffff' enhanced\n"
+        "set output {7}.word('svg png pdf', pass)\n"
+        "# The svg terminal takes a font's weight only from enhanced text, which labels with underscores "
+        "cannot be.\n"
+        "bold = pass == 1 ? 'sans-serif' : 'sans-serif:Bold'\n"
+        "set encoding utf8\n"
+        "set style fill solid 1 noborder\n"
+        "unset key\n"
+        "set bars 0.4\n"
+        "set border 3 lc rgb '#606060' lw 0.8\n"
+        "set grid lc rgb '#d4d4d4' lw 0.6 dt 1\n"
+        "set multiplot\n",
+        name_, width, height_, 2 * width, 2 * height_, width / 100, height_ / 100,
+        gnuplot_string(name_ + "."));
+  }
+
+  void label(std::string_view text, double x, double y, std::string_view font, std::string_view more = "") {
+    script_ += fmt::format("set label {} at screen {:.5f},{:.5f} font {} noenhanced {}\n",
+                           gnuplot_string(text), across(x), up(y), font, more);
+  }
+
+  void panel(const Panel& panel, std::size_t index);
+  void key();
+  void footer();
+  int block(const std::string& comment, const std::vector<std::array<double, 4>>& rows, int columns);
+
+  const Figure& figure_;
+  const std::string& name_;
+  int columns_ = std::max(1, figure_.columns);
+  std::string script_, data_;
+  int blocks_ = 0;
+  double height_ = 0, key_top_ = 0, key_width_ = 0;
+  std::size_t key_rows_ = 0, key_columns_ = 0;
+  std::vector<Entry> key_;
+  std::vector<double> tops_;
+};
+
+/// Appends a block of `columns` columns and returns its number.
+int Writer::block(const std::string& comment, const std::vector<std::array<double, 4>>& rows, int columns) {
+  if (blocks_ > 0) data_ += "\n\n";
+  data_ += "# " + one_line(comment) + "\n";
+  for (const auto& row : rows) {
+    for (int i = 0; i < columns; ++i)
+      data_ += fmt::format("{}{}", i == 0 ? "" : " ", row[static_cast<std::size_t>(i)]);
+    data_ += "\n";
+  }
+  return blocks_++;
+}
+
+void Writer::panel(const Panel& panel, std::size_t index) {
+  const auto column = static_cast<double>(index % static_cast<std::size_t>(columns_));
+  const double share = width / columns_;
+  const double left = share * column + left_margin, right = share * (column + 1) - right_margin;
+  const double top = tops_[index / static_cast<std::size_t>(columns_)], bottom = top + figure_.panel_height;
+  const Extent extent = extent_of(panel, right - left, figure_.panel_height);
+
+  script_ += "\nunset label\nunset object\n";
+  if (index == 0 && !figure_.title.empty()) label(figure_.title, 16, 20, "bold.',16'");
+  const double notes = note_height * static_cast<double>(panel.notes.size());
+  if (!panel.title.empty())
+    label(shortened(one_line(panel.title), static_cast<std::size_t>((right - left) / 8.4)), left,
+          top - notes - 13, "bold.',13'");
+  for (std::size_t i = 0; i < panel.notes.size(); ++i)
+    label(shortened(one_line(panel.notes[i]), static_cast<std::size_t>((right - left) / 6.2)), left,
+          top - notes + note_height * static_cast<double>(i) + 4, "'sans-serif,11'", "tc rgb '#404040'");
+  script_ += fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n", across(left),
+                         across(right));
+  script_ += fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}\n", up(top), up(bottom));
+  script_ += fmt::format("set xlabel {} noenhanced offset 0,0.3\n", gnuplot_string(panel.x.label));
+  script_ += "unset ylabel\n";
+  label(panel.y.label, share * column + 14, (top + bottom) / 2, "'sans-serif,12'", "center rotate by 90");
+  script_ += panel.x.logarithmic ? "set logscale x\n" : "unset logscale x\n";
+  script_ += panel.y.logarithmic ? "set logscale y\n" : "unset logscale y\n";
+  script_ += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", extent.x.low, extent.x.high,
+                         extent.y.low, extent.y.high);
+  script_ += tics('x', panel.x, extent.x, (right - left) / 45);
+  script_ += tics('y', panel.y, {extent.y.low, extent.end_of_tics}, figure_.panel_height / 30.0);
+
+  if (extent.strip > 0) {
+    script_ += fmt::format(
+        "set object rectangle from graph 0,{:.5f} to graph 1,1 fc rgb '#f1f1f1' fs solid 1 noborder behind\n",
+        1 - extent.strip);
+    script_ +=
+        fmt::format("set label {} at graph 0.01,{:.5f} font 'sans-serif,11' tc rgb '#606060' noenhanced\n",
+                    gnuplot_string(panel.lost_label), 1 - extent.strip / 2);
+    for (const Lost& lost : extent.lost) {
+      Style style = lost.style;
+      if (style.marker == 0) style.marker = 2;
+      script_ +=
+          fmt::format("set label '' at graph {:.5f},{:.5f} point {}\n", lost.x, lost.y, point_of(style, 0.7));
+    }
+  }
+
+  std::vector<std::string> drawn;
+  const auto source = [&](int number) { return fmt::format("'{}.dat' index {}", name_, number); };
+  if (!panel.arrows.x.empty()) {
+    std::vector<std::array<double, 4>> rows;
+    for (std::size_t i = 0; i < panel.arrows.x.size(); ++i)
+      rows.push_back({panel.arrows.x[i], panel.arrows.y[i], panel.arrows.dx[i], panel.arrows.dy[i]});
+    drawn.push_back(source(block("direction field: x, y, dx, dy", rows, 4)) +
+                    " using ($1-$3/2):($2-$4/2):3:4 with vectors head filled size screen 0.006,18 lc rgb "
+                    "'#b4b4b4' lw 0.8");
+  }
+  for (const Curve& curve : panel.curves) {
+    std::vector<std::array<double, 4>> rows;
+    const bool bars = !curve.low.empty();
+    // A line without markers needs no two points nearer than a quarter of a pixel.
+    const auto pixel = [&](const std::array<double, 4>& row) {
+      return std::pair(fraction(row[0], panel.x, extent.x) * (right - left),
+                       fraction(row[1], panel.y, extent.y) * figure_.panel_height);
+    };
+    std::pair last(0.0, 0.0);
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+      if (!drawable(curve.x[i], panel.x) || !drawable(curve.y[i], panel.y)) continue;
+      const double low = bars && drawable(curve.low[i], panel.y) ? curve.low[i] : curve.y[i];
+      const double high = bars && drawable(curve.high[i], panel.y) ? curve.high[i] : curve.y[i];
+      const std::array<double, 4> row{curve.x[i], curve.y[i], low, high};
+      const auto here = pixel(row);
+      const bool hidden = curve.style.marker == 0 && !rows.empty() && i + 1 < curve.x.size() &&
+                          std::hypot(here.first - last.first, here.second - last.second) < 0.25;
+      if (hidden) continue;
+      rows.push_back(row);
+      last = here;
+    }
+    if (rows.empty()) continue;
+    const std::string from = source(block(fmt::format("{} | {} | {}: {}, {}", panel.title, curve.label,
+                                                      panel.x.label, panel.y.label, bars ? "low, high" : ""),
+                                          rows, bars ? 4 : 2));
+    if (bars)
+      drawn.push_back(from + " using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '" +
+                      wrapped(colours, curve.style.colour) + "'");
+    if (curve.line) drawn.push_back(from + " using 1:2 with lines " + line_of(curve.style));
+    if (curve.style.marker != 0) drawn.push_back(from + " using 1:2 with points " + point_of(curve.style));
+  }
+  for (const Mark& mark : panel.marks) {
+    if (!drawable(mark.x, panel.x) || !drawable(mark.y, panel.y)) continue;
+    const std::string from = source(block(mark.label, {{mark.x, mark.y, 0, 0}}, 2));
+    // A white rim keeps the mark apart from the curves under it.
+    drawn.push_back(from + " using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff'");
+    drawn.push_back(from + " using 1:2 with points lw 1.6 " + point_of(mark.style, 1.15));
+  }
+  if (index + 1 == figure_.panels.size()) key();
+  script_ += "plot ";
+  if (drawn.empty()) drawn.push_back("NaN");
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    script_ += (i == 0 ? "" : ", \\\n     ") + drawn[i] + " notitle";
+  script_ += "\n";
+}
+
+/// The key under the panels: every entry a sample of the line with its marker, filled down the columns.
+void Writer::key() {
+  for (std::size_t i = 0; i < key_.size(); ++i) {
+    const Entry& entry = key_[i];
+    const double x = left_margin - 30 + key_width_ * static_cast<double>(i / key_rows_);
+    const double y = key_top_ + key_row * (static_cast<double>(i % key_rows_) + 0.5);
+    if (entry.line)
+      script_ += fmt::format("set arrow from screen {:.5f},{:.5f} to screen {:.5f},{:.5f} nohead {}\n",
+                             across(x), up(y), across(x + key_sample), up(y), line_of(entry.style));
+    if (entry.style.marker != 0)
+      script_ += fmt::format("set label '' at screen {:.5f},{:.5f} point {}\n", across(x + key_sample / 2),
+                             up(y), point_of(entry.style, entry.line ? 0.75 : 1.15));
+    label(entry.label, x + key_sample + 8, y, "'sans-serif,12'");
+  }
+  if (!figure_.footer.empty()) label(figure_.footer, 16, height_ - 11, "'sans-serif,10'", "tc rgb '#808080'");
+}
+
+void Writer::footer() {
+  script_ += fmt::format(
+      "\nunset multiplot\n"
+      "unset output\n"
+      "pass = pass + 1\n"
+      "if (pass <= 3) load '{}.gp'\n",
+      name_);
+}
+
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream)
+    throw InputError("cannot write " + file.string() + "; choose a folder that can be written and has space");
+}
+
+/// cairo writes the time of day into a PDF; digits of equal number keep the file's offsets valid.
+void remove_creation_date(const std::filesystem::path& pdf) {
+  std::ifstream in(pdf, std::ios::binary);
+  if (!in) return;
+  std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string key = "/CreationDate (D:", epoch = "19700101000000";
+  const std::size_t found = bytes.rfind(key);
+  if (found == std::string::npos || found + key.size() + epoch.size() > bytes.size()) return;
+  bytes.replace(found + key.size(), epoch.size(), epoch);
+  write(pdf, bytes);
+}
+
+}  // namespace
+
+Style family_style(int k, bool markers) {
+  constexpr std::array shapes{7, 5, 9, 13, 6, 4, 8, 12};
+  return {.colour = k, .dash = k, .marker = markers ? wrapped(shapes, k) : 0};
+}
+
+FigureSource source_of(const Figure& figure, const std::string& name) { return Writer(figure, name).write(); }
+
+FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, const std::string& name) {
+  const bool plain = !name.empty() && name[0] != '-' && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+  if (!plain)
+    throw InputError("a figure cannot be called '" + one_line(name) + "'; use letters, digits, '_' and '-'");
+  if (figure.panels.empty())
+    throw InputError("the figure " + name + " has no panel; give it something to show");
+  std::error_code failed;
+  std::filesystem::create_directories(directory, failed);
+  if (failed)
+    throw InputError("cannot make the folder " + directory.string() + ": " + failed.message() +
+                     "; choose another");
+
+  const FigureSource source = source_of(figure, name);
+  FigureFiles files{directory / name, {}, {}};
+  const auto file = [&](const char* extension) { return directory / (name + extension); };
+  write(file(".gp"), source.script);
+  write(file(".dat"), source.data);
+  files.made = {file(".gp"), file(".dat")};
+  // A picture of an earlier run must not pass for this one.
+  for (const char* extension : {".svg", ".png", ".pdf"}) std::filesystem::remove(file(extension), failed);
+  files.problem = run_gnuplot(directory, name + ".gp");
+  remove_creation_date(file(".pdf"));
+  for (const char* extension : {".svg", ".png", ".pdf"})
+    if (std::filesystem::exists(file(extension))) files.made.push_back(file(extension));
+  return files;
+}
+
+}  // namespace hmax

@@ -1,0 +1,100 @@
+/// What a figure is made of, and the one function that draws it in the house style.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hmax {
+
+/// Colours of [okabe2008color] (without yellow, unreadable on white) by index; a curve is also told by dash
+/// and marker, so the figure reads in grey. Indices wrap around.
+struct Style {
+  int colour = 0;  ///< 0 blue, 1 vermillion, 2 green, 3 purple, 4 orange, 5 sky blue, 6 black, 7 grey
+  int dash = 0;    ///< 0 solid, 1 dashed, 2 dash-dot, 3 dotted, 4 long dashed
+  int marker = 0;  ///< gnuplot's point type, 0 for none: 4/5 square, 6/7 circle, 8/9 triangle, 12/13 diamond
+                   ///< (open/filled)
+  double width = 1.8;
+};
+
+/// The style of the k-th member of a family of curves: another colour and another dash each.
+Style family_style(int k, bool markers = false);
+
+/// Points joined by a line and told by a label. Points that are not finite, or not positive on a logarithmic
+/// axis, are left out; the line joins their neighbours.
+struct Curve {
+  std::string label = {};  ///< text in the key; curves of one label share one entry; empty: not in the key
+  std::vector<double> x = {}, y = {};       ///< equal length
+  std::vector<double> low = {}, high = {};  ///< empty, or the ends of a vertical bar per point
+  std::vector<double> lost =
+      {};  ///< x of runs that did not reach their end: marks in a strip at the top edge
+  Style style = {};
+  bool line = true;
+};
+
+/// Arrows centred on (x, y), in the units of the axes.
+struct Arrows {
+  std::vector<double> x = {}, y = {}, dx = {}, dy = {};
+};
+
+/// A point with a meaning of its own.
+struct Mark {
+  double x, y;
+  Style style;
+  std::string label = {};  ///< text in the key; marks of one label share one entry
+};
+
+struct Range {
+  double low, high;
+};
+
+struct Axis {
+  std::string label = {};  ///< quantity and unit, "x [m]"
+  bool logarithmic = false;
+  std::optional<Range> range = {};  ///< computed from the points when absent
+};
+
+struct Panel {
+  std::string title = {};
+  Axis x = {}, y = {};
+  std::vector<Curve> curves = {};
+  std::vector<Mark> marks = {};
+  Arrows arrows = {};
+  std::vector<std::string> notes = {};  ///< small lines under the title
+  std::string lost_label = "diverged";  ///< what the strip of lost runs is called
+};
+
+/// Panels in rows, filled from the left, under one title, over one key.
+struct Figure {
+  std::string title = {};  ///< a short sentence: what is seen
+  std::vector<Panel> panels = {};
+  int columns = 1;
+  std::string footer = {};  ///< method, tolerance, machine; small and grey
+  int panel_height = 300;   ///< of the plotting area, in pixels of a figure 900 wide
+};
+
+/// What `draw` left behind.
+struct FigureFiles {
+  std::filesystem::path base;  ///< directory / name without extension
+  std::vector<std::filesystem::path>
+      made;             ///< every file that exists now: .gp, .dat, and .svg, .png, .pdf when drawn
+  std::string problem;  ///< empty when drawn; otherwise one sentence with the remedy
+  bool drawn() const { return problem.empty(); }
+};
+
+/// Writes name.gp and name.dat into `directory` (made when missing) and lets gnuplot draw name.svg, name.png,
+/// name.pdf. `gnuplot name.gp` in that directory draws them again. The same figure gives the same bytes: no
+/// dates, no absolute paths.
+/// @param name  letters, digits, '_', '-'
+/// @throws InputError when the name has other characters, a figure has no panel, or a file cannot be written
+FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, const std::string& name);
+
+/// The text of name.gp and of name.dat, what `draw` writes.
+struct FigureSource {
+  std::string script, data;
+};
+FigureSource source_of(const Figure& figure, const std::string& name);
+
+}  // namespace hmax

@@ -1,0 +1,140 @@
+#include "plots/gnuplot.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace hmax {
+namespace {
+
+/// Exit codes of the child that gnuplot itself never uses.
+constexpr int cannot_start = 127;
+constexpr int cannot_enter = 126;
+
+struct Finished {
+  int code;            ///< exit code, or -1 when ended by a signal or never started
+  std::string errors;  ///< what it wrote to standard error, at most 4 KiB
+};
+
+Finished run(const std::filesystem::path& directory, std::array<const char*, 4> arguments) {
+  std::array<int, 2> pipe_ends{};
+  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return {-1, "no pipe"};
+  const std::string folder = directory.empty() ? "." : directory.string();
+  const pid_t child = fork();
+  if (child < 0) {
+    close(pipe_ends[0]);
+    close(pipe_ends[1]);
+    return {-1, "no process"};
+  }
+  if (child == 0) {
+    // Only async-signal-safe calls between fork and exec.
+    const int null = open("/dev/null", O_RDWR);
+    dup2(null, STDIN_FILENO);
+    dup2(null, STDOUT_FILENO);
+    dup2(pipe_ends[1], STDERR_FILENO);
+    if (chdir(folder.c_str()) != 0) _exit(cannot_enter);
+    execvp(arguments[0], const_cast<char* const*>(arguments.data()));
+    _exit(cannot_start);
+  }
+  close(pipe_ends[1]);
+  Finished finished{-1, {}};
+  std::array<char, 1024> buffer;
+  for (;;) {
+    const ssize_t got = read(pipe_ends[0], buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    if (finished.errors.size() < 4096) finished.errors.append(buffer.data(), static_cast<std::size_t>(got));
+  }
+  close(pipe_ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status)) finished.code = WEXITSTATUS(status);
+  return finished;
+}
+
+/// The bytes of the UTF-8 character at the start of `text`; 0 when there is none.
+std::size_t character_at(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
+  const std::uint8_t first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t size = first >= 0xC2 && first < 0xE0   ? 2
+                           : first >= 0xE0 && first < 0xF0 ? 3
+                           : first >= 0xF0 && first < 0xF5 ? 4
+                                                           : 0;
+  if (size == 0 || text.size() < size) return 0;
+  for (std::size_t i = 1; i < size; ++i)
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  // Overlong forms, surrogates and what lies beyond U+10FFFF are not characters.
+  if ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) >= 0xA0) ||
+      (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) >= 0x90))
+    return 0;
+  return size;
+}
+
+}  // namespace
+
+bool gnuplot_available() { return run(".", {"gnuplot", "--version", nullptr, nullptr}).code == 0; }
+
+std::string run_gnuplot(const std::filesystem::path& directory, const std::string& script) {
+  const Finished finished = run(directory, {"gnuplot", "--default-settings", script.c_str(), nullptr});
+  if (finished.code == 0) return {};
+  const std::string file = (directory / script).string();
+  if (finished.code == cannot_start)
+    return "gnuplot is not installed, so " + file +
+           " was written but not drawn; apt-get install gnuplot-nox, then run gnuplot on it in its folder";
+  return "gnuplot could not draw " + file + ": " + shortened(one_line(finished.errors), 300);
+}
+
+std::string one_line(std::string_view text) {
+  std::string clean;
+  while (!text.empty()) {
+    const std::size_t size = character_at(text);
+    const auto first = static_cast<std::uint8_t>(text[0]);
+    // C1 controls (U+0080 to U+009F) are C2 80 to C2 9F.
+    const bool control = first < 0x20 || first == 0x7F ||
+                         (size == 2 && first == 0xC2 && static_cast<std::uint8_t>(text[1]) < 0xA0);
+    if (size == 0)
+      clean += '?';
+    else if (control)
+      clean += ' ';
+    else
+      clean += text.substr(0, size);
+    text.remove_prefix(size == 0 ? 1 : size);
+  }
+  return clean;
+}
+
+std::string gnuplot_string(std::string_view text) {
+  std::string out = "'";
+  for (const char c : one_line(text)) {
+    if (c == '\'')
+      out += "’";
+    else
+      out += c;
+  }
+  out += '\'';
+  return out;
+}
+
+std::size_t length_of(std::string_view text) {
+  std::size_t count = 0;
+  for (const char c : text) count += (static_cast<std::uint8_t>(c) & 0xC0) != 0x80;
+  return count;
+}
+
+std::string shortened(std::string_view text, std::size_t most) {
+  if (length_of(text) <= most) return std::string(text);
+  std::string cut;
+  for (std::size_t kept = 0; kept + 1 < most; ++kept) {
+    const std::size_t size = character_at(text);
+    cut += text.substr(0, size == 0 ? 1 : size);
+    text.remove_prefix(size == 0 ? 1 : size);
+  }
+  return cut + "…";
+}
+
+}  // namespace hmax

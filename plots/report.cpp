@@ -1,0 +1,92 @@
+#include "plots/report.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "plots/gnuplot.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+std::string cell(double value) {
+  if (std::isnan(value)) return "–";
+  return fmt::format("{:.6g}", value);
+}
+
+std::string figure_text(const FigureFiles& figure, const std::string& title,
+                        const std::filesystem::path& folder) {
+  const std::string base = figure.base.lexically_proximate(folder).generic_string();
+  const std::string sources = fmt::format("[script]({0}.gp) · [data]({0}.dat)", base);
+  if (!figure.drawn()) return fmt::format("_Not drawn: {}_ · {}\n\n", markdown_text(figure.problem), sources);
+  return fmt::format("[![{0}]({1}.png)]({1}.svg)\n\n[SVG]({1}.svg) · [PDF]({1}.pdf) · {2}\n\n",
+                     markdown_text(title), base, sources);
+}
+
+}  // namespace
+
+std::string markdown_text(std::string_view text) {
+  std::string escaped;
+  for (const char c : one_line(text)) {
+    if (c == '<')
+      escaped += "&lt;";
+    else if (c == '&')
+      escaped += "&amp;";
+    else {
+      if (std::string_view("\\`*_[]|>#!").find(c) != std::string_view::npos) escaped += '\\';
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string markdown_table(const Table& table) {
+  std::string text = "|", rule = "|";
+  for (const std::string& name : table.columns) {
+    text += fmt::format(" {} |", markdown_text(name));
+    rule += " ---: |";
+  }
+  text += "\n" + rule + "\n";
+  const std::size_t rows = table.values.empty() ? 0 : table.values[0].size();
+  for (std::size_t i = 0; i < rows; ++i) {
+    text += "|";
+    for (const auto& column : table.values) text += fmt::format(" {} |", cell(column.at(i)));
+    text += "\n";
+  }
+  return text;
+}
+
+std::string report_text(const std::string& title, const std::string& introduction,
+                        const std::vector<ReportSection>& sections, const std::filesystem::path& folder) {
+  std::string text = "# " + title + "\n\n";
+  if (!introduction.empty()) text += introduction + "\n\n";
+  for (const ReportSection& section : sections) {
+    text += "## " + section.title + "\n\n";
+    if (!section.text.empty()) text += section.text + "\n\n";
+    for (const FigureFiles& figure : section.figures) text += figure_text(figure, section.title, folder);
+    for (const Table& table : section.tables) text += markdown_table(table) + "\n";
+    if (!section.printed.empty()) text += "**The study printed:** " + section.printed + "\n\n";
+    if (!section.differs.empty()) text += "**What differs:** " + section.differs + "\n\n";
+  }
+  text.pop_back();  // sections end with a blank line, the file with one newline
+  return text;
+}
+
+std::filesystem::path write_report(const std::string& title, const std::string& introduction,
+                                   const std::vector<ReportSection>& sections,
+                                   const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder, ignored);
+  const std::filesystem::path file = folder / "README.md";
+  std::ofstream stream(file, std::ios::binary);
+  stream << report_text(title, introduction, sections, folder);
+  stream.close();
+  if (!stream)
+    throw InputError("cannot write " + file.string() + "; choose a folder that can be written and has space");
+  return file;
+}
+
+}  // namespace hmax

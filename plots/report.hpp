@@ -1,0 +1,43 @@
+/// A folder of figures with a README.md that shows them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plots/figure.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+/// One section of a report. Texts are Markdown; pass names from files through `markdown_text`.
+struct ReportSection {
+  std::string title;
+  std::string text = {};
+  std::vector<FigureFiles> figures =
+      {};                          ///< shown when drawn; otherwise the reason is told and the script linked
+  std::vector<Table> tables = {};  ///< shown in full: keep them short
+  std::string printed = {};        ///< what the study printed
+  std::string differs = {};        ///< how this differs, and why
+};
+
+/// `text` with the characters that Markdown and HTML would take for their own escaped, on one line.
+std::string markdown_text(std::string_view text);
+
+/// A table in Markdown; numbers with up to six significant digits, NaN as a dash.
+std::string markdown_table(const Table& table);
+
+/// The README.md of `folder`: figures as pictures (PNG, each a link to its SVG) with links to PDF, script and
+/// data, all relative to `folder`.
+std::string report_text(const std::string& title, const std::string& introduction,
+                        const std::vector<ReportSection>& sections, const std::filesystem::path& folder);
+
+/// Writes `report_text` to folder / README.md.
+/// @returns the file written
+/// @throws InputError when it cannot be written
+std::filesystem::path write_report(const std::string& title, const std::string& introduction,
+                                   const std::vector<ReportSection>& sections,
+                                   const std::filesystem::path& folder);
+
+}  // namespace hmax

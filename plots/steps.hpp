@@ -1,0 +1,40 @@
+/// Figures of measured rows: cost and error against the step, cost of a step, error against cost.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plots/figure.hpp"
+#include "results/row.hpp"
+
+namespace hmax {
+
+/// A method as a figure shows it. Methods of one order share a colour, told apart by dash and marker:
+/// parallel lines in the error panel then have one colour.
+struct ShownMethod {
+  std::string id;          ///< as in RowKey::method
+  int order = 0;           ///< of the method; 0 when it has no fixed order
+  std::string label = {};  ///< text in the key; the id when empty
+};
+
+/// One style per method, in the order given.
+std::vector<Style> method_styles(const std::vector<ShownMethod>& methods);
+
+/// CPU time of one run (median, bars from quartile to quartile) over global error, against h: one column of
+/// panels per mode present among `fixed` and `sampled`. Runs that did not reach the end are marks at the top
+/// edge of both panels, with or without numbers of their own. Rows of methods not in `methods` are left out.
+/// @throws InputError when the rows belong to several problems, parameters or end times, or none is left
+Figure step_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
+
+/// CPU time of one step [s] against h, mode `fixed`: what `step_figure` hides in five decades of run length.
+Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
+
+/// Global error against CPU time of one run: modes `fixed` (over h) and `adaptive` (over rtol), one panel per
+/// mode present.
+Figure precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
+
+/// A panel of CPU time of one run [s] against h for rows of one mode.
+Panel run_time_panel(const std::vector<Row>& rows, const std::string& mode,
+                     const std::vector<ShownMethod>& methods);
+
+}  // namespace hmax

@@ -1,0 +1,216 @@
+#include "plots/figure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <regex>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "plots/gnuplot.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// An empty folder of its own for each test, gone afterwards.
+class FigureTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "hmax_figure_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  static std::string contents(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  fs::path folder;
+};
+
+Figure small_figure() {
+  return {.title = "Error falls with the step",
+          .panels = {{.title = "a panel",
+                      .x = {"h [s]", true},
+                      .y = {"error [1]", true},
+                      .curves = {{.label = "rk2_heun",
+                                  .x = {0.1, 0.01, 0.001},
+                                  .y = {1e-2, 1e-4, 1e-6},
+                                  .lost = {1},
+                                  .style = {.marker = 7}},
+                                 {.label = "rk4", .x = {0.1, 0.01}, .y = {1e-4, 1e-8}, .lost = {1, 0.5}}}}},
+          .footer = "fixed step; some machine"};
+}
+
+/// A gnuplot string literal on one line: opens and closes on it, no quote inside.
+bool is_string_literal(const std::string& text) {
+  return std::regex_match(text, std::regex(R"('[^'\n\r]*')"));
+}
+
+TEST(GnuplotString, NothingEndsTheStringOrTheLine) {
+  const std::string hostile[] = {
+      "it's",    "'; system('touch x'); '",   "`touch x`", "a\nsystem('x')", "back\\",       "\\'",
+      "@macro",  std::string("nul\0byte", 8), "\xff\xfe",  "\xe2\x80",       "\xed\xa0\x80", "tab\tcr\r",
+      "\xc2\x85"};
+  for (const std::string& text : hostile) EXPECT_TRUE(is_string_literal(gnuplot_string(text))) << text;
+  EXPECT_EQ(gnuplot_string("it's"), "'it’s'");
+  EXPECT_EQ(one_line("a\nb\xffλ"), "a b?λ");
+}
+
+TEST(GnuplotString, LongTextIsCutBetweenCharacters) {
+  EXPECT_EQ(shortened("λλλλ", 4), "λλλλ");
+  EXPECT_EQ(shortened("λλλλ", 3), "λλ…");
+  EXPECT_EQ(length_of("ζ = 1"), 5u);
+}
+
+TEST_F(FigureTest, ScriptAndDataAreWrittenEvenWhenNothingCanBeDrawn) {
+  const char* path = std::getenv("PATH");
+  const std::string kept = path == nullptr ? "" : path;
+  setenv("PATH", folder.c_str(), 1);
+  const FigureFiles files = draw(small_figure(), folder / "new", "steps");
+  setenv("PATH", kept.c_str(), 1);
+  EXPECT_FALSE(files.drawn());
+  EXPECT_NE(files.problem.find("gnuplot is not installed"), std::string::npos) << files.problem;
+  EXPECT_NE(files.problem.find("apt-get install gnuplot-nox"), std::string::npos);
+  ASSERT_EQ(files.made.size(), 2u);
+  for (const fs::path& file : files.made) EXPECT_GT(fs::file_size(file), 0u);
+}
+
+TEST_F(FigureTest, GnuplotDrawsThreePicturesTwiceTheSame) {
+  if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
+  const FigureFiles first = draw(small_figure(), folder / "a", "steps");
+  const FigureFiles second = draw(small_figure(), folder / "b", "steps");
+  ASSERT_TRUE(first.drawn()) << first.problem;
+  ASSERT_EQ(first.made.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(contents(first.made[i]), contents(second.made[i])) << first.made[i];
+  EXPECT_EQ(contents(folder / "a/steps.png").substr(1, 3), "PNG");
+  EXPECT_EQ(contents(folder / "a/steps.pdf").substr(0, 4), "%PDF");
+  EXPECT_NE(contents(folder / "a/steps.svg").find("rk2_heun"), std::string::npos);  // no subscript
+}
+
+TEST_F(FigureTest, TheScriptDrawsAgainInItsOwnFolder) {
+  if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
+  draw(small_figure(), folder, "steps");
+  const std::string before = contents(folder / "steps.svg");
+  fs::remove(folder / "steps.svg");
+  EXPECT_EQ(run_gnuplot(folder, "steps.gp"), "");
+  EXPECT_EQ(contents(folder / "steps.svg"), before);
+}
+
+TEST_F(FigureTest, ScriptsNameNoFolder) {
+  const FigureFiles files = draw(small_figure(), folder, "steps");
+  for (const char* name : {"steps.gp", "steps.dat"})
+    EXPECT_EQ(contents(folder / name).find(folder.filename().string()), std::string::npos) << name;
+}
+
+TEST_F(FigureTest, HostileNamesRunNoCommand) {
+  const std::string payloads[] = {"`touch injected`",
+                                  "'\nsystem('touch injected')\n'",
+                                  "\\\nsystem 'touch injected'",
+                                  "'; system('touch injected'); '",
+                                  "\"; !touch injected",
+                                  "{/:Bold x}_{y}^{z} <&> %d %s",
+                                  "\n!touch injected\n"};
+  Figure figure = small_figure();
+  for (const std::string& payload : payloads) {
+    figure.title = figure.footer = figure.panels[0].title = figure.panels[0].lost_label = payload;
+    figure.panels[0].x.label = figure.panels[0].y.label = payload;
+    figure.panels[0].curves[0].label = payload;
+    figure.panels[0].notes = {payload};
+    figure.panels[0].marks = {{0.1, 0.1, {.marker = 7}, payload}};
+    const FigureFiles files = draw(figure, folder, "steps");
+    EXPECT_TRUE(files.drawn() || !gnuplot_available()) << payload << ": " << files.problem;
+    EXPECT_FALSE(fs::exists(folder / "injected")) << payload;
+    // Every line of the data is a comment, a row of numbers or empty.
+    std::istringstream data(contents(folder / "steps.dat"));
+    for (std::string line; std::getline(data, line);)
+      EXPECT_TRUE(std::regex_match(line, std::regex(R"(#.*|[-+.e0-9 ]*)"))) << line;
+  }
+  if (gnuplot_available()) {
+    figure.title = "a < b & c";
+    draw(figure, folder, "steps");
+    EXPECT_NE(contents(folder / "steps.svg").find("a &lt; b &amp; c"), std::string::npos);
+  }
+}
+
+TEST(FigureSourceText, EveryTextIsDrawnWithoutMarkup) {
+  Figure figure = small_figure();
+  std::istringstream script(source_of(figure, "steps").script);
+  for (std::string line; std::getline(script, line);)
+    if (std::regex_match(line, std::regex("set x?label '[^'].*"))) {
+      EXPECT_NE(line.find("noenhanced"), std::string::npos) << line;
+    }
+}
+
+TEST(FigureSourceText, EveryLostRunIsMarkedInTheStrip) {
+  const std::string script = source_of(small_figure(), "steps").script;
+  const std::regex mark(R"(set label '' at graph [0-9.]+,0\.9[0-9]+ point)");
+  EXPECT_EQ(std::distance(std::sregex_iterator(script.begin(), script.end(), mark), {}), 3);
+  EXPECT_NE(script.find("'diverged'"), std::string::npos);
+  Figure calm = small_figure();
+  for (Curve& curve : calm.panels[0].curves) curve.lost.clear();
+  EXPECT_EQ(source_of(calm, "steps").script.find("'diverged'"), std::string::npos);
+}
+
+TEST(FigureSourceText, PointsThatCannotBeDrawnAreLeftOut) {
+  Figure figure = small_figure();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                   infinity = std::numeric_limits<double>::infinity();
+  figure.panels[0].curves = {
+      {.label = "odd", .x = {1, 2, 3, 4, 5, nan}, .y = {1, nan, infinity, 0, 10, 1}, .style = {.marker = 7}}};
+  const FigureSource source = source_of(figure, "steps");
+  EXPECT_NE(source.data.find("\n1 1\n5 10\n"), std::string::npos) << source.data;
+  for (const std::string& text : {source.data, source.script}) {
+    EXPECT_EQ(text.find("nan"), std::string::npos);
+    EXPECT_EQ(text.find("inf"), std::string::npos);
+  }
+}
+
+TEST_F(FigureTest, APanelWithNothingToDrawIsDrawnEmpty) {
+  Figure figure{
+      .panels = {{.x = {"h [s]", true}, .y = {"error [1]", true}}, {.x = {"t [s]"}, .y = {"x [m]"}}}};
+  figure.panels[0].curves = {{.label = "all lost", .lost = {1, 2}}};
+  const FigureFiles files = draw(figure, folder, "empty");
+  EXPECT_TRUE(files.drawn() || !gnuplot_available()) << files.problem;
+}
+
+TEST_F(FigureTest, ALineWithoutMarkersKeepsItsShapeWithFewerPoints) {
+  Curve wave{.label = "wave"};
+  for (int i = 0; i <= 200000; ++i) {
+    wave.x.push_back(i * 1e-5);
+    wave.y.push_back(std::sin(20 * wave.x.back()));
+  }
+  const FigureSource source = source_of({.panels = {{.curves = {wave}}}}, "wave");
+  const auto lines = std::count(source.data.begin(), source.data.end(), '\n');
+  EXPECT_LT(lines, 30000);
+  EXPECT_GT(lines, 1000);
+  EXPECT_NE(source.data.find("\n2 "), std::string::npos);  // the last point is kept
+}
+
+TEST_F(FigureTest, BadNamesAndPlacesAreInputErrors) {
+  for (const char* name : {"", "a/b", "../x", "a b", "a'b", "-d", "é"})
+    EXPECT_THROW(draw(small_figure(), folder, name), InputError) << name;
+  EXPECT_THROW(draw({}, folder, "none"), InputError);
+  std::ofstream(folder / "file") << "in the way";
+  EXPECT_THROW(draw(small_figure(), folder / "file", "steps"), InputError);
+}
+
+TEST_F(FigureTest, AFailureOfGnuplotIsTold) {
+  if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
+  std::ofstream(folder / "wrong.gp") << "plot nonsense(\n";
+  EXPECT_NE(run_gnuplot(folder, "wrong.gp").find("could not draw"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hmax
