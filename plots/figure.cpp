@@ -210,7 +210,7 @@ class Writer {
   }
 
  private:
-  /// Heights of rows and of the whole, the columns of the key.
+  /// Heights of rows and of the whole, the rows of the key.
   void layout() {
     const auto columns = static_cast<std::size_t>(columns_);
     double y = figure_.title.empty() ? 8 : title_height;
@@ -234,7 +234,6 @@ class Writer {
     key_width_ = key_sample + 26 + character * static_cast<double>(longest);
     const auto most = std::clamp<std::size_t>(static_cast<std::size_t>((width - 40) / key_width_), 1, 6);
     key_rows_ = (key_.size() + most - 1) / most;
-    key_columns_ = key_rows_ == 0 ? 0 : (key_.size() + key_rows_ - 1) / key_rows_;
     key_top_ = y + 4;
     height_ = std::ceil(key_top_ + key_row * static_cast<double>(key_rows_) + footer_height);
   }
@@ -284,7 +283,7 @@ class Writer {
   std::string script_, data_;
   int blocks_ = 0;
   double height_ = 0, key_top_ = 0, key_width_ = 0;
-  std::size_t key_rows_ = 0, key_columns_ = 0;
+  std::size_t key_rows_ = 0;
   std::vector<Entry> key_;
   std::vector<double> tops_;
 };
