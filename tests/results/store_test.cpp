@@ -86,7 +86,8 @@ TEST(Store, EveryFieldComesBackBitForBit) {
   Scratch scratch;
   Row first = row("rk4", 0.1);
   first.key.material = "male_fat:heavy";
-  first.key.parameters = std::string("a=1 \0 b='\"; DROP TABLE rows; -- \xc3\xa4", 39);
+  constexpr char hostile[] = "a=1 \0 b='\"; DROP TABLE rows; -- \xc3\xa4";
+  first.key.parameters = std::string(hostile, sizeof hostile - 1);
   first.key.rtol = 0.1 + 0.2;
   first.key.atol = std::numeric_limits<double>::denorm_min();
   first.outcome = "diverged";
