@@ -62,22 +62,13 @@ struct RunEnd {
   Stats stats;  ///< steps and rejected; evaluations are counted by Counted<System>
 };
 
-/// Integrates y' = f(t, y) over `span`.
-/// @param stepper   taken by value: the loop owns the memory of the method, so the compiler may keep it in
-/// registers
-/// @param y         initial state in, last accepted state out, shape (n)
-/// @param control   FixedStep or Adaptive
-/// @param observer  called as observer(StepView&) once for each accepted step, in order of time
-/// @param max_steps attempts allowed
-/// Failure is a value (RunEnd::outcome), never an exception.
-template <class StepperT, System Sys, class Control, class Observer = ObserveNothing>
-#if defined(__GNUC__)
-[[gnu::flatten]]
-#endif
-RunEnd<real_of<typename Sys::State>>
-integrate(StepperT stepper, const Sys& system, Span<real_of<typename Sys::State>> span,
-          typename Sys::State& y, Control control, Observer&& observer = {},
-          std::int64_t max_steps = 1'000'000'000) {
+namespace detail {
+
+template <class StepperT, System Sys, class Control, class Observer>
+inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& system,
+                                                 Span<real_of<typename Sys::State>> span,
+                                                 typename Sys::State& y, Control& control, Observer& observer,
+                                                 std::int64_t max_steps) {
   using State = typename Sys::State;
   using Real = real_of<State>;
   RunEnd<Real> end{Outcome::reached_end, span.t0, {}};
@@ -125,6 +116,36 @@ integrate(StepperT stepper, const Sys& system, Span<real_of<typename Sys::State>
     t = step.t_next;
     if (step.last) return finish(Outcome::reached_end, t);
   }
+}
+
+/// The loop with everything inlined: small states then live in registers from step to step.
+template <class StepperT, System Sys, class Control, class Observer>
+[[gnu::flatten]] auto flat_loop(StepperT stepper, const Sys& system, Span<real_of<typename Sys::State>> span,
+                                typename Sys::State& y, Control control, Observer& observer,
+                                std::int64_t max_steps) {
+  return loop(stepper, system, span, y, control, observer, max_steps);
+}
+
+}  // namespace detail
+
+/// Integrates y' = f(t, y) over `span`.
+/// @param stepper   taken by value: the loop owns the memory of the method, so the compiler may keep it in
+/// registers
+/// @param y         initial state in, last accepted state out, shape (n)
+/// @param control   FixedStep or Adaptive
+/// @param observer  called as observer(StepView&) once for each accepted step, in order of time
+/// @param max_steps attempts allowed
+/// Failure is a value (RunEnd::outcome), never an exception.
+template <class StepperT, System Sys, class Control, class Observer = ObserveNothing>
+RunEnd<real_of<typename Sys::State>> integrate(StepperT stepper, const Sys& system,
+                                               Span<real_of<typename Sys::State>> span,
+                                               typename Sys::State& y, Control control,
+                                               Observer&& observer = {},
+                                               std::int64_t max_steps = 1'000'000'000) {
+  if constexpr (is_small_state<typename Sys::State>)
+    return detail::flat_loop(std::move(stepper), system, span, y, std::move(control), observer, max_steps);
+  else
+    return detail::loop(stepper, system, span, y, control, observer, max_steps);
 }
 
 }  // namespace hmax

@@ -1,0 +1,103 @@
+/// The catalogue: the only place that knows the name of every problem and every method.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bench/run.hpp"
+#include "integrators/runtime_tableau.hpp"
+#include "problems/formula_system.hpp"
+#include "problems/oscillator.hpp"
+
+namespace hmax {
+
+/// The solution that errors are measured against; it shares no code with the methods of the catalogue.
+struct Reference {
+  std::function<Eigen::VectorXd(double t)> at;  ///< shape (dim), t in [0, valid_until]
+  double valid_until = 0;                       ///< [s]
+  double error_bound = 0;                       ///< of `at` in the maximum norm over [0, valid_until]
+  std::string name;                             ///< how it was obtained
+  /// The same in long double; null where there is only double.
+  std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> extended_at;
+};
+
+/// A problem with all its numbers fixed.
+struct Problem {
+  std::string id;                                          ///< catalogue id, or the name of a user's file
+  std::string material;                                    ///< empty when it has none
+  std::string note;                                        ///< one line: where it comes from
+  std::vector<std::pair<std::string, double>> parameters;  ///< name, value; in the order of the model
+  std::vector<std::string> states;                         ///< names of the components of y
+  Eigen::VectorXd y0;
+  double t_end = 0;  ///< default end time [s]
+  bool has_exact_solution = false;
+  std::variant<Oscillator, FormulaSystem> system;
+};
+
+/// What a user may change of a problem.
+struct ProblemSettings {
+  std::string material;                                    ///< empty: the problem's own
+  std::vector<std::pair<std::string, double>> parameters;  ///< --set name=value
+  std::vector<double> y0;                                  ///< empty: the problem's own
+};
+
+/// Ids of the problems of the catalogue, in the order in which they are listed.
+std::vector<std::string> problem_ids();
+
+/// A problem by id, or by the path of a TOML file of formulas (a name that ends in .toml).
+/// @throws InputError  for an unknown name, material or parameter (with a suggestion), a wrong number of
+/// initial
+///                     values, numbers that are not finite, or a file that is no problem
+Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings = {});
+
+/// A reference on [0, t_end]: the Taylor series of the oscillator; for formulas Boost.Odeint's extrapolation
+/// method at tight tolerance, or dop_853 where Boost is missing (`name` says which).
+Reference make_reference(const Problem& problem, double t_end);
+
+/// A method, its facts as users see them, and how it is bound to a problem.
+struct Method {
+  std::string id;
+  std::vector<std::string> aliases;
+  std::string family;  ///< explicit_runge_kutta, ...
+  int order = 0;
+  int error_order = 0;  ///< err = O(h^error_order); 0: no error estimate, fixed steps only
+  int stages = 0;
+  bool is_explicit = true, needs_jacobian = false, a_stable = false, l_stable = false;
+  std::string engine;  ///< hmax, or the library that runs it
+  std::string source;  ///< bibliography key
+  std::function<Runner(const Problem&)> bind;
+
+  [[nodiscard]] bool adaptive() const { return error_order > 0; }
+};
+
+/// Every method, in the order in which they are listed.
+const std::vector<Method>& methods();
+
+/// A method by id or alias.
+/// @throws InputError with a suggestion when there is none
+const Method& find_method(std::string_view id_or_alias);
+
+/// The method of a user's tableau.
+Method make_method(const RuntimeTableau& tableau);
+
+/// Throws InputError unless `spec` can be run with `method` on a problem of this length: h, tolerances and
+/// t_end positive and finite, an adaptive run only with an error estimate, no more steps than spec.max_steps,
+/// a right-hand side that is finite at the start.
+void check(const RunSpec& spec, const Method& method, const Problem& problem);
+
+/// "m=1.45 c=2 k1=0.7": shortest digits that read back equal.
+std::string describe(const std::vector<std::pair<std::string, double>>& parameters);
+
+/// "0.5,1": shortest digits that read back equal.
+std::string describe(const Eigen::VectorXd& y);
+
+}  // namespace hmax

@@ -1,0 +1,37 @@
+/// A reference for users' formulas: another engine at a tight tolerance.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "problems/formula_system.hpp"
+
+namespace hmax {
+
+/// States on a grid of [0, valid_until], computed once at a tight tolerance and once at a looser one; between
+/// two grid points the engine integrates on from the left one. The largest difference of the two computations
+/// is the bound.
+class FormulaReference {
+ public:
+  /// @param y0  shape (dim)
+  FormulaReference(const FormulaSystem& system, const Eigen::VectorXd& y0, double t_end);
+
+  /// Shape (dim); NaN outside [0, valid_until()]. Several microseconds.
+  [[nodiscard]] Eigen::VectorXd at(double t) const;
+  /// t_end, or the last grid point that was reached.
+  [[nodiscard]] double valid_until() const;
+  /// Bound of the error of at() in the maximum norm.
+  [[nodiscard]] double error_bound() const { return error_bound_; }
+  /// Which engine was used.
+  [[nodiscard]] static std::string name();
+
+ private:
+  FormulaSystem system_;
+  double interval_;
+  std::vector<Eigen::VectorXd> grid_;
+  double error_bound_ = 0;
+};
+
+}  // namespace hmax
