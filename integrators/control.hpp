@@ -29,14 +29,32 @@ struct Proposal {
 /// What became of an attempt.
 enum class Judgement { accept, retry, give_up };
 
-/// The number of steps of size h that cover `length`: the last one is shorter when h does not divide it,
-/// unless it would be a sliver of less than 1e-9 h made by rounding.
+namespace detail {
+/// What rounding may do to a difference of two times in the span.
+template <class Real>
+Real rounding_of(Span<Real> span) {
+  return 4 * std::numeric_limits<Real>::epsilon() * std::max(std::abs(span.t0), std::abs(span.t_end));
+}
+}  // namespace detail
+
+/// The number of steps of size h that cover the span: the last one is shorter when h does not divide it,
+/// unless it would be a sliver of less than 1e-9 h or made by rounding. The largest integer when there are
+/// more.
+template <class Real>
+std::int64_t fixed_step_count(Span<Real> span, Real h) {
+  const Real quotient = (span.t_end - span.t0) / h;
+  if (!(quotient > 0)) return 0;
+  const Real nearest = std::round(quotient);
+  const Real sliver = std::max(Real(1e-9), detail::rounding_of(span) / h);
+  const Real count = std::abs(quotient - nearest) <= sliver ? nearest : std::ceil(quotient);
+  if (!(count < Real(9e18))) return std::numeric_limits<std::int64_t>::max();
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(count));
+}
+
+/// The same for a span that begins at zero.
 template <class Real>
 std::int64_t fixed_step_count(Real length, Real h) {
-  const Real quotient = length / h;
-  const Real nearest = std::round(quotient);
-  const Real sliver = std::max(Real(1e-9), 4 * std::numeric_limits<Real>::epsilon() * quotient);
-  return static_cast<std::int64_t>(std::abs(quotient - nearest) <= sliver ? nearest : std::ceil(quotient));
+  return fixed_step_count(Span<Real>{0, length}, h);
 }
 
 /// Steps of one size. Time is t0 + n h, computed and never accumulated; the last step ends at t_end exactly.
@@ -49,9 +67,9 @@ class FixedStep {
   void start(const Stepper&, const Sys&, Span<Real> span, const typename Sys::State&) {
     span_ = span;
     n_ = 0;
-    last_ = fixed_step_count(span.t_end - span.t0, h_) - 1;
+    last_ = fixed_step_count(span, h_) - 1;
     const Real rest = span.t_end - at(last_);
-    last_h_ = std::abs(rest - h_) <= Real(1e-6) * h_ ? h_ : rest;
+    last_h_ = std::abs(rest - h_) <= detail::rounding_of(span) ? h_ : rest;
   }
 
   Proposal<Real> propose(Real) const {

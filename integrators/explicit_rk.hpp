@@ -127,8 +127,8 @@ class ExplicitRk {
       for (State& k : k_) k.resize(system.dim());
       for (State& q : q_) q.resize(system.dim());
       stage_.resize(y.size());
-      end_slope_.resize(y.size());
     }
+    end_slope_ = y;  // any value: the compiler cannot see that it is read only once it is known
     first_stage_known_ = end_slope_known_ = polynomial_known_ = false;
   }
 

@@ -18,7 +18,7 @@ class SampleEvery {
   SampleEvery(Span<Real> span, Real interval, const State& y0, Sink sink)
       : span_(span),
         interval_(interval),
-        count_(fixed_step_count(span.t_end - span.t0, interval)),
+        count_(fixed_step_count(span, interval)),
         sample_(y0),
         sink_(std::move(sink)) {
     sink_(span.t0, y0);
