@@ -1,1 +1,120 @@
-int main() { return 0; }
+/// The program `hmax`: the application, and the one place where exceptions become exit codes.
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/suggest.hpp"
+#include "cli/commands.hpp"
+#include "results/build_info.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr const char* overview =
+    R"(hmax benchmarks ODE integrators and analyses their stability on soft-tissue models.
+
+  hmax list methods      the integrators
+  hmax list problems     what they integrate
+  hmax run --problem liver_forced --method ode45 --rtol 1e-6 --atol 1e-9
+                         one run: where it ends and what it costs
+  hmax --help            all commands; `hmax COMMAND --help` shows examples
+)";
+
+/// The deepest subcommand that was recognised.
+const CLI::App& reached(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? app : reached(*chosen.back());
+}
+
+std::string command_line_of(const CLI::App& command) {
+  return command.get_parent() ? command_line_of(*command.get_parent()) + " " + command.get_name() : "hmax";
+}
+
+/// One sentence for the first argument that nothing expected.
+std::string unexpected(const CLI::App& app) {
+  const CLI::App& command = reached(app);
+  const std::string name = command_line_of(command);
+  std::string wrong = app.remaining(true).front();
+  std::vector<std::string> known;
+  const bool option = wrong.starts_with('-');
+  if (option) {
+    wrong = wrong.substr(0, wrong.find('='));
+    for (const CLI::Option* each : command.get_options())
+      for (const std::string& long_name : each->get_lnames()) known.push_back("--" + long_name);
+  } else {
+    for (const CLI::App* each : command.get_subcommands({})) known.push_back(each->get_name());
+  }
+  const std::string near = did_you_mean(wrong, known);
+  return fmt::format(
+      "{} '{}'{}; {}",
+      option          ? "unknown option"
+      : known.empty() ? "unexpected argument"
+                      : "unknown command",
+      wrong, name == "hmax" ? "" : " of `" + name + "`",
+      near.empty() ? "`" + name + " --help` shows what there is" : "did you mean '" + near + "'?");
+}
+
+/// An error of the parser as one sentence.
+std::string explain(const CLI::App& app, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty()) return unexpected(app);
+  return fmt::format("{}; `{} --help` shows an example", error.what(), command_line_of(reached(app)));
+}
+
+/// Several lines would be several sentences.
+void complain(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  fmt::print(stderr, "hmax: {}\n", text);
+}
+
+Exit run(int argc, char** argv) {
+  Console console;
+  CLI::App app("Benchmarks of numerical integrators and their stability on soft-tissue models.", "hmax");
+  app.set_version_flag("--version", fmt::format("hmax {}", build_info().version));
+  app.add_flag("--json", console.json, "Print one JSON document on standard output");
+  app.require_subcommand(0, 1);
+  app.footer("`hmax COMMAND --help` shows the options of a command and examples.");
+
+  add_list(app, console);
+
+  try {
+    app.parse(argc, argv);
+    if (app.get_subcommands().empty()) console.print(overview);
+  } catch (const CLI::CallForHelp&) {
+    console.print(app.help());
+  } catch (const CLI::CallForVersion& version) {
+    console.print(fmt::format("{}\n", version.what()));
+  } catch (const CLI::ParseError& error) {
+    throw InputError(explain(app, error));
+  }
+  console.flush();
+  return console.exit_code;
+}
+
+}  // namespace
+
+}  // namespace hmax
+
+int main(int argc, char** argv) {
+  using hmax::Exit;
+  hmax::install_interrupt_handler();
+  try {
+    return static_cast<int>(hmax::run(argc, argv));
+  } catch (const hmax::InputError& error) {
+    hmax::complain(error.what());
+    return static_cast<int>(Exit::usage);
+  } catch (const hmax::Interrupted&) {
+    hmax::complain("interrupted; what was finished is kept");
+    return static_cast<int>(Exit::interrupted);
+  } catch (const std::bad_alloc&) {
+    hmax::complain("out of memory; take fewer points or a smaller problem");
+  } catch (const std::exception& error) {
+    hmax::complain(fmt::format("internal error, please report it: {}", error.what()));
+  }
+  return static_cast<int>(Exit::internal);
+}

@@ -1,0 +1,13 @@
+/// The subcommands of `hmax`, one source file each: parsing and printing only.
+///
+/// add_NAME() adds the subcommand to the application. Its callback runs after parsing; it reports bad input
+/// by throwing InputError and a check that failed by console.exit_code.
+#pragma once
+
+#include "cli/console.hpp"
+
+namespace hmax {
+
+void add_list(CLI::App& app, Console& console);
+
+}  // namespace hmax

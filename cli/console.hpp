@@ -1,0 +1,125 @@
+/// What the subcommands of `hmax` share: where text goes, how numbers are read, how a run is interrupted.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace hmax {
+
+/// Exit codes of the program; docs/cli.md is the contract.
+enum class Exit { done = 0, failed = 1, usage = 2, internal = 3, interrupted = 130 };
+
+/// The terminal or pipe a subcommand talks to. Results go to standard output, everything else to standard
+/// error.
+class Console {
+ public:
+  /// Colours and progress only on a terminal; NO_COLOR switches colours off.
+  Console();
+
+  bool json = false;            ///< print one JSON document instead of tables
+  Exit exit_code = Exit::done;  ///< what the program ends with unless an exception says otherwise
+
+  /// Writes to standard output as it is.
+  /// @throws InputError when it cannot be written; nothing when the reader went away
+  void print(std::string_view text);
+  /// Writes one JSON document and a line break; called exactly once by a subcommand when `json` is set.
+  void print_json(const nlohmann::ordered_json& document);
+  /// Pushes out what is buffered; @throws InputError like print
+  void flush();
+
+  /// A remark for people on standard error, "hmax: text".
+  void remark(std::string_view text);
+
+  /// True when a line of progress on standard error can be rewritten in place.
+  [[nodiscard]] bool shows_progress() const { return progress_; }
+  /// Text as standard output shows it: with colour on a terminal, bare elsewhere.
+  [[nodiscard]] std::string strong(std::string_view text) const;
+  [[nodiscard]] std::string faint(std::string_view text) const;
+  [[nodiscard]] std::string alarming(std::string_view text) const;
+
+ private:
+  bool colour_, progress_, reader_left_ = false;
+};
+
+/// One line on standard error that says how far a long task is and how long it will still take. It shows
+/// nothing during the first second and on anything but a terminal, and wipes itself out at the end.
+class Progress {
+ public:
+  Progress(const Console& console, std::string task);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// @param share   of the work that is done, 0 to 1
+  /// @param detail  what is being done now
+  void update(double share, std::string_view detail = {});
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string task_;
+  bool active_;
+  bool drawn_ = false;
+  Clock::time_point start_, last_;
+};
+
+/// Thrown to leave a long task after Ctrl-C; the program ends with 130.
+struct Interrupted {};
+
+/// From the first call on Ctrl-C sets the flag that is returned, and the task is to end at the next good
+/// moment; a second Ctrl-C ends the program at once. Without a call the first one does.
+const std::atomic<bool>& interrupt_flag();
+
+/// Called once by main.
+void install_interrupt_handler();
+
+/// A subcommand with its --json flag and its examples, which a test runs.
+/// @param examples  whole command lines, one each
+CLI::App& add_command(CLI::App& parent, Console& console, const std::string& name,
+                      const std::string& description, const std::vector<std::string>& examples);
+
+/// The number that `text` holds. NaN and infinity are numbers here: who uses them says what is wrong.
+/// @param what  the option, for the error
+/// @throws InputError naming option, text and remedy
+double parse_number(std::string_view what, std::string_view text);
+/// A whole number of at least `least`; 1e6 is one.
+std::int64_t parse_count(std::string_view what, std::string_view text, std::int64_t least);
+/// "0.5,1"
+std::vector<double> parse_numbers(std::string_view what, std::string_view text);
+/// "a,b" without blanks around the parts. @throws InputError when a part is empty
+std::vector<std::string> parse_names(std::string_view what, std::string_view text);
+/// "m=2" as name and number.
+std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text);
+/// `word` when it is one of `choices`. @throws InputError with a suggestion
+std::string parse_choice(std::string_view what, std::string_view word,
+                         const std::vector<std::string>& choices);
+
+/// An option that holds a number.
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,
+                        const std::string& description);
+
+/// Columns of text for people: the first is flush left, numbers flush right.
+class TextTable {
+ public:
+  explicit TextTable(std::vector<std::string> header) : rows_{std::move(header)} {}
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  [[nodiscard]] std::string text(const Console& console) const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// At most `digits` significant digits, for people.
+std::string short_number(double value, int digits = 6);
+
+}  // namespace hmax

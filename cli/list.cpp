@@ -1,0 +1,113 @@
+/// hmax list problems | methods | materials
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/catalogue.hpp"
+#include "cli/commands.hpp"
+#include "problems/liver_materials.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const std::vector<std::pair<std::string, double>>& parameters) {
+  Json object = Json::object();
+  for (const auto& [name, value] : parameters) object[name] = value;
+  return object;
+}
+
+void list_problems(Console& console) {
+  Json document = Json::array();
+  TextTable table({"problem", "states", "y0", "t_end [s]", "exact", "parameters"});
+  std::string notes;
+  for (const std::string& id : problem_ids()) {
+    const Problem problem = make_problem(id);
+    document.push_back({{"id", id},
+                        {"dimension", problem.y0.size()},
+                        {"parameters", to_json(problem.parameters)},
+                        {"y0", std::vector<double>(problem.y0.begin(), problem.y0.end())},
+                        {"t_end", problem.t_end},
+                        {"has_exact_solution", problem.has_exact_solution},
+                        {"states", problem.states},
+                        {"note", problem.note}});
+    table.add({id, fmt::format("{}", fmt::join(problem.states, ",")), describe(problem.y0),
+               short_number(problem.t_end), problem.has_exact_solution ? "yes" : "no",
+               describe(problem.parameters)});
+    notes += fmt::format("{}: {}\n", id, problem.note);
+  }
+  if (console.json) return console.print_json(document);
+  console.print(table.text(console));
+  console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/cli.md.\n");
+}
+
+void list_methods(Console& console) {
+  Json document = Json::array();
+  TextTable table({"method", "order", "error order", "stages", "aliases", "source"});
+  for (const Method& method : methods()) {
+    document.push_back({{"id", method.id},
+                        {"aliases", method.aliases},
+                        {"family", method.family},
+                        {"order", method.order},
+                        {"error_order", method.error_order},
+                        {"stages", method.stages},
+                        {"explicit", method.is_explicit},
+                        {"adaptive", method.adaptive()},
+                        {"needs_jacobian", method.needs_jacobian},
+                        {"a_stable", method.a_stable},
+                        {"l_stable", method.l_stable},
+                        {"engine", method.engine},
+                        {"source", method.source}});
+    table.add({method.id, std::to_string(method.order),
+               method.adaptive() ? std::to_string(method.error_order) : "-", std::to_string(method.stages),
+               fmt::format("{}", fmt::join(method.aliases, ",")), method.source});
+  }
+  if (console.json) return console.print_json(document);
+  console.print(table.text(console));
+  console.print(
+      "\nMethods with an error order also run adaptively (--rtol, --atol). Sources are keys of "
+      "references.bib.\nA method of your own: --tableau FILE.toml, see docs/cli.md.\n");
+}
+
+void list_materials(Console& console) {
+  Json document = Json::array();
+  TextTable table({"material", "k1 [N/m]", "c [N s/m]", "m low [kg]", "m high [kg]", "m middle [kg]"});
+  for (const LiverMaterial& material : liver_materials()) {
+    document.push_back({{"id", material.id},
+                        {"parameters",
+                         {{"k1", material.stiffness},
+                          {"c", material.damping},
+                          {"m", material.mass_middle()},
+                          {"m_low", material.mass_low},
+                          {"m_high", material.mass_high}}},
+                        {"source", "benchmark table of the liver oscillator study, docs/facts.md"}});
+    table.add({std::string(material.id), short_number(material.stiffness), short_number(material.damping),
+               short_number(material.mass_low), short_number(material.mass_high),
+               short_number(material.mass_middle())});
+  }
+  if (console.json) return console.print_json(document);
+  console.print(table.text(console));
+  console.print(
+      "\nThe middle of the mass range is used; ':light' and ':heavy' after the id take its ends.\n"
+      "The study prints the stiffness in kPa and the damping in N/m^2 and computes with the bare numbers; "
+      "docs/facts.md\nsays why no claim is made that these are a liver's.\n");
+}
+
+}  // namespace
+
+void add_list(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(app, console, "list", "Show the problems, methods or materials",
+                                  {"hmax list methods", "hmax list problems --json", "hmax list materials"});
+  auto what = std::make_shared<std::string>();
+  command.add_option("what", *what, "problems, methods or materials")->required()->type_name("");
+  command.callback([what, &console] {
+    const std::string chosen = parse_choice("what to list", *what, {"problems", "methods", "materials"});
+    if (chosen == "problems") return list_problems(console);
+    if (chosen == "methods") return list_methods(console);
+    list_materials(console);
+  });
+}
+
+}  // namespace hmax

@@ -1,0 +1,56 @@
+#include <set>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+void expect_keys(const Json& object, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << key;
+}
+
+TEST(List, MethodsHaveTheKeysOfTheContract) {
+  const Json methods = Shell().hmax("list methods --json").json();
+  ASSERT_EQ(methods.size(), 13U);
+  std::set<std::string> ids;
+  for (const Json& method : methods) {
+    expect_keys(method, {"id", "aliases", "family", "order", "error_order", "stages", "explicit", "adaptive",
+                         "needs_jacobian", "a_stable", "l_stable", "engine", "source"});
+    ids.insert(method.at("id"));
+    EXPECT_EQ(method.at("adaptive"), method.at("error_order") > 0);
+  }
+  EXPECT_TRUE(ids.contains("dop_853") && ids.contains("rk4"));
+  EXPECT_EQ(ids.size(), 13U);
+}
+
+TEST(List, ProblemsHaveTheKeysOfTheContract) {
+  const Json problems = Shell().hmax("--json list problems").json();
+  ASSERT_EQ(problems.size(), 4U);
+  for (const Json& problem : problems)
+    expect_keys(problem, {"id", "dimension", "parameters", "y0", "t_end", "has_exact_solution"});
+  // The numbers of the published full model.
+  EXPECT_EQ(problems[2].at("id"), "liver_forced");
+  EXPECT_EQ(problems[2].at("y0"), Json({0.5, 1.0}));
+  EXPECT_EQ(problems[2].at("parameters").at("m"), 1.45);
+}
+
+TEST(List, MaterialsHaveTheKeysOfTheContract) {
+  const Json materials = Shell().hmax("list materials --json").json();
+  ASSERT_EQ(materials.size(), 6U);
+  for (const Json& material : materials) expect_keys(material, {"id", "parameters", "source"});
+}
+
+TEST(List, TablesForPeopleNameEverything) {
+  const Shell shell;
+  for (const char* what : {"methods", "problems", "materials"}) {
+    const std::string table = shell.hmax(std::string("list ") + what).out;
+    for (const Json& entry : shell.hmax(std::string("list --json ") + what).json())
+      EXPECT_NE(table.find(entry.at("id").get<std::string>()), std::string::npos) << entry.at("id");
+    EXPECT_EQ(table.find('\x1b'), std::string::npos) << "colour in a file";
+  }
+}
+
+}  // namespace
+}  // namespace hmax

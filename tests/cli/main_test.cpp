@@ -1,0 +1,73 @@
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+TEST(Program, SaysWhatToDoNextWithoutArguments) {
+  const Told told = Shell().hmax("");
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_NE(told.out.find("hmax --help"), std::string::npos);
+  EXPECT_EQ(told.err, "");
+}
+
+TEST(Program, PrintsItsVersion) {
+  const Told told = Shell().hmax("--version");
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_EQ(told.out.rfind("hmax 0.", 0), 0U) << told.out;
+}
+
+TEST(Program, SuggestsTheNearestNameForAMistypedOne) {
+  const Shell shell;
+  expect_refused(shell.hmax("lits"), "did you mean 'list'?");
+  expect_refused(shell.hmax("list --jsno methods"), "did you mean '--json'?");
+  expect_refused(shell.hmax("list method"), "did you mean 'methods'?");
+  expect_refused(shell.hmax("quux"), "unknown command 'quux'");
+}
+
+TEST(Program, RefusesMissingAndSurplusArguments) {
+  const Shell shell;
+  expect_refused(shell.hmax("list"), "hmax list --help");
+  expect_refused(shell.hmax("list methods problems"), "unexpected argument 'problems'");
+}
+
+TEST(Program, ReportsAFullDiskAndIgnoresAReaderThatLeft) {
+  const Shell shell;
+  const Told full = shell.hmax("list methods >/dev/full");
+  EXPECT_EQ(full.exit_code, 2);
+  EXPECT_NE(full.err.find("cannot write to standard output"), std::string::npos) << full.err;
+  const Told closed = shell.hmax("list methods --json | true");
+  EXPECT_EQ(closed.exit_code, 0);
+  EXPECT_EQ(closed.err, "");
+}
+
+/// The command lines below "Example" in the help of a command.
+std::vector<std::string> examples_of(const std::string& help) {
+  std::vector<std::string> examples;
+  for (std::size_t at = help.find("\n  hmax "); at != std::string::npos;
+       at = help.find("\n  hmax ", at + 1)) {
+    const std::size_t begin = at + std::string("\n  hmax ").size();
+    examples.push_back(help.substr(begin, help.find('\n', begin) - begin));
+  }
+  return examples;
+}
+
+/// The names of the subcommands in the help of the program.
+std::vector<std::string> commands(const Shell& shell) {
+  const std::string help = shell.hmax("--help").out;
+  std::vector<std::string> names;
+  std::istringstream lines(help.substr(help.find("Subcommands:")));
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("  ") && line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  return names;
+}
+
+TEST(Help, HasAnExampleForEachCommand) {
+  const Shell shell;
+  const auto names = commands(shell);
+  EXPECT_FALSE(names.empty());
+  for (const std::string& name : names)
+    EXPECT_FALSE(examples_of(shell.hmax(name + " --help").out).empty()) << name;
+}
+
+}  // namespace
+}  // namespace hmax
