@@ -18,21 +18,26 @@ namespace detail {
 /// Calls go(control) with the control that `spec` asks for; the typed world begins here.
 /// @param error_order  order of the error estimate; 0 for a method without one, which then only runs at fixed
 /// step
-template <class Real, class Go>
+template <class StepperT, class Real = typename StepperT::Real, class Go>
 auto with_control(const RunSpec& spec, int error_order, Go&& go) {
-  if (!spec.adaptive || error_order == 0) return go(FixedStep<Real>(static_cast<Real>(spec.h)));
-  const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol)};
-  switch (spec.control) {
-    case Controllers::i:
-      return go(Adaptive<Real, IntegralController>(tolerances, error_order));
-    case Controllers::pi:
-      return go(Adaptive<Real, PiController>(tolerances, error_order));
-    case Controllers::matlab:
-      return go(Adaptive<Real, MatlabController, MatlabNorm>(tolerances, error_order));
-    case Controllers::deadband:
-      break;
+  const FixedStep<Real> fixed(static_cast<Real>(spec.h));
+  if constexpr (!StepperT::may_estimate_error)
+    return go(fixed);
+  else {
+    if (!spec.adaptive || error_order == 0) return go(fixed);
+    const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol)};
+    switch (spec.control) {
+      case Controllers::i:
+        return go(Adaptive<Real, IntegralController>(tolerances, error_order));
+      case Controllers::pi:
+        return go(Adaptive<Real, PiController>(tolerances, error_order));
+      case Controllers::matlab:
+        return go(Adaptive<Real, MatlabController, MatlabNorm>(tolerances, error_order));
+      case Controllers::deadband:
+        break;
+    }
+    return go(Adaptive<Real, DeadbandController>(tolerances, error_order));
   }
-  return go(Adaptive<Real, DeadbandController>(tolerances, error_order));
 }
 
 }  // namespace detail
@@ -56,7 +61,7 @@ Runner bind(const StepperT& stepper, const Sys& system, const typename Sys::Stat
     auto point = [&sink](Real t, const State& state) {
       if (sink) sink(static_cast<double>(t), state);
     };
-    const RunEnd<Real> end = detail::with_control<Real>(spec, error_order, [&](auto control) {
+    const RunEnd<Real> end = detail::with_control<StepperT>(spec, error_order, [&](auto control) {
       // One observer for all three ways of looking, so that each method is compiled once a control.
       SampleEvery<State, decltype(point)> sample(span, spec.every > 0 ? spec.every : spec.t_end, y0, point);
       return integrate(
@@ -84,7 +89,7 @@ Runner bind(const StepperT& stepper, const Sys& system, const typename Sys::Stat
       const auto points = static_cast<std::size_t>(fixed_step_count(spec.t_end, spec.every)) + 1;
       if (memory->size() < points) memory->assign(points, y0);
     }
-    detail::with_control<Real>(spec, error_order, [&](auto control) {
+    detail::with_control<StepperT>(spec, error_order, [&](auto control) {
       State y = y0;
       for (std::int64_t run = 0; run < runs; ++run) {
         y = y0;

@@ -126,7 +126,7 @@ class Adaptive {
                                tolerances_.h_max);
     else
       h_ = hairer_initial_step(system, span.t0, y, error_order_, norm_, length);
-    h_ = std::min(h_, tolerances_.h_max);
+    h_ = std::max(std::min(h_, tolerances_.h_max), smallest_step(span.t0));
   }
 
   /// The last step is stretched by up to 1 % (10 % under MATLAB's rules) rather than leaving a sliver.
@@ -143,12 +143,16 @@ class Adaptive {
     h_ = std::min(verdict.h_next, tolerances_.h_max);
     if (verdict.accept) [[likely]]
       return Judgement::accept;
-    // Below 16 units in the last place of t a step no longer moves time reliably.
-    const Real smallest = 16 * std::numeric_limits<Real>::epsilon() * std::abs(step.t_next);
-    return h_ <= std::max(smallest, std::numeric_limits<Real>::min()) ? Judgement::give_up : Judgement::retry;
+    return h_ <= smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
   }
 
  private:
+  /// Below 16 units in the last place of t a step no longer moves time reliably.
+  static Real smallest_step(Real t) {
+    return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t),
+                    std::numeric_limits<Real>::min());
+  }
+
   Tolerances<Real> tolerances_;
   Norm<Real> norm_;
   Controller<Real> controller_;

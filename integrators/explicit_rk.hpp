@@ -115,6 +115,8 @@ class ExplicitRk {
   using Real = real_of<State>;
   static constexpr int order = Coefficients::order;
   static constexpr int error_order = Coefficients::error_order;
+  /// Whether attempts carry an error estimate: a tableau of order 0 says so only at run time.
+  static constexpr bool may_estimate_error = order == 0 || error_order > 0;
 
   ExplicitRk() = default;
   explicit ExplicitRk(Coefficients coefficients) : coefficients_(std::move(coefficients)) {}
@@ -127,8 +129,8 @@ class ExplicitRk {
       for (State& k : k_) k.resize(system.dim());
       for (State& q : q_) q.resize(system.dim());
       stage_.resize(y.size());
+      end_slope_.resize(y.size());
     }
-    end_slope_ = y;  // any value: the compiler cannot see that it is read only once it is known
     first_stage_known_ = end_slope_known_ = polynomial_known_ = false;
   }
 
@@ -166,7 +168,8 @@ class ExplicitRk {
   /// With two error rows (DOP853) the estimates e5 and e3 are combined as |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2)
   /// [hairer1993solving, II.10].
   template <class Norm>
-  Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm) const {
+  requires may_estimate_error Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm)
+  const {
     const Real e = weighted_square(coefficients_.error_weights(), h, y, y_new, norm);
     if constexpr (has_low_error()) {
       const Real e_low = weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm);
@@ -281,8 +284,15 @@ class ExplicitRk {
 
   [[no_unique_address]] Coefficients coefficients_;
   typename Coefficients::template Storage<State> k_;
-  State stage_;      // argument of the stage in the making
-  State end_slope_;  // f at the new point, for the Hermite polynomial of methods without FSAL
+  /// A stepper is copied into its run; numbers without a value must not be.
+  static State blank() {
+    if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
+      return State();
+    else
+      return State::Zero();
+  }
+  State stage_ = blank();      // argument of the stage in the making
+  State end_slope_ = blank();  // f at the new point, for the Hermite polynomial of methods without FSAL
   std::array<State, Coefficients::interpolant_degree> q_;
   bool first_stage_known_ = false, end_slope_known_ = false, polynomial_known_ = false;
 };

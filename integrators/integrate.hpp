@@ -90,6 +90,8 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     if (attempts == max_steps) [[unlikely]]
       return finish(Outcome::too_many_steps, t);
     const Proposal<Real> step = control.propose(t);
+    if (!(step.t_next > t)) [[unlikely]]
+      return finish(Outcome::step_too_small, t);
     if (stepper.attempt(system, t, now, step.h, candidate) != StepStatus::ok) [[unlikely]]
       return finish(Outcome::newton_failed, t);
     const Judgement judgement = control.judge(stepper, step, now, candidate);

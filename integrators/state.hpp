@@ -93,6 +93,7 @@ inline auto fold_weights(Real h, const Term& term, const Left& left) {
 template <StaticRow Row, class Real, class Term>
 inline auto weighted_sum(Real h, const Term& term) {
   constexpr std::size_t first = next_weight<Row>(0);
+  static_assert(first < Row::size, "all weights are zero");
   return fold_weights<Row, Real, next_weight<Row>(first + 1)>(
       h, term, (h * static_cast<Real>(Row::weight(first))) * term(first));
 }

@@ -19,7 +19,7 @@ enum class Outcome {
   reached_end,
   stopped,         ///< an observer asked for it (a terminal event)
   diverged,        ///< the state is not finite or beyond the square root of the largest number
-  step_too_small,  ///< the error test fails at a step size that no longer changes t
+  step_too_small,  ///< a step no longer changes t, or the error test fails at one that hardly does
   too_many_steps,
   newton_failed,
 };

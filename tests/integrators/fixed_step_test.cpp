@@ -112,12 +112,25 @@ TEST(FixedStep, TakesNoStepOverAnEmptySpan) {
 }
 
 TEST(FixedStep, TooSmallForTheBudgetSaysSo) {
-  for (const double h : {1e-3, 1e-20, 1e-300, std::numeric_limits<double>::denorm_min()}) {
+  const Trace run = trace({1, 2}, 1e-3, 100);
+  EXPECT_EQ(run.end.outcome, Outcome::too_many_steps);
+  EXPECT_EQ(run.end.stats.steps, 100);
+  EXPECT_EQ(run.end.t, 1 + 100 * 1e-3);
+  EXPECT_EQ(trace({0, 1}, 1e-300, 100).end.outcome, Outcome::too_many_steps);
+}
+
+TEST(FixedStep, TooSmallToChangeTheTimeSaysSo) {
+  for (const double h : {1e-20, 1e-300, std::numeric_limits<double>::denorm_min()}) {
     const Trace run = trace({1, 2}, h, 100);
-    EXPECT_EQ(run.end.outcome, Outcome::too_many_steps) << h;
-    EXPECT_EQ(run.end.stats.steps, 100) << h;
-    EXPECT_EQ(run.end.t, 1 + 100 * h) << h;
+    EXPECT_EQ(run.end.outcome, Outcome::step_too_small) << h;
+    EXPECT_EQ(run.end.t, 1) << h;
   }
+}
+
+TEST(FixedStep, ThatIsNoStepEndsAtOnce) {
+  // Upper floors refuse these in words; the loop must not hang.
+  for (const double h : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_EQ(trace({1, 2}, h, 100).end.outcome, Outcome::step_too_small) << h;
 }
 
 TEST(FixedStep, UsesTheWholeBudget) {
