@@ -82,8 +82,9 @@ Runner bind(const StepperT& stepper, const Sys& system, const typename Sys::Stat
     return record;
   };
 
-  runner.repeat = [=, memory = std::make_shared<std::vector<State>>()](const RunSpec& spec,
-                                                                       std::int64_t runs) {
+  runner.repeat = [=, memory = std::make_shared<std::vector<State>>(),
+                   last = std::make_shared<Eigen::VectorXd>(y0)](
+                      const RunSpec& spec, std::int64_t runs) -> const Eigen::VectorXd& {
     const Span<Real> span{0, static_cast<Real>(spec.t_end)};
     if (spec.every > 0) {
       const auto points = static_cast<std::size_t>(fixed_step_count(spec.t_end, spec.every)) + 1;
@@ -105,8 +106,10 @@ Runner bind(const StepperT& stepper, const Sys& system, const typename Sys::Stat
         // another.
         asm volatile("" : : "g"(y.data()) : "memory");
       }
+      *last = y;
       return 0;
     });
+    return *last;
   };
 
   runner.end_state_extended = [=](double h, double t_end) {

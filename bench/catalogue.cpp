@@ -168,7 +168,10 @@ std::string describe(const std::vector<std::pair<std::string, double>>& paramete
 
 std::string describe(const Eigen::VectorXd& y) {
   std::string text;
-  for (const double value : y) text += (text.empty() ? "" : ",") + to_text(value);
+  for (const double value : y) {
+    if (!text.empty()) text += ',';
+    text += to_text(value);
+  }
   return text;
 }
 

@@ -50,10 +50,11 @@ struct Runner {
   /// Runs once, counting evaluations; the sink may be empty.
   std::function<RunRecord(const RunSpec&, const Sink&)> run;
 
-  /// Runs `runs` times from the initial state with nobody counting. With `every`, output points are written
-  /// to memory that is kept between calls. For timing: nothing is allocated in a call that repeats an earlier
-  /// one, but for the stages of states of dynamic size.
-  std::function<void(const RunSpec&, std::int64_t runs)> repeat;
+  /// Runs `runs` >= 1 times from the initial state with nobody counting. With `every`, output points are
+  /// written to memory that is kept between calls. For timing: nothing is allocated in a call that repeats an
+  /// earlier one, but for the stages of states of dynamic size.
+  /// @returns the last accepted state of the last run, shape (dim); valid until the next call
+  std::function<const Eigen::VectorXd&(const RunSpec&, std::int64_t runs)> repeat;
 
   /// End state of a fixed-step run in the highest precision the problem is written in, shape (dim).
   std::function<Eigen::Vector<long double, Eigen::Dynamic>(double h, double t_end)> end_state_extended;

@@ -1,0 +1,35 @@
+/// CPU time of repeated runs, several candidates in turn.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace hmax {
+
+/// CPU time that the calling thread has used so far [s]. One reading costs about 200 ns: time batches.
+double thread_cpu_seconds();
+
+struct TimingOptions {
+  int repetitions = 9;         ///< samples of each candidate, at least 1
+  double min_sample_s = 2e-3;  ///< CPU time of one sample, for the clock to resolve it well [s]
+  /// Asked before every sample; false ends the timing. Empty: never asked.
+  std::function<bool()> keep_going;
+};
+
+/// What was measured of one candidate.
+struct Timing {
+  std::vector<double> samples;       ///< CPU time of one run, one entry for each repetition in order [s]
+  std::int64_t runs_per_sample = 1;  ///< runs timed together
+};
+
+/// Times candidates against one another. First each is tried with one run, then with more, until a sample
+/// takes min_sample_s; the last of these trials is also its warm-up. Then every repetition goes over all
+/// candidates (A B C A B C ...), so that a machine that slows down for a while slows all of them.
+/// @param candidates  each called as candidate(runs), runs >= 1; must do the same work each time
+/// @returns one entry for each candidate, in their order; empty when keep_going ended it
+std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int64_t runs)>> candidates,
+                                     const TimingOptions& options = {});
+
+}  // namespace hmax
