@@ -1,0 +1,133 @@
+// Measures the explicit methods of hmax and of Boost.Odeint in one process and prints their ratios.
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include "bench/micro/allocations.hpp"
+#include "bench/micro/ratios.hpp"
+#include "problems/oscillator_reference.hpp"
+#include "results/fingerprint.hpp"
+
+namespace hmax::micro {
+namespace {
+
+constexpr double t_end = 100;
+constexpr Point start{0.5, 1};
+constexpr double fixed_h = 0.005;
+constexpr int tolerances_per_decade = 4;
+
+std::vector<double> settings_of(Task task) {
+  if (task != Task::dormand_prince_adaptive && task != Task::order_8_adaptive) return {fixed_h};
+  std::vector<double> tolerances;
+  for (int i = 2 * tolerances_per_decade; i <= 14 * tolerances_per_decade; ++i)
+    tolerances.push_back(std::pow(10.0, -static_cast<double>(i) / tolerances_per_decade));
+  return tolerances;
+}
+
+/// Everything but the time.
+Measurement measure(const Engine& engine, double setting, const Oscillator& model,
+                    const OscillatorReference& reference) {
+  Measurement m{.engine = engine, .setting = setting};
+  m.evaluations =
+      static_cast<double>(engine.watched(model, t_end, setting, start, [&](double t, const Point& y) {
+        if (t == 0) return;
+        // The last steps of Odeint may end a rounding error beyond t_end.
+        const Eigen::Vector2d exact = reference.at(std::min(t, t_end));
+        m.error = std::max({m.error, std::abs(y[0] - exact[0]), std::abs(y[1] - exact[1])});
+        ++m.steps;
+      }));
+  const long before = allocations();
+  Point y = start;
+  engine.run(model, t_end, setting, y);
+  m.allocations = static_cast<double>(allocations() - before);
+  return m;
+}
+
+void time_runs(benchmark::State& state, const Measurement& m, const Oscillator& model) {
+  for (auto _ : state) {
+    Point y = start;
+    m.engine.run(model, t_end, m.setting, y);
+    benchmark::DoNotOptimize(y);
+  }
+  state.counters["error"] = m.error;
+  state.counters["steps"] = m.steps;
+  state.counters["rhs"] = m.evaluations;
+  state.counters["allocations"] = m.allocations;
+}
+
+/// Keeps the times of all repetitions; prints them as well unless only the table is wanted.
+class Collector : public benchmark::ConsoleReporter {
+ public:
+  Collector(std::vector<Measurement>& measurements, const std::vector<std::string>& names, bool quiet)
+      : measurements_(measurements), names_(names), quiet_(quiet) {}
+
+  bool ReportContext(const Context& context) override {
+    return quiet_ || benchmark::ConsoleReporter::ReportContext(context);
+  }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs)
+      for (std::size_t i = 0; i < names_.size(); ++i)
+        if (run.run_type == Run::RT_Iteration && run.run_name.function_name == names_[i])
+          measurements_[i].seconds.push_back(run.cpu_accumulated_time / static_cast<double>(run.iterations));
+    if (!quiet_) benchmark::ConsoleReporter::ReportRuns(runs);
+  }
+
+ private:
+  std::vector<Measurement>& measurements_;
+  const std::vector<std::string>& names_;
+  bool quiet_;
+};
+
+int main_of(int argc, char** argv) {
+  // Later flags win, so these are defaults. Repetitions of all engines are mixed at random: a slow minute of
+  // the machine meets both sides.
+  std::vector<std::string> arguments{argv[0], "--benchmark_enable_random_interleaving=true",
+                                     "--benchmark_repetitions=25", "--benchmark_min_time=0.001"};
+  bool quiet = false;
+  for (int i = 1; i < argc; ++i)
+    if (std::strcmp(argv[i], "--ratios") == 0)
+      quiet = true;
+    else
+      arguments.emplace_back(argv[i]);
+  std::vector<char*> raw;
+  for (std::string& argument : arguments) raw.push_back(argument.data());
+  int count = static_cast<int>(raw.size());
+  raw.push_back(nullptr);
+  benchmark::Initialize(&count, raw.data());
+  if (benchmark::ReportUnrecognizedArguments(count, raw.data())) return 2;
+
+  const Oscillator model;
+  const OscillatorReference reference(model.parameters(), {start[0], start[1]}, t_end);
+  std::vector<Engine> engines = hmax_engines();
+  for (const Engine& engine : odeint_engines()) engines.push_back(engine);
+
+  std::vector<Measurement> measurements;
+  std::vector<std::string> names;
+  for (const Engine& engine : engines)
+    for (const double setting : settings_of(engine.task)) {
+      measurements.push_back(measure(engine, setting, model, reference));
+      const bool fixed = setting == fixed_h;
+      names.push_back(
+          fmt::format("{}/{}/{}:{:.2e}", engine.side, engine.name, fixed ? "h" : "rtol", setting));
+    }
+  for (std::size_t i = 0; i < names.size(); ++i)
+    benchmark::RegisterBenchmark(names[i].c_str(), [&, i](benchmark::State& state) {
+      time_runs(state, measurements[i], model);
+    })->Unit(benchmark::kMicrosecond);
+
+  Collector collector(measurements, names, quiet);
+  benchmark::RunSpecifiedBenchmarks(&collector);
+  benchmark::Shutdown();
+  fmt::print("\n{}\n{}\nOn top of these flags: hmax {}, Odeint {}.\n", ratio_table(measurements),
+             summary(fingerprint()), HMAX_MICRO_OWN_FLAGS, HMAX_MICRO_ODEINT_FLAGS);
+  return 0;
+}
+
+}  // namespace
+}  // namespace hmax::micro
+
+int main(int argc, char** argv) { return hmax::micro::main_of(argc, argv); }
