@@ -285,11 +285,11 @@ void Sweeper::begin_session() {
   const Fingerprint here = fingerprint();
   if (here.debug_build)
     summary_.warnings.emplace_back(
-        "This is a debug build: its times are marked and say nothing about a release build.");
+        "this is a debug build; its times are marked and say nothing about a release build");
   if (const std::vector<Session> sessions = store_.sessions(); !sessions.empty())
     if (const auto changes = differences(sessions.back().fingerprint, here); !changes.empty())
       summary_.warnings.push_back(
-          fmt::format("The rows stored before were measured otherwise ({}).", fmt::join(changes, "; ")));
+          fmt::format("the rows stored before were measured otherwise ({})", fmt::join(changes, "; ")));
   store_.begin_session(here);
 }
 

@@ -80,6 +80,13 @@ SweepPlan plan_sweep(const SweepSpec& spec);
 /// @throws InputError  naming what differs and the remedy; what Store throws
 Store open_sweep_store(const SweepPlan& plan, const std::filesystem::path& file, bool resume);
 
+/// @throws InputError in a debug build: its times are not published
+void require_publishable_build();
+
+/// Notes in `store` that its rows may be published.
+/// @throws InputError when a debug build measured some of them
+void mark_published(Store& store);
+
 struct SweepProgress {
   std::int64_t rows_done = 0, rows = 0;  ///< of the plan; those skipped count as done
   double fraction = 0;                   ///< of the estimated CPU time of what is to be measured

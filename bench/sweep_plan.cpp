@@ -14,6 +14,7 @@
 #include "bench/sweep.hpp"
 #include "bench/tableau_file.hpp"
 #include "results/errors.hpp"
+#include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -55,19 +56,19 @@ std::vector<std::size_t> all_of(const std::vector<Method>& methods, bool adaptiv
 
 void check_settings(const SweepSpec& spec) {
   if (spec.problems.empty())
-    throw InputError("A sweep needs at least one problem; `hmax list problems` shows them.");
+    throw InputError("a sweep needs at least one problem; `hmax list problems` shows them");
   if (spec.repeats < 9)
     throw InputError(
-        fmt::format("A sweep takes the median and quartiles of at least 9 repetitions, not of {}; give "
+        fmt::format("a sweep takes the median and quartiles of at least 9 repetitions, not of {}; give "
                     "--repeats 9 or more",
                     spec.repeats));
   if (spec.repeats > 10'000)
     throw InputError(fmt::format(
         "{} repetitions are more than the limit of 10000; give --repeats 9 or a few more", spec.repeats));
   if (!spec.h.empty() && !spec.fixed && !spec.sampled)
-    throw InputError("Steps need a reading: give --fixed, --sampled or both.");
+    throw InputError("steps need a reading; give --fixed, --sampled or both");
   if (spec.h.empty() && spec.tolerances.empty())
-    throw InputError("A sweep needs steps or tolerances: give --h or --rtol.");
+    throw InputError("a sweep needs steps or tolerances; give --h or --rtol");
 }
 
 std::vector<SweepBlock> blocks_of(const SweepSpec& spec, const std::vector<Problem>& problems,
@@ -115,7 +116,7 @@ void check_block(const SweepBlock& block, const std::vector<Problem>& problems,
                          static_cast<double>(block.methods.size());
   if (numbers > largest_output)
     throw InputError(
-        fmt::format("Output of {} every {} s to t = {} s by {} methods would keep {:.3g} numbers in memory, "
+        fmt::format("output of {} every {} s to t = {} s by {} methods would keep {:.3g} numbers in memory, "
                     "more than the "
                     "limit of {:.0e}; take a larger --h, fewer --methods, or --fixed",
                     problem.id, to_text(block.run.every), to_text(block.run.t_end), block.methods.size(),
@@ -226,14 +227,14 @@ SweepPlan plan_sweep(const SweepSpec& spec) {
     plan.problems.push_back(make_problem(problem.name, problem.settings));
   if (!spec.tolerances.empty() && all_of(plan.methods, true).empty())
     throw InputError(
-        "Tolerances need a method with an error estimate; choose one whose error_order in `hmax list "
+        "tolerances need a method with an error estimate; choose one whose error_order in `hmax list "
         "methods` "
-        "is not 0, or give --h.");
+        "is not 0, or give --h");
   plan.blocks = blocks_of(spec, plan.problems, plan.methods);
   if (plan.blocks.empty())
     throw InputError(
-        "None of these methods has the error estimate that --sampled needs; give --fixed, or choose a method "
-        "whose error_order in `hmax list methods` is not 0.");
+        "none of these methods has the error estimate that --sampled needs; give --fixed, or choose a method "
+        "whose error_order in `hmax list methods` is not 0");
   for (SweepBlock& block : plan.blocks) {
     check_block(block, plan.problems, plan.methods);
     if (block.run.adaptive) block.run.max_steps = std::min(block.run.max_steps, adaptive_attempts);
@@ -252,18 +253,35 @@ Store open_sweep_store(const SweepPlan& plan, const fs::path& file, bool resume)
   }
   if (!resume)
     throw InputError(fmt::format(
-        "The store '{}' holds {} rows already; give --resume to continue that sweep, or another --out",
+        "the store '{}' holds {} rows already; give --resume to continue that sweep, or another --out",
         file.string(), rows));
   const auto notes = store.notes();
   const auto made_by = notes.find(sweep_note);
   if (made_by == notes.end())
     throw InputError(
-        fmt::format("The store '{}' was not made by a sweep; give another --out", file.string()));
+        fmt::format("the store '{}' was not made by a sweep; give another --out", file.string()));
   if (made_by->second != plan.canonical)
     throw InputError(fmt::format(
-        "The store '{}' was made by another sweep: {}; give the same sweep to --resume, or another --out",
+        "the store '{}' was made by another sweep: {}; give the same sweep to --resume, or another --out",
         file.string(), difference(made_by->second, plan.canonical)));
   return store;
+}
+
+void require_publishable_build() {
+  if (fingerprint().debug_build)
+    throw InputError(
+        "a debug build is not measured for --publish; build with `cmake --preset release`, or leave "
+        "--publish out");
+}
+
+void mark_published(Store& store) {
+  for (const Session& session : store.sessions())
+    if (session.fingerprint.debug_build)
+      throw InputError(
+          fmt::format("the store '{}' holds rows of a debug build and cannot be published; measure again "
+                      "with another --out",
+                      store.file().string()));
+  store.note("published", "yes");
 }
 
 }  // namespace hmax

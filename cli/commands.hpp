@@ -9,5 +9,6 @@
 namespace hmax {
 
 void add_list(CLI::App& app, Console& console);
+void add_sweep(CLI::App& app, Console& console);
 
 }  // namespace hmax

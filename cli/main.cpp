@@ -81,6 +81,7 @@ Exit run(int argc, char** argv) {
   app.footer("`hmax COMMAND --help` shows the options of a command and examples.");
 
   add_list(app, console);
+  add_sweep(app, console);
 
   try {
     app.parse(argc, argv);

@@ -1,0 +1,231 @@
+/// hmax sweep: problems x methods x steps or tolerances, measured into a store.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/sweep_file.hpp"
+#include "cli/commands.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct SweepOptions {
+  std::string file, problems, materials, methods, tableaux, h, rtol, readings, control, y0, repeats,
+      max_steps, out;
+  std::vector<std::string> set;
+  std::optional<double> atol, t_end;
+  bool fixed = false, sampled = false, resume = false, publish = false;
+};
+
+SweepRequest flags_of(const SweepOptions& options) {
+  SweepRequest request;
+  const auto names = [](const char* flag, const std::string& text, auto& value) {
+    if (!text.empty()) value = parse_names(flag, text);
+  };
+  names("--problem", options.problems, request.problems);
+  names("--materials", options.materials, request.materials);
+  names("--methods", options.methods, request.methods);
+  names("--tableau", options.tableaux, request.tableaux);
+  names("--readings", options.readings, request.readings);
+  const auto numbers = [](const char* flag, const std::string& text, auto& value) {
+    if (!text.empty()) value = parse_numbers(flag, text);
+  };
+  numbers("--h", options.h, request.h);
+  numbers("--rtol", options.rtol, request.rtol);
+  numbers("--y0", options.y0, request.y0);
+  if (options.fixed || options.sampled) {
+    if (request.readings)
+      throw InputError("--readings and --fixed or --sampled say the same; give one of them");
+    request.readings.emplace();
+    if (options.fixed) request.readings->emplace_back("fixed");
+    if (options.sampled) request.readings->emplace_back("sampled");
+  }
+  for (const std::string& assignment : options.set)
+    request.parameters.push_back(parse_assignment("--set", assignment));
+  request.atol = options.atol;
+  request.t_end = options.t_end;
+  if (!options.control.empty()) request.control = options.control;
+  if (!options.repeats.empty()) request.repeats = parse_count("--repeats", options.repeats, 1);
+  if (!options.max_steps.empty()) request.max_steps = parse_count("--max-steps", options.max_steps, 1);
+  if (!options.out.empty()) request.out = options.out;
+  return request;
+}
+
+/// `out` is a name under results/runs/, or the path of a file that ends in .sqlite.
+std::filesystem::path store_path(const SweepRequest& request, const std::string& sweep_file) {
+  const std::string plain = sweep_file.empty() ? "sweep" : std::filesystem::path(sweep_file).stem().string();
+  const std::string out = request.out.value_or(plain);
+  if (out.ends_with(".sqlite")) return out;
+  if (out.empty() || out == "." || out == ".." || out.find('/') != std::string::npos)
+    throw InputError(fmt::format(
+        "--out is '{}', but must be a plain name or the path of a file that ends in .sqlite", out));
+  return std::filesystem::path("results") / "runs" / (out + ".sqlite");
+}
+
+/// Rows that belong to one sweep of one problem in one reading.
+struct Group {
+  std::string title;
+  std::vector<const Row*> rows;
+};
+
+std::vector<Group> groups_of(const SweepPlan& plan, const std::vector<Row>& rows) {
+  std::vector<Group> groups;
+  for (const Row& row : rows) {
+    std::string title = row.key.problem;
+    if (!row.key.material.empty()) title += ":" + row.key.material;
+    // Only where two problems of the sweep have the same name are their parameters what tells them apart.
+    const auto same = [&](const Problem& p) {
+      return p.id == row.key.problem && p.material == row.key.material;
+    };
+    if (std::ranges::count_if(plan.problems, same) > 1)
+      title += " with " + row.key.parameters + ", y0 " + row.key.y0;
+    title += ", " + row.key.mode;
+    if (groups.empty() || groups.back().title != title) groups.push_back({std::move(title), {}});
+    groups.back().rows.push_back(&row);
+  }
+  return groups;
+}
+
+/// The fastest of the rows whose error is at most `error`; null when there is none.
+const Row* fastest(const Group& group, double error) {
+  const Row* best = nullptr;
+  double best_time = 0;
+  for (const Row* row : group.rows) {
+    const double median = summarise(row->cpu_s).median;
+    if (!(row->error_global <= error) || !(median > 0) || (best && median >= best_time)) continue;
+    best = row;
+    best_time = median;
+  }
+  return best;
+}
+
+/// The fastest row for each power of ten of the error; one that serves several is shown at the smallest.
+std::string fastest_table(const Group& group, const Console& console) {
+  const bool adaptive = group.rows.front()->key.mode == "adaptive";
+  TextTable table({"error at most", "fastest method", adaptive ? "rtol" : "h [s]", "error", "CPU time [s]",
+                   "real-time factor"});
+  for (int decade = 0; decade >= -15; --decade) {
+    const Row* best = fastest(group, std::pow(10.0, decade));
+    if (!best) break;
+    if (best == fastest(group, std::pow(10.0, decade - 1))) continue;
+    const double median = summarise(best->cpu_s).median;
+    table.add({fmt::format("1e{}", decade), best->key.method,
+               short_number(adaptive ? best->key.rtol : best->key.h), short_number(best->error_global, 2),
+               short_number(median, 3), short_number(best->key.t_end / median, 3)});
+  }
+  return table.text(console);
+}
+
+std::string for_people(const SweepPlan& plan, const Store& store, const SweepSummary& summary,
+                       const Console& console) {
+  const std::vector<Row> rows = store.rows();
+  std::string text;
+  for (const Group& group : groups_of(plan, rows))
+    text += console.strong(group.title) + "\n" + fastest_table(group, console) + "\n";
+  const auto failed =
+      std::ranges::count_if(rows, [](const Row& row) { return row.outcome != "reached_end"; });
+  const auto subnormal = std::ranges::count_if(rows, [](const Row& row) { return row.subnormals > 0; });
+  text +=
+      fmt::format("{} rows in {}: {} measured in {} s, {} were there already\n", summary.rows,
+                  store.file().string(), summary.measured, short_number(summary.seconds, 3), summary.skipped);
+  if (failed > 0)
+    text += fmt::format("{} of them did not reach the end; each tells where it ended\n", failed);
+  if (subnormal > 0)
+    text +=
+        fmt::format("{} of them met subnormal numbers, which can make a run many times slower\n", subnormal);
+  return text + fmt::format("\nAll of it: hmax export {} --format csv\n", store.file().string());
+}
+
+void sweep(const SweepOptions& options, Console& console) {
+  const SweepRequest flags = flags_of(options);
+  const SweepRequest request = options.file.empty() ? flags : merged(read_sweep(options.file), flags);
+  const SweepPlan plan = plan_sweep(spec_from(request));
+  const std::filesystem::path file = store_path(request, options.file);
+  if (options.publish) require_publishable_build();
+  Store store = open_sweep_store(plan, file, options.resume);
+  if (options.publish) mark_published(store);
+
+  const auto& interrupted = interrupt_flag();
+  SweepSummary summary;
+  {
+    Progress progress(console, "sweep");
+    summary = run_sweep(
+        plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
+        [&] { return interrupted.load(); });
+  }
+  for (const std::string& warning : summary.warnings) console.remark(warning);
+  if (console.json) {
+    console.print_json(Json{{"store", file.string()},
+                            {"rows", summary.rows},
+                            {"measured", summary.measured},
+                            {"skipped", summary.skipped},
+                            {"seconds", summary.seconds},
+                            {"interrupted", summary.interrupted},
+                            {"warnings", summary.warnings}});
+  } else if (!summary.interrupted) {
+    console.print(for_people(plan, store, summary, console));
+  }
+  if (summary.interrupted) {
+    console.remark(fmt::format("interrupted; {} of {} rows are in {}, --resume measures the rest",
+                               summary.rows, plan.rows(), file.string()));
+    console.exit_code = Exit::interrupted;
+  }
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "sweep",
+      "Measure CPU time and error over steps or tolerances; without options the study's own step sweep, "
+      "which "
+      "takes about a minute",
+      {"hmax sweep --methods rk4,ode45 --h 0.1,0.01 --t-end 10 --out quick",
+       "hmax sweep --problem liver_benchmark --materials all --methods rk4 --h 0.1 --fixed --out livers",
+       "hmax sweep --methods ode23,ode45,dop_853 --rtol 1e-4,1e-6,1e-8 --out tolerances"});
+  auto options = std::make_shared<SweepOptions>();
+  const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
+    command.add_option(flag, value, description)->type_name(type);
+  };
+  text("file", options->file, "A sweep in a file, see docs/sweep.md; flags go before it", "FILE.toml");
+  text("--problem,--problems", options->problems, "Ids of `hmax list problems`, or files of formulas", "A,B");
+  text("--materials", options->materials, "Ids of `hmax list materials`, or all", "A,B");
+  command.add_option("--set", options->set, "Change a parameter, like c=6; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  text("--y0", options->y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
+  text("--methods,--method", options->methods, "Ids or aliases of `hmax list methods`; all by default",
+       "A,B");
+  text("--tableau", options->tableaux, "Files with explicit tableaux of your own", "A,B");
+  text("--h", options->h, "Steps [s]; the nine of the study by default", "NUMBERS");
+  text("--readings", options->readings, "What a step means: fixed, sampled or both (default)", "A,B");
+  command.add_flag("--fixed", options->fixed, "Integrate with steps of h");
+  command.add_flag("--sampled", options->sampled,
+                   "Step adaptively and output every h, as MATLAB does for 0:h:T");
+  text("--rtol", options->rtol, "Tolerance of --sampled (1e-6); without steps the tolerances to sweep",
+       "NUMBERS");
+  add_number(command, "--atol", options->atol, "Absolute tolerance; equal to --rtol by default");
+  text("--control", options->control, "How adaptive steps are steered: deadband (default), i, pi or matlab",
+       "NAME");
+  add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
+  text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");
+  text("--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
+  text("--out", options->out, "Name of the store under results/runs/, or a file that ends in .sqlite",
+       "NAME");
+  command.add_flag("--resume", options->resume,
+                   "Continue an interrupted sweep: measure what is not there yet");
+  command.add_flag("--publish", options->publish,
+                   "Mark the store as fit to publish; refused for debug builds");
+  command.callback([options, &console] { sweep(*options, console); });
+}
+
+}  // namespace hmax
