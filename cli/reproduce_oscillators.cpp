@@ -96,12 +96,24 @@ PhasePlane phase_plane_of(const LiverFamilyMember& member, const std::vector<Eig
   return plane;
 }
 
-/// Displacement, velocity and acceleration against time, and the orbits in the phase plane.
-Figure four_views(const std::string& title, const std::vector<LabelledTable>& curves) {
+/// The first `seconds` of a curve.
+LabelledTable beginning(const LabelledTable& curve, double seconds) {
+  LabelledTable first = curve;
+  const std::vector<double>& t = curve.table.values[0];
+  const auto count = std::ranges::upper_bound(t, seconds) - t.begin();
+  for (std::vector<double>& column : first.table.values) column.resize(static_cast<std::size_t>(count));
+  return first;
+}
+
+/// Displacement, velocity and acceleration against time, and the orbits in the phase plane. The acceleration
+/// is shown for its transient only, which is over long before the motion is.
+Figure four_views(const std::string& title, const std::vector<LabelledTable>& curves, double transient) {
+  std::vector<LabelledTable> first;
+  for (const LabelledTable& curve : curves) first.push_back(beginning(curve, transient));
   return {.title = title,
           .panels = {series_panel("displacement", curves, "t [s]", "x [m]"),
                      series_panel("velocity", curves, "t [s]", "v [m/s]"),
-                     series_panel("acceleration", curves, "t [s]", "a [m/s^2]"),
+                     series_panel("acceleration, transient", first, "t [s]", "a [m/s^2]"),
                      phase_panel({.title = "phase plane", .orbits = curves})},
           .columns = 2,
           .panel_height = 230};
@@ -355,7 +367,7 @@ class Study {
           std::pair{"forced_stiffness", "Under force the stiffness hardly matters"},
           std::pair{"forced_damping", "Damping decides how long the start is remembered"}}) {
       const LiverFamily& family = liver_family(id);
-      figures.push_back(drawn(four_views(title, curves_of(family, 40)), "figure_7_" + std::string(id),
+      figures.push_back(drawn(four_views(title, curves_of(family, 40), 15), "figure_7_" + std::string(id),
                               curve_footer(family)));
     }
     sections_.push_back(
@@ -374,7 +386,7 @@ class Study {
                                     std::pair{"benchmark_forced", "The benchmark livers under force"}}) {
       const LiverFamily& family = liver_family(id);
       figures.push_back(
-          drawn(four_views(title, curves_of(family, id == std::string_view("benchmark_forced") ? 30 : 8)),
+          drawn(four_views(title, curves_of(family, id == std::string_view("benchmark_forced") ? 30 : 8), 4),
                 "figure_8_" + std::string(id), curve_footer(family)));
     }
     sections_.push_back(

@@ -76,7 +76,8 @@ Range range_of(const Axis& axis, Even points, double margin) {
 /// less than two decades is also labelled at 2 and 5 times a power.
 std::string tics(char axis_name, const Axis& axis, const Range& range, double most) {
   const std::string text = fmt::format("set {}tics out scale 0.5 nomirror ", axis_name);
-  if (!axis.logarithmic) return text + "autofreq\n";
+  // The default format shows as many digits as the ends of the range have.
+  if (!axis.logarithmic) return fmt::format("set format {} '%g'\n{}autofreq\n", axis_name, text);
   const double low = std::log10(range.low) - 1e-9, high = std::log10(range.high) + 1e-9;
   const int first = static_cast<int>(std::floor(low)), last = static_cast<int>(std::floor(high));
   const int step = std::max(1, static_cast<int>(std::ceil((last - first + 1) / most)));
@@ -184,7 +185,10 @@ Extent extent_of(const Panel& panel, double panel_width, double panel_height) {
   }
   Extent extent;
   // Room for half a row of marks beside an outermost lost run.
-  extent.x = range_of(panel.x, x, most_lost > 1 ? 2 * lost_cell / panel_width : markers ? 0.04 : 0);
+  extent.x = range_of(panel.x, x,
+                      most_lost > 1                     ? 2 * lost_cell / panel_width
+                      : markers || !panel.marks.empty() ? 0.04
+                                                        : 0);
   extent.y = range_of(panel.y, y, 0.06);
   extent.end_of_tics = extent.y.high;
   lay_out_lost(panel, panel_width, panel_height, extent);
