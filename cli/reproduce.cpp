@@ -1,0 +1,85 @@
+/// `hmax reproduce`: published studies done again, figure by figure.
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/sweep.hpp"
+#include "cli/commands.hpp"
+#include "cli/reproduce_oscillators.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// The damping of the study's text makes the model self-exciting: its amplitude grows without end and with it
+/// the frequency of the cubic spring, so this sweep is short and keeps to the methods that are drawn.
+SweepSpec self_exciting_sweep() {
+  SweepSpec spec;
+  spec.problems = {{"liver_forced", {.material = {}, .parameters = {{"c", -2}}, .y0 = {}}}};
+  spec.methods = {"explicit_euler", "rk4", "bogacki_shampine_32", "dormand_prince_54", "dop_853"};
+  spec.t_end = 10;
+  return spec;
+}
+
+/// The rows of a sweep, measured unless the store has them already.
+std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& file, const std::string& task,
+                          Console& console, std::string& machine, std::int64_t& count) {
+  const SweepPlan plan = plan_sweep(spec);
+  Store store = open_sweep_store(plan, file, true);
+  const std::atomic<bool>& interrupted = interrupt_flag();
+  {
+    Progress progress(console, task);
+    const SweepSummary done = run_sweep(
+        plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
+        [&] { return interrupted.load(); });
+    if (done.interrupted) throw Interrupted{};
+    for (const std::string& warning : done.warnings) console.remark(warning);
+    count += done.measured;
+  }
+  machine = summary(store.sessions().back().fingerprint);
+  return store.rows();
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app, Console& console) {
+  CLI::App& reproduce = add_command(app, console, "reproduce", "Do a published study again, figure by figure",
+                                    {"hmax reproduce oscillators"});
+  reproduce.require_subcommand(1);
+  CLI::App& oscillators = add_command(reproduce, console, "oscillators",
+                                      "Every figure and table of the liver oscillator study, in one folder",
+                                      {"hmax reproduce oscillators --output results/runs/oscillators"});
+  auto folder = std::make_shared<std::string>("results/runs/oscillators");
+  oscillators.add_option("--output", *folder, "Folder of the report and of the stores it is drawn from")
+      ->capture_default_str();
+  oscillators.footer(oscillators.get_footer() +
+                     "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
+  oscillators.callback([&console, folder] {
+    const std::filesystem::path output = *folder;
+    StudyRows rows;
+    std::int64_t count = 0;
+    rows.self_exciting = measured(self_exciting_sweep(), output / "damping_minus_2.sqlite",
+                                  "timing the model with c = -2", console, rows.machine, count);
+    rows.published_model = measured(SweepSpec{}, output / "step_sweep.sqlite", "timing the step sweep",
+                                    console, rows.machine, count);
+    std::filesystem::path report;
+    {
+      Progress progress(console, "drawing");
+      double drawn = 0;
+      report = reproduce_oscillators(rows, output, [&](const std::string& section) {
+        progress.update(drawn / 9, section);
+        ++drawn;
+      });
+    }
+    if (console.json)
+      console.print_json({{"report", report.string()}, {"measured", count}});
+    else
+      console.print(
+          fmt::format("{} rows measured, the others were there already.\nOpen {}\n", count, report.string()));
+  });
+}
+
+}  // namespace hmax
