@@ -10,5 +10,6 @@ namespace hmax {
 
 void add_list(CLI::App& app, Console& console);
 void add_sweep(CLI::App& app, Console& console);
+void add_reproduce(CLI::App& app, Console& console);
 
 }  // namespace hmax

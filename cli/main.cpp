@@ -80,6 +80,7 @@ Exit run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.footer("`hmax COMMAND --help` shows the options of a command and examples.");
 
+  add_reproduce(app, console);
   add_list(app, console);
   add_sweep(app, console);
 
