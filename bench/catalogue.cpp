@@ -122,6 +122,11 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
   if (spec.adaptive) {
     positive(spec.rtol, "the relative tolerance", "give --rtol, for instance 1e-6");
     positive(spec.atol, "the absolute tolerance", "give --atol, for instance 1e-6");
+    if (spec.rtol < 1e-16)
+      throw InputError(
+          fmt::format("the relative tolerance {} is below the rounding of double; give --rtol at "
+                      "least 1e-15",
+                      to_text(spec.rtol)));
     if (!method.adaptive())
       throw InputError(
           fmt::format("{} has no error estimate and runs only at fixed steps; give --h instead of "
@@ -129,6 +134,10 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
                       method.id));
   } else {
     positive(spec.h, "the step", "give --h in seconds, for instance 0.01");
+    if (spec.h > spec.t_end)
+      throw InputError(
+          fmt::format("the step of {} s is longer than the whole run of {} s; take a smaller step",
+                      to_text(spec.h), to_text(spec.t_end)));
     if (spec.t_end / spec.h > static_cast<double>(spec.max_steps))
       throw InputError(
           fmt::format("a step of {} s to t = {} s would take {:.3g} steps, more than the limit of {}; "

@@ -47,7 +47,13 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
 
   std::string material = settings.material;
   if (material.empty() && liver.id == "liver_benchmark") material = "male_normal";
-  if (!material.empty()) parameters = with_material(parameters, material);
+  if (!material.empty()) {
+    std::vector<std::string> ids;
+    for (const LiverMaterial& known : liver_materials()) ids.emplace_back(known.id);
+    const std::string id = material.substr(0, material.find(':'));
+    if (std::ranges::find(ids, id) == ids.end()) unknown("material", id, ids, "");
+    parameters = with_material(parameters, material);
+  }
   for (const auto& [name, value] : settings.parameters) {
     const auto it =
         std::ranges::find(oscillator_parameter_names, name, [](const auto& entry) { return entry.first; });

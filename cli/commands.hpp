@@ -9,7 +9,13 @@
 namespace hmax {
 
 void add_list(CLI::App& app, Console& console);
+void add_run(CLI::App& app, Console& console);
+void add_order(CLI::App& app, Console& console);
 void add_sweep(CLI::App& app, Console& console);
 void add_reproduce(CLI::App& app, Console& console);
+void add_export(CLI::App& app, Console& console);
+void add_compare(CLI::App& app, Console& console);
+void add_doctor(CLI::App& app, Console& console);  // and info
+void add_completion(CLI::App& app, Console& console);
 
 }  // namespace hmax

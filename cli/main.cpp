@@ -82,7 +82,13 @@ Exit run(int argc, char** argv) {
 
   add_reproduce(app, console);
   add_list(app, console);
+  add_run(app, console);
+  add_order(app, console);
   add_sweep(app, console);
+  add_export(app, console);
+  add_compare(app, console);
+  add_doctor(app, console);
+  add_completion(app, console);
 
   try {
     app.parse(argc, argv);

@@ -60,6 +60,25 @@ InputError cannot_write(const fs::path& file, const std::string& cause) {
                   file.string(), cause));
 }
 
+/// Where the bytes go before they replace `file`; the file itself when it is a pipe or device, which cannot
+/// be replaced, only written to.
+struct Target {
+  fs::path file;
+  bool in_place;
+};
+
+Target place_to_write(const fs::path& file) {
+  std::error_code error;
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
+  if (error) throw cannot_write(file, error.message());
+  const fs::file_status status = fs::status(file, error);
+  if (fs::is_directory(status)) throw cannot_write(file, "it is a folder");
+  if (fs::exists(status) && !fs::is_regular_file(status)) return {file, true};
+  fs::path part = file;
+  part += fmt::format(".{}.part", getpid());
+  return {part, false};
+}
+
 }  // namespace
 
 std::string csv_cell(std::string_view text) {
@@ -104,16 +123,8 @@ std::string to_csv(const Table& table) {
 }
 
 void write_file(const fs::path& file, std::string_view text) {
+  const auto [target, in_place] = place_to_write(file);
   std::error_code error;
-  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
-  if (error) throw cannot_write(file, error.message());
-  const fs::file_status status = fs::status(file, error);
-  if (fs::is_directory(status)) throw cannot_write(file, "it is a folder");
-  // A pipe or device cannot be replaced, only written to.
-  const bool in_place = fs::exists(status) && !fs::is_regular_file(status);
-  fs::path target = file;
-  if (!in_place) target += fmt::format(".{}.part", getpid());
-
   errno = 0;
   std::ofstream out(target, std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
@@ -130,6 +141,15 @@ void write_file(const fs::path& file, std::string_view text) {
     fs::remove(target, error);
     throw cannot_write(file, cause);
   }
+}
+
+void check_writable(const fs::path& file) {
+  const auto [target, in_place] = place_to_write(file);
+  if (in_place) return;
+  errno = 0;
+  if (!std::ofstream(target, std::ios::binary)) throw cannot_write(file, std::strerror(errno));
+  std::error_code ignored;
+  fs::remove(target, ignored);
 }
 
 void write_csv(const fs::path& file, const Table& table) { write_file(file, to_csv(table)); }

@@ -37,6 +37,10 @@ Table parse_csv(std::string_view text, const std::string& name);
 /// @throws InputError when the file cannot be written (path and remedy named)
 void write_file(const std::filesystem::path& file, std::string_view text);
 
+/// Throws what write_file would throw now for this place, and leaves nothing behind but a missing folder
+/// made.
+void check_writable(const std::filesystem::path& file);
+
 /// A cell as CSV wants it: in quotes when it holds a comma, a quote, a line break or begins with `#`.
 std::string csv_cell(std::string_view text);
 

@@ -1,6 +1,7 @@
 /// Runs the real program, as a user's shell does.
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <sys/wait.h>
@@ -24,11 +25,15 @@ struct Told {
 /// A folder of its own in which `hmax` is run.
 class Shell {
  public:
-  /// @param arguments  as typed after `hmax`; redirections given here come after our own
-  Told hmax(const std::string& arguments) const {
+  /// @param arguments  as typed after `hmax`
+  Told hmax(const std::string& arguments) const { return line("hmax " + arguments); }
+
+  /// A whole line of sh in which `hmax` is the program.
+  Told line(const std::string& command) const {
     // A limit of a minute turns a hang into a failure.
-    const std::string line = "cd '" + folder_.folder().string() + "' && timeout 60 '" HMAX_PROGRAM "' >'" +
-                             out().string() + "' 2>'" + err().string() + "' </dev/null " + arguments;
+    const std::string line = "cd '" + folder_.folder().string() +
+                             "' && hmax() { timeout 60 '" HMAX_PROGRAM "' \"$@\"; } && { " + command +
+                             " ; } >'" + out().string() + "' 2>'" + err().string() + "' </dev/null";
     const int status = std::system(line.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out()), read_text(err())};
   }

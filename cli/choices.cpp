@@ -1,0 +1,49 @@
+#include "cli/choices.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "bench/tableau_file.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+void ProblemChoice::add_to(CLI::App& command) {
+  command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
+      ->type_name("ID");
+  command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--material", material,
+                  "An id of `hmax list materials`, with ':light' or ':heavy' after it")
+      ->type_name("ID");
+  command.add_option("--y0", y0, "Initial state, one number for each component, like 0.5,1")
+      ->type_name("NUMBERS");
+}
+
+Problem ProblemChoice::make() const {
+  if (problem.empty())
+    throw InputError("no problem is given; name one with --problem, `hmax list problems` shows all of them");
+  ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}};
+  for (const std::string& assignment : set)
+    settings.parameters.push_back(parse_assignment("--set", assignment));
+  if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);
+  return make_problem(problem, settings);
+}
+
+void MethodChoice::add_to(CLI::App& command) {
+  command.add_option("--method", method, "An id or alias of `hmax list methods`")->type_name("ID");
+  command.add_option("--tableau", tableau, "A file with an explicit tableau of your own")->type_name("FILE");
+}
+
+Method MethodChoice::make() const {
+  if (!method.empty() && !tableau.empty())
+    throw InputError("--method and --tableau are both given; choose one of them");
+  if (!tableau.empty()) return make_method(read_tableau(tableau));
+  if (method.empty())
+    throw InputError("no method is given; name one with --method, `hmax list methods` shows all of them");
+  return find_method(method);
+}
+
+}  // namespace hmax

@@ -1,0 +1,153 @@
+/// hmax completion: what a shell needs to know to complete command lines of hmax.
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/catalogue.hpp"
+#include "cli/commands.hpp"
+#include "problems/liver_materials.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// The values an option takes, by its name; an option that is not here and takes a value takes a file or a
+/// number.
+std::map<std::string, Words> values_of_options() {
+  Words method_names, materials;
+  for (const Method& method : methods()) {
+    method_names.push_back(method.id);
+    method_names.insert(method_names.end(), method.aliases.begin(), method.aliases.end());
+  }
+  for (const LiverMaterial& material : liver_materials()) materials.emplace_back(material.id);
+  return {{"--problem", problem_ids()},
+          {"--problems", problem_ids()},
+          {"--method", method_names},
+          {"--methods", method_names},
+          {"--material", materials},
+          {"--materials", materials},
+          {"--control", {"deadband", "i", "pi", "matlab"}},
+          {"--format", {"csv", "jsonl", "gbench"}}};
+}
+
+/// What stands without dashes after a command, where that is known.
+Words operands_of(const CLI::App& command) {
+  if (command.get_name() == "list") return {"methods", "problems", "materials"};
+  if (command.get_name() == "completion") return {"bash", "zsh", "fish"};
+  Words words;
+  for (const CLI::App* each : command.get_subcommands({})) words.push_back(each->get_name());
+  return words;
+}
+
+Words options_of(const CLI::App& command) {
+  Words words;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+  return words;
+}
+
+std::string joined(const Words& words) { return fmt::format("{}", fmt::join(words, " ")); }
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands({}); }
+
+std::string bash(const CLI::App& app) {
+  std::string text = R"(# source <(hmax completion bash)
+_hmax() {
+  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]} words=
+  case $previous in
+)";
+  for (const auto& [option, values] : values_of_options())
+    text += fmt::format("    {}) words=\"{}\" ;;\n", option, joined(values));
+  text += R"(    --output|--tableau) COMPREPLY=($(compgen -f -- "$current")); return ;;
+  esac
+  if [[ -z $words ]]; then
+    case ${COMP_CWORD}:${COMP_WORDS[1]} in
+)";
+  text += fmt::format("      1:*) words=\"{} {}\" ;;\n", joined(operands_of(app)), joined(options_of(app)));
+  for (const CLI::App* command : commands_of(app))
+    text += fmt::format("      *:{}) words=\"{} {}\" ;;\n", command->get_name(),
+                        joined(operands_of(*command)), joined(options_of(*command)));
+  return text + R"(    esac
+  fi
+  COMPREPLY=($(compgen -W "$words" -- "$current"))
+}
+complete -o bashdefault -o default -F _hmax hmax
+)";
+}
+
+std::string zsh(const CLI::App& app) {
+  std::string text = R"(#compdef hmax
+# source <(hmax completion zsh)
+_hmax() {
+  case ${words[CURRENT-1]} in
+)";
+  for (const auto& [option, values] : values_of_options())
+    text += fmt::format("    {}) compadd -- {}; _files -g '*.toml'; return ;;\n", option, joined(values));
+  text += R"(    --output|--tableau) _files; return ;;
+  esac
+  case $((CURRENT - 1)):${words[2]} in
+)";
+  text += fmt::format("    1:*) compadd -- {} {} ;;\n", joined(operands_of(app)), joined(options_of(app)));
+  for (const CLI::App* command : commands_of(app))
+    text += fmt::format("    *:{}) compadd -- {} {}; _files ;;\n", command->get_name(),
+                        joined(operands_of(*command)), joined(options_of(*command)));
+  return text + R"(  esac
+}
+compdef _hmax hmax
+)";
+}
+
+/// A text in single quotes of fish.
+std::string fish_quoted(std::string text) {
+  for (std::size_t at = 0; (at = text.find_first_of("'\\", at)) != std::string::npos; at += 2)
+    text.insert(at, "\\");
+  return "'" + text + "'";
+}
+
+std::string fish(const CLI::App& app) {
+  const auto values = values_of_options();
+  std::string text = "# hmax completion fish | source\n";
+  for (const CLI::App* command : commands_of(app)) {
+    text += fmt::format("complete -c hmax -n __fish_use_subcommand -f -a {} -d {}\n", command->get_name(),
+                        fish_quoted(command->get_description()));
+    const std::string here =
+        fmt::format("complete -c hmax -n '__fish_seen_subcommand_from {}'", command->get_name());
+    if (const Words operands = operands_of(*command); !operands.empty())
+      text += fmt::format("{} -f -a '{}'\n", here, joined(operands));
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) {
+        text += fmt::format("{} -l {} -d {}", here, name, fish_quoted(option->get_description()));
+        if (const auto known = values.find("--" + name); known != values.end())
+          text += fmt::format(" -r -a '{}'", joined(known->second));
+        else if (option->get_items_expected_max() > 0)
+          text += " -r";
+        text += "\n";
+      }
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void add_completion(CLI::App& app, Console& console) {
+  CLI::App& command =
+      add_command(app, console, "completion", "Print what a shell needs to complete command lines",
+                  {"hmax completion bash", "hmax completion zsh", "hmax completion fish"});
+  auto shell = std::make_shared<std::string>();
+  command.add_option("shell", *shell, "bash, zsh or fish")->required()->type_name("");
+  command.callback([shell, &app, &console] {
+    const std::string chosen = parse_choice("the shell", *shell, {"bash", "zsh", "fish"});
+    const std::string text = chosen == "bash" ? bash(app) : chosen == "zsh" ? zsh(app) : fish(app);
+    if (console.json) return console.print_json({{"shell", chosen}, {"script", text}});
+    console.print(text);
+  });
+}
+
+}  // namespace hmax

@@ -1,0 +1,117 @@
+/// hmax doctor and hmax info: what this build was made of, and on which machine it runs.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cli/commands.hpp"
+#include "plots/gnuplot.hpp"
+#include "results/build_info.hpp"
+#include "results/fingerprint.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Part& part) {
+  return {{"name", part.name},
+          {"version", part.version.empty() ? Json() : Json(part.version)},
+          {"present", !part.version.empty()},
+          {"needed_for", part.needed_for},
+          {"debian_package", part.debian_package}};
+}
+
+/// The optional parts as they are now: gnuplot is looked for when it is used, the others were when hmax was
+/// configured.
+std::vector<Part> optional_parts() {
+  std::vector<Part> parts = build_info().optional_parts;
+  for (Part& part : parts) {
+    if (part.name != "gnuplot") continue;
+    if (!gnuplot_available())
+      part.version.clear();
+    else if (part.version.empty())
+      part.version = "unknown";
+  }
+  return parts;
+}
+
+Json report() {
+  const BuildInfo& build = build_info();
+  Json libraries = Json::array(), optional = Json::array(), missing = Json::array();
+  for (const Part& part : build.libraries) libraries.push_back(to_json(part));
+  for (const Part& part : optional_parts()) {
+    optional.push_back(to_json(part));
+    if (part.version.empty()) missing.push_back(part.name);
+  }
+  return {{"version", build.version},
+          {"compiler", build.compiler},
+          {"build_type", build.build_type},
+          {"flags", build.flags},
+          {"git_revision", build.git_revision},
+          {"git_dirty", build.git_dirty},
+          {"sanitized", build.sanitized},
+          {"libraries", libraries},
+          {"optional", optional},
+          {"missing", missing},
+          {"fingerprint", Json::parse(to_json(fingerprint()))}};
+}
+
+std::string parts_for_people(const Console& console) {
+  TextTable table({"part", "version", "for"});
+  for (const Part& part : build_info().libraries) table.add({part.name, part.version, part.needed_for});
+  std::string packages;
+  bool rebuild = false;
+  for (const Part& part : optional_parts()) {
+    const bool missing = part.version.empty();
+    table.add({part.name, missing ? "missing" : part.version, part.needed_for});
+    if (!missing) continue;
+    packages += " " + part.debian_package;
+    rebuild = rebuild || part.name != "gnuplot";
+  }
+  std::string text = table.text(console) + "\n";
+  if (packages.empty()) return text + "Nothing is missing.\n";
+  return text + console.strong("To add what is missing: apt install" + packages) +
+         (rebuild ? ", then configure and build again.\n" : "\n");
+}
+
+std::string machine_for_people() {
+  const Fingerprint print = fingerprint();
+  const BuildInfo& build = build_info();
+  std::string text;
+  for (const auto& [name, value] :
+       std::initializer_list<std::pair<const char*, std::string>>{{"hmax", build.version},
+                                                                  {"git", print.git},
+                                                                  {"compiler", print.compiler},
+                                                                  {"flags", print.flags},
+                                                                  {"build type", print.build_type},
+                                                                  {"cpu", print.cpu},
+                                                                  {"cores", print.cores},
+                                                                  {"caches", print.caches},
+                                                                  {"governor", print.governor},
+                                                                  {"virtualisation", print.virtualisation},
+                                                                  {"kernel", print.kernel},
+                                                                  {"load", print.load}})
+    text += fmt::format("{:<15} {}\n", name, value);
+  if (print.debug_build)
+    text += "This is a debug or sanitized build: its times are marked and never published.\n";
+  return text;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Console& console) {
+  CLI::App& doctor = add_command(app, console, "doctor",
+                                 "Say what this build has, what it lacks and how to add it", {"hmax doctor"});
+  doctor.callback([&console] {
+    if (console.json) return console.print_json(report());
+    console.print(parts_for_people(console));
+  });
+  CLI::App& info = add_command(app, console, "info", "Show the build and the machine that times depend on",
+                               {"hmax info --json"});
+  info.callback([&console] {
+    if (console.json) return console.print_json(report());
+    console.print(machine_for_people());
+  });
+}
+
+}  // namespace hmax

@@ -1,0 +1,124 @@
+/// hmax order: the order of convergence that a method shows on a problem.
+#include "analysis/order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/catalogue.hpp"
+#include "cli/choices.hpp"
+#include "cli/commands.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Extended = Eigen::Vector<long double, Eigen::Dynamic>;
+
+/// End times to look at [s]: within the first ten seconds, or within a shorter problem.
+std::vector<double> end_times(double problem_end) {
+  const double last = std::min(10.0, problem_end);
+  return {0.1 * last, 0.2 * last, 0.3 * last, 0.4 * last, 0.6 * last, 0.8 * last, last};
+}
+
+struct OrderOptions {
+  ProblemChoice problem;
+  MethodChoice method;
+  std::optional<double> t_end;
+};
+
+void order(const OrderOptions& options, Console& console) {
+  const Problem problem = options.problem.make();
+  const Method method = options.method.make();
+  const std::vector<double> times = options.t_end ? std::vector{*options.t_end} : end_times(problem.t_end);
+  check({.t_end = times.back(), .h = times.back()}, method, problem);
+  const Reference reference = make_reference(problem, times.back());
+  if (reference.valid_until < times.back())
+    throw InputError(
+        fmt::format("the solution of {} cannot be followed beyond t = {} s; give a smaller --t-end",
+                    problem.id, to_text(reference.valid_until)));
+
+  const bool extended = static_cast<bool>(reference.extended_at);
+  const auto exact = [&](double t) -> Extended {
+    return extended ? reference.extended_at(t) : reference.at(t).cast<long double>();
+  };
+  const long double epsilon =
+      extended ? std::numeric_limits<long double>::epsilon() : std::numeric_limits<double>::epsilon();
+  const long double scale = std::max(1.0L, exact(times.front()).cwiseAbs().maxCoeff());
+  // Rounding of up to 20000 steps, with a margin that keeps it out of the slope.
+  const double floor =
+      std::max(static_cast<double>(200 * epsilon * scale), extended ? 0.0 : 30 * reference.error_bound);
+
+  const Runner runner = method.bind(problem);
+  Progress progress(console, "order");
+  const auto error_of = [&](double t_end, double h) {
+    const auto at = static_cast<double>(std::ranges::find(times, t_end) - times.begin());
+    progress.update(at / static_cast<double>(times.size()));
+    return static_cast<double>((runner.end_state_extended(h, t_end) - exact(t_end)).cwiseAbs().maxCoeff());
+  };
+  const OrderObservation seen = observe_order(error_of, times, floor);
+
+  // The slopes of high orders rest on few points between the range of large steps and rounding.
+  const double tolerance = method.order >= 6 ? 0.2 : 0.1;
+  const bool shown = seen.observed && std::abs(*seen.observed - method.order) <= tolerance;
+  const std::string status = !seen.observed
+                                 ? "too few errors lie above rounding to fit a slope; try another --t-end"
+                             : shown ? ""
+                                     : fmt::format(
+                                           "the slope is not within {} of the order {}; try another "
+                                           "--t-end",
+                                           tolerance, method.order);
+  if (!shown) console.exit_code = Exit::failed;
+  if (console.json)
+    return console.print_json(Json{{"problem", problem.id},
+                                   {"method", method.id},
+                                   {"expected", method.order},
+                                   {"observed", seen.observed ? Json(*seen.observed) : Json()},
+                                   {"h", seen.h},
+                                   {"error", seen.error},
+                                   {"tolerance", tolerance},
+                                   {"status", status},
+                                   {"t_end", seen.t_end},
+                                   {"parameters", describe(problem.parameters)},
+                                   {"y0", describe(problem.y0)},
+                                   {"precision", extended ? "long double" : "double"},
+                                   {"reference", reference.name}});
+  if (seen.observed)
+    console.print(fmt::format("{} on {}, error at t = {} s in {}\n\n", method.id, problem.id,
+                              to_text(seen.t_end), extended ? "long double" : "double"));
+  TextTable table({"h [s]", "error", "slope"});
+  for (std::size_t i = 0; i < seen.h.size(); ++i)
+    table.add({short_number(seen.h[i]), short_number(seen.error[i], 4),
+               i == 0 ? ""
+                      : fmt::format("{:.3f}", std::log(seen.error[i - 1] / seen.error[i]) /
+                                                  std::log(seen.h[i - 1] / seen.h[i]))});
+  if (!seen.h.empty()) console.print(table.text(console) + "\n");
+  const std::string verdict =
+      seen.observed ? fmt::format("observed order {:.3f}, expected {}", *seen.observed, method.order)
+                    : "no order observed";
+  console.print(shown ? console.strong(verdict) + "\n" : console.alarming(verdict) + ": " + status + "\n");
+}
+
+}  // namespace
+
+void add_order(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(app, console, "order",
+                                  "Measure the order of convergence of a method; exit 1 when it is missed",
+                                  {"hmax order --problem liver_forced --method rk4",
+                                   "hmax order --problem liver_cubic --method dop_853 --json"});
+  auto options = std::make_shared<OrderOptions>();
+  options->problem.add_to(command);
+  options->method.add_to(command);
+  add_number(command, "--t-end", options->t_end,
+             "Time at which the error is taken [s]; by default the steadiest of seven within the first 10 s");
+  command.callback([options, &console] { order(*options, console); });
+}
+
+}  // namespace hmax

@@ -1,0 +1,289 @@
+/// hmax run: one integration, where it ends and what it costs.
+#include <array>
+#include <ctime>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/catalogue.hpp"
+#include "cli/choices.hpp"
+#include "cli/commands.hpp"
+#include "integrators/control.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Points are kept in memory until the file is written: 10 million of two states are a quarter of a gigabyte.
+constexpr double most_points = 1e7;
+
+struct RunOptions {
+  ProblemChoice problem;
+  MethodChoice method;
+  std::optional<double> h, rtol, atol, t_end, every;
+  std::string control, output, max_steps;
+};
+
+RunSpec spec_of(const RunOptions& options, const Problem& problem) {
+  if (options.h && (options.rtol || options.atol))
+    throw InputError("--h and tolerances are both given; take --h for fixed steps, or --rtol and --atol");
+  if (!options.h && !options.rtol && !options.atol)
+    throw InputError("no step is given; take --h for fixed steps, or --rtol and --atol for adaptive ones");
+  if (!options.h && !(options.rtol && options.atol))
+    throw InputError(fmt::format("{} is missing; an adaptive run needs both --rtol and --atol",
+                                 options.rtol ? "--atol" : "--rtol"));
+  if (options.h && !options.control.empty())
+    throw InputError(
+        "--control steers adaptive runs; leave it out, or give --rtol and --atol instead of --h");
+  RunSpec spec{.t_end = options.t_end.value_or(problem.t_end),
+               .adaptive = !options.h,
+               .h = options.h.value_or(0),
+               .rtol = options.rtol.value_or(0),
+               .atol = options.atol.value_or(0)};
+  if (!options.control.empty()) spec.control = controllers_from(options.control);
+  if (!options.max_steps.empty()) spec.max_steps = parse_count("--max-steps", options.max_steps, 1);
+  return spec;
+}
+
+/// Throws unless the points that are asked for can be made and written.
+void check_output(const RunOptions& options, const RunSpec& spec) {
+  if (options.output.empty()) {
+    if (options.every)
+      throw InputError("--every asks for points but no file is given for them; add --output FILE.csv");
+    return;
+  }
+  if (options.every && !(*options.every > 0 && *options.every <= spec.t_end))
+    throw InputError(
+        fmt::format("--every is {} but must be a number of seconds above 0 and up to the end "
+                    "time {}",
+                    to_text(*options.every), to_text(spec.t_end)));
+  const double interval = options.every.value_or(spec.h);
+  if (interval > 0 && spec.t_end / interval > most_points)
+    throw InputError(
+        fmt::format("the output would have {:.3g} points, more than {:.0g}; take a larger --every",
+                    spec.t_end / interval, most_points));
+  check_writable(options.output);
+}
+
+double thread_cpu_seconds() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+struct TimedRun {
+  RunRecord record;
+  double cpu_seconds;
+};
+
+TimedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
+  const double start = thread_cpu_seconds();
+  RunRecord record = runner.run(spec, sink);
+  return {std::move(record), thread_cpu_seconds() - start};
+}
+
+/// The run that is reported. Nobody watches it, unless it is long and a person waits at a terminal: then it
+/// shows its progress, and ends on Ctrl-C.
+TimedRun reported_run(const Runner& runner, const RunSpec& spec, const Console& console) {
+  if (!console.shows_progress()) return timed(runner, spec, {});
+  RunSpec first_hundredth = spec;
+  first_hundredth.t_end /= 100;
+  if (timed(runner, first_hundredth, {}).cpu_seconds < 0.01) return timed(runner, spec, {});
+  Progress progress(console, "run");
+  const auto& interrupted = interrupt_flag();
+  std::uint32_t count = 0;
+  return timed(runner, spec, [&](double t, const auto&) {
+    if (++count % 1024 != 0) return;
+    if (interrupted) throw Interrupted{};
+    progress.update(t / spec.t_end);
+  });
+}
+
+bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
+
+/// The unit of a state, empty where only the user's file knows it.
+std::string unit_of(const Problem& problem, std::size_t state) {
+  if (!is_oscillator(problem)) return {};
+  return state == 0 ? "m" : "m/s";
+}
+
+/// Runs again, outside the clock, and writes the points that are passed.
+std::size_t write_points(const RunOptions& options, const RunSpec& spec, const Problem& problem,
+                         const Method& method, const Runner& runner) {
+  RunSpec sampled = spec;
+  sampled.every = options.every.value_or(0);
+  Table table;
+  table.notes = {{"problem", problem.id},
+                 {"parameters", describe(problem.parameters)},
+                 {"y0", describe(problem.y0)},
+                 {"method", method.id}};
+  if (spec.adaptive) {
+    table.notes.emplace_back("rtol", to_text(spec.rtol));
+    table.notes.emplace_back("atol", to_text(spec.atol));
+    table.notes.emplace_back("control", to_string(spec.control));
+  } else {
+    table.notes.emplace_back("h", to_text(spec.h));
+  }
+  table.columns = {"t [s]"};
+  for (std::size_t i = 0; i < problem.states.size(); ++i) {
+    const std::string unit = unit_of(problem, i);
+    table.columns.push_back(problem.states[i] + (unit.empty() ? "" : " [" + unit + "]"));
+  }
+  table.values.resize(table.columns.size());
+  const auto add = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    if (static_cast<double>(table.values[0].size()) > most_points)
+      throw InputError(
+          fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
+    table.values[0].push_back(t);
+    for (Eigen::Index i = 0; i < y.size(); ++i) table.values[static_cast<std::size_t>(i) + 1].push_back(y[i]);
+  };
+  runner.run(sampled, add);
+  write_csv(options.output, table);
+  return table.values[0].size();
+}
+
+/// What happened, and what to do about it when the end was not reached.
+std::string in_words(const RunRecord& record, const RunSpec& spec) {
+  const std::string at = fmt::format("t = {} s", short_number(record.t, 10));
+  switch (record.outcome) {
+    case Outcome::reached_end:
+      return "reached the end at " + at;
+    case Outcome::stopped:
+      return "was stopped at " + at;
+    case Outcome::diverged:
+      return "diverged at " + at +
+             (spec.adaptive ? "; the solution may have no bound" : "; take a smaller step");
+    case Outcome::step_too_small:
+      return "got stuck at " + at + ", where no step meets the tolerances; take looser ones";
+    case Outcome::too_many_steps:
+      return fmt::format("used up {} steps at {}; raise --max-steps or take looser tolerances",
+                         spec.max_steps, at);
+    case Outcome::newton_failed:
+      return "could not solve a stage equation at " + at + "; take a smaller step";
+  }
+  return "ended at " + at;
+}
+
+Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run) {
+  const auto& [record, cpu_seconds] = run;
+  Json parameters = Json::object();
+  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
+  const Stats& stats = record.stats;
+  Json document{{"problem", problem.id},
+                {"method", method.id},
+                {"outcome", to_string(record.outcome)},
+                {"t", record.t},
+                {"y", std::vector<double>(record.y.begin(), record.y.end())},
+                {"stats",
+                 {{"steps", stats.steps},
+                  {"rejected", stats.rejected},
+                  {"rhs", stats.rhs},
+                  {"jacobian", stats.jacobian},
+                  {"factorisations", stats.factorisations},
+                  {"newton", stats.newton}}},
+                {"cpu_seconds", cpu_seconds},
+                {"status", record.outcome == Outcome::reached_end ? "" : in_words(record, spec)},
+                {"material", problem.material.empty() ? Json() : Json(problem.material)},
+                {"parameters", parameters},
+                {"y0", std::vector<double>(problem.y0.begin(), problem.y0.end())},
+                {"states", problem.states},
+                {"order", method.order},
+                {"error_order", method.error_order},
+                {"mode", spec.adaptive ? "adaptive" : "fixed"},
+                {"t_end", spec.t_end}};
+  if (spec.adaptive) {
+    document["rtol"] = spec.rtol;
+    document["atol"] = spec.atol;
+    document["control"] = to_string(spec.control);
+  } else {
+    document["h"] = spec.h;
+  }
+  return document;
+}
+
+std::string for_people(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run,
+                       bool own_tableau, const Console& console) {
+  const auto& [record, cpu_seconds] = run;
+  const bool done = record.outcome == Outcome::reached_end;
+  std::string text = fmt::format("{} with {}\n", problem.id,
+                                 problem.parameters.empty() ? "no parameters" : describe(problem.parameters));
+  text += fmt::format("{}, {}", method.id,
+                      spec.adaptive ? fmt::format("rtol {}, atol {}, control {}", to_text(spec.rtol),
+                                                  to_text(spec.atol), to_string(spec.control))
+                                    : fmt::format("fixed steps of {} s", to_text(spec.h)));
+  if (own_tableau)
+    text += fmt::format("; its order is {}{}", method.order,
+                        method.adaptive() ? fmt::format(", its error estimate O(h^{})", method.error_order)
+                                          : ", without error estimate");
+  const std::string words = in_words(record, spec);
+  text += "\n\n" + (done ? console.strong(words) : console.alarming(words)) + "\n";
+  std::size_t width = 0;
+  for (const std::string& state : problem.states) width = std::max(width, state.size());
+  for (std::size_t i = 0; i < problem.states.size(); ++i)
+    text += fmt::format("  {:<{}}  {:> .16g} {}\n", problem.states[i], width,
+                        record.y[static_cast<Eigen::Index>(i)], unit_of(problem, i));
+  text += fmt::format("\nsteps {}   rejected {}   rhs {}   cpu {} s\n", record.stats.steps,
+                      record.stats.rejected, record.stats.rhs, short_number(cpu_seconds, 3));
+  return text;
+}
+
+void run(const RunOptions& options, Console& console) {
+  const Problem problem = options.problem.make();
+  const Method method = options.method.make();
+  const RunSpec spec = spec_of(options, problem);
+  check(spec, method, problem);
+  check_output(options, spec);
+
+  const Runner runner = method.bind(problem);
+  const TimedRun result = reported_run(runner, spec, console);
+  std::optional<std::size_t> points;
+  if (!options.output.empty()) points = write_points(options, spec, problem, method, runner);
+
+  if (console.json) {
+    Json document = to_json(problem, method, spec, result);
+    if (points) {
+      document["output"] = options.output;
+      document["points"] = *points;
+    }
+    console.print_json(document);
+  } else {
+    console.print(for_people(problem, method, spec, result, !options.method.tableau.empty(), console));
+    if (points) console.print(fmt::format("{} points in {}\n", *points, options.output));
+  }
+  if (result.record.outcome != Outcome::reached_end) console.exit_code = Exit::failed;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "run", "Integrate one problem with one method",
+      {"hmax run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10",
+       "hmax run --problem liver_benchmark --material female_fat:heavy --method rk4 --h 0.05",
+       "hmax run --problem liver_linear --set c=6 --y0 0.1,0 --method ode45 --rtol 1e-3 --atol 1e-6 "
+       "--control matlab --output motion.csv --every 0.1"});
+  auto options = std::make_shared<RunOptions>();
+  options->problem.add_to(command);
+  options->method.add_to(command);
+  add_number(command, "--h", options->h, "Fixed step [s]");
+  add_number(command, "--rtol", options->rtol, "Relative tolerance of an adaptive run");
+  add_number(command, "--atol", options->atol, "Absolute tolerance of an adaptive run");
+  command
+      .add_option("--control", options->control,
+                  "How adaptive steps are steered: deadband (default), i, pi or matlab")
+      ->type_name("NAME");
+  add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
+  command.add_option("--output", options->output, "Write the motion to a CSV file, outside the clock")
+      ->type_name("FILE");
+  add_number(command, "--every", options->every, "Interval of the written points [s]; each step without it");
+  command.add_option("--max-steps", options->max_steps, "Steps allowed; 1e9 by default")->type_name("NUMBER");
+  command.callback([options, &console] { run(*options, console); });
+}
+
+}  // namespace hmax

@@ -1,0 +1,184 @@
+#include "results/table.hpp"
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(Run, AgreesWithTheEndStateOfAnotherEngine) {
+  const Told told =
+      Shell().hmax("run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10 --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  // docs/facts.md: a Taylor series in arithmetic of 128 bits.
+  EXPECT_NEAR(told.json().at("y")[0].get<double>(), -3.3690941329057441755e-01, 1e-11);
+  EXPECT_NEAR(told.json().at("y")[1].get<double>(), 1.5203434594206605961e-01, 1e-11);
+}
+
+TEST(Run, HasTheKeysOfTheContract) {
+  const Told told = Shell().hmax("run --problem liver_linear --method rk4 --h 0.5 --json");
+  const Json run = told.json();
+  for (const char* key : {"problem", "method", "outcome", "t", "y", "stats", "cpu_seconds"})
+    EXPECT_TRUE(run.contains(key)) << key;
+  for (const char* key : {"steps", "rejected", "rhs", "jacobian", "factorisations", "newton"})
+    EXPECT_TRUE(run.at("stats").contains(key)) << key;
+  EXPECT_EQ(run.at("outcome"), "reached_end");
+  EXPECT_EQ(run.at("t"), 100);
+  EXPECT_EQ(run.at("stats").at("steps"), 200);
+  EXPECT_EQ(run.at("stats").at("rhs"), 800);
+  EXPECT_EQ(told.err, "");
+}
+
+TEST(Run, SettingsChangeTheProblem) {
+  const Shell shell;
+  const Json run = shell
+                       .hmax(
+                           "run --problem liver_benchmark --material female_fat:heavy --set c=6 --set P=0 "
+                           "--y0 -1,2 --method ode45 --rtol 1.0D-3 --atol 1e-6 --json")
+                       .json();
+  EXPECT_EQ(run.at("method"), "dormand_prince_54");
+  EXPECT_EQ(run.at("material"), "female_fat:heavy");
+  EXPECT_EQ(run.at("parameters").at("c"), 6);
+  EXPECT_EQ(run.at("parameters").at("P"), 0);
+  EXPECT_EQ(run.at("y0"), Json({-1, 2}));
+  EXPECT_EQ(run.at("control"), "deadband");
+  const auto steps = [&](const std::string& control) {
+    return shell
+        .hmax("run --problem liver_forced --method ode45 --rtol 1e-3 --atol 1e-6 --json --control " + control)
+        .json()
+        .at("stats")
+        .at("steps")
+        .get<int>();
+  };
+  EXPECT_NE(steps("matlab"), steps("i"));
+}
+
+TEST(Run, OneThatDoesNotReachItsEndExitsWithOneAndSaysWhere) {
+  const Shell shell;
+  const Told diverged = shell.hmax("run --problem liver_forced --set c=50 --method rk4 --h 2 --json");
+  EXPECT_EQ(diverged.exit_code, 1);
+  EXPECT_EQ(diverged.json().at("outcome"), "diverged");
+  EXPECT_LT(diverged.json().at("t"), 100);
+  EXPECT_EQ(
+      shell.hmax("run --problem liver_forced --method ode45 --rtol 1e-6 --atol 1e-6 --max-steps 9").exit_code,
+      1);
+}
+
+TEST(Run, InterruptedOnesExitWith130) {
+  const Told told = Shell().line("timeout --preserve-status -s INT 0.3 '" HMAX_PROGRAM
+                                 "' run --problem liver_forced --method rk4 --h 1e-6 --t-end 1000");
+  EXPECT_EQ(told.exit_code, 130);
+  EXPECT_EQ(told.out, "");
+}
+
+TEST(Run, WritesTheMotionWithUnits) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "run --problem liver_forced --method ode45 --rtol 1e-9 --atol 1e-9 --t-end 10 --output motion.csv "
+      "--every 0.25");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const Table motion = read_csv(shell / "motion.csv");
+  EXPECT_EQ(motion.columns, (std::vector<std::string>{"t [s]", "x [m]", "v [m/s]"}));
+  ASSERT_EQ(motion.values[0].size(), 41U);
+  EXPECT_EQ(motion.values[0][1], 0.25);
+  EXPECT_EQ(motion.values[1].front(), 0.5);
+  EXPECT_NEAR(motion.values[1].back(), -0.33690941329, 1e-7);
+  // Without --every each step is a point.
+  shell.hmax("run --problem liver_forced --method rk4 --h 0.5 --t-end 10 --output steps.csv");
+  EXPECT_EQ(read_csv(shell / "steps.csv").values[0].size(), 21U);
+}
+
+TEST(Run, TakesATableauAndASystemOfTheUser) {
+  const Shell shell;
+  write_text(shell / "ralston.toml", "a = [[], [\"2/3\"]]\nb = [0.25, 0.75]\n");
+  write_text(shell / "decay.toml",
+             "[problem]\nt_end = 1\n[equations]\nx = \"-k*x\"\n[parameters]\nk = 2\n[initial]\nx = 1\n");
+  const Told told = shell.hmax("run --problem decay.toml --set k=1 --tableau ralston.toml --h 0.001 --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.json().at("order"), 2);
+  EXPECT_NEAR(told.json().at("y")[0].get<double>(), 0.36787944117144233, 1e-6);
+  const Told people = shell.hmax("run --problem decay.toml --tableau ralston.toml --h 0.001");
+  EXPECT_NE(people.out.find("its order is 2"), std::string::npos) << people.out;
+}
+
+TEST(Run, RefusesStepsTolerancesAndTimesThatAreNone) {
+  const Shell shell;
+  const auto refused = [&](const std::string& options, const std::string& named) {
+    expect_refused(shell.hmax("run --problem liver_forced --method rk4 " + options), named);
+  };
+  refused("--h -1", "the step is -1");
+  refused("--h 0", "the step is 0");
+  refused("--h nan", "the step is nan");
+  refused("--h inf", "the step is inf");
+  refused("--h 1e308", "longer than the whole run");
+  refused("--h 1e-300", "--max-steps");
+  refused("--h 1,5", "1.5 and not 1,5");
+  refused("--h 1e400", "--h is '1e400'");
+  refused("--h ten", "--h is 'ten'");
+  refused("--h", "hmax run --help");
+  refused("--h 0.1 --t-end -5", "before the start");
+  refused("--h 0.1 --t-end nan", "the end time is nan");
+  refused("--h 0.1 --max-steps 0", "--max-steps");
+  refused("", "--rtol");
+  refused("--rtol 1e-3", "--atol is missing");
+  refused("--rtol 1e-3 --atol 1e-3", "no error estimate");
+  refused("--h 0.1 --rtol 1e-3", "both given");
+  refused("--h 0.1 --control pi", "--control");
+  expect_refused(shell.hmax("run --problem liver_forced --method ode45 --rtol -1 --atol 1e-3"), "--rtol");
+  expect_refused(shell.hmax("run --problem liver_forced --method ode45 --rtol 1e-3 --atol nan"), "--atol");
+  expect_refused(shell.hmax("run --problem liver_forced --method ode45 --rtol 1e-30 --atol 1e-300"),
+                 "rounding");
+}
+
+TEST(Run, RefusesUnknownNamesWithTheNearestOne) {
+  const Shell shell;
+  expect_refused(shell.hmax("run --problem liver_forcd --method rk4 --h 0.1"),
+                 "did you mean 'liver_forced'?");
+  expect_refused(shell.hmax("run --problem liver_forced --method rk5 --h 0.1"), "did you mean 'rk4'?");
+  const std::string start = "run --problem liver_forced --method ode45 ";
+  expect_refused(shell.hmax(start + "--h 0.1 --set mass=3"), "known are m, c, k1, k3, P, w");
+  expect_refused(shell.hmax(start + "--h 0.1 --set m"), "--set is 'm'");
+  expect_refused(shell.hmax(start + "--h 0.1 --set m=0"), "mass must be positive");
+  expect_refused(shell.hmax(start + "--h 0.1 --set m=one"), "--set m is 'one'");
+  expect_refused(shell.hmax(start + "--h 0.1 --material male_slm"), "did you mean 'male_slim'?");
+  expect_refused(shell.hmax(start + "--h 0.1 --y0 1"), "--y0 has 1 numbers");
+  expect_refused(shell.hmax(start + "--h 0.1 --y0 1,,2"), "a part is empty");
+  expect_refused(shell.hmax(start + "--rtol 1e-3 --atol 1e-3 --control matlb"), "did you mean 'matlab'?");
+  expect_refused(shell.hmax(start + "--step 0.1"), "unknown option '--step'");
+  expect_refused(shell.hmax("run --method rk4 --h 0.1"), "--problem");
+  expect_refused(shell.hmax("run --problem liver_forced --h 0.1"), "--method");
+}
+
+TEST(Run, RefusesFilesOfTheUserThatMakeNoSense) {
+  const Shell shell;
+  write_text(shell / "inconsistent.toml", "a = [[], [1]]\nb = [0.5, 0.25]\n");
+  write_text(shell / "rows.toml", "a = [[], [1]]\nb = [0.5, 0.5]\nc = [0, 0.5]\n");
+  write_text(shell / "key.toml", "a = [[]]\nb = [1]\nb_hatt = [1]\n");
+  write_text(shell / "zero.toml", "[equations]\nx = \"1/x\"\n[initial]\nx = 0\n");
+  write_text(shell / "garbage.toml", "[equations\n");
+  const std::string run = "run --problem liver_forced --h 0.1 --tableau ";
+  expect_refused(shell.hmax(run + "inconsistent.toml"), "not consistent");
+  expect_refused(shell.hmax(run + "rows.toml"), "row 2 of a");
+  expect_refused(shell.hmax(run + "key.toml"), "b_hat");
+  expect_refused(shell.hmax(run + "absent.toml"), "absent.toml");
+  expect_refused(shell.hmax(run + "rows.toml --method rk4"), "both given");
+  expect_refused(shell.hmax("run --problem zero.toml --method rk4 --h 0.1"), "not finite at the start");
+  expect_refused(shell.hmax("run --problem garbage.toml --method rk4 --h 0.1"), "garbage.toml");
+  expect_refused(shell.hmax("run --problem absent.toml --method rk4 --h 0.1"), "absent.toml");
+}
+
+TEST(Run, RefusesAnOutputThatCannotBeWritten) {
+  const Shell shell;
+  write_text(shell / "file", "");
+  const std::string run = "run --problem liver_forced --method rk4 --h 0.1 ";
+  expect_refused(shell.hmax(run + "--output file/motion.csv"), "file/motion.csv");
+  expect_refused(shell.hmax(run + "--output ."), "it is a folder");
+  expect_refused(shell.hmax(run + "--output /dev/full"), "/dev/full");
+  expect_refused(shell.hmax(run + "--every 1"), "--output");
+  expect_refused(shell.hmax(run + "--output m.csv --every 0"), "--every");
+  expect_refused(shell.hmax(run + "--output m.csv --every 1e-9"), "points");
+  EXPECT_FALSE(std::filesystem::exists(shell / "m.csv"));
+}
+
+}  // namespace
+}  // namespace hmax

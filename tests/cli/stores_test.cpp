@@ -1,0 +1,87 @@
+#include "results/store.hpp"
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A store of ten rows whose times are `slowdown` times those of another one; `slow_row` three times that.
+void make_store(const std::filesystem::path& file, double slowdown, int slow_row = -1) {
+  Store store = Store::open_or_create(file);
+  Fingerprint machine;
+  machine.cpu = "a test";
+  store.begin_session(machine);
+  for (int i = 0; i < 10; ++i) {
+    Row row;
+    row.key = {.problem = "liver_forced",
+               .material = "",
+               .parameters = "m=1",
+               .y0 = "0.5,1",
+               .method = "rk4",
+               .mode = "fixed",
+               .control = "none",
+               .h = 0.01 * (i + 1),
+               .rtol = 0,
+               .atol = 0,
+               .t_end = 100};
+    row.outcome = "reached_end";
+    row.t_reached = 100;
+    row.steps = 100;
+    row.rhs = 400;
+    row.reference = "a test";
+    for (int sample = 0; sample < 11; ++sample)
+      row.cpu_s.push_back(1e-3 * slowdown * (i == slow_row ? 3 : 1) * (1 + 0.001 * sample));
+    store.insert(row);
+  }
+}
+
+TEST(Export, WritesTheColumnsOfTheContract) {
+  const Shell shell;
+  make_store(shell / "results/runs/study.sqlite", 1);
+  const Told told = shell.hmax("export study --format csv");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(
+      told.out.rfind("problem,material,method,mode,h,rtol,t_end,outcome,t_reached,steps,rhs,cpu_median_s,"
+                     "cpu_q1_s,cpu_q3_s,cpu_p99_s,error_end,error_global,realtime_factor",
+                     0),
+      0U)
+      << told.out;
+  EXPECT_EQ(std::count(told.out.begin(), told.out.end(), '\n'), 11);
+  EXPECT_EQ(shell.hmax("export study --format jsonl --json").json().size(), 10U);
+  EXPECT_TRUE(shell.hmax("export results/runs/study.sqlite --format gbench").json().contains("benchmarks"));
+  EXPECT_EQ(shell.hmax("export study --output study.csv").exit_code, 0);
+  EXPECT_EQ(read_text(shell / "study.csv"), told.out);
+}
+
+TEST(Export, RefusesWhatIsNoStore) {
+  const Shell shell;
+  make_store(shell / "results/runs/study.sqlite", 1);
+  write_text(shell / "text.sqlite", "not a store");
+  expect_refused(shell.hmax("export studi"), "did you mean 'study'?");
+  expect_refused(shell.hmax("export absent/other.sqlite"), "other.sqlite");
+  expect_refused(shell.hmax("export text.sqlite"), "text.sqlite");
+  expect_refused(shell.hmax("export study --format xml"), "known are csv, jsonl, gbench");
+  expect_refused(shell.hmax("export study --output ."), "it is a folder");
+  expect_refused(shell.hmax("export"), "hmax export --help");
+}
+
+TEST(Compare, ExitsWithOneOnlyForADifferenceOutsideTheNoise) {
+  const Shell shell;
+  make_store(shell / "a.sqlite", 1);
+  make_store(shell / "a_again.sqlite", 1.001);
+  make_store(shell / "b.sqlite", 1, 4);
+  const Told same = shell.hmax("compare a.sqlite a_again.sqlite");
+  EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
+  const Told differs = shell.hmax("compare a.sqlite b.sqlite --json");
+  EXPECT_EQ(differs.exit_code, 1);
+  EXPECT_EQ(differs.json().at("slower"), 1);
+  EXPECT_EQ(differs.json().at("compared"), 10);
+  EXPECT_EQ(differs.json().at("rows").size(), 10U);
+  EXPECT_NE(shell.hmax("compare a.sqlite b.sqlite").out.find("slower"), std::string::npos);
+  expect_refused(shell.hmax("compare a.sqlite"), "hmax compare --help");
+  expect_refused(shell.hmax("compare a.sqlite none.sqlite"), "none.sqlite");
+}
+
+}  // namespace
+}  // namespace hmax
