@@ -80,11 +80,11 @@ Exit run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.footer("`hmax COMMAND --help` shows the options of a command and examples.");
 
-  add_reproduce(app, console);
   add_list(app, console);
   add_run(app, console);
   add_order(app, console);
   add_sweep(app, console);
+  add_reproduce(app, console);
   add_export(app, console);
   add_compare(app, console);
   add_doctor(app, console);

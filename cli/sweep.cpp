@@ -147,13 +147,14 @@ std::string for_people(const SweepPlan& plan, const Store& store, const SweepSum
 void sweep(const SweepOptions& options, Console& console) {
   const SweepRequest flags = flags_of(options);
   const SweepRequest request = options.file.empty() ? flags : merged(read_sweep(options.file), flags);
+  // From here on Ctrl-C waits for the row at hand, also while the references are computed.
+  const auto& interrupted = interrupt_flag();
   const SweepPlan plan = plan_sweep(spec_from(request));
   const std::filesystem::path file = store_path(request, options.file);
   if (options.publish) require_publishable_build();
   Store store = open_sweep_store(plan, file, options.resume);
   if (options.publish) mark_published(store);
 
-  const auto& interrupted = interrupt_flag();
   SweepSummary summary;
   {
     Progress progress(console, "sweep");
