@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -88,6 +90,12 @@ class StaticCoefficients {
     while (tableau.c[j] != tableau.c[i]) ++j;
     return j;
   }
+  /// The first later stage at the end of the step, c = 1; the number of stages when there is none.
+  static constexpr std::size_t first_at_end() {
+    std::size_t j = 1;
+    while (j < s && tableau.c[j] != 1) ++j;
+    return j;
+  }
   static constexpr long double extra_node(std::size_t e) { return Method::interpolant.c[e]; }
 
   /// Calls f for the stages 1 .. s-1; the index is an integral_constant.
@@ -131,16 +139,21 @@ class ExplicitRk {
       stage_.resize(y.size());
       end_slope_.resize(y.size());
     }
+    end_time_ = std::numeric_limits<Real>::quiet_NaN();
     first_stage_known_ = end_slope_known_ = polynomial_known_ = false;
   }
 
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
-    if (!first_stage_known_) system.rhs(t, y, k_[0]);
+    const bool fsal = coefficients_.fsal;
+    if (!first_stage_known_) evaluate_first(system, t, y);
     first_stage_known_ = true;
     end_slope_known_ = polynomial_known_ = false;
-    const bool fsal = coefficients_.fsal;
-    StageTimes<Sys> times;
+    const StageTimes<Sys> times(system, t, h);
+    if constexpr (keeps_end_part<Sys>) {
+      end_time_ = t + h;
+      end_part_ = times.at[Coefficients::first_at_end()];
+    }
     coefficients_.for_each_later_stage([&](auto i) {
       if (fsal && i + 1 == coefficients_.stages()) {
         add_increment(coefficients_.weights(), y, h, k_, y_new);
@@ -201,26 +214,57 @@ class ExplicitRk {
   }
 
  private:
-  /// g(t) of the stages of one attempt, for systems that split off their dependence on time.
+  /// g(t) at the nodes of one attempt, for systems that split off their dependence on time: once per distinct
+  /// node, and before any stage. Nothing in g waits for the state, so the processor begins while the step
+  /// before is still being computed, and no call between the stages makes it save what it holds in registers.
   template <class Sys>
-  struct StageTimes {};
+  struct StageTimes {
+    StageTimes(const Sys&, Real, Real) {}
+  };
   template <TimeSplitSystem Sys>
   requires requires { Coefficients::first_at_node_of(1); }
   struct StageTimes<Sys> {
+    StageTimes(const Sys& system, Real t, Real h) {
+      Coefficients::for_each_later_stage([&](auto i) {
+        if constexpr (Coefficients::first_at_node_of(i) == i)
+          at[i] = system.at(t + static_cast<Real>(Coefficients::node(i)) * h);
+      });
+    }
     std::array<decltype(std::declval<const Sys&>().at(Real{})), Coefficients::stages()> at;
   };
 
+  /// Whether g at the end of a step is kept for the first stage of the next: there is a stage at c = 1, the
+  /// method is not FSAL, which needs no g there, and g is one number.
+  template <class Sys>
+  static constexpr bool keeps_end_part = [] {
+    if constexpr (requires(const StageTimes<Sys>& times) { times.at; })
+      return !Coefficients::fsal && Coefficients::first_at_end() < Coefficients::stages() &&
+             std::is_same_v<typename decltype(StageTimes<Sys>::at)::value_type, Real>;
+    else
+      return false;
+  }();
+
+  /// k_0 = f(t, y). Fixed steps compute t as t0 + n h, which may differ in rounding from the end t + h of the
+  /// step before; both round the same time, so one g serves both.
+  template <System Sys>
+  void evaluate_first(const Sys& system, Real t, const State& y) {
+    if constexpr (keeps_end_part<Sys>) {
+      if (!(std::abs(t - end_time_) <= 4 * std::numeric_limits<Real>::epsilon() * std::abs(t))) [[unlikely]]
+        end_part_ = system.at(t);
+      system.rhs_at(end_part_, y, k_[0]);
+    } else {
+      system.rhs(t, y, k_[0]);
+    }
+  }
+
   /// k_i = f(t + c_i h, argument).
   template <System Sys, class Index>
-  void evaluate(const Sys& system, StageTimes<Sys>& times, Index i, Real t, Real h, const State& argument) {
-    const Real time = t + static_cast<Real>(coefficients_.node(i)) * h;
-    if constexpr (requires { times.at; }) {
-      constexpr std::size_t first = Coefficients::first_at_node_of(i);
-      if constexpr (first == i) times.at[i] = system.at(time);
-      system.rhs_at(times.at[first], argument, k_[i]);
-    } else {
-      system.rhs(time, argument, k_[i]);
-    }
+  void evaluate(const Sys& system, const StageTimes<Sys>& times, Index i, Real t, Real h,
+                const State& argument) {
+    if constexpr (requires { times.at; })
+      system.rhs_at(times.at[Coefficients::first_at_node_of(i)], argument, k_[i]);
+    else
+      system.rhs(t + static_cast<Real>(coefficients_.node(i)) * h, argument, k_[i]);
   }
 
   static constexpr bool has_low_error() {
@@ -294,6 +338,7 @@ class ExplicitRk {
   State stage_ = blank();      // argument of the stage in the making
   State end_slope_ = blank();  // f at the new point, for the Hermite polynomial of methods without FSAL
   std::array<State, Coefficients::interpolant_degree> q_;
+  Real end_time_{}, end_part_{};  // t + h and g(t + h) of the last attempt
   bool first_stage_known_ = false, end_slope_known_ = false, polynomial_known_ = false;
 };
 

@@ -86,37 +86,43 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     return end;
   };
 
-  for (std::int64_t attempts = 0;; ++attempts) {
-    if (attempts == max_steps) [[unlikely]]
-      return finish(Outcome::too_many_steps, t);
-    const Proposal<Real> step = control.propose(t);
-    if (!(step.t_next > t)) [[unlikely]]
-      return finish(Outcome::step_too_small, t);
-    if (stepper.attempt(system, t, now, step.h, candidate) != StepStatus::ok) [[unlikely]]
-      return finish(Outcome::newton_failed, t);
-    const Judgement judgement = control.judge(stepper, step, now, candidate);
-    if (judgement != Judgement::accept) [[unlikely]] {
-      ++end.stats.rejected;
-      if (judgement == Judgement::give_up) return finish(Outcome::step_too_small, t);
-      continue;
-    }
-    if (!is_bounded(candidate)) [[unlikely]]
-      return finish(Outcome::diverged, step.t_next);
-    ++end.stats.steps;
-    if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
-      StepView<StepperT, Sys> view(stepper, system, t, step, now, candidate);
-      observer(view);
-      if (view.stop()) {
-        State stopped = now;
-        view.at(*view.stop(), stopped);
-        now = stopped;
-        return finish(Outcome::stopped, *view.stop());
+  Proposal<Real> step = control.propose(t);
+  for (std::int64_t attempts = 0;;) {
+    // One pass of this outer loop is a run of attempts of equal size: the compiler then knows that h stays
+    // and multiplies it into the coefficients of the method once a run (g++: with -fno-trapping-math).
+    const Real h = step.h;
+    do {
+      if (attempts++ == max_steps) [[unlikely]]
+        return finish(Outcome::too_many_steps, t);
+      if (!(step.t_next > t)) [[unlikely]]
+        return finish(Outcome::step_too_small, t);
+      if (stepper.attempt(system, t, now, h, candidate) != StepStatus::ok) [[unlikely]]
+        return finish(Outcome::newton_failed, t);
+      const Judgement judgement = control.judge(stepper, step, now, candidate);
+      if (judgement == Judgement::accept) [[likely]] {
+        if (!is_bounded(candidate)) [[unlikely]]
+          return finish(Outcome::diverged, step.t_next);
+        ++end.stats.steps;
+        if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
+          StepView<StepperT, Sys> view(stepper, system, t, step, now, candidate);
+          observer(view);
+          if (view.stop()) {
+            State stopped = now;
+            view.at(*view.stop(), stopped);
+            now = stopped;
+            return finish(Outcome::stopped, *view.stop());
+          }
+        }
+        stepper.accept(candidate);
+        copy_state(candidate, now);
+        t = step.t_next;
+        if (step.last) return finish(Outcome::reached_end, t);
+      } else {
+        ++end.stats.rejected;
+        if (judgement == Judgement::give_up) return finish(Outcome::step_too_small, t);
       }
-    }
-    stepper.accept(candidate);
-    copy_state(candidate, now);
-    t = step.t_next;
-    if (step.last) return finish(Outcome::reached_end, t);
+      step = control.propose(t);
+    } while (step.h == h);
   }
 }
 

@@ -54,7 +54,8 @@ class BasicOscillator {
         k1_m_(per_mass(parameters.k1)),
         k3_m_(per_mass(parameters.k3)),
         P_m_(per_mass(parameters.P)),
-        w_(static_cast<Real>(parameters.w)) {}
+        w_(static_cast<Real>(parameters.w)),
+        forced_(P_m_ != Real(0)) {}
 
   static constexpr Eigen::Index dim() { return 2; }
 
@@ -63,7 +64,7 @@ class BasicOscillator {
   /// The force per mass, P cos(w t) / m: all of the model that depends on time (concept TimeSplitSystem).
   [[gnu::always_inline]] Real at(Real t) const noexcept {
     using std::cos;
-    return P_m_ != Real(0) ? P_m_ * cos(w_ * t) : Real(0);
+    return forced_ ? P_m_ * cos(w_ * t) : Real(0);
   }
 
   /// Writes y' into dydt for a given force per mass. The velocity, the newest number in a Runge-Kutta stage,
@@ -127,6 +128,7 @@ class BasicOscillator {
 
   OscillatorParameters parameters_;
   Real c_m_, k1_m_, k3_m_, P_m_, w_;
+  bool forced_;  // P_m_ != 0: cheaper to ask in every evaluation than the number itself
 };
 
 using Oscillator = BasicOscillator<double>;
