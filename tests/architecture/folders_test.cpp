@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/architecture/include_arrows.hpp"
@@ -6,6 +11,21 @@
 namespace hmax::architecture {
 namespace {
 
+/// Headers directly in `folder` that its README does not name in code marks: `name`, `name.hpp`, `name.*` or
+/// `name*`.
+std::vector<std::string> unnamed_headers(const std::string& folder, const std::string& readme) {
+  std::vector<std::string> unnamed;
+  for (const std::string& file : files_under(folder, {".hpp"})) {
+    const std::filesystem::path path = file;
+    if (path.parent_path() != folder) continue;
+    const std::string name = "`" + path.stem().string();
+    bool named = false;
+    for (const char end : {'`', '.', '*'}) named = named || readme.find(name + end) != std::string::npos;
+    if (!named) unnamed.push_back(file);
+  }
+  return unnamed;
+}
+
 TEST(Folders, EachHasAReadmeOfAtMostOneScreen) {
   for (const auto& [folder, targets] : allowed_arrows) {
     const std::string text = read_text(source_dir() / folder / "README.md");
@@ -13,6 +33,21 @@ TEST(Folders, EachHasAReadmeOfAtMostOneScreen) {
     EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 60)
         << folder << "/README.md is longer than a screen.";
   }
+}
+
+TEST(Folders, EachHeaderIsNamedInTheReadmeOfItsFolder) {
+  for (const auto& [folder, targets] : allowed_arrows) {
+    if (folder == "tests") continue;
+    for (const std::string& file : unnamed_headers(folder, read_text(source_dir() / folder / "README.md")))
+      ADD_FAILURE() << file << " is not named in " << folder << "/README.md.";
+  }
+}
+
+TEST(Folders, AHeaderThatItsReadmeDoesNotNameIsFound) {
+  const std::string readme = "order: `order_of_rows.hpp`, `phase_plane.*`";  // a word in prose does not count
+  const auto unnamed = unnamed_headers("analysis", readme);
+  EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/order.hpp"), 1);
+  EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/phase_plane.hpp"), 0);
 }
 
 TEST(Folders, NoSourceFileIsLongerThanSixHundredLines) {
