@@ -91,6 +91,10 @@ const Method& find_method(std::string_view id_or_alias) {
 }
 
 Method make_method(const RuntimeTableau& tableau) {
+  for (const Method& method : methods())
+    if (method.id == tableau.name || std::ranges::find(method.aliases, tableau.name) != method.aliases.end())
+      throw InputError(fmt::format(
+          "the tableau is called '{}' like a method of hmax; give it a `name` of its own", tableau.name));
   Method method{.id = tableau.name,
                 .aliases = {},
                 .family = "explicit_runge_kutta",

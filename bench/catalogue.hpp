@@ -20,7 +20,8 @@
 
 namespace hmax {
 
-/// The solution that errors are measured against; it shares no code with the methods of the catalogue.
+/// The solution that errors are measured against; it shares no code with the methods of the
+/// catalogue, but for formulas where Boost is missing: dop_853 then stands in, and `name` says so.
 struct Reference {
   std::function<Eigen::VectorXd(double t)> at;  ///< shape (dim), t in [0, valid_until]
   double valid_until = 0;                       ///< [s]
@@ -88,6 +89,11 @@ const Method& find_method(std::string_view id_or_alias);
 
 /// The method of a user's tableau.
 Method make_method(const RuntimeTableau& tableau);
+
+/// Adaptive runs cannot tell beforehand how many steps they will take. One that has not ended after this many
+/// attempts ends as too_many_steps unless the user sets another limit, so that a problem that oscillates
+/// faster and faster, or an end time beyond all reach, does not look like a hang.
+inline constexpr std::int64_t adaptive_attempts = 20'000'000;
 
 /// Throws InputError unless `spec` can be run with `method` on a problem of this length: h, tolerances and
 /// t_end positive and finite, an adaptive run only with an error estimate, no more steps than spec.max_steps,

@@ -14,6 +14,7 @@
 
 #include "bench/timing.hpp"
 #include "integrators/control.hpp"
+#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
 
@@ -27,7 +28,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t most_points = 100'000;
 
 /// Thrown through a run by its sink to end it.
-struct Interrupted {};
+struct SweepEnded {};
 
 bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() &&
@@ -106,7 +107,7 @@ class Sweeper {
   double cost(const SweepBlock& block, const std::vector<std::size_t>& methods) const;
   void tell(const SweepBlock& block, double share) const;
   void stop_if_asked() const {
-    if (interrupted_ && interrupted_()) throw Interrupted{};
+    if (interrupted_ && interrupted_()) throw SweepEnded{};
   }
 
   const SweepPlan& plan_;
@@ -253,7 +254,7 @@ void Sweeper::time(const SweepBlock& block, std::vector<Candidate>& candidates) 
                tell(block, std::min(1.0, taken++ / samples));
                return !(interrupted_ && interrupted_());
              }});
-  if (timings.size() != timed.size()) throw Interrupted{};
+  if (timings.size() != timed.size()) throw SweepEnded{};
   for (std::size_t i = 0; i < timed.size(); ++i) {
     if (!timed[i]->agrees)
       throw std::logic_error(
@@ -283,6 +284,11 @@ void Sweeper::measure(const SweepBlock& block, const std::vector<std::size_t>& m
 
 void Sweeper::begin_session() {
   const Fingerprint here = fingerprint();
+  if (here.debug_build && store_.notes().contains("published"))
+    throw InputError(
+        fmt::format("the store '{}' is published and takes no rows of a debug build; build with `cmake "
+                    "--preset release`, or give another --out",
+                    store_.file().string()));
   if (here.debug_build)
     summary_.warnings.emplace_back(
         "this is a debug build; its times are marked and say nothing about a release build");
@@ -312,7 +318,7 @@ SweepSummary Sweeper::run() {
       cost_here_ = 0;
       tell(*block, 1);
     }
-  } catch (const Interrupted&) {
+  } catch (const SweepEnded&) {
     summary_.interrupted = true;
   }
   summary_.rows = store_.size();

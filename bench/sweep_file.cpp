@@ -248,6 +248,11 @@ SweepSpec spec_from(const SweepRequest& request) {
   if (request.readings) set_readings(spec, *request.readings);
   set_tolerances(spec, request);
   if (request.control) spec.control = controllers_from(*request.control);
+  if (!spec.sampled && spec.tolerances.empty() && (request.rtol || request.atol || request.control))
+    throw InputError(
+        "tolerances and --control steer adaptive runs, and this sweep has only fixed steps; leave them out, "
+        "or "
+        "add --sampled");
   spec.t_end = request.t_end;
   if (request.repeats)
     spec.repeats =

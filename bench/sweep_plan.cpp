@@ -30,11 +30,6 @@ constexpr const char* sweep_note = "sweep";
 /// Limit of the output kept in memory at a time: 1.6 GB.
 constexpr double largest_output = 2e8;
 
-/// Adaptive runs cannot tell beforehand how many steps they will take; one that has not ended after this many
-/// attempts is stored as too_many_steps, so that a sweep over a problem that oscillates faster and faster
-/// ends.
-constexpr std::int64_t adaptive_attempts = 20'000'000;
-
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -242,6 +237,14 @@ SweepPlan plan_sweep(const SweepSpec& spec) {
   refuse_duplicates(plan);
   plan.canonical = canonical_text(spec, plan.problems, plan.methods);
   return plan;
+}
+
+bool can_resume(const SweepPlan& plan, const fs::path& file) {
+  if (!fs::exists(file)) return true;
+  const Store store = Store::open_existing(file);
+  const auto notes = store.notes();
+  const auto made_by = notes.find(sweep_note);
+  return store.size() == 0 || (made_by != notes.end() && made_by->second == plan.canonical);
 }
 
 Store open_sweep_store(const SweepPlan& plan, const fs::path& file, bool resume) {

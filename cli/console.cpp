@@ -128,6 +128,8 @@ const std::atomic<bool>& interrupt_flag() {
 void install_interrupt_handler() {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGPIPE, SIG_IGN);
+  // A limit on the size of files is then an error of write(), told like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 CLI::App& add_command(CLI::App& parent, Console& console, const std::string& name,

@@ -65,6 +65,12 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   return fmt::format("{}; `{} --help` shows an example", error.what(), command_line_of(reached(app)));
 }
 
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* each : app.get_subcommands({})) names.push_back(each->get_name());
+  return names;
+}
+
 /// Several lines would be several sentences.
 void complain(std::string text) {
   for (char& c : text)
@@ -92,7 +98,12 @@ Exit run(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
-    if (app.get_subcommands().empty()) console.print(overview);
+    if (app.get_subcommands().empty()) {
+      if (console.json)
+        console.print_json({{"version", build_info().version}, {"commands", command_names(app)}});
+      else
+        console.print(overview);
+    }
   } catch (const CLI::CallForHelp&) {
     console.print(app.help());
   } catch (const CLI::CallForVersion& version) {

@@ -65,8 +65,7 @@ void order(const OrderOptions& options, Console& console) {
   };
   const OrderObservation seen = observe_order(error_of, times, floor);
 
-  // The slopes of high orders rest on few points between the range of large steps and rounding.
-  const double tolerance = method.order >= 6 ? 0.2 : 0.1;
+  constexpr double tolerance = 0.1;
   const bool shown = seen.observed && std::abs(*seen.observed - method.order) <= tolerance;
   const std::string status = !seen.observed
                                  ? "too few errors lie above rounding to fit a slope; try another --t-end"

@@ -28,6 +28,12 @@ SweepSpec self_exciting_sweep() {
 std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& file, const std::string& task,
                           Console& console, std::string& machine, std::int64_t& count) {
   const SweepPlan plan = plan_sweep(spec);
+  if (!can_resume(plan, file)) {
+    const std::filesystem::path old = file.parent_path() / (file.stem().string() + ".old.sqlite");
+    std::filesystem::rename(file, old);
+    console.remark(fmt::format("the sweep has changed since {} was measured; it is kept as {}", file.string(),
+                               old.string()));
+  }
   Store store = open_sweep_store(plan, file, true);
   const std::atomic<bool>& interrupted = interrupt_flag();
   {

@@ -1,12 +1,12 @@
 /// hmax run: one integration, where it ends and what it costs.
 #include <array>
-#include <ctime>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/catalogue.hpp"
+#include "bench/timing.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "integrators/control.hpp"
@@ -47,6 +47,7 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
                .rtol = options.rtol.value_or(0),
                .atol = options.atol.value_or(0)};
   if (!options.control.empty()) spec.control = controllers_from(options.control);
+  if (spec.adaptive) spec.max_steps = adaptive_attempts;
   if (!options.max_steps.empty()) spec.max_steps = parse_count("--max-steps", options.max_steps, 1);
   return spec;
 }
@@ -69,12 +70,6 @@ void check_output(const RunOptions& options, const RunSpec& spec) {
         fmt::format("the output would have {:.3g} points, more than {:.0g}; take a larger --every",
                     spec.t_end / interval, most_points));
   check_writable(options.output);
-}
-
-double thread_cpu_seconds() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 struct TimedRun {
@@ -160,7 +155,9 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
       return "diverged at " + at +
              (spec.adaptive ? "; the solution may have no bound" : "; take a smaller step");
     case Outcome::step_too_small:
-      return "got stuck at " + at + ", where no step meets the tolerances; take looser ones";
+      return "got stuck at " + at +
+             ", where no step meets the tolerances; the solution may have no bound there, or they are too "
+             "tight";
     case Outcome::too_many_steps:
       return fmt::format("used up {} steps at {}; raise --max-steps or take looser tolerances",
                          spec.max_steps, at);
@@ -282,7 +279,10 @@ void add_run(CLI::App& app, Console& console) {
   command.add_option("--output", options->output, "Write the motion to a CSV file, outside the clock")
       ->type_name("FILE");
   add_number(command, "--every", options->every, "Interval of the written points [s]; each step without it");
-  command.add_option("--max-steps", options->max_steps, "Steps allowed; 1e9 by default")->type_name("NUMBER");
+  command
+      .add_option("--max-steps", options->max_steps,
+                  "Steps allowed; by default 1e9 fixed ones or 2e7 attempted adaptive ones")
+      ->type_name("NUMBER");
   command.callback([options, &console] { run(*options, console); });
 }
 
