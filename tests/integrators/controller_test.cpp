@@ -81,10 +81,11 @@ TEST(PiController, WeighsTheErrorBefore) {
   EXPECT_DOUBLE_EQ(judge(controller, 1.0 / 32).h_next, 1);
 }
 
-TEST(DeadbandController, LeavesTheStepAloneWhileTheErrorIsAboveOneHalf) {
+TEST(DeadbandController, LeavesTheStepAloneWhileTheErrorIsInItsBand) {
   DeadbandController<double> controller(5);
-  EXPECT_EQ(judge(controller, 1, 0.3).h_next, 0.3);
-  EXPECT_EQ(judge(controller, 0.501, 0.3).h_next, 0.3);
+  EXPECT_EQ(judge(controller, 0.799, 0.3).h_next, 0.3);
+  EXPECT_EQ(judge(controller, 0.401, 0.3).h_next, 0.3);
+  EXPECT_NEAR(judge(controller, 1, 0.3).h_next, 0.27, 1e-6) << "accepted, but on its way to a rejection";
   EXPECT_NEAR(judge(controller, 1.0 / 32, 0.3).h_next, 0.54, 1e-6);
   EXPECT_NEAR(judge(controller, 32, 0.3).h_next, 0.135, 1e-6);
 }
