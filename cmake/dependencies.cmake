@@ -44,7 +44,7 @@ hmax_optional(Boost HMAX_HAVE_BOOST "${Boost_VERSION_STRING}" libboost-dev "Boos
 
 find_package(SUNDIALS QUIET COMPONENTS arkode cvode nvecserial)
 set(HMAX_HAVE_SUNDIALS ${SUNDIALS_FOUND})
-hmax_optional(SUNDIALS HMAX_HAVE_SUNDIALS "${SUNDIALS_VERSION}" libsundials-dev "the foreign engines CVODE and ARKODE (of a later version; nothing uses them yet)")
+hmax_optional(SUNDIALS HMAX_HAVE_SUNDIALS "${SUNDIALS_VERSION}" libsundials-dev "the foreign engines CVODE and ARKODE (of a later version, nothing uses them yet)")
 
 find_program(HMAX_GNUPLOT gnuplot)
 if(HMAX_GNUPLOT)
