@@ -59,12 +59,6 @@ inline bool is_bounded(const State& y) {
   }
 }
 
-/// Largest magnitude of a component; NaN when one is NaN.
-template <class State>
-inline real_of<State> max_norm(const State& y) {
-  return y.size() == 0 ? real_of<State>{0} : y.cwiseAbs().template maxCoeff<Eigen::PropagateNaN>();
-}
-
 /// A row of weights known at compile time: Row::size and constexpr Row::weight(j). Zero weights cost nothing.
 template <class Row>
 concept StaticRow = requires {
