@@ -42,8 +42,8 @@ concept DifferentiableSystem = System<S> &&
 /// forces, loads, prescribed motion. `at` returns g(t), a small value; `rhs_at` finishes the evaluation. A
 /// stepper then evaluates g once for all stages at the same time, which generic code that sees only f(t, y)
 /// cannot do.
-/// g is also kept from the end t + h of a step to the start of the next when the two agree up to rounding, so the last
-/// bits of a run may differ from those of the same system without the split.
+/// g is also kept from the end t + h of a step to the start of the next when the two agree up to rounding, so
+/// the last bits of a run may differ from those of the same system without the split.
 template <class S>
 concept TimeSplitSystem = System<S> && requires(const S& system, real_of<typename S::State> t,
                                                 const typename S::State& y, typename S::State& dydt) {
