@@ -1,13 +1,15 @@
 /// From types to erased calls: one method on one system becomes a Runner.
 #pragma once
 
+#include <cmath>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "bench/catalogue.hpp"
 #include "bench/run.hpp"
 #include "integrators/control.hpp"
-#include "integrators/explicit_rk.hpp"
 #include "integrators/integrate.hpp"
 #include "integrators/observers.hpp"
 
@@ -15,40 +17,79 @@ namespace hmax {
 
 namespace detail {
 
-/// Calls go(control) with the control that `spec` asks for; the typed world begins here.
+/// Calls go(control) with the control that `spec` asks for; the typed world begins here. The steps of an
+/// explicit method on a small state are so cheap that each controller is compiled into a loop of its own.
 /// @param error_order  order of the error estimate; 0 for a method without one, which then only runs at fixed
 /// step
 template <class StepperT, class Real = typename StepperT::Real, class Go>
 auto with_control(const RunSpec& spec, int error_order, Go&& go) {
-  const FixedStep<Real> fixed(static_cast<Real>(spec.h));
-  if constexpr (!StepperT::may_estimate_error)
-    return go(fixed);
-  else {
-    if (!spec.adaptive || error_order == 0) return go(fixed);
-    const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol)};
-    switch (spec.control) {
-      case Controllers::i:
-        return go(Adaptive<Real, IntegralController>(tolerances, error_order));
-      case Controllers::pi:
-        return go(Adaptive<Real, PiController>(tolerances, error_order));
-      case Controllers::matlab:
-        return go(Adaptive<Real, MatlabController, MatlabNorm>(tolerances, error_order));
-      case Controllers::deadband:
-        break;
+  const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol)};
+  if constexpr (requires { typename StepperT::Control; }) {
+    return go(typename StepperT::Control(tolerances));
+  } else {
+    const FixedStep<Real> fixed(static_cast<Real>(spec.h));
+    if constexpr (!StepperT::may_estimate_error) {
+      return go(fixed);
+    } else {
+      if (!spec.adaptive || error_order == 0) return go(fixed);
+      if constexpr (StepperT::is_explicit && is_small_state<typename StepperT::State>) {
+        switch (spec.control) {
+          case Controllers::i:
+            return go(Adaptive<Real, IntegralController>(tolerances, error_order));
+          case Controllers::pi:
+            return go(Adaptive<Real, PiController>(tolerances, error_order));
+          case Controllers::matlab:
+            return go(Adaptive<Real, MatlabController, MatlabNorm>(tolerances, error_order));
+          case Controllers::deadband:
+            break;
+        }
+        return go(Adaptive<Real, DeadbandController>(tolerances, error_order));
+      } else {
+        const AnyController<Real> controller = [&] {
+          switch (spec.control) {
+            case Controllers::i:
+              return AnyController<Real>(IntegralController<Real>(error_order));
+            case Controllers::pi:
+              return AnyController<Real>(PiController<Real>(error_order));
+            case Controllers::matlab:
+              return AnyController<Real>(MatlabController<Real>(error_order));
+            case Controllers::deadband:
+              break;
+          }
+          return AnyController<Real>(DeadbandController<Real>(error_order));
+        }();
+        const AnyNorm<Real> norm{tolerances.rtol, tolerances.atol, spec.control == Controllers::matlab};
+        return go(Adaptive<Real, AnyController, AnyNorm>(tolerances, error_order, controller, norm));
+      }
     }
-    return go(Adaptive<Real, DeadbandController>(tolerances, error_order));
   }
 }
 
+/// A stepper under hmax's own loop. An engine is callable as
+///   engine(system, span, y, spec, observer) -> RunEnd,  y initial state in, last accepted state out;
+/// foreign libraries bring theirs, with views of their own for the observer.
+template <class StepperT>
+struct StepperEngine {
+  StepperT stepper;
+  int error_order;
+
+  template <System Sys, class Observer>
+  auto operator()(const Sys& system, Span<real_of<typename Sys::State>> span, typename Sys::State& y,
+                  const RunSpec& spec, Observer&& observer) const {
+    return with_control<StepperT>(spec, error_order, [&](auto control) {
+      StepperT fresh = stepper;
+      if constexpr (requires { fresh.set_jacobian_update(spec.jacobian); })
+        fresh.set_jacobian_update(spec.jacobian);
+      return integrate(std::move(fresh), system, span, y, control, observer, spec.max_steps);
+    });
+  }
+};
+
 }  // namespace detail
 
-/// Binds a stepper to a system and an initial state at t = 0.
-/// @param error_order      see with_control
-/// @param extended_stepper, extended_system  the same in the highest precision there is: long double, or
-/// double again
-template <class StepperT, System Sys, class ExtendedStepper, System ExtendedSys>
-Runner bind(const StepperT& stepper, const Sys& system, const typename Sys::State& y0, int error_order,
-            const ExtendedStepper& extended_stepper, const ExtendedSys& extended_system) {
+/// A Runner from an engine, a system and an initial state at t = 0; `end_state_extended` is left empty.
+template <class Engine, System Sys>
+Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::State& y0) {
   using State = typename Sys::State;
   using Real = real_of<State>;
   Runner runner;
@@ -57,27 +98,24 @@ Runner bind(const StepperT& stepper, const Sys& system, const typename Sys::Stat
     const Span<Real> span{0, static_cast<Real>(spec.t_end)};
     RunRecord record;
     State y = y0;
-    const Counted<Sys> counted(system, record.stats.rhs);
+    Stats counts;
+    const Counted<Sys> counted(system, counts);
     auto point = [&sink](Real t, const State& state) {
       if (sink) sink(static_cast<double>(t), state);
     };
-    const RunEnd<Real> end = detail::with_control<StepperT>(spec, error_order, [&](auto control) {
-      // One observer for all three ways of looking, so that each method is compiled once a control.
-      SampleEvery<State, decltype(point)> sample(span, spec.every > 0 ? spec.every : spec.t_end, y0, point);
-      return integrate(
-          stepper, counted, span, y, control,
-          [&](auto& view) {
-            if (spec.every > 0)
-              sample(view);
-            else
-              point(view.t1(), view.y1());
-          },
-          spec.max_steps);
+    // One observer for all three ways of looking, so that each method is compiled once a control.
+    SampleEvery<State, decltype(point)> sample(span, spec.every > 0 ? spec.every : spec.t_end, y0, point);
+    const RunEnd<Real> end = engine(counted, span, y, spec, [&](auto& view) {
+      if (spec.every > 0)
+        sample(view);
+      else
+        point(view.t1(), view.y1());
     });
     record.outcome = end.outcome;
     record.t = end.t;
-    record.stats.steps = end.stats.steps;
-    record.stats.rejected = end.stats.rejected;
+    record.stats = end.stats;
+    record.stats.rhs += counts.rhs;
+    record.stats.jacobian += counts.jacobian;
     record.y = y;
     return record;
   };
@@ -90,37 +128,55 @@ Runner bind(const StepperT& stepper, const Sys& system, const typename Sys::Stat
       const auto points = static_cast<std::size_t>(fixed_step_count(spec.t_end, spec.every)) + 1;
       if (memory->size() < points) memory->assign(points, y0);
     }
-    detail::with_control<StepperT>(spec, error_order, [&](auto control) {
-      State y = y0;
-      for (std::int64_t run = 0; run < runs; ++run) {
-        y = y0;
-        if (spec.every > 0) {
-          State* out = memory->data();
-          auto store = [&out](Real, const State& state) { copy_state(state, *out++); };
-          integrate(stepper, system, span, y, control,
-                    SampleEvery<State, decltype(store)>(span, spec.every, y0, store), spec.max_steps);
-        } else {
-          integrate(stepper, system, span, y, control, ObserveNothing{}, spec.max_steps);
-        }
-        // The state is an input and an output the compiler knows nothing of: no run may be merged with
-        // another.
-        asm volatile("" : : "g"(y.data()) : "memory");
+    State y = y0;
+    for (std::int64_t run = 0; run < runs; ++run) {
+      y = y0;
+      if (spec.every > 0) {
+        State* out = memory->data();
+        auto store = [&out](Real, const State& state) { copy_state(state, *out++); };
+        engine(system, span, y, spec, SampleEvery<State, decltype(store)>(span, spec.every, y0, store));
+      } else {
+        engine(system, span, y, spec, ObserveNothing{});
       }
-      *last = y;
-      return 0;
-    });
+      // The state is an input and an output the compiler knows nothing of: no run may be merged with
+      // another.
+      asm volatile("" : : "g"(y.data()) : "memory");
+    }
+    *last = y;
     return *last;
   };
-
-  runner.end_state_extended = [=](double h, double t_end) {
-    using Extended = typename ExtendedSys::State;
-    using ExtendedReal = real_of<Extended>;
-    Extended y = y0.template cast<ExtendedReal>();
-    integrate(extended_stepper, extended_system, Span<ExtendedReal>{0, static_cast<ExtendedReal>(t_end)}, y,
-              FixedStep<ExtendedReal>(static_cast<ExtendedReal>(h)));
-    return Eigen::Vector<long double, Eigen::Dynamic>(y.template cast<long double>());
-  };
   return runner;
+}
+
+/// The end state of a fixed-step run in long double.
+template <class ExtendedStepper>
+auto extended_run(const ExtendedStepper& stepper, const ExtendedSystem& system, const Eigen::VectorXd& y0) {
+  return [=](double h, double t_end) {
+    using Real = long double;
+    ExtendedSystem::State y = y0.cast<Real>();
+    integrate(stepper, system, Span<Real>{0, static_cast<Real>(t_end)}, y,
+              FixedStep<Real>(static_cast<Real>(h)));
+    return Eigen::Vector<Real, Eigen::Dynamic>(y);
+  };
+}
+
+/// Binds a method to a problem, whatever the type of its system.
+/// @param make  make(std::type_identity<Sys>) -> the stepper for systems of type Sys; called for the type of
+/// the
+///              problem and for ExtendedSystem
+template <class Make>
+Runner bind_problem(const Problem& problem, int error_order, const Make& make) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) {
+        const auto stepper = make(std::type_identity<Sys>{});
+        Runner runner =
+            make_runner(detail::StepperEngine<std::remove_const_t<decltype(stepper)>>{stepper, error_order},
+                        system, typename Sys::State(problem.y0));
+        runner.end_state_extended =
+            extended_run(make(std::type_identity<ExtendedSystem>{}), problem.extended, problem.y0);
+        return runner;
+      },
+      problem.system);
 }
 
 }  // namespace hmax

@@ -10,9 +10,8 @@
 #include <utility>
 
 #include "bench/bind.hpp"
+#include "integrators/explicit_rk.hpp"
 #include "integrators/tableaux.hpp"
-#include "problems/formula_system.hpp"
-#include "problems/oscillator.hpp"
 
 namespace hmax {
 
@@ -30,20 +29,18 @@ inline int error_order_of(const RuntimeTableau& tableau) {
   return tableau.has_error() ? std::min(tableau.computed_order, tableau.embedded_order) + 1 : 0;
 }
 
-/// The same system in the highest precision it is written in.
-inline BasicOscillator<long double> extended(const Oscillator& system) {
-  return BasicOscillator<long double>(system.parameters());
-}
-inline FormulaSystem extended(const FormulaSystem& system) { return system; }
+/// The same in long double, for the order of a method.
+decltype(Runner::end_state_extended) extend_explicit_rk(std::size_t method, const Problem& problem);
+decltype(Runner::end_state_extended) extend_explicit_rk(const RuntimeTableau& tableau,
+                                                        const Problem& problem);
 
 namespace detail {
 template <class Coefficients, System Sys>
 Runner bind_coefficients(const Coefficients& coefficients, int error_order, const Sys& system,
                          const Eigen::VectorXd& y0) {
-  const auto extended_system = extended(system);
-  using ExtendedState = typename decltype(extended_system)::State;
-  return bind(ExplicitRk<Coefficients, typename Sys::State>(coefficients), system, typename Sys::State(y0),
-              error_order, ExplicitRk<Coefficients, ExtendedState>(coefficients), extended_system);
+  using StepperT = ExplicitRk<Coefficients, typename Sys::State>;
+  return make_runner(StepperEngine<StepperT>{StepperT(coefficients), error_order}, system,
+                     typename Sys::State(y0));
 }
 }  // namespace detail
 
@@ -65,7 +62,7 @@ Runner bind_explicit_rk(const RuntimeTableau& tableau, const Sys& system, const 
 
 extern template Runner bind_explicit_rk(std::size_t, const Oscillator&, const Eigen::VectorXd&);
 extern template Runner bind_explicit_rk(const RuntimeTableau&, const Oscillator&, const Eigen::VectorXd&);
-extern template Runner bind_explicit_rk(std::size_t, const FormulaSystem&, const Eigen::VectorXd&);
-extern template Runner bind_explicit_rk(const RuntimeTableau&, const FormulaSystem&, const Eigen::VectorXd&);
+extern template Runner bind_explicit_rk(std::size_t, const AnySystem&, const Eigen::VectorXd&);
+extern template Runner bind_explicit_rk(const RuntimeTableau&, const AnySystem&, const Eigen::VectorXd&);
 
 }  // namespace hmax

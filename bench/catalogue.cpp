@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/bind_explicit_rk.hpp"
+#include "bench/families.hpp"
 #include "bench/suggest.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -21,32 +21,42 @@ std::string suggestion(std::string_view wrong, const std::vector<std::string>& n
   return near.empty() ? std::string{} : fmt::format("; did you mean '{}'?", near);
 }
 
-/// The line of one explicit Runge-Kutta method: everything else is in its struct.
-template <class T>
-Method explicit_rk(std::size_t index) {
-  Method method{.id = std::string(T::id),
-                .aliases = {},
-                .family = "explicit_runge_kutta",
-                .order = T::order,
-                .error_order = T::error_order,
-                .stages = static_cast<int>(T::tableau.stages),
-                .engine = "hmax",
-                .source = std::string(T::source),
-                .bind = {}};
-  for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
-  method.bind = [index](const Problem& problem) {
-    return std::visit([&](const auto& system) { return bind_explicit_rk(index, system, problem.y0); },
-                      problem.system);
-  };
-  return method;
-}
-
 std::vector<Method> all_methods() {
   std::vector<Method> all;
-  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
-    (all.push_back(explicit_rk<T>(all.size())), ...);
-  }(std::type_identity<tableaux::All>{});
+  add_explicit_rk(all);
   return all;
+}
+
+/// The method with the parameters of "beta=0.25,gamma=0.5".
+Method with_parameters(const Method& method, std::string_view text) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : method.parameters) names.push_back(name);
+  if (names.empty())
+    throw InputError(fmt::format("{0} has no parameters, so write it without ':{1}'", method.id, text));
+  Parameters parameters = method.parameters;
+  while (!text.empty()) {
+    const std::string_view item = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), item.size() + 1));
+    const std::string_view name = item.substr(0, item.find('='));
+    const auto it = std::ranges::find(parameters, name, [](const auto& entry) { return entry.first; });
+    if (it == parameters.end())
+      throw InputError(fmt::format("{} has no parameter '{}'{}; known are {}", method.id, name,
+                                   suggestion(name, names), fmt::join(names, ", ")));
+    const std::optional<double> value =
+        name.size() < item.size() ? to_number(item.substr(name.size() + 1)) : std::nullopt;
+    if (!value || !std::isfinite(*value))
+      throw InputError(fmt::format("'{0}' gives {1} of {2} no finite number; write for instance {2}:{1}={3}",
+                                   item, name, method.id, to_text(it->second)));
+    it->second = *value;
+  }
+  Method made = method.with(parameters);
+  made.parameters = parameters;
+  made.with = method.with;
+  std::string suffix;
+  for (const auto& [name, value] : parameters)
+    suffix += fmt::format("{}{}={}", suffix.empty() ? ":" : ",", name, to_text(value));
+  made.id = method.id + suffix;
+  return made;
 }
 
 }  // namespace
@@ -73,42 +83,62 @@ Controllers controllers_from(std::string_view word) {
                                suggestion(word, {"i", "pi", "deadband", "matlab"})));
 }
 
+std::string to_string(JacobianUpdate update) {
+  switch (update.every) {
+    case JacobianUpdate::automatic:
+      return "auto";
+    case JacobianUpdate::frozen:
+      return "frozen";
+    case 1:
+      return "exact";
+    default:
+      return fmt::format("every:{}", update.every);
+  }
+}
+
+JacobianUpdate jacobian_update_from(std::string_view word) {
+  for (const int every : {JacobianUpdate::automatic, JacobianUpdate::frozen, 1})
+    if (word == to_string(JacobianUpdate{every})) return {every};
+  constexpr std::string_view prefix = "every:";
+  if (word.starts_with(prefix)) {
+    const std::optional<double> every = to_number(word.substr(prefix.size()));
+    if (every && *every >= 1 && *every <= 1e9 && *every == std::floor(*every))
+      return {static_cast<int>(*every)};
+    throw InputError(
+        fmt::format("'{}' does not say every how many steps the Jacobian is taken; write every:K "
+                    "with a whole number K of at least 1, for instance every:10",
+                    word));
+  }
+  throw InputError(fmt::format("unknown Jacobian policy '{}'{}; known are auto, exact, every:K and frozen",
+                               word, suggestion(word, {"auto", "exact", "every:10", "frozen"})));
+}
+
 const std::vector<Method>& methods() {
   static const std::vector<Method> all = all_methods();
   return all;
 }
 
-const Method& find_method(std::string_view id_or_alias) {
+Method find_method(std::string_view name) {
+  const std::string_view id = name.substr(0, name.find(':'));
   std::vector<std::string> names;
   for (const Method& method : methods()) {
-    if (method.id == id_or_alias || std::ranges::find(method.aliases, id_or_alias) != method.aliases.end())
-      return method;
+    if (method.id == id || std::ranges::find(method.aliases, id) != method.aliases.end())
+      return id.size() == name.size() ? method : with_parameters(method, name.substr(id.size() + 1));
     names.push_back(method.id);
     names.insert(names.end(), method.aliases.begin(), method.aliases.end());
   }
-  throw InputError(fmt::format("unknown method '{}'{}; `hmax list methods` shows all of them", id_or_alias,
-                               suggestion(id_or_alias, names)));
+  throw InputError(
+      fmt::format("unknown method '{}'{}; `hmax list methods` shows all of them", id, suggestion(id, names)));
 }
 
-Method make_method(const RuntimeTableau& tableau) {
-  for (const Method& method : methods())
-    if (method.id == tableau.name || std::ranges::find(method.aliases, tableau.name) != method.aliases.end())
-      throw InputError(fmt::format(
-          "the tableau is called '{}' like a method of hmax; give it a `name` of its own", tableau.name));
-  Method method{.id = tableau.name,
-                .aliases = {},
-                .family = "explicit_runge_kutta",
-                .order = tableau.computed_order,
-                .error_order = error_order_of(tableau),
-                .stages = static_cast<int>(tableau.stages()),
-                .engine = "hmax",
-                .source = "the user's tableau",
-                .bind = {}};
-  method.bind = [tableau](const Problem& problem) {
-    return std::visit([&](const auto& system) { return bind_explicit_rk(tableau, system, problem.y0); },
-                      problem.system);
-  };
-  return method;
+bool is_second_order(const Problem& problem) {
+  const auto* any = std::get_if<AnySystem>(&problem.system);
+  return any == nullptr || any->dofs() > 0;
+}
+
+bool has_split(const Problem& problem) {
+  const auto* any = std::get_if<AnySystem>(&problem.system);
+  return any == nullptr || any->has_split();
 }
 
 void check(const RunSpec& spec, const Method& method, const Problem& problem) {
@@ -137,6 +167,9 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
                       "--rtol, or choose a method whose error_order in `hmax list methods` is not 0",
                       method.id));
   } else {
+    if (!method.fixed_step)
+      throw InputError(
+          fmt::format("{} chooses its steps itself; give --rtol and --atol instead of --h", method.id));
     positive(spec.h, "the step", "give --h in seconds, for instance 0.01");
     if (spec.h > spec.t_end)
       throw InputError(
@@ -157,6 +190,16 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
         fmt::format("an output interval of {} s to t = {} s would make {:.3g} points, more than the limit "
                     "of {}; take a larger interval or raise --max-steps",
                     to_text(spec.every), to_text(spec.t_end), spec.t_end / spec.every, spec.max_steps));
+  if (method.needs_second_order && !is_second_order(problem))
+    throw InputError(fmt::format(
+        "{} steps positions and velocities, which {} does not have; choose another method, or a problem like "
+        "liver_forced or kepler",
+        method.id, problem.id));
+  if (method.needs_split && !has_split(problem))
+    throw InputError(
+        fmt::format("{} needs a problem that declares a stiff part, which {} does not; choose another "
+                    "method, or a problem like liver_forced or spring_chain",
+                    method.id, problem.id));
   std::visit(
       [&](const auto& system) {
         typename std::remove_cvref_t<decltype(system)>::State y = problem.y0, dydt = problem.y0;

@@ -15,7 +15,7 @@
 
 #include "bench/run.hpp"
 #include "integrators/runtime_tableau.hpp"
-#include "problems/formula_system.hpp"
+#include "problems/any_system.hpp"
 #include "problems/oscillator.hpp"
 
 namespace hmax {
@@ -31,6 +31,9 @@ struct Reference {
   std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> extended_at;
 };
 
+/// A problem in the highest precision it is written in, for orders that double is too coarse to see.
+using ExtendedSystem = BasicAnySystem<long double>;
+
 /// A problem with all its numbers fixed.
 struct Problem {
   std::string id;                                          ///< catalogue id, or the name of a user's file
@@ -41,7 +44,9 @@ struct Problem {
   Eigen::VectorXd y0;
   double t_end = 0;  ///< default end time [s]
   bool has_exact_solution = false;
-  std::variant<Oscillator, FormulaSystem> system;
+  /// Two numbers on the stack are worth a type of their own; everything else is called through a pointer.
+  std::variant<Oscillator, AnySystem> system;
+  ExtendedSystem extended{BasicOscillator<long double>()};  ///< the same system in long double
 };
 
 /// What a user may change of a problem.
@@ -64,6 +69,9 @@ Problem make_problem(const std::string& id_or_file, const ProblemSettings& setti
 /// method at tight tolerance, or dop_853 where Boost is missing (`name` says which).
 Reference make_reference(const Problem& problem, double t_end);
 
+/// Numbers by name, in a fixed order.
+using Parameters = std::vector<std::pair<std::string, double>>;
+
 /// A method, its facts as users see them, and how it is bound to a problem.
 struct Method {
   std::string id;
@@ -73,9 +81,17 @@ struct Method {
   int error_order = 0;  ///< err = O(h^error_order); 0: no error estimate, fixed steps only
   int stages = 0;
   bool is_explicit = true, needs_jacobian = false, a_stable = false, l_stable = false;
-  std::string engine;  ///< hmax, or the library that runs it
-  std::string source;  ///< bibliography key
+  std::string engine;               ///< hmax, or the library that runs it
+  std::string source;               ///< bibliography key
+  bool fixed_step = true;           ///< false: only adaptive runs
+  bool needs_second_order = false;  ///< positions and velocities, M q'' = F
+  bool needs_split = false;         ///< a declared stiff part
   std::function<Runner(const Problem&)> bind;
+
+  /// Numbers of the method itself that a user may set, `newmark:beta=0.25,gamma=0.5`, with their values;
+  /// `with` makes the method of other values and throws InputError for values that make no method.
+  Parameters parameters{};
+  std::function<Method(const Parameters&)> with{};
 
   [[nodiscard]] bool adaptive() const { return error_order > 0; }
 };
@@ -83,9 +99,9 @@ struct Method {
 /// Every method, in the order in which they are listed.
 const std::vector<Method>& methods();
 
-/// A method by id or alias.
+/// A method by id or alias, with parameters if it has some: "rk4", "ode45", "newmark:beta=0.25,gamma=0.5".
 /// @throws InputError with a suggestion when there is none
-const Method& find_method(std::string_view id_or_alias);
+Method find_method(std::string_view name);
 
 /// The method of a user's tableau.
 Method make_method(const RuntimeTableau& tableau);
@@ -94,6 +110,10 @@ Method make_method(const RuntimeTableau& tableau);
 /// attempts ends as too_many_steps unless the user sets another limit, so that a problem that oscillates
 /// faster and faster, or an end time beyond all reach, does not look like a hang.
 inline constexpr std::int64_t adaptive_attempts = 20'000'000;
+
+/// Whether a problem has positions and velocities, and whether it declares a stiff part.
+bool is_second_order(const Problem& problem);
+bool has_split(const Problem& problem);
 
 /// Throws InputError unless `spec` can be run with `method` on a problem of this length: h, tolerances and
 /// t_end positive and finite, an adaptive run only with an error estimate, no more steps than spec.max_steps,

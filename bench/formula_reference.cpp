@@ -20,7 +20,7 @@ constexpr int grid_intervals = 2000;
 constexpr double tight = 1e-13, loose = 1e-11;
 
 /// Integrates y from t0 to t1; false when the engine gives up or y is no longer finite.
-bool advance(const FormulaSystem& system, Eigen::VectorXd& y, double t0, double t1, double tolerance) {
+bool advance(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, double tolerance) {
 #if HMAX_HAVE_BOOST
   namespace odeint = boost::numeric::odeint;
   using Values = std::vector<double>;
@@ -52,7 +52,7 @@ bool advance(const FormulaSystem& system, Eigen::VectorXd& y, double t0, double 
 
 }  // namespace
 
-FormulaReference::FormulaReference(const FormulaSystem& system, const Eigen::VectorXd& y0, double t_end)
+FormulaReference::FormulaReference(const AnySystem& system, const Eigen::VectorXd& y0, double t_end)
     : system_(system), interval_(t_end / grid_intervals), grid_{y0} {
   Eigen::VectorXd y = y0, checked = y0;
   double difference = 0, largest = y0.size() == 0 ? 0 : y0.cwiseAbs().maxCoeff();

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "problems/formula_system.hpp"
+#include "problems/any_system.hpp"
 
 namespace hmax {
 
@@ -16,7 +16,7 @@ namespace hmax {
 class FormulaReference {
  public:
   /// @param y0  shape (dim)
-  FormulaReference(const FormulaSystem& system, const Eigen::VectorXd& y0, double t_end);
+  FormulaReference(const AnySystem& system, const Eigen::VectorXd& y0, double t_end);
 
   /// Shape (dim); NaN outside [0, valid_until()]. Several microseconds.
   [[nodiscard]] Eigen::VectorXd at(double t) const;
@@ -28,7 +28,7 @@ class FormulaReference {
   [[nodiscard]] static std::string name();
 
  private:
-  FormulaSystem system_;
+  AnySystem system_;
   double interval_;
   std::vector<Eigen::VectorXd> grid_;
   double error_bound_ = 0;

@@ -9,6 +9,7 @@
 #include "bench/catalogue.hpp"
 #include "bench/problem_file.hpp"
 #include "bench/suggest.hpp"
+#include "problems/formula_system.hpp"
 #include "problems/liver_materials.hpp"
 #include "problems/liver_problems.hpp"
 #include "problems/oscillator_exact.hpp"
@@ -68,7 +69,8 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
                   .states = {"x", "v"},
                   .y0 = liver.y0,
                   .t_end = liver.t_end,
-                  .system = Oscillator(parameters)};
+                  .system = Oscillator(parameters),
+                  .extended = ExtendedSystem(BasicOscillator<long double>(parameters))};
   for (const auto& [name, member] : oscillator_parameter_names)
     problem.parameters.emplace_back(name, parameters.*member);
   override_start(problem, settings.y0);
@@ -102,7 +104,8 @@ Problem formula_problem(const std::string& file, const ProblemSettings& settings
                   .t_end = d.t_end,
                   .system = Oscillator{}};
   for (const auto& [state, formula] : d.equations) problem.states.push_back(state);
-  problem.system = std::move(system);
+  problem.system = AnySystem(system);
+  problem.extended = ExtendedSystem(std::move(system));
   override_start(problem, settings.y0);
   return problem;
 }

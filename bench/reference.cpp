@@ -23,8 +23,7 @@ Reference make_reference(const Problem& problem, double t_end) {
               return taylor->extended_at(t);
             }};
   }
-  auto formula =
-      std::make_shared<FormulaReference>(std::get<FormulaSystem>(problem.system), problem.y0, t_end);
+  auto formula = std::make_shared<FormulaReference>(std::get<AnySystem>(problem.system), problem.y0, t_end);
   return {.at = [formula](double t) { return formula->at(t); },
           .valid_until = formula->valid_until(),
           .error_bound = formula->error_bound(),

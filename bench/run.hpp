@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "integrators/jacobian.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
 
@@ -23,6 +24,11 @@ std::string_view to_string(Controllers control);
 /// @throws InputError with a suggestion when the word is none of i, pi, deadband, matlab
 Controllers controllers_from(std::string_view word);
 
+/// The Jacobian policy as users write it: auto, exact, every:K or frozen.
+std::string to_string(JacobianUpdate update);
+/// @throws InputError with a suggestion when the word is none of these
+JacobianUpdate jacobian_update_from(std::string_view word);
+
 /// What is asked of one run.
 struct RunSpec {
   double t_end = 0;  ///< from t = 0 [s]
@@ -30,7 +36,8 @@ struct RunSpec {
   double h = 0;               ///< fixed step [s]; not read when adaptive
   double rtol = 0, atol = 0;  ///< not read when fixed
   Controllers control = Controllers::deadband;
-  double every = 0;  ///< output interval [s]; 0: none, the sink then sees every accepted step
+  JacobianUpdate jacobian{};  ///< read by methods that linearise
+  double every = 0;         ///< output interval [s]; 0: none, the sink then sees every accepted step
   std::int64_t max_steps = 1'000'000'000;
 };
 

@@ -75,7 +75,8 @@ RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t metho
 ///                     no method can do, more than 2e8 numbers of output kept at a time
 SweepPlan plan_sweep(const SweepSpec& spec);
 
-/// Whether open_sweep_store() with `resume` would take up `file`: it is missing, empty, or made by this sweep.
+/// Whether open_sweep_store() with `resume` would take up `file`: it is missing, empty, or made by this
+/// sweep.
 bool can_resume(const SweepPlan& plan, const std::filesystem::path& file);
 
 /// The store of a sweep, made when it is missing. A store with rows is taken up again only with `resume` and

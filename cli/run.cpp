@@ -27,7 +27,7 @@ struct RunOptions {
   ProblemChoice problem;
   MethodChoice method;
   std::optional<double> h, rtol, atol, t_end, every;
-  std::string control, output, max_steps;
+  std::string control, jacobian, output, max_steps;
 };
 
 RunSpec spec_of(const RunOptions& options, const Problem& problem) {
@@ -47,6 +47,7 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
                .rtol = options.rtol.value_or(0),
                .atol = options.atol.value_or(0)};
   if (!options.control.empty()) spec.control = controllers_from(options.control);
+  if (!options.jacobian.empty()) spec.jacobian = jacobian_update_from(options.jacobian);
   if (spec.adaptive) spec.max_steps = adaptive_attempts;
   if (!options.max_steps.empty()) spec.max_steps = parse_count("--max-steps", options.max_steps, 1);
   return spec;
@@ -201,6 +202,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   } else {
     document["h"] = spec.h;
   }
+  if (method.needs_jacobian) document["jacobian"] = to_string(spec.jacobian);
   return document;
 }
 
@@ -225,8 +227,12 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   for (std::size_t i = 0; i < problem.states.size(); ++i)
     text += fmt::format("  {:<{}}  {:> .16g} {}\n", problem.states[i], width,
                         record.y[static_cast<Eigen::Index>(i)], unit_of(problem, i));
-  text += fmt::format("\nsteps {}   rejected {}   rhs {}   cpu {} s\n", record.stats.steps,
-                      record.stats.rejected, record.stats.rhs, short_number(cpu_seconds, 3));
+  const Stats& stats = record.stats;
+  text += fmt::format("\nsteps {}   rejected {}   rhs {}", stats.steps, stats.rejected, stats.rhs);
+  if (method.needs_jacobian)
+    text += fmt::format("   jacobian {}   factorisations {}", stats.jacobian, stats.factorisations);
+  if (stats.newton > 0) text += fmt::format("   newton {}", stats.newton);
+  text += fmt::format("   cpu {} s\n", short_number(cpu_seconds, 3));
   return text;
 }
 
@@ -235,6 +241,8 @@ void run(const RunOptions& options, Console& console) {
   const Method method = options.method.make();
   const RunSpec spec = spec_of(options, problem);
   check(spec, method, problem);
+  if (!options.jacobian.empty() && !method.needs_jacobian)
+    throw InputError(fmt::format("{} uses no Jacobian; leave --jacobian out", method.id));
   check_output(options, spec);
 
   const Runner runner = method.bind(problem);
@@ -275,6 +283,11 @@ void add_run(CLI::App& app, Console& console) {
       .add_option("--control", options->control,
                   "How adaptive steps are steered: deadband (default), i, pi or matlab")
       ->type_name("NAME");
+  command
+      .add_option(
+          "--jacobian", options->jacobian,
+          "When an implicit method takes a new Jacobian: auto (default), exact, every:K steps or frozen")
+      ->type_name("POLICY");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   command.add_option("--output", options->output, "Write the motion to a CSV file, outside the clock")
       ->type_name("FILE");

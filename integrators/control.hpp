@@ -29,6 +29,10 @@ struct Proposal {
 /// What became of an attempt.
 enum class Judgement { accept, retry, give_up };
 
+// A control has four verbs. start(stepper, system, span, y) begins a run; propose(t) says which step to
+// attempt next; judge(stepper, system, step, y, y_new) says what becomes of an attempt that made a candidate,
+// and failed(stepper, step) of one that did not.
+
 namespace detail {
 /// What rounding may do to a difference of two times in the span.
 template <class Real>
@@ -78,10 +82,16 @@ class FixedStep {
     return {h_, at(n_ + 1), false};
   }
 
-  template <class Stepper, class State>
-  Judgement judge(const Stepper&, const Proposal<Real>&, const State&, const State&) {
+  template <class Stepper, class Sys, class State>
+  Judgement judge(const Stepper&, const Sys&, const Proposal<Real>&, const State&, const State&) {
     ++n_;
     return Judgement::accept;
+  }
+
+  /// A fixed step cannot be cut.
+  template <class Stepper>
+  Judgement failed(const Stepper&, const Proposal<Real>&) const {
+    return Judgement::give_up;
   }
 
  private:
@@ -105,23 +115,23 @@ struct Tolerances {
 template <class Real, template <class> class Controller, template <class> class Norm = RmsNorm>
 class Adaptive {
  public:
-  static constexpr bool matlab_rules = std::is_same_v<Controller<Real>, MatlabController<Real>>;
-
   /// @param error_order  order of the error estimate; the stepper's own unless it is known only at run time
   Adaptive(Tolerances<Real> tolerances, int error_order)
-      : tolerances_(tolerances),
-        norm_{tolerances.rtol, tolerances.atol},
-        controller_(error_order),
-        error_order_(error_order) {}
+      : Adaptive(tolerances, error_order, Controller<Real>(error_order),
+                 Norm<Real>{tolerances.rtol, tolerances.atol}) {}
+
+  /// For a controller and a norm that are chosen at run time.
+  Adaptive(Tolerances<Real> tolerances, int error_order, Controller<Real> controller, Norm<Real> norm)
+      : tolerances_(tolerances), norm_(norm), controller_(controller), error_order_(error_order) {}
 
   template <class Stepper, System Sys>
   void start(const Stepper&, const Sys& system, Span<Real> span, const typename Sys::State& y) {
     t_end_ = span.t_end;
     const Real length = span.t_end - span.t0;
-    if constexpr (matlab_rules) tolerances_.h_max = std::min(tolerances_.h_max, length / 10);
+    if (matlab_rules()) tolerances_.h_max = std::min(tolerances_.h_max, length / 10);
     if (tolerances_.h_first > 0)
       h_ = tolerances_.h_first;
-    else if constexpr (matlab_rules)
+    else if (matlab_rules())
       h_ = matlab_initial_step(system, span.t0, y, error_order_, tolerances_.rtol, tolerances_.atol,
                                tolerances_.h_max);
     else
@@ -131,22 +141,41 @@ class Adaptive {
 
   /// The last step is stretched by up to 1 % (10 % under MATLAB's rules) rather than leaving a sliver.
   Proposal<Real> propose(Real t) const {
-    constexpr Real stretch = matlab_rules ? Real(1.1) : Real(1.01);
+    const Real stretch = matlab_rules() ? Real(1.1) : Real(1.01);
     if (t + stretch * h_ >= t_end_) [[unlikely]]
       return {t_end_ - t, t_end_, true};
     return {h_, t + h_, false};
   }
 
-  template <class Stepper, class State>
-  Judgement judge(const Stepper& stepper, const Proposal<Real>& step, const State& y, const State& y_new) {
+  template <class Stepper, class Sys, class State>
+  Judgement judge(const Stepper& stepper, const Sys&, const Proposal<Real>& step, const State& y,
+                  const State& y_new) {
     const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
     h_ = std::min(verdict.h_next, tolerances_.h_max);
     if (verdict.accept) [[likely]]
       return Judgement::accept;
-    return h_ <= smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
+    return retry_or_give_up(step);
+  }
+
+  /// An implicit equation without a solution: a shorter step starts nearer to it.
+  template <class Stepper>
+  Judgement failed(const Stepper&, const Proposal<Real>& step) {
+    h_ = step.h / 4;
+    return retry_or_give_up(step);
   }
 
  private:
+  bool matlab_rules() const {
+    if constexpr (requires { controller_.matlab_rules(); })
+      return controller_.matlab_rules();
+    else
+      return std::is_same_v<Controller<Real>, MatlabController<Real>>;
+  }
+
+  Judgement retry_or_give_up(const Proposal<Real>& step) const {
+    return h_ <= smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
+  }
+
   /// Below 16 units in the last place of t a step no longer moves time reliably.
   static Real smallest_step(Real t) {
     return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <variant>
 
 namespace hmax {
 
@@ -120,6 +121,25 @@ class MatlabController {
  private:
   Real exponent_;
   bool failed_ = false;
+};
+
+/// One of the controllers above, chosen at run time: for methods whose step costs far more than this choice.
+template <class Real>
+class AnyController {
+ public:
+  template <class Controller>
+  explicit AnyController(Controller controller) : controller_(controller) {}
+
+  Verdict<Real> judge(Real error_squared, Real h) {
+    return std::visit([&](auto& controller) { return controller.judge(error_squared, h); }, controller_);
+  }
+  [[nodiscard]] bool matlab_rules() const {
+    return std::holds_alternative<MatlabController<Real>>(controller_);
+  }
+
+ private:
+  std::variant<IntegralController<Real>, PiController<Real>, DeadbandController<Real>, MatlabController<Real>>
+      controller_;
 };
 
 }  // namespace hmax

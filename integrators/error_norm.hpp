@@ -44,4 +44,17 @@ struct MatlabNorm {
   }
 };
 
+/// One of the norms above, chosen at run time.
+template <class Real>
+struct AnyNorm {
+  Real rtol, atol;
+  bool matlab = false;
+
+  template <class State, class Error>
+  Real squared(const State& y, const State& y_new, const Error& error) const {
+    return matlab ? MatlabNorm<Real>{rtol, atol}.squared(y, y_new, error)
+                  : RmsNorm<Real>{rtol, atol}.squared(y, y_new, error);
+  }
+};
+
 }  // namespace hmax

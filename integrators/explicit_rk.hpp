@@ -125,6 +125,7 @@ class ExplicitRk {
   static constexpr int error_order = Coefficients::error_order;
   /// Whether attempts carry an error estimate: a tableau of order 0 says so only at run time.
   static constexpr bool may_estimate_error = order == 0 || error_order > 0;
+  static constexpr bool is_explicit = true;
 
   ExplicitRk() = default;
   explicit ExplicitRk(Coefficients coefficients) : coefficients_(std::move(coefficients)) {}

@@ -59,7 +59,7 @@ template <class Real>
 struct RunEnd {
   Outcome outcome;
   Real t;
-  Stats stats;  ///< steps and rejected; evaluations are counted by Counted<System>
+  Stats stats;  ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
 };
 
 namespace detail {
@@ -83,6 +83,10 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     copy_state(now, y);
     end.outcome = outcome;
     end.t = at;
+    if constexpr (requires { stepper.work(); }) {
+      end.stats.factorisations = stepper.work().factorisations;
+      end.stats.newton = stepper.work().newton;
+    }
     return end;
   };
 
@@ -96,9 +100,10 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
         return finish(Outcome::too_many_steps, t);
       if (!(step.t_next > t)) [[unlikely]]
         return finish(Outcome::step_too_small, t);
-      if (stepper.attempt(system, t, now, h, candidate) != StepStatus::ok) [[unlikely]]
-        return finish(Outcome::newton_failed, t);
-      const Judgement judgement = control.judge(stepper, step, now, candidate);
+      const StepStatus status = stepper.attempt(system, t, now, h, candidate);
+      const Judgement judgement = status == StepStatus::ok
+                                      ? control.judge(stepper, system, step, now, candidate)
+                                      : control.failed(stepper, step);
       if (judgement == Judgement::accept) [[likely]] {
         if (!is_bounded(candidate)) [[unlikely]]
           return finish(Outcome::diverged, step.t_next);
@@ -119,12 +124,22 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
         if (step.last) return finish(Outcome::reached_end, t);
       } else {
         ++end.stats.rejected;
-        if (judgement == Judgement::give_up) return finish(Outcome::step_too_small, t);
+        if (judgement == Judgement::give_up)
+          return finish(status == StepStatus::ok ? Outcome::step_too_small : Outcome::newton_failed, t);
       }
       step = control.propose(t);
     } while (step.h == h);
   }
 }
+
+/// Explicit steps of a few numbers take some nanoseconds; a step that solves equations does not.
+template <class StepperT, System Sys>
+inline constexpr bool worth_flattening = is_small_state<typename Sys::State>&& [] {
+  if constexpr (requires { StepperT::is_explicit; })
+    return static_cast<bool>(StepperT::is_explicit);
+  else
+    return true;
+}();
 
 /// The loop with everything inlined: small states then live in registers from step to step. An unoptimised
 /// build would only take twice as long to compile.
@@ -154,7 +169,7 @@ RunEnd<real_of<typename Sys::State>> integrate(StepperT stepper, const Sys& syst
                                                typename Sys::State& y, Control control,
                                                Observer&& observer = {},
                                                std::int64_t max_steps = 1'000'000'000) {
-  if constexpr (is_small_state<typename Sys::State>)
+  if constexpr (detail::worth_flattening<StepperT, Sys>)
     return detail::flat_loop(std::move(stepper), system, span, y, std::move(control), observer, max_steps);
   else
     return detail::loop(stepper, system, span, y, control, observer, max_steps);

@@ -9,34 +9,79 @@ namespace hmax {
 
 /// What a run did.
 struct Stats {
-  std::int64_t steps = 0;     ///< accepted steps
-  std::int64_t rejected = 0;  ///< rejected attempts
-  std::int64_t rhs = 0;       ///< evaluations of f; 0 unless the system was Counted
-  std::int64_t jacobian = 0, factorisations = 0, newton = 0;  ///< of implicit methods
+  std::int64_t steps = 0;           ///< accepted steps
+  std::int64_t rejected = 0;        ///< rejected attempts
+  std::int64_t rhs = 0;             ///< evaluations of f; 0 unless the system was Counted
+  std::int64_t jacobian = 0;        ///< evaluations of df/dy; 0 unless the system was Counted
+  std::int64_t factorisations = 0;  ///< of matrices, by implicit methods
+  std::int64_t newton = 0;          ///< Newton iterations, all stages together
+
+  bool operator==(const Stats&) const = default;
 };
 
-/// A system that counts the calls of its right-hand side into a counter owned by the caller.
+/// What an implicit method did inside its attempts; the loop adds it to the Stats of the run.
+struct ImplicitWork {
+  std::int64_t factorisations = 0, newton = 0;
+};
+
+/// A system that counts the calls of its verbs into the Stats of the caller; everything else is the system's
+/// own. It holds a copy of the system.
 template <System S>
-class Counted {
+class Counted : public S {
  public:
   using State = typename S::State;
-  Counted(const S& system, std::int64_t& rhs_count) : system_(system), rhs_count_(rhs_count) {}
-  [[nodiscard]] Eigen::Index dim() const { return system_.dim(); }
-  void rhs(real_of<State> t, const State& y, State& dydt) const {
-    ++rhs_count_;
-    system_.rhs(t, y, dydt);
+  using Real = real_of<State>;
+  Counted(const S& system, Stats& stats) : S(system), stats_(&stats) {}
+
+  void rhs(Real t, const State& y, State& dydt) const {
+    ++stats_->rhs;
+    S::rhs(t, y, dydt);
   }
-  auto at(real_of<State> t) const requires TimeSplitSystem<S> { return system_.at(t); }
   template <class TimePart>
   requires TimeSplitSystem<S>
   void rhs_at(const TimePart& part, const State& y, State& dydt) const {
-    ++rhs_count_;
-    system_.rhs_at(part, y, dydt);
+    ++stats_->rhs;
+    S::rhs_at(part, y, dydt);
+  }
+  template <class Matrix>
+  requires DifferentiableSystem<S>
+  void jacobian(Real t, const State& y, Matrix& J) const {
+    ++stats_->jacobian;
+    S::jacobian(t, y, J);
+  }
+
+  /// A force counts as an evaluation of f, a stiffness as one of its Jacobian.
+  template <class Dofs>
+  requires SecondOrderSystem<S>
+  void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const {
+    ++stats_->rhs;
+    S::force(t, q, v, f);
+  }
+  template <class Dofs, class Matrix>
+  requires SecondOrderSystem<S>
+  void stiffness(Real t, const Dofs& q, const Dofs& v, Matrix& K) const {
+    ++stats_->jacobian;
+    S::stiffness(t, q, v, K);
+  }
+
+  /// Each half of a split f counts as an evaluation.
+  void rhs_stiff(Real t, const State& y, State& dydt) const requires SplitSystem<S> {
+    ++stats_->rhs;
+    S::rhs_stiff(t, y, dydt);
+  }
+  void rhs_nonstiff(Real t, const State& y, State& dydt) const requires SplitSystem<S> {
+    ++stats_->rhs;
+    S::rhs_nonstiff(t, y, dydt);
+  }
+  template <class Matrix>
+  requires SplitSystem<S>
+  void jacobian_stiff(Real t, const State& y, Matrix& J) const {
+    ++stats_->jacobian;
+    S::jacobian_stiff(t, y, J);
   }
 
  private:
-  const S& system_;
-  std::int64_t& rhs_count_;
+  Stats* stats_;
 };
 
 }  // namespace hmax

@@ -6,6 +6,7 @@
 #endif
 
 #include <concepts>
+#include <type_traits>
 
 #include <Eigen/Core>
 
@@ -30,13 +31,108 @@ concept System = requires(const S& system, real_of<typename S::State> t, const t
 template <class State>
 using jacobian_of = Eigen::Matrix<typename State::Scalar, State::RowsAtCompileTime, State::RowsAtCompileTime>;
 
-/// A system that also knows df/dy: `jacobian` writes J(i, j) = d f_i / d y_j, shape (dim, dim).
+namespace detail {
+template <class S>
+struct JacobianType {
+  using type = jacobian_of<typename S::State>;
+};
+template <class S>
+requires requires { typename S::Jacobian; }
+struct JacobianType<S> {
+  using type = typename S::Jacobian;
+};
+}  // namespace detail
+
+/// The type a system writes its Jacobian into: S::Jacobian where it declares one (a dense matrix, an
+/// Eigen::SparseMatrix, or a std::variant of both for systems that decide at run time), else the dense matrix
+/// of its state.
+template <class S>
+using jacobian_type = typename detail::JacobianType<S>::type;
+
+/// A system that also knows df/dy: `jacobian` writes J(i, j) = d f_i / d y_j, shape (dim, dim). A sparse J
+/// has one pattern for all t and y; it arrives empty, or as the last call left it.
 template <class S>
 concept DifferentiableSystem = System<S> &&
-    requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
-             jacobian_of<typename S::State>& J) {
+    requires(const S& system, real_of<typename S::State> t, const typename S::State& y, jacobian_type<S>& J) {
   system.jacobian(t, y, J);
 };
+
+/// A system that knows df/dt, shape (dim), which Rosenbrock methods ask for. One that does not depend on time
+/// says so instead: `static constexpr bool autonomous = true`.
+template <class S>
+concept TimeDifferentiableSystem = System<S> &&
+    requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
+             typename S::State& dfdt) {
+  system.time_derivative(t, y, dfdt);
+};
+
+/// A mechanical system M q'' = F(t, q, v) behind its packed first-order form y = (q, v), dim() = 2 dofs().
+/// `mass` is the lumped M, shape (dofs), kg; `force` writes F, shape (dofs), N; `stiffness` writes
+/// K = -dF/dq and `damping` C = -dF/dv, shape (dofs, dofs), of type DofMatrix (dense, sparse or a variant of
+/// both, as for Jacobians).
+template <class S>
+concept SecondOrderSystem = System<S> &&
+    requires(const S& system, real_of<typename S::State> t, const typename S::Dofs& q,
+             const typename S::Dofs& v, typename S::Dofs& f, typename S::DofMatrix& matrix) {
+  { system.dofs() } -> std::convertible_to<Eigen::Index>;
+  { system.mass() } -> std::convertible_to<typename S::Dofs>;
+  system.force(t, q, v, f);
+  system.stiffness(t, q, v, matrix);
+  system.damping(t, q, v, matrix);
+};
+
+/// A system that declares a stiff part, f = stiff + nonstiff, with the Jacobian of the stiff part: IMEX
+/// methods treat it implicitly and the rest explicitly.
+template <class S>
+concept SplitSystem = System<S> &&
+    requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
+             typename S::State& dydt, jacobian_type<S>& J) {
+  system.rhs_stiff(t, y, dydt);
+  system.rhs_nonstiff(t, y, dydt);
+  system.jacobian_stiff(t, y, J);
+};
+
+/// A system that bounds the spectral radius of its Jacobian [1/s], which stabilised methods ask for.
+template <class S>
+concept BoundedSpectrumSystem = System<S> &&
+    requires(const S& system, real_of<typename S::State> t, const typename S::State& y) {
+  { system.spectral_radius(t, y) } -> std::convertible_to<real_of<typename S::State>>;
+};
+
+/// Whether a system offers a verb. A type that has it says so by having it; an erased system, which has every
+/// verb, answers at run time through has_jacobian(), has_time_derivative(), has_spectral_radius().
+template <System S>
+constexpr bool has_jacobian(const S& system) {
+  if constexpr (requires { system.has_jacobian(); })
+    return system.has_jacobian();
+  else
+    return DifferentiableSystem<S>;
+}
+template <System S>
+constexpr bool has_time_derivative(const S& system) {
+  if constexpr (requires { system.has_time_derivative(); })
+    return system.has_time_derivative();
+  else
+    return TimeDifferentiableSystem<S>;
+}
+template <System S>
+constexpr bool has_spectral_radius(const S& system) {
+  if constexpr (requires { system.has_spectral_radius(); })
+    return system.has_spectral_radius();
+  else
+    return BoundedSpectrumSystem<S>;
+}
+
+/// True when f is known not to depend on time.
+template <System S>
+constexpr bool is_autonomous(const S& system) {
+  if constexpr (requires { system.is_autonomous(); })
+    return system.is_autonomous();
+  else if constexpr (requires { S::autonomous; })
+    return S::autonomous;
+  else
+    return false;
+}
 
 /// A system whose dependence on time can be evaluated apart from the state, f(t, y) = f(g(t), y): driving
 /// forces, loads, prescribed motion. `at` returns g(t), a small value; `rhs_at` finishes the evaluation. A

@@ -44,6 +44,8 @@ class BasicOscillator {
  public:
   using State = Eigen::Matrix<Real, 2, 1>;
   using Jacobian = Eigen::Matrix<Real, 2, 2>;
+  using Dofs = Eigen::Matrix<Real, 1, 1>;
+  using DofMatrix = Eigen::Matrix<Real, 1, 1>;
 
   /// @throws std::invalid_argument  when m is not positive, a parameter is not finite, or a parameter divided
   /// by m
@@ -95,6 +97,38 @@ class BasicOscillator {
     using std::sin;
     dfdt[0] = Real(0);
     dfdt[1] = P_m_ != Real(0) ? -P_m_ * w_ * sin(w_ * t) : Real(0);
+  }
+
+  /// The same as a second-order system of one degree of freedom, m x'' = force(t, x, x').
+  static constexpr Eigen::Index dofs() { return 1; }
+  Dofs mass() const { return Dofs(static_cast<Real>(parameters_.m)); }
+  void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const noexcept {
+    const Real x = q[0];
+    f[0] = static_cast<Real>(parameters_.m) * ((at(t) - x * (k1_m_ + k3_m_ * (x * x))) - c_m_ * v[0]);
+  }
+  /// K = -dF/dx = k1 + 3 k3 x^2 [N/m].
+  void stiffness(Real /*t*/, const Dofs& q, const Dofs& /*v*/, DofMatrix& K) const noexcept {
+    K(0, 0) = static_cast<Real>(parameters_.m) * (k1_m_ + Real(3) * k3_m_ * (q[0] * q[0]));
+  }
+  /// C = -dF/dv = c [N s/m].
+  void damping(Real /*t*/, const Dofs& /*q*/, const Dofs& /*v*/, DofMatrix& C) const noexcept {
+    C(0, 0) = static_cast<Real>(parameters_.m) * c_m_;
+  }
+
+  /// The linear spring and the damper, which IMEX methods treat implicitly: (v, -(k1 x + c v) / m).
+  void rhs_stiff(Real /*t*/, const State& y, State& dydt) const noexcept {
+    const Real v = y[1];
+    dydt[0] = v;
+    dydt[1] = -(k1_m_ * y[0] + c_m_ * v);
+  }
+  /// The cubic spring and the driving force.
+  void rhs_nonstiff(Real t, const State& y, State& dydt) const noexcept {
+    const Real x = y[0];
+    dydt[0] = Real(0);
+    dydt[1] = at(t) - k3_m_ * (x * x * x);
+  }
+  void jacobian_stiff(Real /*t*/, const State& /*y*/, Jacobian& J) const noexcept {
+    J << Real(0), Real(1), -k1_m_, -c_m_;
   }
 
   /// E = m v^2 / 2 + k1 x^2 / 2 + k3 x^4 / 4 [J], constant along solutions when c = 0 and P = 0.

@@ -28,12 +28,12 @@ Engine engine(Task task) {
           },
           [](const Oscillator& model, double t_end, double setting, Point y, const Watcher& watcher) {
             Eigen::Vector2d state(y[0], y[1]);
-            std::int64_t evaluations = 0;
-            integrate(Stepper(), Counted<Oscillator>(model, evaluations), {0, t_end}, state, Control(setting),
+            Stats stats;
+            integrate(Stepper(), Counted<Oscillator>(model, stats), {0, t_end}, state, Control(setting),
                       [&](const auto& step) {
                         watcher(step.t1(), {step.y1()[0], step.y1()[1]});
                       });
-            return static_cast<long>(evaluations);
+            return static_cast<long>(stats.rhs);
           }};
 }
 

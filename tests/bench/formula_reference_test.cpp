@@ -5,13 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include "problems/formula_system.hpp"
+
 namespace hmax {
 namespace {
 
 FormulaReference decay(double t_end) {
   const FormulaSystem system(FormulaDefinition{
       .name = "decay", .equations = {{"y", "-y"}}, .parameters = {}, .y0 = {1}, .t_end = t_end});
-  return FormulaReference(system, system.y0(), t_end);
+  return {AnySystem(system), system.y0(), t_end};
 }
 
 TEST(FormulaReference, OfExponentialDecayIsWithinItsBound) {
@@ -37,7 +39,7 @@ TEST(FormulaReference, EndsBeforeTheSolutionBlowsUp) {
   // y' = y^2, y(0) = 1: y = 1 / (1 - t).
   const FormulaSystem system(
       FormulaDefinition{.name = "blow_up", .equations = {{"y", "y^2"}}, .parameters = {}, .y0 = {1}});
-  const FormulaReference reference(system, system.y0(), 3);
+  const FormulaReference reference(AnySystem(system), system.y0(), 3);
   EXPECT_LE(reference.valid_until(), 1);
   EXPECT_NEAR(reference.at(0.5)[0], 2, 1e-9);
   EXPECT_GT(reference.valid_until(), 0.99);

@@ -82,15 +82,15 @@ TYPED_TEST(Attempt, IsAcceptedAfterInterpolationAsWithout) {
 TYPED_TEST(Attempt, EvaluatesAsOftenAsItsTableauSays) {
   constexpr std::int64_t s = TypeParam::tableau.stages;
   constexpr bool fsal = is_fsal(TypeParam::tableau);
-  std::int64_t rhs = 0;
+  Stats stats;
   const Pendulum<State> pendulum;
-  const Counted system(pendulum, rhs);
+  const Counted system(pendulum, stats);
   Rk<TypeParam, State> stepper;
   State y(0.3, 0.5), y_new, between;
   const auto cost_of = [&](auto&& action) {
-    const std::int64_t before = rhs;
+    const std::int64_t before = stats.rhs;
     action();
-    return rhs - before;
+    return stats.rhs - before;
   };
   const auto attempt = [&] { stepper.attempt(system, 0, y, 0.1, y_new); };
   stepper.init(system, 0, y);

@@ -1,0 +1,13 @@
+/// The families of the catalogue. Each adds its methods, in the order in which they are listed, from a source
+/// of its own: that source alone is compiled anew when the family changes.
+#pragma once
+
+#include <vector>
+
+#include "bench/catalogue.hpp"
+
+namespace hmax {
+
+void add_explicit_rk(std::vector<Method>& all);
+
+}  // namespace hmax

@@ -1,0 +1,248 @@
+/// Any system behind one type: what a human chooses by name has its verbs called through a pointer.
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace hmax {
+
+/// A system of any dimension with every verb a problem of the house may have; which ones it really has, it
+/// answers at run time. Cheap to copy: copies share one system. For two numbers on the stack the call through
+/// a pointer costs more than the arithmetic, so the oscillator is bound by its own type.
+/// @tparam RealT  the type it computes in: double or long double
+template <class RealT>
+class BasicAnySystem {
+ public:
+  using Real = RealT;
+  using State = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+  using Jacobian =
+      std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>>;
+  using Dofs = State;
+  using DofMatrix = Jacobian;
+
+  /// @param system  a struct with State, dim(), rhs(t, y, dydt) and any of the optional verbs of
+  ///                integrators/system.hpp; its states may be of fixed size and of another real type
+  template <class S>
+  requires(!std::is_same_v<std::remove_cvref_t<S>, BasicAnySystem>) explicit BasicAnySystem(S system)
+      : self_(std::make_shared<const Model<S>>(std::move(system))) {}
+
+  [[nodiscard]] Eigen::Index dim() const { return self_->dim(); }
+  void rhs(Real t, const State& y, State& dydt) const { self_->rhs(t, y, dydt); }
+
+  [[nodiscard]] bool has_jacobian() const { return self_->has_jacobian(); }
+  void jacobian(Real t, const State& y, Jacobian& J) const { self_->jacobian(t, y, J); }
+  [[nodiscard]] bool is_autonomous() const { return self_->is_autonomous(); }
+  [[nodiscard]] bool has_time_derivative() const { return self_->has_time_derivative(); }
+  void time_derivative(Real t, const State& y, State& dfdt) const { self_->time_derivative(t, y, dfdt); }
+  [[nodiscard]] bool has_spectral_radius() const { return self_->has_spectral_radius(); }
+  [[nodiscard]] Real spectral_radius(Real t, const State& y) const { return self_->spectral_radius(t, y); }
+
+  /// 0 when the system is of first order only.
+  [[nodiscard]] Eigen::Index dofs() const { return self_->dofs(); }
+  [[nodiscard]] Dofs mass() const { return self_->mass(); }
+  void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const { self_->force(t, q, v, f); }
+  void stiffness(Real t, const Dofs& q, const Dofs& v, DofMatrix& K) const { self_->stiffness(t, q, v, K); }
+  void damping(Real t, const Dofs& q, const Dofs& v, DofMatrix& C) const { self_->damping(t, q, v, C); }
+
+  [[nodiscard]] bool has_split() const { return self_->has_split(); }
+  void rhs_stiff(Real t, const State& y, State& dydt) const { self_->rhs_stiff(t, y, dydt); }
+  void rhs_nonstiff(Real t, const State& y, State& dydt) const { self_->rhs_nonstiff(t, y, dydt); }
+  void jacobian_stiff(Real t, const State& y, Jacobian& J) const { self_->jacobian_stiff(t, y, J); }
+
+ private:
+  struct Interface {
+    Interface() = default;
+    Interface(const Interface&) = delete;
+    Interface& operator=(const Interface&) = delete;
+    virtual ~Interface() = default;
+    virtual Eigen::Index dim() const = 0;
+    virtual void rhs(Real, const State&, State&) const = 0;
+    virtual bool has_jacobian() const = 0;
+    virtual void jacobian(Real, const State&, Jacobian&) const = 0;
+    virtual bool is_autonomous() const = 0;
+    virtual bool has_time_derivative() const = 0;
+    virtual void time_derivative(Real, const State&, State&) const = 0;
+    virtual bool has_spectral_radius() const = 0;
+    virtual Real spectral_radius(Real, const State&) const = 0;
+    virtual Eigen::Index dofs() const = 0;
+    virtual Dofs mass() const = 0;
+    virtual void force(Real, const Dofs&, const Dofs&, Dofs&) const = 0;
+    virtual void stiffness(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
+    virtual void damping(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
+    virtual bool has_split() const = 0;
+    virtual void rhs_stiff(Real, const State&, State&) const = 0;
+    virtual void rhs_nonstiff(Real, const State&, State&) const = 0;
+    virtual void jacobian_stiff(Real, const State&, Jacobian&) const = 0;
+  };
+
+  /// Calls call(in..., out) with the vectors of the system, converting where they differ from ours.
+  template <class Vector, class Call>
+  static void through(const State& y, State& out, const Call& call) {
+    if constexpr (std::is_same_v<Vector, State>) {
+      call(y, out);
+    } else {
+      const Vector own = y.template cast<typename Vector::Scalar>();
+      Vector result = own;
+      call(own, result);
+      out = result.template cast<Real>();
+    }
+  }
+  template <class Vector, class Call>
+  static void through(const Dofs& q, const Dofs& v, Dofs& out, const Call& call) {
+    if constexpr (std::is_same_v<Vector, Dofs>) {
+      call(q, v, out);
+    } else {
+      const Vector own_v = v.template cast<typename Vector::Scalar>();
+      through<Vector>(q, out, [&](const Vector& own_q, Vector& result) { call(own_q, own_v, result); });
+    }
+  }
+  /// Calls call(J) with the matrix type of the system, dense or sparse.
+  template <class Matrix, class Call>
+  static void matrix_through(Jacobian& out, const Call& call) {
+    if constexpr (std::is_same_v<Matrix, Jacobian>) {
+      call(out);
+    } else if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>) {
+      if (!std::holds_alternative<Eigen::SparseMatrix<Real>>(out)) out.template emplace<1>();
+      if constexpr (std::is_same_v<typename Matrix::Scalar, Real>) {
+        call(std::get<1>(out));
+      } else {
+        Matrix own = std::get<1>(out).template cast<typename Matrix::Scalar>();
+        call(own);
+        std::get<1>(out) = own.template cast<Real>();
+      }
+    } else {
+      if (!std::holds_alternative<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>>(out))
+        out.template emplace<0>();
+      if constexpr (std::is_same_v<Matrix, Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>>) {
+        call(std::get<0>(out));
+      } else {
+        Matrix own;
+        call(own);
+        std::get<0>(out) = own.template cast<Real>();
+      }
+    }
+  }
+
+  template <class S>
+  class Model final : public Interface {
+    using Own = typename S::State;
+    using OwnReal = typename Eigen::NumTraits<typename Own::Scalar>::Real;
+    static constexpr bool differentiable = requires { typename S::Jacobian; };
+    static constexpr bool time_differentiable = requires(const S& s, Own& out) {
+      s.time_derivative(OwnReal{}, out, out);
+    };
+    static constexpr bool bounded = requires(const S& s, const Own& y) { s.spectral_radius(OwnReal{}, y); };
+    static constexpr bool second_order = requires { typename S::Dofs; };
+    static constexpr bool split = requires(const S& s, Own& out) { s.rhs_stiff(OwnReal{}, out, out); };
+
+   public:
+    explicit Model(S system) : system_(std::move(system)) {}
+
+    Eigen::Index dim() const override { return system_.dim(); }
+    void rhs(Real t, const State& y, State& dydt) const override {
+      through<Own>(y, dydt, [&](const Own& in, Own& out) { system_.rhs(static_cast<OwnReal>(t), in, out); });
+    }
+    bool has_jacobian() const override { return differentiable; }
+    void jacobian(Real t, const State& y, Jacobian& J) const override {
+      if constexpr (differentiable) {
+        const Own own = y.template cast<typename Own::Scalar>();
+        matrix_through<typename S::Jacobian>(
+            J, [&](auto& matrix) { system_.jacobian(static_cast<OwnReal>(t), own, matrix); });
+      }
+    }
+    bool is_autonomous() const override {
+      if constexpr (requires { S::autonomous; })
+        return S::autonomous;
+      else
+        return false;
+    }
+    bool has_time_derivative() const override { return time_differentiable; }
+    void time_derivative(Real t, const State& y, State& dfdt) const override {
+      if constexpr (time_differentiable)
+        through<Own>(y, dfdt, [&](const Own& in, Own& out) {
+          system_.time_derivative(static_cast<OwnReal>(t), in, out);
+        });
+    }
+    bool has_spectral_radius() const override { return bounded; }
+    Real spectral_radius(Real t, const State& y) const override {
+      if constexpr (bounded)
+        return static_cast<Real>(
+            system_.spectral_radius(static_cast<OwnReal>(t), Own(y.template cast<typename Own::Scalar>())));
+      else
+        return Real{0};
+    }
+
+    Eigen::Index dofs() const override {
+      if constexpr (second_order)
+        return system_.dofs();
+      else
+        return 0;
+    }
+    Dofs mass() const override {
+      if constexpr (second_order)
+        return system_.mass().template cast<Real>();
+      else
+        return {};
+    }
+    void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const override {
+      if constexpr (second_order)
+        through<typename S::Dofs>(q, v, f, [&](const auto& own_q, const auto& own_v, auto& out) {
+          system_.force(static_cast<OwnReal>(t), own_q, own_v, out);
+        });
+    }
+    void stiffness(Real t, const Dofs& q, const Dofs& v, DofMatrix& K) const override {
+      if constexpr (second_order)
+        dof_matrix(q, v, K, [&](const auto& own_q, const auto& own_v, auto& matrix) {
+          system_.stiffness(static_cast<OwnReal>(t), own_q, own_v, matrix);
+        });
+    }
+    void damping(Real t, const Dofs& q, const Dofs& v, DofMatrix& C) const override {
+      if constexpr (second_order)
+        dof_matrix(q, v, C, [&](const auto& own_q, const auto& own_v, auto& matrix) {
+          system_.damping(static_cast<OwnReal>(t), own_q, own_v, matrix);
+        });
+    }
+
+    bool has_split() const override { return split; }
+    void rhs_stiff(Real t, const State& y, State& dydt) const override {
+      if constexpr (split)
+        through<Own>(y, dydt,
+                     [&](const Own& in, Own& out) { system_.rhs_stiff(static_cast<OwnReal>(t), in, out); });
+    }
+    void rhs_nonstiff(Real t, const State& y, State& dydt) const override {
+      if constexpr (split)
+        through<Own>(y, dydt, [&](const Own& in, Own& out) {
+          system_.rhs_nonstiff(static_cast<OwnReal>(t), in, out);
+        });
+    }
+    void jacobian_stiff(Real t, const State& y, Jacobian& J) const override {
+      if constexpr (split) {
+        const Own own = y.template cast<typename Own::Scalar>();
+        matrix_through<typename S::Jacobian>(
+            J, [&](auto& matrix) { system_.jacobian_stiff(static_cast<OwnReal>(t), own, matrix); });
+      }
+    }
+
+   private:
+    template <class Call>
+    static void dof_matrix(const Dofs& q, const Dofs& v, DofMatrix& out, const Call& call) {
+      using OwnDofs = typename S::Dofs;
+      const OwnDofs own_q = q.template cast<typename OwnDofs::Scalar>();
+      const OwnDofs own_v = v.template cast<typename OwnDofs::Scalar>();
+      matrix_through<typename S::DofMatrix>(out, [&](auto& matrix) { call(own_q, own_v, matrix); });
+    }
+
+    S system_;
+  };
+
+  std::shared_ptr<const Interface> self_;
+};
+
+using AnySystem = BasicAnySystem<double>;
+
+}  // namespace hmax
