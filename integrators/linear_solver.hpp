@@ -121,13 +121,19 @@ class LinearSolver {
     }
   }
 
-  /// x = A^-1 x, shape (n).
+  /// x = A^-1 x, shape (n). Dense: allocates nothing after the first solution of this size.
   template <class Vector>
-  void solve(Vector& x) const {
-    if constexpr (is_sparse)
+  void solve(Vector& x) {
+    if constexpr (is_sparse) {
       x = lu_->solve(x).eval();
-    else
-      x = lu_.solve(x).eval();
+    } else if constexpr (Matrix::RowsAtCompileTime == 1) {
+      x /= lu_.matrixLU()(0, 0);
+    } else {
+      permuted_ = lu_.permutationP() * x;
+      lu_.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(permuted_);
+      lu_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(permuted_);
+      x = permuted_;
+    }
   }
 
  private:
@@ -141,6 +147,7 @@ class LinearSolver {
   };
   using Factors = typename Choose<is_sparse, Matrix>::type;
   std::conditional_t<is_sparse, std::unique_ptr<Factors>, Factors> lu_;
+  Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, 1> permuted_;
   Eigen::Index analysed_ = -1;
 };
 
@@ -156,8 +163,8 @@ class LinearSolver<std::variant<Matrices...>> {
         A);
   }
   template <class Vector>
-  void solve(Vector& x) const {
-    std::visit([&](const auto& solver) { solver.solve(x); }, solver_);
+  void solve(Vector& x) {
+    std::visit([&](auto& solver) { solver.solve(x); }, solver_);
   }
 
  private:
