@@ -131,6 +131,35 @@ Method find_method(std::string_view name) {
       fmt::format("unknown method '{}'{}; `hmax list methods` shows all of them", id, suggestion(id, names)));
 }
 
+std::vector<std::string> method_families() {
+  std::vector<std::string> families;
+  for (const Method& method : methods())
+    if (std::ranges::find(families, method.family) == families.end()) families.push_back(method.family);
+  return families;
+}
+
+bool suits(const Method& method, const Problem& problem) {
+  return (!method.needs_second_order || is_second_order(problem)) &&
+         (!method.needs_split || has_split(problem));
+}
+
+std::vector<Method> choose_methods(const std::vector<std::string>& names,
+                                   const std::vector<Problem>& problems) {
+  const std::vector<std::string> families = method_families();
+  std::vector<Method> chosen;
+  for (const std::string& name : names) {
+    if (name != "all" && std::ranges::find(families, name) == families.end()) {
+      chosen.push_back(find_method(name));
+      continue;
+    }
+    for (const Method& method : methods())
+      if ((name == "all" || method.family == name) &&
+          std::ranges::all_of(problems, [&](const Problem& problem) { return suits(method, problem); }))
+        chosen.push_back(method);
+  }
+  return chosen;
+}
+
 bool is_second_order(const Problem& problem) {
   const auto* any = std::get_if<AnySystem>(&problem.system);
   return any == nullptr || any->dofs() > 0;

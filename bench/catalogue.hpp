@@ -103,6 +103,19 @@ const std::vector<Method>& methods();
 /// @throws InputError with a suggestion when there is none
 Method find_method(std::string_view name);
 
+/// The families of methods(), in their order.
+std::vector<std::string> method_families();
+
+/// Whether `method` can be run on `problem` at all: positions and velocities, or a stiff part, are there if
+/// it needs them.
+bool suits(const Method& method, const Problem& problem);
+
+/// The methods of a list of names. A name is an id or alias as of find_method, a family
+/// ("explicit_runge_kutta") or "all"; of the last two those are taken that suit all `problems`.
+/// @throws InputError for unknown names
+std::vector<Method> choose_methods(const std::vector<std::string>& names,
+                                   const std::vector<Problem>& problems);
+
 /// The method of a user's tableau.
 Method make_method(const RuntimeTableau& tableau);
 

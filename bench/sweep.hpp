@@ -21,6 +21,10 @@ struct SweepProblem {
   ProblemSettings settings;
 };
 
+/// The methods of the default sweep, as names of choose_methods: every explicit one-step method, and the
+/// study's other solvers.
+std::vector<std::string> study_methods();
+
 struct Tolerance {
   double rtol, atol;
 };
@@ -30,10 +34,11 @@ struct Tolerance {
 /// 0:h:T.
 struct SweepSpec {
   std::vector<SweepProblem> problems{SweepProblem{}};
-  std::vector<std::string> methods;             ///< ids or aliases; empty: all, or only the tableaux
-  std::vector<std::filesystem::path> tableaux;  ///< files of users' methods
+  std::vector<std::string> methods;  ///< as of choose_methods; empty: study_methods(), or only the tableaux
+  std::vector<std::filesystem::path> tableaux;                              ///< files of users' methods
   std::vector<double> h{liver_step_sizes.begin(), liver_step_sizes.end()};  ///< steps or output intervals [s]
   bool fixed = true, sampled = true;  ///< readings of h; `sampled` needs an error estimate
+  std::vector<double> unsteered_h;    ///< fixed steps [s] of the methods without an error estimate alone
   Tolerance sampled_tolerance{1e-6, 1e-6};
   std::vector<Tolerance> tolerances;  ///< adaptive runs without output, besides those over h
   Controllers control = Controllers::deadband;

@@ -194,9 +194,7 @@ SweepRequest sweep_from(const TomlDocument& document) {
     for (const std::string& id : expanded(request.materials.value_or(std::vector<std::string>{})))
       make_problem("liver_benchmark", {.material = id, .parameters = {}, .y0 = {}});
   });
-  read.at("methods", [&] {
-    for (const std::string& name : request.methods.value_or(std::vector<std::string>{})) find_method(name);
-  });
+  read.at("methods", [&] { choose_methods(request.methods.value_or(std::vector<std::string>{}), {}); });
   read.at("control", [&] {
     if (request.control) controllers_from(*request.control);
   });

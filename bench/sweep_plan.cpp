@@ -35,17 +35,17 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::vector<Method> methods_of(const SweepSpec& spec) {
-  std::vector<Method> chosen;
-  for (const std::string& name : spec.methods) chosen.push_back(find_method(name));
+std::vector<Method> methods_of(const SweepSpec& spec, const std::vector<Problem>& problems) {
+  std::vector<Method> chosen = choose_methods(spec.methods, problems);
   for (const fs::path& file : spec.tableaux) chosen.push_back(make_method(read_tableau(file)));
-  return chosen.empty() ? methods() : chosen;
+  return chosen.empty() ? choose_methods(study_methods(), problems) : chosen;
 }
 
-std::vector<std::size_t> all_of(const std::vector<Method>& methods, bool adaptive_only) {
+template <class Wanted>
+std::vector<std::size_t> indices_of(const std::vector<Method>& methods, const Wanted& wanted) {
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < methods.size(); ++i)
-    if (!adaptive_only || methods[i].adaptive()) indices.push_back(i);
+    if (wanted(methods[i])) indices.push_back(i);
   return indices;
 }
 
@@ -62,13 +62,15 @@ void check_settings(const SweepSpec& spec) {
         "{} repetitions are more than the limit of 10000; give --repeats 9 or a few more", spec.repeats));
   if (!spec.h.empty() && !spec.fixed && !spec.sampled)
     throw InputError("steps need a reading; give --fixed, --sampled or both");
-  if (spec.h.empty() && spec.tolerances.empty())
+  if (spec.h.empty() && spec.tolerances.empty() && spec.unsteered_h.empty())
     throw InputError("a sweep needs steps or tolerances; give --h or --rtol");
 }
 
 std::vector<SweepBlock> blocks_of(const SweepSpec& spec, const std::vector<Problem>& problems,
                                   const std::vector<Method>& methods) {
-  const std::vector<std::size_t> any = all_of(methods, false), adaptive = all_of(methods, true);
+  const auto adaptive = indices_of(methods, [](const Method& m) { return m.adaptive(); });
+  const auto steppable = indices_of(methods, [](const Method& m) { return m.fixed_step; });
+  const auto unsteered = indices_of(methods, [](const Method& m) { return !m.adaptive(); });
   std::vector<SweepBlock> blocks;
   for (std::size_t p = 0; p < problems.size(); ++p) {
     const RunSpec base{.t_end = spec.t_end.value_or(problems[p].t_end),
@@ -81,7 +83,7 @@ std::vector<SweepBlock> blocks_of(const SweepSpec& spec, const std::vector<Probl
     for (const double h : spec.h) {
       RunSpec run = base;
       run.h = h;
-      if (spec.fixed) add("fixed", run, any);
+      if (spec.fixed) add("fixed", run, steppable);
       // An output interval of zero would mean no output: what is no step is refused as one in both readings.
       if (!(h > 0) || !std::isfinite(h)) check(run, methods.front(), problems[p]);
       run = base;
@@ -90,6 +92,11 @@ std::vector<SweepBlock> blocks_of(const SweepSpec& spec, const std::vector<Probl
       run.atol = spec.sampled_tolerance.atol;
       run.every = h;
       if (spec.sampled) add("sampled", run, adaptive);
+    }
+    for (const double h : spec.unsteered_h) {
+      RunSpec run = base;
+      run.h = h;
+      add("fixed", run, unsteered);
     }
     for (const Tolerance& tolerance : spec.tolerances) {
       RunSpec run = base;
@@ -146,6 +153,7 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
   return json{{"problems", problem_list},
               {"methods", method_list},
               {"h", spec.h},
+              {"unsteered_h", spec.unsteered_h},
               {"readings", readings},
               {"rtol", spec.sampled_tolerance.rtol},
               {"atol", spec.sampled_tolerance.atol},
@@ -193,6 +201,8 @@ std::string difference(const std::string& stored, const std::string& asked) {
 
 }  // namespace
 
+std::vector<std::string> study_methods() { return {"explicit_runge_kutta"}; }
+
 std::int64_t SweepPlan::rows() const {
   std::int64_t rows = 0;
   for (const SweepBlock& block : blocks) rows += static_cast<std::int64_t>(block.methods.size());
@@ -217,10 +227,12 @@ RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t metho
 
 SweepPlan plan_sweep(const SweepSpec& spec) {
   check_settings(spec);
-  SweepPlan plan{.spec = spec, .problems = {}, .methods = methods_of(spec), .blocks = {}, .canonical = {}};
+  SweepPlan plan{.spec = spec, .problems = {}, .methods = {}, .blocks = {}, .canonical = {}};
   for (const SweepProblem& problem : spec.problems)
     plan.problems.push_back(make_problem(problem.name, problem.settings));
-  if (!spec.tolerances.empty() && all_of(plan.methods, true).empty())
+  plan.methods = methods_of(spec, plan.problems);
+  if (!spec.tolerances.empty() && spec.unsteered_h.empty() &&
+      std::ranges::none_of(plan.methods, &Method::adaptive))
     throw InputError(
         "tolerances need a method with an error estimate; choose one whose error_order in `hmax list "
         "methods` "

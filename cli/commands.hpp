@@ -12,6 +12,8 @@ void add_list(CLI::App& app, Console& console);
 void add_run(CLI::App& app, Console& console);
 void add_order(CLI::App& app, Console& console);
 void add_sweep(CLI::App& app, Console& console);
+void add_precision(CLI::App& app, Console& console);
+void add_check(CLI::App& app, Console& console);
 void add_reproduce(CLI::App& app, Console& console);
 void add_export(CLI::App& app, Console& console);
 void add_compare(CLI::App& app, Console& console);

@@ -90,6 +90,8 @@ Exit run(int argc, char** argv) {
   add_run(app, console);
   add_order(app, console);
   add_sweep(app, console);
+  add_precision(app, console);
+  add_check(app, console);
   add_reproduce(app, console);
   add_export(app, console);
   add_compare(app, console);

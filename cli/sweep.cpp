@@ -204,8 +204,8 @@ void add_sweep(CLI::App& app, Console& console) {
       ->take_all()
       ->allow_extra_args(false);
   text("--y0", options->y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
-  text("--methods,--method", options->methods, "Ids or aliases of `hmax list methods`; all by default",
-       "A,B");
+  text("--methods,--method", options->methods,
+       "Ids, aliases or families of `hmax list methods`, or all; those of the study by default", "A,B");
   text("--tableau", options->tableaux, "Files with explicit tableaux of your own", "A,B");
   text("--h", options->h, "Steps [s]; the nine of the study by default", "NUMBERS");
   text("--readings", options->readings, "What a step means: fixed, sampled or both (default)", "A,B");

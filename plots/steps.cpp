@@ -186,23 +186,41 @@ Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMet
           .panel_height = 380};
 }
 
-Figure precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods) {
-  Figure figure{.title = "What an error costs", .columns = 0, .panel_height = 380};
-  for (const std::string mode : {"fixed", "adaptive"}) {
-    const std::vector<Row> kept = shown(rows, mode, methods);
-    if (kept.empty()) continue;
-    const auto error_and_time = [](const Row& row) {
-      return Measured{row.error_global, summarise(row.cpu_s).median, 0, 0};
-    };
-    const auto follow = [&](const Row& row) { return mode == "fixed" ? row.key.h : row.key.rtol; };
-    figure.panels.push_back({.title = mode == "fixed" ? "Fixed step" : "Error control",
-                             .x = {"largest error over all outputs", true, {}},
-                             .y = {"CPU time [s]", true, {}},
-                             .curves = curves_of(kept, methods, false, error_and_time, follow, false)});
-    ++figure.columns;
+Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods) {
+  std::vector<Row> kept = shown(rows, "fixed", methods);
+  for (Row& row : shown(rows, "adaptive", methods)) kept.push_back(std::move(row));
+  require_some(kept);
+  const auto follow = [](const Row& row) { return row.key.mode == "fixed" ? row.key.h : row.key.rtol; };
+  const auto time = [](const Row& row) {
+    const TimingSummary cpu = summarise(row.cpu_s);
+    return Measured{row.error_global, cpu.median, cpu.q1, cpu.q3};
+  };
+  const auto evaluations = [](const Row& row) {
+    return Measured{row.error_global, static_cast<double>(row.rhs), 0, 0};
+  };
+  std::vector<std::string> failures;
+  for (const ShownMethod& method : methods) {
+    std::string settings, outcome;
+    for (const Row& row : kept)
+      if (row.key.method == method.id && !reached_end(row)) {
+        settings += fmt::format("{}{:.3g}", settings.empty() ? "" : ", ", follow(row));
+        outcome = row.outcome + (row.key.mode == "fixed" ? " at h = " : " at rtol = ");
+      }
+    if (!settings.empty()) failures.push_back(fmt::format("{}: {}{}", method.id, outcome, settings));
   }
-  if (figure.panels.empty()) require_some({});
-  return figure;
+  const Axis error{"largest error over all outputs", true, {}};
+  return {.title = "What an error costs: " + kept.front().key.problem,
+          .panels = {{.title = "CPU time of one run",
+                      .x = error,
+                      .y = {"CPU time [s]", true, {}},
+                      .curves = curves_of(kept, methods, true, time, follow, false),
+                      .notes = failures},
+                     {.title = "Evaluations of f",
+                      .x = error,
+                      .y = {"evaluations", true, {}},
+                      .curves = curves_of(kept, methods, false, evaluations, follow, false)}},
+          .columns = 2,
+          .panel_height = 380};
 }
 
 }  // namespace hmax

@@ -29,9 +29,11 @@ Figure step_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>&
 /// CPU time of one step [s] against h, mode `fixed`: what `step_figure` hides in five decades of run length.
 Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
 
-/// Global error against CPU time of one run: modes `fixed` (over h) and `adaptive` (over rtol), one panel per
-/// mode present.
-Figure precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
+/// CPU time of one run (median, bars from quartile to quartile) and evaluations of f over the global error:
+/// fixed steps and adaptive runs together, one curve a method. Runs without an end have no error: notes say
+/// which.
+/// @throws InputError as step_figure
+Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
 
 /// A panel of CPU time of one run [s] against h for rows of one mode.
 Panel run_time_panel(const std::vector<Row>& rows, const std::string& mode,

@@ -75,7 +75,7 @@ TEST(StepFigure, RowsOfTwoProblemsAreRefused) {
   mixed[1].key.parameters = "c=6";
   EXPECT_THROW(step_figure(mixed, kMethods), InputError);
   EXPECT_THROW(step_figure({}, kMethods), InputError);
-  EXPECT_THROW(precision_figure({}, kMethods), InputError);
+  EXPECT_THROW(work_precision_figure({}, kMethods), InputError);
   EXPECT_THROW(step_cost_figure({}, kMethods), InputError);
 }
 

@@ -1,0 +1,28 @@
+/// Work-precision: what an error costs, over tolerances or steps.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/sweep.hpp"
+
+namespace hmax {
+
+/// What is compared; the numbers that are absent are filled in by precision_sweep().
+struct PrecisionSpec {
+  SweepProblem problem;
+  std::vector<std::string> methods;  ///< as of choose_methods
+  std::vector<double> rtol;          ///< of methods with an error estimate; empty: 1e-3, 1e-4 ... 1e-12
+  std::vector<double> h;             ///< of methods without one [s]; empty: t_end / 2^5, 2^7 ... 2^17
+  double atol_over_rtol = 1;
+  std::optional<double> t_end;  ///< [s]; absent: the problem's own
+  Controllers control = Controllers::deadband;
+  int repeats = 9;
+};
+
+/// The sweep that measures it: adaptive runs over the tolerances, fixed steps of the methods that know no
+/// other.
+SweepSpec precision_sweep(const PrecisionSpec& spec);
+
+}  // namespace hmax

@@ -1,0 +1,180 @@
+/// hmax precision: what an error costs, method against method.
+#include "bench/precision.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <stdlib.h>
+#include <system_error>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cli/commands.hpp"
+#include "plots/steps.hpp"
+#include "results/errors.hpp"
+#include "results/fingerprint.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct PrecisionOptions {
+  std::string problem = "liver_forced", material, y0, methods, rtol, h, control, repeats, store, output;
+  std::vector<std::string> set;
+  std::optional<double> t_end, atol_over_rtol;
+};
+
+PrecisionSpec spec_of(const PrecisionOptions& options) {
+  PrecisionSpec spec;
+  spec.problem.name = options.problem;
+  spec.problem.settings.material = options.material;
+  for (const std::string& assignment : options.set)
+    spec.problem.settings.parameters.push_back(parse_assignment("--set", assignment));
+  if (!options.y0.empty()) spec.problem.settings.y0 = parse_numbers("--y0", options.y0);
+  if (options.methods.empty())
+    throw InputError(
+        "no methods are given; name them with --methods, like ode45,dop_853, or a family of `hmax list "
+        "methods`");
+  spec.methods = parse_names("--methods", options.methods);
+  if (!options.rtol.empty()) spec.rtol = parse_numbers("--rtol", options.rtol);
+  if (!options.h.empty()) spec.h = parse_numbers("--h", options.h);
+  if (options.atol_over_rtol) spec.atol_over_rtol = *options.atol_over_rtol;
+  if (!options.control.empty()) spec.control = controllers_from(options.control);
+  if (!options.repeats.empty()) spec.repeats = static_cast<int>(parse_count("--repeats", options.repeats, 9));
+  spec.t_end = options.t_end;
+  return spec;
+}
+
+/// A folder that lives as long as this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "hmax_XXXXXX").string();
+    if (!mkdtemp(name.data()))
+      throw InputError(fmt::format("no folder can be made in {}; set TMPDIR to a place that can be written",
+                                   std::filesystem::temp_directory_path().string()));
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json to_json(const std::vector<Row>& rows) {
+  Json document = Json::array();
+  for (const Row& row : rows) {
+    const TimingSummary time = summarise(row.cpu_s);
+    document.push_back({{"method", row.key.method},
+                        {"mode", row.key.mode},
+                        {"rtol", row.key.mode == "fixed" ? Json() : Json(row.key.rtol)},
+                        {"h", row.key.mode == "fixed" ? Json(row.key.h) : Json()},
+                        {"outcome", row.outcome},
+                        {"error_global", number_or_null(row.error_global)},
+                        {"error_end", number_or_null(row.error_end)},
+                        {"cpu_median_s", number_or_null(time.median)},
+                        {"cpu_q1_s", number_or_null(time.q1)},
+                        {"cpu_q3_s", number_or_null(time.q3)},
+                        {"rhs", row.rhs},
+                        {"steps", row.steps},
+                        {"reference", row.reference},
+                        {"reference_error", number_or_null(row.reference_error)},
+                        {"status", row.status}});
+  }
+  return document;
+}
+
+std::string for_people(const std::vector<Row>& rows, const Console& console) {
+  TextTable table({"method", "rtol or h [s]", "error", "CPU time [s]", "rhs", "outcome"});
+  for (const Row& row : rows)
+    table.add(
+        {row.key.method,
+         row.key.mode == "fixed" ? "h " + short_number(row.key.h) : "rtol " + short_number(row.key.rtol),
+         short_number(row.error_global, 2), short_number(summarise(row.cpu_s).median, 3),
+         std::to_string(row.rhs), row.outcome});
+  return table.text(console);
+}
+
+void precision(const PrecisionOptions& options, Console& console) {
+  const auto& interrupted = interrupt_flag();
+  const SweepPlan plan = plan_sweep(precision_sweep(spec_of(options)));
+  const TemporaryFolder temporary;
+  Store store = open_sweep_store(
+      plan,
+      options.store.empty() ? temporary.path() / "precision.sqlite" : std::filesystem::path(options.store),
+      !options.store.empty());
+  {
+    Progress progress(console, "precision");
+    const SweepSummary summary = run_sweep(
+        plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
+        [&] { return interrupted.load(); });
+    if (summary.interrupted) throw Interrupted{};
+    for (const std::string& warning : summary.warnings) console.remark(warning);
+  }
+  const std::vector<Row> rows = store.rows();
+  std::string drawn;
+  if (!options.output.empty()) {
+    std::vector<ShownMethod> shown;
+    for (const Method& method : plan.methods) shown.push_back({method.id, method.order});
+    Figure figure = work_precision_figure(rows, shown);
+    figure.footer = summary(store.sessions().back().fingerprint);
+    const FigureFiles files = draw(figure, options.output, "precision");
+    if (files.drawn())
+      drawn = fmt::format("The figure: {}\n", (files.base.string() + ".svg"));
+    else
+      console.remark(files.problem);
+  }
+  if (console.json)
+    console.print_json(to_json(rows));
+  else
+    console.print(for_people(rows, console) + (drawn.empty() ? "" : "\n" + drawn));
+}
+
+}  // namespace
+
+void add_precision(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "precision", "Compare methods by what an error costs: CPU time and evaluations of f",
+      {"hmax precision --problem liver_forced --methods ode45,dop_853 --rtol 1e-4,1e-8",
+       "hmax precision --problem liver_forced --methods explicit_runge_kutta --output "
+       "results/runs/precision"});
+  auto options = std::make_shared<PrecisionOptions>();
+  const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
+    return command.add_option(flag, value, description)->type_name(type);
+  };
+  text("--problem", options->problem, "An id of `hmax list problems`, or a file of formulas FILE.toml", "ID")
+      ->capture_default_str();
+  text("--material", options->material, "An id of `hmax list materials`", "ID");
+  command.add_option("--set", options->set, "Change a parameter, like c=6; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  text("--y0", options->y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
+  text("--methods,--method", options->methods, "Ids, aliases or families of `hmax list methods`, or all",
+       "A,B");
+  text("--rtol", options->rtol, "Tolerances of adaptive methods; 1e-3 to 1e-12 by default", "NUMBERS");
+  text("--h", options->h, "Steps of methods without error estimate [s]; from 1/32 of the run down by default",
+       "NUMBERS");
+  add_number(command, "--atol-over-rtol", options->atol_over_rtol,
+             "Absolute over relative tolerance; 1 by default");
+  text("--control", options->control, "How adaptive steps are steered: deadband (default), i, pi or matlab",
+       "NAME");
+  add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
+  text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");
+  text("--store", options->store, "Keep the rows in this store, a file that ends in .sqlite", "FILE");
+  text("--output", options->output, "Draw the figure precision.svg, .png and .pdf into this folder",
+       "FOLDER");
+  command.callback([options, &console] { precision(*options, console); });
+}
+
+}  // namespace hmax

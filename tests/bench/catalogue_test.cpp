@@ -1,0 +1,52 @@
+#include "bench/catalogue.hpp"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+TEST(Catalogue, IdsAndAliasesAreUnique) {
+  std::set<std::string> names;
+  for (const Method& method : methods()) {
+    EXPECT_TRUE(names.insert(method.id).second) << method.id;
+    for (const std::string& alias : method.aliases) EXPECT_TRUE(names.insert(alias).second) << alias;
+  }
+  for (const std::string& family : method_families()) EXPECT_FALSE(names.contains(family)) << family;
+}
+
+TEST(Catalogue, FactsOfEveryMethodAgreeWithOneAnother) {
+  for (const Method& method : methods()) {
+    EXPECT_GE(method.order, 0) << method.id;
+    EXPECT_FALSE(method.source.empty() || method.family.empty() || method.engine.empty()) << method.id;
+    EXPECT_TRUE(method.fixed_step || method.adaptive()) << method.id;
+    EXPECT_TRUE(method.a_stable || !method.l_stable) << method.id;
+    EXPECT_FALSE(method.a_stable && method.is_explicit) << method.id;
+    EXPECT_EQ(method.parameters.empty(), !method.with) << method.id;
+  }
+}
+
+TEST(Catalogue, FamiliesAndAllStandForTheMethodsThatSuitTheProblem) {
+  const Problem oscillator = make_problem("liver_forced");
+  const std::vector<Method> all = choose_methods({"all"}, {oscillator});
+  EXPECT_EQ(all.size(), methods().size());
+  const std::vector<Method> explicit_ones = choose_methods({"explicit_runge_kutta", "rk4"}, {});
+  ASSERT_GE(explicit_ones.size(), 14U);
+  EXPECT_EQ(explicit_ones.back().id, "rk4");
+  EXPECT_THROW(choose_methods({"explicit_runge_kuta"}, {}), InputError);
+}
+
+TEST(Catalogue, AMethodWithoutParametersTakesNone) { EXPECT_THROW(find_method("rk4:beta=1"), InputError); }
+
+TEST(Catalogue, JacobianPoliciesReadBackAsWritten) {
+  for (const char* word : {"auto", "exact", "frozen", "every:7"})
+    EXPECT_EQ(to_string(jacobian_update_from(word)), word);
+  for (const char* word : {"every:0", "every:1.5", "every:", "frosen"})
+    EXPECT_THROW(jacobian_update_from(word), InputError) << word;
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,52 @@
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+TEST(PrecisionCommand, MeasuresAdaptiveMethodsOverTolerancesAndTheOthersOverSteps) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "precision --problem liver_forced --methods ode45,rk4 --rtol 1e-4,1e-8 --h 20,0.1 --t-end 20 --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto rows = told.json();
+  ASSERT_EQ(rows.size(), 4U);
+  double loose = 0, tight = 0, lost = 0;
+  for (const auto& row : rows) {
+    if (row.at("outcome") != "reached_end") {
+      EXPECT_TRUE(row.at("error_global").is_null());
+      EXPECT_EQ(row.at("h"), 20);
+      ++lost;
+      continue;
+    }
+    EXPECT_GT(row.at("cpu_median_s").get<double>(), 0);
+    EXPECT_GT(row.at("rhs").get<int>(), 0);
+    EXPECT_GT(row.at("error_global").get<double>(), row.at("reference_error").get<double>());
+    if (row.at("method") != "dormand_prince_54") continue;
+    (row.at("rtol") == 1e-4 ? loose : tight) = row.at("error_global").get<double>();
+  }
+  EXPECT_LE(lost, 1);
+  EXPECT_GT(loose, 1000 * tight);
+}
+
+TEST(PrecisionCommand, DrawsTheFigureAndKeepsTheRowsWhereAsked) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "precision --methods bogacki_shampine_32,ode45 --rtol 1e-3,1e-5 --t-end 5 --store kept.sqlite --output "
+      "figure");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_TRUE(std::filesystem::exists(shell / "figure/precision.gp"));
+  EXPECT_TRUE(std::filesystem::exists(shell / "kept.sqlite"));
+  EXPECT_NE(told.out.find("bogacki_shampine_32"), std::string::npos);
+}
+
+TEST(PrecisionCommand, BadInputIsRefusedInOneSentence) {
+  const Shell shell;
+  expect_refused(shell.hmax("precision"), "--methods");
+  expect_refused(shell.hmax("precision --methods ode54"), "ode54");
+  expect_refused(shell.hmax("precision --methods ode45 --rtol 0"), "relative tolerance");
+  expect_refused(shell.hmax("precision --methods rk4 --h -1"), "step");
+  expect_refused(shell.hmax("precision --methods ode45 --repeats 3"), "--repeats");
+}
+
+}  // namespace
+}  // namespace hmax
