@@ -29,9 +29,10 @@ struct Proposal {
 /// What became of an attempt.
 enum class Judgement { accept, retry, give_up };
 
-// A control has four verbs. start(stepper, system, span, y) begins a run; propose(t) says which step to
-// attempt next; judge(stepper, system, step, y, y_new) says what becomes of an attempt that made a candidate,
-// and failed(stepper, step) of one that did not.
+// A control has four verbs. start(stepper, system, span, y) begins a run, after the stepper's init(), and
+// tells a stepper that iterates (one with set_tolerances(rtol, atol)) how exact it has to be; propose(t) says
+// which step to attempt next; judge(stepper, system, step, y, y_new) says what becomes of an attempt that
+// made a candidate, and failed(stepper, step) of one that did not.
 
 namespace detail {
 /// What rounding may do to a difference of two times in the span.
@@ -125,7 +126,9 @@ class Adaptive {
       : tolerances_(tolerances), norm_(norm), controller_(controller), error_order_(error_order) {}
 
   template <class Stepper, System Sys>
-  void start(const Stepper&, const Sys& system, Span<Real> span, const typename Sys::State& y) {
+  void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
+    if constexpr (requires { stepper.set_tolerances(tolerances_.rtol, tolerances_.atol); })
+      stepper.set_tolerances(tolerances_.rtol, tolerances_.atol);
     t_end_ = span.t_end;
     const Real length = span.t_end - span.t0;
     if (matlab_rules()) tolerances_.h_max = std::min(tolerances_.h_max, length / 10);
