@@ -247,6 +247,9 @@ class ShiftedSolver {
                   !std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>) {
       A_.setIdentity(n, n);
       solver_.factor(A_);
+      Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, 1> x;
+      x.setZero(n);
+      solver_.solve(x);
     }
   }
 
