@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <variant>
+#include <vector>
+
+#include <Eigen/SparseCore>
 
 #include "integrators/linear_solver.hpp"
 #include "integrators/system.hpp"
@@ -33,7 +37,60 @@ Real difference_increment(Real y, Real scale) {
 }
 }  // namespace detail
 
-/// df/dy of a system, from its verb `jacobian` or by forward differences, column by column.
+/// A system that declares where its Jacobian can be nonzero: `sparsity` writes a matrix of shape (dim, dim)
+/// with an entry wherever some f_i depends on y_j; the values do not matter. Differences then take columns
+/// without a common row together.
+template <class S>
+concept PatternedSystem = System<S> &&
+    requires(const S& system, Eigen::SparseMatrix<real_of<typename S::State>>& pattern) {
+  system.sparsity(pattern);
+};
+
+/// Whether a system declares its pattern; an erased one answers at run time.
+template <System S>
+constexpr bool has_sparsity(const S& system) {
+  if constexpr (requires { system.has_sparsity(); })
+    return system.has_sparsity();
+  else
+    return PatternedSystem<S>;
+}
+
+/// The columns of a sparse matrix in groups whose members have no row in common: each column in turn joins
+/// the first group that takes it [curtis1974estimation].
+class ColumnGroups {
+ public:
+  ColumnGroups() = default;
+  template <class Real>
+  explicit ColumnGroups(const Eigen::SparseMatrix<Real>& pattern)
+      : group_(static_cast<std::size_t>(pattern.cols())) {
+    using Entries = typename Eigen::SparseMatrix<Real>::InnerIterator;
+    const Eigen::SparseMatrix<Real> rows = pattern.transpose();  // column i holds the entries of row i
+    std::vector<Eigen::Index> taken_for;                         // by group: the last column it refused
+    for (Eigen::Index j = 0; j < pattern.cols(); ++j) {
+      for (Entries entry(pattern, j); entry; ++entry)
+        for (Entries other(rows, entry.row()); other && other.row() < j; ++other)
+          taken_for[of(other.row())] = j;
+      std::size_t group = 0;
+      while (group < taken_for.size() && taken_for[group] == j) ++group;
+      if (group == taken_for.size()) taken_for.push_back(-1);
+      group_[static_cast<std::size_t>(j)] = group;
+    }
+    members_.resize(taken_for.size());
+    for (Eigen::Index j = 0; j < pattern.cols(); ++j) members_[of(j)].push_back(j);
+  }
+
+  /// The columns of each group.
+  [[nodiscard]] const std::vector<std::vector<Eigen::Index>>& members() const { return members_; }
+
+ private:
+  [[nodiscard]] std::size_t of(Eigen::Index column) const { return group_[static_cast<std::size_t>(column)]; }
+
+  std::vector<std::size_t> group_;  // by column
+  std::vector<std::vector<Eigen::Index>> members_;
+};
+
+/// df/dy of a system, from its verb `jacobian` or by forward differences: column by column, or by groups of
+/// columns where the system declares its pattern.
 /// @tparam Matrix  jacobian_type of the system
 template <class State, class Matrix>
 class JacobianSource {
@@ -46,42 +103,106 @@ class JacobianSource {
     f0_.resize(system.dim());
     f1_.resize(system.dim());
     moved_.resize(system.dim());
+    if constexpr (PatternedSystem<Sys>)
+      if (has_sparsity(system)) {
+        system.sparsity(pattern_);
+        pattern_.makeCompressed();
+      }
+    if constexpr (is_sparse)
+      if (pattern_.size() == 0)  // a sparse matrix of whose pattern nothing is known is full
+        pattern_ = jacobian_of<Vector>::Ones(system.dim(), system.dim()).sparseView();
+    groups_ = ColumnGroups(pattern_);
+    increments_.resize(pattern_.cols());
   }
 
-  /// J = df/dy at (t, y), shape (n, n). Differences cost n + 1 evaluations of f.
+  /// J = df/dy at (t, y), shape (n, n). Differences cost one evaluation of f for each column, or each group
+  /// of columns, and one more where f0 is not given.
+  /// @param f0  f(t, y) if it is known
   template <System Sys>
-  void evaluate(const Sys& system, Real t, const State& y, Matrix& J) {
+  void evaluate(const Sys& system, Real t, const State& y, Matrix& J, const State* f0 = nullptr) {
     if constexpr (DifferentiableSystem<Sys>)
       if (has_jacobian(system)) return system.jacobian(t, y, J);
-    differences(system, t, y, J);
+    if (f0 == nullptr) {
+      system.rhs(t, y, f0_);
+      f0 = &f0_;
+    }
+    moved_ = y;
+    if (pattern_.size() > 0) return grouped_differences(system, t, y, *f0, J);
+    if constexpr (!is_sparse) differences(system, t, y, *f0, J);
   }
 
  private:
+  using Dense = jacobian_of<State>;
+  using Sparse = Eigen::SparseMatrix<typename State::Scalar>;
+  using Vector = Eigen::Vector<Real, Eigen::Dynamic>;
+  static constexpr bool is_sparse = std::is_same_v<Matrix, Sparse>;
+
+  template <class Wanted>
+  static Wanted& as(Matrix& J) {
+    if constexpr (detail::is_variant<Matrix>)
+      return detail::alternative<Wanted>(J);
+    else
+      return J;
+  }
+
+  /// Components far below the others are moved by what the others would be.
+  static Real scale_of(const State& y) { return std::max(Real(1e-5) * y.cwiseAbs().maxCoeff(), Real(1e-8)); }
+  static Real increment(const State& y, Eigen::Index j, Real scale) {
+    using std::abs;
+    return detail::difference_increment<Real>(Eigen::numext::real(y[j]), std::max(Real(abs(y[j])), scale));
+  }
+
   template <System Sys>
-  void differences(const Sys& system, Real t, const State& y, Matrix& J) {
-    using Dense = jacobian_of<State>;
-    Dense& out = [&]() -> Dense& {
-      if constexpr (detail::is_variant<Matrix>)
-        return detail::alternative<Dense>(J);
-      else
-        return J;
-    }();
-    const Eigen::Index n = system.dim();
-    out.resize(n, n);
-    system.rhs(t, y, f0_);
-    // Components far below the others are moved by what the others would be.
-    const Real scale = std::max(Real(1e-5) * y.cwiseAbs().maxCoeff(), Real(1e-8));
-    moved_ = y;
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const Real delta = detail::difference_increment<Real>(y[j], scale);
+  void differences(const Sys& system, Real t, const State& y, const State& f0, Matrix& J) {
+    Dense& out = as<Dense>(J);
+    out.resize(y.size(), y.size());
+    const Real scale = scale_of(y);
+    for (Eigen::Index j = 0; j < y.size(); ++j) {
+      const Real delta = increment(y, j, scale);
       moved_[j] = y[j] + delta;
       system.rhs(t, moved_, f1_);
-      out.col(j) = (f1_ - f0_) / delta;
+      out.col(j) = (f1_ - f0) / delta;
       moved_[j] = y[j];
     }
   }
 
+  template <System Sys>
+  void grouped_differences(const Sys& system, Real t, const State& y, const State& f0, Matrix& J) {
+    if constexpr (std::is_same_v<Matrix, Dense>) {
+      J.setZero(y.size(), y.size());
+      each_entry(system, t, y, f0,
+                 [&](Eigen::Index i, Eigen::Index j, Eigen::Index, auto value) { J(i, j) = value; });
+    } else {
+      Sparse& out = as<Sparse>(J);
+      if (out.rows() != pattern_.rows() || out.nonZeros() != pattern_.nonZeros())
+        out = pattern_.template cast<typename State::Scalar>();
+      each_entry(system, t, y, f0,
+                 [&](Eigen::Index, Eigen::Index, Eigen::Index n, auto value) { out.valuePtr()[n] = value; });
+    }
+  }
+
+  /// Calls set(i, j, n, value) for the entry (i, j), the n-th of the pattern.
+  template <System Sys, class Set>
+  void each_entry(const Sys& system, Real t, const State& y, const State& f0, const Set& set) {
+    const Real scale = scale_of(y);
+    for (Eigen::Index j = 0; j < y.size(); ++j) increments_[j] = increment(y, j, scale);
+    for (const auto& group : groups_.members()) {
+      for (const Eigen::Index j : group) moved_[j] = y[j] + increments_[j];
+      system.rhs(t, moved_, f1_);
+      for (const Eigen::Index j : group) {
+        moved_[j] = y[j];
+        for (Eigen::Index n = pattern_.outerIndexPtr()[j]; n < pattern_.outerIndexPtr()[j + 1]; ++n) {
+          const Eigen::Index i = pattern_.innerIndexPtr()[n];
+          set(i, j, n, (f1_[i] - f0[i]) / increments_[j]);
+        }
+      }
+    }
+  }
+
   State f0_, f1_, moved_;
+  Eigen::SparseMatrix<Real> pattern_;  // empty: unknown, so every entry
+  ColumnGroups groups_;
+  Vector increments_;  // of the columns, in grouped differences
 };
 
 /// dfdt = partial f / partial t at (t, y), shape (n): the system's own, zero for autonomous systems, or a

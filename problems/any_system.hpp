@@ -36,6 +36,8 @@ class BasicAnySystem {
 
   [[nodiscard]] bool has_jacobian() const { return self_->has_jacobian(); }
   void jacobian(Real t, const State& y, Jacobian& J) const { self_->jacobian(t, y, J); }
+  [[nodiscard]] bool has_sparsity() const { return self_->has_sparsity(); }
+  void sparsity(Eigen::SparseMatrix<Real>& pattern) const { self_->sparsity(pattern); }
   [[nodiscard]] bool is_autonomous() const { return self_->is_autonomous(); }
   [[nodiscard]] bool has_time_derivative() const { return self_->has_time_derivative(); }
   void time_derivative(Real t, const State& y, State& dfdt) const { self_->time_derivative(t, y, dfdt); }
@@ -64,6 +66,8 @@ class BasicAnySystem {
     virtual void rhs(Real, const State&, State&) const = 0;
     virtual bool has_jacobian() const = 0;
     virtual void jacobian(Real, const State&, Jacobian&) const = 0;
+    virtual bool has_sparsity() const = 0;
+    virtual void sparsity(Eigen::SparseMatrix<Real>&) const = 0;
     virtual bool is_autonomous() const = 0;
     virtual bool has_time_derivative() const = 0;
     virtual void time_derivative(Real, const State&, State&) const = 0;
@@ -132,9 +136,14 @@ class BasicAnySystem {
   class Model final : public Interface {
     using Own = typename S::State;
     using OwnReal = typename Eigen::NumTraits<typename Own::Scalar>::Real;
-    static constexpr bool differentiable = requires { typename S::Jacobian; };
+    static constexpr bool differentiable = requires(const S& s, const Own& y, typename S::Jacobian& J) {
+      s.jacobian(OwnReal{}, y, J);
+    };
     static constexpr bool time_differentiable = requires(const S& s, Own& out) {
       s.time_derivative(OwnReal{}, out, out);
+    };
+    static constexpr bool patterned = requires(const S& s, Eigen::SparseMatrix<OwnReal>& pattern) {
+      s.sparsity(pattern);
     };
     static constexpr bool bounded = requires(const S& s, const Own& y) { s.spectral_radius(OwnReal{}, y); };
     static constexpr bool second_order = requires { typename S::Dofs; };
@@ -153,6 +162,14 @@ class BasicAnySystem {
         const Own own = y.template cast<typename Own::Scalar>();
         matrix_through<typename S::Jacobian>(
             J, [&](auto& matrix) { system_.jacobian(static_cast<OwnReal>(t), own, matrix); });
+      }
+    }
+    bool has_sparsity() const override { return patterned; }
+    void sparsity(Eigen::SparseMatrix<Real>& pattern) const override {
+      if constexpr (patterned) {
+        Eigen::SparseMatrix<OwnReal> own;
+        system_.sparsity(own);
+        pattern = own.template cast<Real>();
       }
     }
     bool is_autonomous() const override {

@@ -1,9 +1,13 @@
 /// Derivatives and linear equations of implicit methods.
 #include "integrators/jacobian.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +57,96 @@ TEST(JacobianSource, TimeDerivativeByDifferencesComesNearTheSystemsOwn) {
   system.rhs(0.8, y, f0);
   evaluate_time_derivative(system, 0.8, Eigen::VectorXd(y), f0, dfdt);
   EXPECT_LT((dfdt - exact).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+/// Reaction and diffusion in a row of n cells: y_i' = y_(i-1) - 2 y_i + y_(i+1) - y_i^3.
+template <class JacobianT>
+struct Row {
+  using State = Eigen::VectorXd;
+  using Jacobian = JacobianT;
+  Eigen::Index n;
+  [[nodiscard]] Eigen::Index dim() const { return n; }
+  void rhs(double, const State& u, State& dudt) const {
+    for (Eigen::Index i = 0; i < n; ++i)
+      dudt[i] = (i > 0 ? u[i - 1] : 0) - 2 * u[i] + (i + 1 < n ? u[i + 1] : 0) - u[i] * u[i] * u[i];
+  }
+};
+template <class JacobianT>
+struct PatternedRow : Row<JacobianT> {
+  void sparsity(Eigen::SparseMatrix<double>& pattern) const {
+    pattern.resize(this->n, this->n);
+    for (Eigen::Index j = 0; j < this->n; ++j)
+      for (Eigen::Index i = std::max<Eigen::Index>(j - 1, 0); i < std::min(j + 2, this->n); ++i)
+        pattern.insert(i, j) = 1;
+  }
+};
+static_assert(PatternedSystem<PatternedRow<Eigen::MatrixXd>> && !PatternedSystem<Row<Eigen::MatrixXd>>);
+
+/// Error of the Jacobian by differences of a row of 40 cells, and what it cost.
+template <class System>
+std::pair<double, std::int64_t> difference_error(const System& row) {
+  const Eigen::Index n = row.dim();
+  const Eigen::VectorXd u = Eigen::VectorXd::LinSpaced(n, 0.5, 2);
+  Eigen::MatrixXd exact = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    exact(i, i) = -2 - 3 * u[i] * u[i];
+    if (i > 0) exact(i, i - 1) = exact(i - 1, i) = 1;
+  }
+  Stats stats;
+  const Counted counted(row, stats);
+  using Matrix = jacobian_type<System>;
+  JacobianSource<Eigen::VectorXd, Matrix> source;
+  Matrix J;
+  source.init(counted);
+  double error = 0;
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    stats.rhs = 0;
+    source.evaluate(counted, 0, u, J);
+    if constexpr (detail::is_variant<Matrix>)
+      std::visit([&](const auto& held) { error += (Eigen::MatrixXd(held) - exact).cwiseAbs().maxCoeff(); },
+                 J);
+    else
+      error += (Eigen::MatrixXd(J) - exact).cwiseAbs().maxCoeff();
+  }
+  return {error, stats.rhs};
+}
+
+TEST(JacobianSource, TakesTheColumnsOfATridiagonalMatrixInThreeGroups) {
+  using Sparse = Eigen::SparseMatrix<double>;
+  const auto check = [](const auto& row, std::int64_t cost) {
+    const auto [error, rhs] = difference_error(row);
+    EXPECT_LT(error, 1e-6);
+    EXPECT_EQ(rhs, cost);
+  };
+  check(PatternedRow<Eigen::MatrixXd>{{40}}, 3 + 1);
+  check(PatternedRow<Sparse>{{40}}, 3 + 1);
+  check(AnySystem(PatternedRow<Eigen::MatrixXd>{{40}}), 3 + 1);
+  check(Row<Eigen::MatrixXd>{40}, 40 + 1);
+  check(Row<Sparse>{40}, 40 + 1);
+}
+
+TEST(JacobianSource, OfASystemWithAPatternIsSparseBehindAnyType) {
+  const AnySystem row(PatternedRow<Eigen::MatrixXd>{{40}});
+  ASSERT_TRUE(has_sparsity(row));
+  EXPECT_FALSE(has_sparsity(AnySystem(formulas())));
+  JacobianSource<AnySystem::State, AnySystem::Jacobian> source;
+  AnySystem::Jacobian J;
+  source.init(row);
+  source.evaluate(row, 0, Eigen::VectorXd::Ones(40), J);
+  EXPECT_EQ(std::get<1>(J).nonZeros(), 3 * 40 - 2);
+}
+
+TEST(ColumnGroups, PutNoTwoColumnsWithACommonRowTogether) {
+  // An arrow: the first column meets every row, all the others only their own and the first.
+  Eigen::SparseMatrix<double> arrow(6, 6);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    arrow.coeffRef(i, 0) = 1;
+    arrow.coeffRef(i, i) = 1;
+  }
+  const auto groups = ColumnGroups(arrow).members();
+  ASSERT_EQ(groups.size(), 2U);
+  EXPECT_EQ(groups[0], (std::vector<Eigen::Index>{0}));
+  EXPECT_EQ(groups[1].size(), 5U);
 }
 
 TEST(AnySystem, HasTheVerbsOfTheSystemBehindIt) {
@@ -144,6 +238,38 @@ TEST(LinearSolver, DenseSparseAndEitherSolveTheShiftedEquation) {
   EXPECT_LT(residual(Eigen::SparseMatrix<double>(J.sparseView())), 1e-14);
   EXPECT_LT(residual(Either(J)), 1e-14);
   EXPECT_LT(residual(Either(Eigen::SparseMatrix<double>(J.sparseView()))), 1e-14);
+}
+
+TEST(LinearSolver, SolvesDenseEquationsOfEverySize) {
+  // Random matrices need exchanges of rows; small and large ones go different ways.
+  for (const Eigen::Index n : {1, 2, 3, 4, 7, 16, 17, 40}) {
+    const Eigen::MatrixXd A = Eigen::MatrixXd::Random(n, n);
+    const Eigen::VectorXd exact = Eigen::VectorXd::Random(n);
+    LinearSolver<Eigen::MatrixXd> solver;
+    ASSERT_TRUE(solver.factor(A));
+    Eigen::VectorXd x = A * exact;
+    solver.solve(x);
+    EXPECT_LT((x - exact).cwiseAbs().maxCoeff(), 1e-12 * A.inverse().norm() * A.norm()) << n;
+  }
+  Eigen::Matrix3d A;
+  A << 0, 2, 1, 1, 0, 0, 0, 0, 4;
+  Eigen::Vector3d x(7, 1, 8);
+  LinearSolver<Eigen::Matrix3d> solver;
+  ASSERT_TRUE(solver.factor(A));
+  solver.solve(x);
+  EXPECT_EQ(x, Eigen::Vector3d(1, 2.5, 2));
+}
+
+TEST(LinearSolver, SeesWhatIsNotFiniteWhereverItStands) {
+  for (const Eigen::Index n : {2, 3, 5, 20})
+    for (const double bad :
+         {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+      for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < n; ++j) {
+          Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
+          A(i, j) = bad;
+          EXPECT_FALSE(LinearSolver<Eigen::MatrixXd>().factor(A)) << n << ' ' << i << ' ' << j;
+        }
 }
 
 TEST(LinearSolver, TakesComplexShiftsOfRealMatrices) {
