@@ -1,6 +1,7 @@
 #include "bench/catalogue.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -15,11 +16,6 @@
 namespace hmax {
 
 namespace {
-
-std::string suggestion(std::string_view wrong, const std::vector<std::string>& names) {
-  const std::string near = did_you_mean(wrong, names);
-  return near.empty() ? std::string{} : fmt::format("; did you mean '{}'?", near);
-}
 
 std::vector<Method> all_methods() {
   std::vector<Method> all;
@@ -40,8 +36,7 @@ Method with_parameters(const Method& method, std::string_view text) {
     const std::string_view name = item.substr(0, item.find('='));
     const auto it = std::ranges::find(parameters, name, [](const auto& entry) { return entry.first; });
     if (it == parameters.end())
-      throw InputError(fmt::format("{} has no parameter '{}'{}; known are {}", method.id, name,
-                                   suggestion(name, names), fmt::join(names, ", ")));
+      throw InputError(fmt::format("{} has no parameter '{}'; {}", method.id, name, suggestion(name, names)));
     const std::optional<double> value =
         name.size() < item.size() ? to_number(item.substr(name.size() + 1)) : std::nullopt;
     if (!value || !std::isfinite(*value))
@@ -62,25 +57,14 @@ Method with_parameters(const Method& method, std::string_view text) {
 }  // namespace
 
 std::string_view to_string(Controllers control) {
-  switch (control) {
-    case Controllers::i:
-      return "i";
-    case Controllers::pi:
-      return "pi";
-    case Controllers::deadband:
-      return "deadband";
-    case Controllers::matlab:
-      return "matlab";
-  }
-  return "unknown";
+  return controller_names.at(static_cast<std::size_t>(control));
 }
 
 Controllers controllers_from(std::string_view word) {
-  for (const Controllers control :
-       {Controllers::i, Controllers::pi, Controllers::deadband, Controllers::matlab})
-    if (word == to_string(control)) return control;
-  throw InputError(fmt::format("unknown control '{}'{}; the controls are i, pi, deadband and matlab", word,
-                               suggestion(word, {"i", "pi", "deadband", "matlab"})));
+  const auto at = std::ranges::find(controller_names, word);
+  if (at == controller_names.end())
+    throw InputError(fmt::format("unknown control '{}'; {}", word, suggestion(word, controller_names)));
+  return static_cast<Controllers>(at - controller_names.begin());
 }
 
 std::string to_string(JacobianUpdate update) {
@@ -109,8 +93,8 @@ JacobianUpdate jacobian_update_from(std::string_view word) {
                     "with a whole number K of at least 1, for instance every:10",
                     word));
   }
-  throw InputError(fmt::format("unknown Jacobian policy '{}'{}; known are auto, exact, every:K and frozen",
-                               word, suggestion(word, {"auto", "exact", "every:10", "frozen"})));
+  constexpr std::array<std::string_view, 4> policies{"auto", "exact", "every:K", "frozen"};
+  throw InputError(fmt::format("unknown Jacobian policy '{}'; {}", word, suggestion(word, policies)));
 }
 
 const std::vector<Method>& methods() {
@@ -127,8 +111,8 @@ Method find_method(std::string_view name) {
     names.push_back(method.id);
     names.insert(names.end(), method.aliases.begin(), method.aliases.end());
   }
-  throw InputError(
-      fmt::format("unknown method '{}'{}; `hmax list methods` shows all of them", id, suggestion(id, names)));
+  throw InputError(fmt::format("unknown method '{}'; {}", id,
+                               suggestion(id, names, "`hmax list methods` shows all of them")));
 }
 
 std::vector<std::string> method_families() {

@@ -72,13 +72,10 @@ FormulaDefinition problem_from(const TomlDocument& document) {
   std::vector<std::string> states;
   for (const auto& [state, formula] : definition.equations) states.push_back(state);
   for (const auto& [name, value] : initial.items())
-    if (!equations.contains(name)) {
-      const std::string near = did_you_mean(name, states);
+    if (!equations.contains(name))
       document.fail("/initial/" + name,
-                    fmt::format("'{}' has no equation{}", name,
-                                near.empty() ? "; remove it or add it to [equations]"
-                                             : fmt::format("; did you mean '{}'?", near)));
-    }
+                    fmt::format("'{}' has no equation; {}", name,
+                                suggestion(name, states, "remove it or add it to [equations]")));
   for (const std::string& state : states) {
     if (!initial.contains(state))
       document.fail("/initial",

@@ -23,10 +23,7 @@ namespace {
 template <class Names>
 [[noreturn]] void unknown(std::string_view what, std::string_view wrong, const Names& names,
                           std::string_view where) {
-  const std::string near = did_you_mean(wrong, names);
-  throw InputError(fmt::format("unknown {} '{}'{}{}; known are {}", what, wrong, where,
-                               near.empty() ? "" : fmt::format("; did you mean '{}'?", near),
-                               fmt::join(names, ", ")));
+  throw InputError(fmt::format("unknown {} '{}'{}; {}", what, wrong, where, suggestion(wrong, names)));
 }
 
 void override_start(Problem& problem, const std::vector<double>& y0) {

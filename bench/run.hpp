@@ -2,6 +2,7 @@
 /// here.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -19,9 +20,11 @@ namespace hmax {
 /// How the step of an adaptive run is steered.
 enum class Controllers { i, pi, deadband, matlab };
 
-/// The word of the command line and of stored rows.
+/// Their words on the command line and in stored rows, in the order of the enumerators.
+inline constexpr std::array<std::string_view, 4> controller_names{"i", "pi", "deadband", "matlab"};
+
 std::string_view to_string(Controllers control);
-/// @throws InputError with a suggestion when the word is none of i, pi, deadband, matlab
+/// @throws InputError with a suggestion when the word is none of controller_names
 Controllers controllers_from(std::string_view word);
 
 /// The Jacobian policy as users write it: auto, exact, every:K or frozen.

@@ -1,4 +1,4 @@
-/// "Did you mean ...?": the known name nearest to a mistyped one.
+/// "Did you mean ...?": the known name nearest to a mistyped one, and the words that offer it.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,9 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace hmax {
 
@@ -54,6 +57,21 @@ std::string did_you_mean(std::string_view wrong, const Names& names) {
   for (const auto& name : names)
     if (edit_distance(wrong, std::string_view(name).substr(0, wrong.size())) == 0) return std::string(name);
   return {};
+}
+
+/// The remedy in an error about a name: "did you mean 'rk4'?", or `otherwise` when none is near.
+template <class Names>
+std::string suggestion(std::string_view wrong, const Names& names, std::string_view otherwise) {
+  const std::string near = did_you_mean(wrong, names);
+  return near.empty() ? std::string(otherwise) : fmt::format("did you mean '{}'?", near);
+}
+
+/// The same with the names themselves, "known are rk4, leapfrog", when none is near.
+template <class Names>
+std::string suggestion(std::string_view wrong, const Names& names) {
+  return suggestion(
+      wrong, names,
+      std::empty(names) ? "there are none" : fmt::format("known are {}", fmt::join(names, ", ")));
 }
 
 }  // namespace hmax

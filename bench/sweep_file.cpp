@@ -121,18 +121,15 @@ std::vector<std::string> expanded(const std::vector<std::string>& materials) {
 }
 
 void set_readings(SweepSpec& spec, const std::vector<std::string>& readings) {
-  spec.fixed = spec.sampled = false;
-  for (const std::string& reading : readings) {
-    if (reading == "fixed") {
-      spec.fixed = true;
-    } else if (reading == "sampled") {
-      spec.sampled = true;
-    } else {
-      const std::string near = did_you_mean(reading, std::array<std::string, 2>{"fixed", "sampled"});
-      throw InputError(fmt::format("unknown reading '{}'{}; the readings of a step are fixed and sampled",
-                                   reading, near.empty() ? "" : fmt::format("; did you mean '{}'?", near)));
-    }
-  }
+  for (const std::string& reading : readings)
+    if (std::ranges::find(reading_names, reading) == reading_names.end())
+      throw InputError(
+          fmt::format("unknown reading '{}' of a step; {}", reading, suggestion(reading, reading_names)));
+  const auto asked = [&](std::string_view name) {
+    return std::ranges::find(readings, name) != readings.end();
+  };
+  spec.fixed = asked(reading_names[0]);
+  spec.sampled = asked(reading_names[1]);
 }
 
 void set_tolerances(SweepSpec& spec, const SweepRequest& request) {

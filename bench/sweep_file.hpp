@@ -1,10 +1,12 @@
 /// Sweeps as users write them: `hmax sweep my.toml`, or the same words as flags.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,9 @@
 #include "bench/toml_file.hpp"
 
 namespace hmax {
+
+/// What a step means: the readings of --readings and of the key `readings`.
+inline constexpr std::array<std::string_view, 2> reading_names{"fixed", "sampled"};
 
 /// What a user wrote; what is absent has the default of SweepSpec.
 struct SweepRequest {

@@ -211,12 +211,9 @@ void reject_unknown_keys(const TomlDocument& document, std::string_view place,
   if (!table.is_object()) document.fail(place, fmt::format("'{}' must be a table, [{}]", title, title));
   for (const auto& [key, value] : table.items()) {
     if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
-    const std::string near = did_you_mean(key, allowed);
-    document.fail(
-        std::string(place) + step(key),
-        fmt::format("unknown key '{}'{}; {}", key, title.empty() ? "" : fmt::format(" in [{}]", title),
-                    near.empty() ? fmt::format("known keys: {}", fmt::join(allowed, ", "))
-                                 : fmt::format("did you mean '{}'?", near)));
+    document.fail(std::string(place) + step(key),
+                  fmt::format("unknown key '{}'{}; {}", key,
+                              title.empty() ? "" : fmt::format(" in [{}]", title), suggestion(key, allowed)));
   }
 }
 

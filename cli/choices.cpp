@@ -1,6 +1,8 @@
 #include "cli/choices.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bench/tableau_file.hpp"
 #include "results/errors.hpp"
@@ -44,6 +46,14 @@ Method MethodChoice::make() const {
   if (method.empty())
     throw InputError("no method is given; name one with --method, `hmax list methods` shows all of them");
   return find_method(method);
+}
+
+void add_control(CLI::App& command, std::string& control) {
+  command
+      .add_option("--control", control,
+                  fmt::format("How adaptive steps are steered: {}; {} by default",
+                              fmt::join(controller_names, ", "), to_string(RunSpec{}.control)))
+      ->type_name("NAME");
 }
 
 }  // namespace hmax

@@ -29,4 +29,7 @@ struct MethodChoice {
   [[nodiscard]] Method make() const;
 };
 
+/// --control, a word of controller_names
+void add_control(CLI::App& command, std::string& control);
+
 }  // namespace hmax

@@ -4,9 +4,15 @@
 /// by throwing InputError and a check that failed by console.exit_code.
 #pragma once
 
+#include <array>
+#include <string_view>
+
 #include "cli/console.hpp"
 
 namespace hmax {
+
+/// What `hmax list` shows.
+inline constexpr std::array<std::string_view, 3> list_topics{"methods", "problems", "materials"};
 
 void add_list(CLI::App& app, Console& console);
 void add_run(CLI::App& app, Console& console);

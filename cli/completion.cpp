@@ -1,5 +1,5 @@
 /// hmax completion: what a shell needs to know to complete command lines of hmax.
-#include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 
@@ -8,8 +8,10 @@
 #include <fmt/ranges.h>
 
 #include "bench/catalogue.hpp"
+#include "bench/sweep_file.hpp"
 #include "cli/commands.hpp"
 #include "problems/liver_materials.hpp"
+#include "results/exports.hpp"
 
 namespace hmax {
 
@@ -17,29 +19,33 @@ namespace {
 
 using Words = std::vector<std::string>;
 
+constexpr std::array<std::string_view, 3> shells{"bash", "zsh", "fish"};
+
 /// The values an option takes, by its name; an option that is not here and takes a value takes a file or a
 /// number.
 std::map<std::string, Words> values_of_options() {
-  Words method_names, materials;
+  Words method_names, materials, formats;
   for (const Method& method : methods()) {
     method_names.push_back(method.id);
     method_names.insert(method_names.end(), method.aliases.begin(), method.aliases.end());
   }
   for (const LiverMaterial& material : liver_materials()) materials.emplace_back(material.id);
+  for (const ExportFormat& format : export_formats()) formats.emplace_back(format.name);
   return {{"--problem", problem_ids()},
           {"--problems", problem_ids()},
           {"--method", method_names},
           {"--methods", method_names},
           {"--material", materials},
           {"--materials", materials},
-          {"--control", {"deadband", "i", "pi", "matlab"}},
-          {"--format", {"csv", "jsonl", "gbench"}}};
+          {"--control", Words(controller_names.begin(), controller_names.end())},
+          {"--readings", Words(reading_names.begin(), reading_names.end())},
+          {"--format", formats}};
 }
 
 /// What stands without dashes after a command, where that is known.
 Words operands_of(const CLI::App& command) {
-  if (command.get_name() == "list") return {"methods", "problems", "materials"};
-  if (command.get_name() == "completion") return {"bash", "zsh", "fish"};
+  if (command.get_name() == "list") return Words(list_topics.begin(), list_topics.end());
+  if (command.get_name() == "completion") return Words(shells.begin(), shells.end());
   Words words;
   for (const CLI::App* each : command.get_subcommands({})) words.push_back(each->get_name());
   return words;
@@ -141,9 +147,11 @@ void add_completion(CLI::App& app, Console& console) {
       add_command(app, console, "completion", "Print what a shell needs to complete command lines",
                   {"hmax completion bash", "hmax completion zsh", "hmax completion fish"});
   auto shell = std::make_shared<std::string>();
-  command.add_option("shell", *shell, "bash, zsh or fish")->required()->type_name("");
+  command.add_option("shell", *shell, fmt::format("One of {}", fmt::join(shells, ", ")))
+      ->required()
+      ->type_name("");
   command.callback([shell, &app, &console] {
-    const std::string chosen = parse_choice("the shell", *shell, {"bash", "zsh", "fish"});
+    const std::string chosen = parse_choice("the shell", *shell, shells);
     const std::string text = chosen == "bash" ? bash(app) : chosen == "zsh" ? zsh(app) : fish(app);
     if (console.json) return console.print_json({{"shell", chosen}, {"script", text}});
     console.print(text);

@@ -11,7 +11,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "bench/suggest.hpp"
 #include "results/errors.hpp"
@@ -190,12 +189,9 @@ std::pair<std::string, double> parse_assignment(std::string_view what, std::stri
 }
 
 std::string parse_choice(std::string_view what, std::string_view word,
-                         const std::vector<std::string>& choices) {
+                         std::span<const std::string_view> choices) {
   if (std::ranges::find(choices, word) != choices.end()) return std::string(word);
-  const std::string near = did_you_mean(word, choices);
-  throw InputError(fmt::format("{} is '{}'{}; known are {}", what, word,
-                               near.empty() ? "" : fmt::format("; did you mean '{}'?", near),
-                               fmt::join(choices, ", ")));
+  throw InputError(fmt::format("{} is '{}'; {}", what, word, suggestion(word, choices)));
 }
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,

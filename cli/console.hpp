@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -102,7 +103,7 @@ std::vector<std::string> parse_names(std::string_view what, std::string_view tex
 std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text);
 /// `word` when it is one of `choices`. @throws InputError with a suggestion
 std::string parse_choice(std::string_view what, std::string_view word,
-                         const std::vector<std::string>& choices);
+                         std::span<const std::string_view> choices);
 
 /// An option that holds a number.
 CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,

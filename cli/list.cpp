@@ -101,9 +101,11 @@ void add_list(CLI::App& app, Console& console) {
   CLI::App& command = add_command(app, console, "list", "Show the problems, methods or materials",
                                   {"hmax list methods", "hmax list problems --json", "hmax list materials"});
   auto what = std::make_shared<std::string>();
-  command.add_option("what", *what, "problems, methods or materials")->required()->type_name("");
+  command.add_option("what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")))
+      ->required()
+      ->type_name("");
   command.callback([what, &console] {
-    const std::string chosen = parse_choice("what to list", *what, {"problems", "methods", "materials"});
+    const std::string chosen = parse_choice("what to list", *what, list_topics);
     if (chosen == "problems") return list_problems(console);
     if (chosen == "methods") return list_methods(console);
     list_materials(console);

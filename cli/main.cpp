@@ -49,14 +49,9 @@ std::string unexpected(const CLI::App& app) {
   } else {
     for (const CLI::App* each : command.get_subcommands({})) known.push_back(each->get_name());
   }
-  const std::string near = did_you_mean(wrong, known);
-  return fmt::format(
-      "{} '{}'{}; {}",
-      option          ? "unknown option"
-      : known.empty() ? "unexpected argument"
-                      : "unknown command",
-      wrong, name == "hmax" ? "" : " of `" + name + "`",
-      near.empty() ? "`" + name + " --help` shows what there is" : "did you mean '" + near + "'?");
+  const char* what = option ? "unknown option" : known.empty() ? "unexpected argument" : "unknown command";
+  return fmt::format("{} '{}'{}; {}", what, wrong, name == "hmax" ? "" : " of `" + name + "`",
+                     suggestion(wrong, known, "`" + name + " --help` shows what there is"));
 }
 
 /// An error of the parser as one sentence.

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"
@@ -167,8 +168,7 @@ void add_precision(CLI::App& app, Console& console) {
        "NUMBERS");
   add_number(command, "--atol-over-rtol", options->atol_over_rtol,
              "Absolute over relative tolerance; 1 by default");
-  text("--control", options->control, "How adaptive steps are steered: deadband (default), i, pi or matlab",
-       "NAME");
+  add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");
   text("--store", options->store, "Keep the rows in this store, a file that ends in .sqlite", "FILE");

@@ -279,10 +279,7 @@ void add_run(CLI::App& app, Console& console) {
   add_number(command, "--h", options->h, "Fixed step [s]");
   add_number(command, "--rtol", options->rtol, "Relative tolerance of an adaptive run");
   add_number(command, "--atol", options->atol, "Absolute tolerance of an adaptive run");
-  command
-      .add_option("--control", options->control,
-                  "How adaptive steps are steered: deadband (default), i, pi or matlab")
-      ->type_name("NAME");
+  add_control(command, options->control);
   command
       .add_option(
           "--jacobian", options->jacobian,

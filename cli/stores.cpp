@@ -30,10 +30,8 @@ Store open_store(const std::string& name) {
   std::vector<std::string> known;
   for (const auto& entry : fs::directory_iterator("results/runs", error))
     if (entry.path().extension() == ".sqlite") known.push_back(entry.path().stem().string());
-  const std::string near = did_you_mean(name, known);
-  throw InputError(fmt::format(
-      "there is no store '{}', neither as a file nor under results/runs{}", name,
-      near.empty() ? "; `hmax sweep --out NAME` makes one" : fmt::format("; did you mean '{}'?", near)));
+  throw InputError(fmt::format("there is no store '{}', neither as a file nor under results/runs; {}", name,
+                               suggestion(name, known, "`hmax sweep --out NAME` makes one")));
 }
 
 Fingerprint last_fingerprint(const Store& store) {
@@ -43,13 +41,14 @@ Fingerprint last_fingerprint(const Store& store) {
 
 void export_rows(const std::string& name, const std::string& asked_format, const std::string& output,
                  Console& console) {
-  const std::string format = parse_choice("--format", asked_format, {"csv", "jsonl", "gbench"});
+  std::vector<std::string_view> names;
+  for (const ExportFormat& each : export_formats()) names.push_back(each.name);
+  const std::string format = parse_choice("--format", asked_format, names);
+  const auto chosen = std::ranges::find(export_formats(), format, &ExportFormat::name);
   if (!output.empty()) check_writable(output);
   const Store store = open_store(name);
   const std::vector<Row> rows = store.rows();
-  const std::string text = format == "csv"     ? rows_to_csv(rows)
-                           : format == "jsonl" ? rows_to_jsonl(rows)
-                                               : rows_to_google_benchmark(rows, last_fingerprint(store));
+  const std::string text = chosen->text(rows, last_fingerprint(store));
   if (!output.empty()) {
     write_file(output, text);
     if (console.json)
@@ -146,13 +145,17 @@ void add_export(CLI::App& app, Console& console) {
                                   {"hmax export study --format csv --output study.csv",
                                    "hmax export results/runs/study.sqlite --format gbench"});
   struct Options {
-    std::string store, format = "csv", output;
+    std::string store, format{export_formats().front().name}, output;
   };
   auto options = std::make_shared<Options>();
   command.add_option("store", options->store, "Its file, or its name under results/runs")
       ->required()
       ->type_name("");
-  command.add_option("--format", options->format, "csv (default), jsonl, or gbench: Google Benchmark's JSON")
+  std::string formats;
+  for (const ExportFormat& each : export_formats())
+    formats += fmt::format("{}{}{}", formats.empty() ? "" : ", ", each.name,
+                           each.description.empty() ? "" : fmt::format(" ({})", each.description));
+  command.add_option("--format", options->format, fmt::format("{}; {} by default", formats, options->format))
       ->type_name("NAME");
   command.add_option("--output", options->output, "Write to a file instead of standard output")
       ->type_name("FILE");

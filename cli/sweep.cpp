@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bench/sweep_file.hpp"
+#include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "results/errors.hpp"
 
@@ -45,8 +46,8 @@ SweepRequest flags_of(const SweepOptions& options) {
     if (request.readings)
       throw InputError("--readings and --fixed or --sampled say the same; give one of them");
     request.readings.emplace();
-    if (options.fixed) request.readings->emplace_back("fixed");
-    if (options.sampled) request.readings->emplace_back("sampled");
+    if (options.fixed) request.readings->emplace_back(reading_names[0]);
+    if (options.sampled) request.readings->emplace_back(reading_names[1]);
   }
   for (const std::string& assignment : options.set)
     request.parameters.push_back(parse_assignment("--set", assignment));
@@ -215,8 +216,7 @@ void add_sweep(CLI::App& app, Console& console) {
   text("--rtol", options->rtol, "Tolerance of --sampled (1e-6); without steps the tolerances to sweep",
        "NUMBERS");
   add_number(command, "--atol", options->atol, "Absolute tolerance; equal to --rtol by default");
-  text("--control", options->control, "How adaptive steps are steered: deadband (default), i, pi or matlab",
-       "NAME");
+  add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");
   text("--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");

@@ -1,5 +1,6 @@
 #include "results/exports.hpp"
 
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -245,6 +246,14 @@ std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprin
                         {"hmax_fingerprint", Json::parse(to_json(fingerprint))}}},
                       {"benchmarks", benchmarks}};
   return dumped(document, 2) + '\n';
+}
+
+std::span<const ExportFormat> export_formats() {
+  static constexpr std::array<ExportFormat, 3> formats{
+      {{"csv", "", [](std::span<const Row> rows, const Fingerprint&) { return rows_to_csv(rows); }},
+       {"jsonl", "", [](std::span<const Row> rows, const Fingerprint&) { return rows_to_jsonl(rows); }},
+       {"gbench", "Google Benchmark's JSON", rows_to_google_benchmark}}};
+  return formats;
 }
 
 }  // namespace hmax

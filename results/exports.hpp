@@ -31,6 +31,16 @@ std::string rows_to_jsonl(std::span<const Row> rows);
 /// error_occurred.
 std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprint& fingerprint);
 
+/// A form of export.
+struct ExportFormat {
+  std::string_view name;         ///< as users type it
+  std::string_view description;  ///< a few words that explain the name, may be empty
+  std::string (*text)(std::span<const Row> rows, const Fingerprint& fingerprint);
+};
+
+/// Every form; the first one is the default.
+std::span<const ExportFormat> export_formats();
+
 /// The name of a row in rows_to_google_benchmark: every part of the key that is there, joined by slashes.
 std::string benchmark_name(const RowKey& key);
 

@@ -37,5 +37,13 @@ TEST(DidYouMean, IsSilentWhenNothingIsNear) {
   EXPECT_EQ(did_you_mean(std::string(100000, 'a'), names), "");
 }
 
+TEST(Suggestion, OffersTheNearestNameOrElseTheNamesOrAnotherRemedy) {
+  EXPECT_EQ(suggestion("rk5", std::vector<std::string>{"rk4", "leapfrog"}), "did you mean 'rk4'?");
+  EXPECT_EQ(suggestion("euler", std::vector<std::string>{"rk4", "leapfrog"}), "known are rk4, leapfrog");
+  EXPECT_EQ(suggestion("euler", std::vector<std::string>{}), "there are none");
+  EXPECT_EQ(suggestion("euler", names, "see the list"), "see the list");
+  EXPECT_EQ(suggestion("stpe", names, "see the list"), "did you mean 'step'?");
+}
+
 }  // namespace
 }  // namespace hmax

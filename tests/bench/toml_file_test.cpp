@@ -176,7 +176,7 @@ TEST(RejectUnknownKeys, NamesLineTableAndTheNearestKey) {
     reject_unknown_keys(document, "", allowed);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "case.toml:1: unknown key 'a'; known keys: step, methods");
+    EXPECT_STREQ(error.what(), "case.toml:1: unknown key 'a'; known are step, methods");
   }
   EXPECT_THROW(reject_unknown_keys(document, "/a", allowed), InputError) << "a number is not a table";
 }
