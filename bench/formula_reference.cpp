@@ -18,6 +18,9 @@ namespace {
 
 constexpr int grid_intervals = 2000;
 constexpr double tight = 1e-13, loose = 1e-11;
+// Where the two computations part by more than this share of the largest state there is nothing to rely on:
+// an engine may well put a finite number on a pole.
+constexpr double largest_parting = 1e-4;
 
 /// Integrates y from t0 to t1; false when the engine gives up or y is no longer finite.
 bool advance(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, double tolerance) {
@@ -59,8 +62,10 @@ FormulaReference::FormulaReference(const AnySystem& system, const Eigen::VectorX
   for (int i = 0; i < grid_intervals; ++i) {
     if (!advance(system_, y, i * interval_, (i + 1) * interval_, tight)) break;
     if (!advance(system_, checked, i * interval_, (i + 1) * interval_, loose)) break;
-    difference = std::max(difference, (y - checked).cwiseAbs().maxCoeff());
+    const double parting = (y - checked).cwiseAbs().maxCoeff();
     largest = std::max(largest, y.cwiseAbs().maxCoeff());
+    if (!(parting <= largest_parting * largest)) break;
+    difference = std::max(difference, parting);
     grid_.push_back(y);
   }
   error_bound_ = difference + largest * std::numeric_limits<double>::epsilon();

@@ -12,7 +12,7 @@ namespace hmax {
 
 /// States on a grid of [0, valid_until], computed once at a tight tolerance and once at a looser one; between
 /// two grid points the engine integrates on from the left one. The largest difference of the two computations
-/// is the bound.
+/// is the bound; the grid ends where they part, as at a pole.
 class FormulaReference {
  public:
   /// @param y0  shape (dim)

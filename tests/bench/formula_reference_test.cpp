@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -44,6 +45,24 @@ TEST(FormulaReference, EndsBeforeTheSolutionBlowsUp) {
   EXPECT_NEAR(reference.at(0.5)[0], 2, 1e-9);
   EXPECT_GT(reference.valid_until(), 0.99);
   EXPECT_TRUE(std::isnan(reference.at(1.5)[0]));
+}
+
+TEST(FormulaReference, EndsBeforeAPoleThatIsAGridPoint) {
+  // y' = y^2, y(0) = 1 has its pole at t = 1; y' = 1 + y^2, y(0) = 0 is tan t.
+  const double pi = std::acos(-1.0);
+  for (const auto& [formula, y0, pole] : {std::tuple{"y^2", 1.0, 1.0}, std::tuple{"1 + y^2", 0.0, pi / 2}})
+    for (const int multiple : {1, 2, 4}) {
+      SCOPED_TRACE(multiple);
+      const FormulaSystem system(
+          FormulaDefinition{.name = "pole", .equations = {{"y", formula}}, .parameters = {}, .y0 = {y0}});
+      const double t_end = multiple * pole;
+      const FormulaReference reference(AnySystem(system), system.y0(), t_end);
+      EXPECT_LT(reference.valid_until(), pole * (1 - 1e-9)) << formula;
+      EXPECT_GT(reference.valid_until(), pole - 3 * t_end / 2000) << formula;
+      const double last = reference.valid_until();
+      const double exact = pole == 1 ? 1 / (1 - last) : std::tan(last);
+      EXPECT_NEAR(reference.at(last)[0] / exact, 1, 1e-6) << formula;
+    }
 }
 
 }  // namespace
