@@ -11,6 +11,8 @@
 
 #include <muParser.h>
 
+#include "problems/digits.hpp"
+
 namespace hmax {
 namespace {
 
@@ -250,7 +252,7 @@ FormulaSystem::FormulaSystem(FormulaDefinition definition) : definition_(std::mo
   if (!std::isfinite(d.t0) || !std::isfinite(d.t_end))
     refuse("the time span of the system is not finite; give finite numbers for its start and t_end");
   if (d.t_end < d.t0)
-    refuse("t_end is " + std::to_string(d.t_end) + ", before the start " + std::to_string(d.t0) +
+    refuse("t_end is " + shortest_digits(d.t_end) + ", before the start " + shortest_digits(d.t0) +
            "; give a t_end that is later");
   for (std::size_t i = 0; i < d.y0.size(); ++i)
     if (!std::isfinite(d.y0[i]))

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <stdexcept>
 
+#include "problems/digits.hpp"
 #include "problems/liver_materials.hpp"
 
 namespace hmax {
@@ -22,20 +23,13 @@ constexpr OscillatorParameters linear{.m = 1.45, .c = 0.3, .k1 = 5.3, .k3 = 0, .
 // force.
 constexpr OscillatorParameters benchmark{.m = 1.45, .c = 6, .k1 = 5.3, .k3 = 0, .P = 0.5, .w = 0.5};
 
-std::string shortest(double value) {
-  std::string text = std::to_string(value);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
-
 std::vector<LiverFamilyMember> varied(OscillatorParameters base, double OscillatorParameters::*member,
                                       std::string_view name, std::string_view unit,
                                       std::initializer_list<double> values) {
   std::vector<LiverFamilyMember> members;
   for (const double value : values) {
     base.*member = value;
-    members.push_back({std::string(name) + " = " + shortest(value) + " " + std::string(unit), base});
+    members.push_back({std::string(name) + " = " + shortest_digits(value) + " " + std::string(unit), base});
   }
   return members;
 }
@@ -120,8 +114,8 @@ std::span<const LiverFamily> liver_families() {
        "dampings -0.2, 0, 2, 10 published"},
       {"cubic_stiffness", 6, varied_stiffness(cubic, {0.35, 0.7, 1.4}), start(), 20,
        "k1 0.7 published; its half and its double ours"},
-      {"cubic_hardening", 6, varied(cubic, &OscillatorParameters::k3, "k3", "N/m^3", {0.4, 0.8, 1.6}),
-       start(), 20, "k3 0.8 published; its half and its double ours"},
+      {"cubic_hardening", 6, varied(cubic, &OscillatorParameters::k3, "k3", "N/m³", {0.4, 0.8, 1.6}), start(),
+       20, "k3 0.8 published; its half and its double ours"},
       {"forced_amplitude", 7, varied(full_model, &OscillatorParameters::P, "P", "N", {0.1, 1.0}), start(), 60,
        "amplitudes published"},
       {"forced_stiffness", 7, varied_stiffness(full_model, {0.35, 0.7, 1.4}), start(), 60,

@@ -12,6 +12,8 @@
 
 #include <Eigen/Core>
 
+#include "problems/digits.hpp"
+
 namespace hmax {
 
 /// The six parameters; the defaults are the forced liver model of average mass.
@@ -147,7 +149,7 @@ class BasicOscillator {
         throw std::invalid_argument("oscillator parameter " + std::string(name) +
                                     " is not a finite number; give it a finite value");
     if (!(p.m > 0))
-      throw std::invalid_argument("oscillator parameter m is " + std::to_string(p.m) +
+      throw std::invalid_argument("oscillator parameter m is " + shortest_digits(p.m) +
                                   " but a mass must be positive; give m in kg, for instance 1.45");
     return p;
   }

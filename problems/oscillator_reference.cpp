@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "problems/digits.hpp"
+
 namespace hmax {
 namespace {
 
@@ -84,7 +86,7 @@ OscillatorReference::OscillatorReference(const OscillatorParameters& parameters,
     throw std::invalid_argument(
         "the initial state of the oscillator is not finite; give two finite numbers x, v");
   if (!(t_end >= 0) || !std::isfinite(t_end))
-    throw std::invalid_argument("t_end is " + std::to_string(t_end) +
+    throw std::invalid_argument("t_end is " + shortest_digits(t_end) +
                                 "; give a finite time that is not negative");
 
   Real t = 0;

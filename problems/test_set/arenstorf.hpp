@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "problems/digits.hpp"
 #include "problems/test_set/common.hpp"
 
 namespace hmax {
@@ -51,7 +52,7 @@ class Arenstorf {
         moon_(static_cast<Real>(parameters.mu)),
         earth_(Real(1) - moon_) {
     if (!(parameters.mu > 0 && parameters.mu < 1))
-      throw std::invalid_argument("parameter mu of arenstorf is " + std::to_string(parameters.mu) +
+      throw std::invalid_argument("parameter mu of arenstorf is " + shortest_digits(parameters.mu) +
                                   " but the smaller body's share of the mass lies between 0 and 1");
   }
 

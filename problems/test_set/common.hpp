@@ -19,6 +19,8 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "problems/digits.hpp"
+
 namespace hmax {
 
 /// The parameters of a problem by name: `p.*member` reads and writes the value.
@@ -46,7 +48,7 @@ const Parameters& finite_parameters(const Parameters& parameters, std::string_vi
 inline void require_positive(double value, std::string_view name, std::string_view id) {
   if (!(value > 0))
     throw std::invalid_argument("parameter " + std::string(name) + " of " + std::string(id) + " is " +
-                                std::to_string(value) + " but must be positive");
+                                shortest_digits(value) + " but must be positive");
 }
 
 /// A parameter that counts: how many grid points or masses there are.
@@ -54,7 +56,7 @@ inline void require_positive(double value, std::string_view name, std::string_vi
 inline Eigen::Index count_of(double value, std::string_view name, std::string_view id) {
   if (!(value >= 1) || !(value <= 1e7) || value != std::floor(value))
     throw std::invalid_argument("parameter " + std::string(name) + " of " + std::string(id) + " is " +
-                                std::to_string(value) + " but must be a whole number from 1 to 10000000");
+                                shortest_digits(value) + " but must be a whole number from 1 to 10000000");
   return static_cast<Eigen::Index>(value);
 }
 

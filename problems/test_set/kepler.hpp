@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "problems/digits.hpp"
 #include "problems/test_set/common.hpp"
 
 namespace hmax {
@@ -42,7 +43,7 @@ class Kepler {
   explicit Kepler(const Parameters& parameters = {})
       : parameters_(detail::finite_parameters(parameters, id)) {
     if (!(parameters.e >= 0 && parameters.e < 1))
-      throw std::invalid_argument("parameter e of kepler is " + std::to_string(parameters.e) +
+      throw std::invalid_argument("parameter e of kepler is " + shortest_digits(parameters.e) +
                                   " but the eccentricity of an ellipse lies in [0, 1)");
   }
 

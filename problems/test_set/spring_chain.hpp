@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "problems/digits.hpp"
 #include "problems/test_set/common.hpp"
 
 namespace hmax {
@@ -65,7 +66,7 @@ class SpringChain {
     detail::require_positive(parameters.m, "m", id);
     detail::require_positive(parameters.k, "k", id);
     if (parameters.c < 0)
-      throw std::invalid_argument("parameter c of spring_chain is " + std::to_string(parameters.c) +
+      throw std::invalid_argument("parameter c of spring_chain is " + shortest_digits(parameters.c) +
                                   " but a damper cannot push; give c >= 0");
   }
 

@@ -103,6 +103,8 @@ TEST(Oscillator, RefusesMassesThatAreNotPositiveAndParametersThatAreNotFinite) {
   EXPECT_NE(message(p).find("m is 0"), std::string::npos);
   p.m = -1;
   EXPECT_NE(message(p).find("must be positive"), std::string::npos);
+  p.m = -2.5e-9;
+  EXPECT_NE(message(p).find("m is -2.5e-09"), std::string::npos) << message(p);
   for (const auto& [name, member] : oscillator_parameter_names)
     for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
       p = {};
