@@ -29,6 +29,7 @@ struct Reference {
   std::string name;                             ///< how it was obtained
   /// The same in long double; null where there is only double.
   std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> extended_at;
+  double extended_error = 0;  ///< bound of the error of `extended_at`, where it is more than rounding
 };
 
 /// A problem in the highest precision it is written in, for orders that double is too coarse to see.
@@ -44,6 +45,10 @@ struct Problem {
   Eigen::VectorXd y0;
   double t_end = 0;  ///< default end time [s]
   bool has_exact_solution = false;
+  bool stiff = false;  ///< by its nature: explicit methods need tiny steps for stability alone
+  /// The solution from y0 as the problem itself knows it, shape (dim); null where it does not, and for the
+  /// oscillator, whose reference knows better.
+  std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> exact = nullptr;
   /// Two numbers on the stack are worth a type of their own; everything else is called through a pointer.
   std::variant<Oscillator, AnySystem> system;
   ExtendedSystem extended{BasicOscillator<long double>()};  ///< the same system in long double
@@ -65,8 +70,9 @@ std::vector<std::string> problem_ids();
 ///                     values, numbers that are not finite, or a file that is no problem
 Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings = {});
 
-/// A reference on [0, t_end]: the Taylor series of the oscillator; for formulas Boost.Odeint's extrapolation
-/// method at tight tolerance, or dop_853 where Boost is missing (`name` says which).
+/// A reference on [0, t_end]: the Taylor series of the oscillator; the exact solution of the test set, or
+/// extrapolation in long double where there is none; for formulas Boost.Odeint's extrapolation method at
+/// tight tolerance, or dop_853 where Boost is missing (`name` says which).
 Reference make_reference(const Problem& problem, double t_end);
 
 /// Numbers by name, in a fixed order.

@@ -41,6 +41,8 @@ class ExtrapolationReference {
   [[nodiscard]] double valid_until() const { return valid_until_; }
   /// Bound of |at(t) - y(t)| in the maximum norm.
   [[nodiscard]] double error_bound() const { return error_bound_; }
+  /// Bound of |extended_at(t) - y(t)|, without the rounding to double.
+  [[nodiscard]] double extended_error_bound() const { return extended_error_bound_; }
   /// The same relative to each component's own size at valid_until(), shape (dim).
   [[nodiscard]] const Eigen::VectorXd& relative_error_at_end() const { return relative_error_at_end_; }
   [[nodiscard]] std::size_t steps() const { return points_.size() - 1; }
@@ -55,7 +57,7 @@ class ExtrapolationReference {
   System system_;
   ExtrapolatedRule rule_;
   std::vector<Point> points_;
-  double valid_until_ = 0, error_bound_ = 0;
+  double valid_until_ = 0, error_bound_ = 0, extended_error_bound_ = 0;
   Eigen::VectorXd relative_error_at_end_;
 };
 

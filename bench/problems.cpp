@@ -1,6 +1,7 @@
-/// Problems by name: the oscillators of the study and users' formulas.
+/// Problems by name: the oscillators of the study, the test set and users' formulas.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -13,6 +14,18 @@
 #include "problems/liver_materials.hpp"
 #include "problems/liver_problems.hpp"
 #include "problems/oscillator_exact.hpp"
+#include "problems/test_set/arenstorf.hpp"
+#include "problems/test_set/brusselator.hpp"
+#include "problems/test_set/dahlquist.hpp"
+#include "problems/test_set/hires.hpp"
+#include "problems/test_set/kepler.hpp"
+#include "problems/test_set/lorenz.hpp"
+#include "problems/test_set/oregonator.hpp"
+#include "problems/test_set/pleiades.hpp"
+#include "problems/test_set/prothero_robinson.hpp"
+#include "problems/test_set/robertson.hpp"
+#include "problems/test_set/spring_chain.hpp"
+#include "problems/test_set/van_der_pol.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -38,10 +51,22 @@ void override_start(Problem& problem, const std::vector<double>& y0) {
   problem.y0 = Eigen::Map<const Eigen::VectorXd>(y0.data(), static_cast<Eigen::Index>(y0.size()));
 }
 
+/// Puts the settings into parameters that have names.
+template <class P, class Names>
+void set_parameters(P& parameters, const Names& names, const ProblemSettings& settings, std::string_view id) {
+  std::vector<std::string> known;
+  for (const auto& [name, member] : names) known.emplace_back(name);
+  for (const auto& [name, value] : settings.parameters) {
+    const auto it = std::ranges::find(known, name);
+    if (known.empty())
+      throw InputError(fmt::format("{} has no parameters to set, so no '{}'; leave --set out", id, name));
+    if (it == known.end()) unknown("parameter", name, known, fmt::format(" of {}", id));
+    parameters.*(names[static_cast<std::size_t>(it - known.begin())].second) = value;
+  }
+}
+
 Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& settings) {
   OscillatorParameters parameters = liver.parameters;
-  std::vector<std::string> names;
-  for (const auto& [name, member] : oscillator_parameter_names) names.emplace_back(name);
 
   std::string material = settings.material;
   if (material.empty() && liver.id == "liver_benchmark") material = "male_normal";
@@ -52,13 +77,7 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
     if (std::ranges::find(ids, id) == ids.end()) unknown("material", id, ids, "");
     parameters = with_material(parameters, material);
   }
-  for (const auto& [name, value] : settings.parameters) {
-    const auto it =
-        std::ranges::find(oscillator_parameter_names, name, [](const auto& entry) { return entry.first; });
-    if (it == oscillator_parameter_names.end())
-      unknown("parameter", name, names, fmt::format(" of {}", liver.id));
-    parameters.*(it->second) = value;
-  }
+  set_parameters(parameters, oscillator_parameter_names, settings, liver.id);
   Problem problem{.id = std::string(liver.id),
                   .material = material,
                   .note = std::string(liver.note),
@@ -73,6 +92,54 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
   override_start(problem, settings.y0);
   problem.has_exact_solution = exact_solution(parameters, problem.y0).has_value();
   return problem;
+}
+
+/// The problems of the test set, in the order in which they are listed.
+template <template <class Real> class... P>
+struct Templates {};
+using TestSet = Templates<Dahlquist, VanDerPol, Robertson, Hires, Pleiades, Oregonator, Kepler, Arenstorf,
+                          Lorenz, Brusselator, ProtheroRobinson, SpringChain>;
+
+template <template <class Real> class P>
+Problem test_set_problem(const ProblemSettings& settings) {
+  using Wide = P<long double>;
+  if (!settings.material.empty())
+    throw InputError(
+        fmt::format("--material is for the liver oscillators; {} has parameters of its own", Wide::id));
+  typename Wide::Parameters parameters;
+  set_parameters(parameters, Wide::Parameters::names, settings, Wide::id);
+  const Wide system(parameters);
+  Problem problem{.id = std::string(Wide::id),
+                  .material = "",
+                  .note = fmt::format("{} [{}]", Wide::note, Wide::source),
+                  .parameters = {},
+                  .states = system.states(),
+                  .y0 = system.y0().template cast<double>(),
+                  .t_end = Wide::t_end,
+                  .stiff = Wide::stiff,
+                  .exact = nullptr,
+                  .system = AnySystem(P<double>(parameters)),
+                  .extended = ExtendedSystem(system)};
+  for (const auto& [name, member] : Wide::Parameters::names)
+    problem.parameters.emplace_back(name, parameters.*member);
+  override_start(problem, settings.y0);
+  if constexpr (requires { system.exact(0, system.y0()); }) {
+    const typename Wide::State start = problem.y0.template cast<long double>();
+    // A start without a closed form (an orbit that is no ellipse, a cubic spring) answers NaN at once.
+    if (system.exact(0, start).allFinite()) {
+      problem.has_exact_solution = true;
+      problem.exact = [system, start](long double t) -> Eigen::Vector<long double, Eigen::Dynamic> {
+        return system.exact(t, start);
+      };
+    }
+  }
+  return problem;
+}
+
+/// Calls visit(id, make) for each problem of the test set.
+template <template <class Real> class... P, class Visit>
+void each_of(Templates<P...>, const Visit& visit) {
+  (visit(P<double>::id, test_set_problem<P>), ...);
 }
 
 Problem formula_problem(const std::string& file, const ProblemSettings& settings) {
@@ -112,6 +179,7 @@ Problem formula_problem(const std::string& file, const ProblemSettings& settings
 std::vector<std::string> problem_ids() {
   std::vector<std::string> ids;
   for (const LiverProblem& problem : liver_problems()) ids.emplace_back(problem.id);
+  each_of(TestSet{}, [&](std::string_view id, auto) { ids.emplace_back(id); });
   return ids;
 }
 
@@ -120,6 +188,11 @@ Problem make_problem(const std::string& id_or_file, const ProblemSettings& setti
     if (id_or_file.ends_with(".toml")) return formula_problem(id_or_file, settings);
     for (const LiverProblem& problem : liver_problems())
       if (problem.id == id_or_file) return oscillator_problem(problem, settings);
+    std::optional<Problem> found;
+    each_of(TestSet{}, [&](std::string_view id, auto make) {
+      if (id == id_or_file) found = make(settings);
+    });
+    if (found) return *found;
   } catch (const std::invalid_argument& error) {
     throw InputError(error.what());
   }

@@ -19,6 +19,12 @@ Json to_json(const std::vector<std::pair<std::string, double>>& parameters) {
   return object;
 }
 
+/// All words, or the first two and the last of more than six.
+std::string abbreviated(const std::vector<std::string>& words) {
+  if (words.size() <= 6) return fmt::format("{}", fmt::join(words, ","));
+  return fmt::format("{},{},...,{}", words[0], words[1], words.back());
+}
+
 void list_problems(Console& console) {
   Json document = Json::array();
   TextTable table({"problem", "states", "y0", "t_end [s]", "exact", "parameters"});
@@ -33,9 +39,10 @@ void list_problems(Console& console) {
                         {"has_exact_solution", problem.has_exact_solution},
                         {"states", problem.states},
                         {"note", problem.note}});
-    table.add({id, fmt::format("{}", fmt::join(problem.states, ",")), describe(problem.y0),
-               short_number(problem.t_end), problem.has_exact_solution ? "yes" : "no",
-               describe(problem.parameters)});
+    std::vector<std::string> y0;
+    for (const double value : problem.y0) y0.push_back(short_number(value));
+    table.add({id, abbreviated(problem.states), abbreviated(y0), short_number(problem.t_end),
+               problem.has_exact_solution ? "yes" : "no", describe(problem.parameters)});
     notes += fmt::format("{}: {}\n", id, problem.note);
   }
   if (console.json) return console.print_json(document);

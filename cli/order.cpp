@@ -53,8 +53,8 @@ void order(const OrderOptions& options, Console& console) {
       extended ? std::numeric_limits<long double>::epsilon() : std::numeric_limits<double>::epsilon();
   const long double scale = std::max(1.0L, exact(times.front()).cwiseAbs().maxCoeff());
   // Rounding of up to 20000 steps, with a margin that keeps it out of the slope.
-  const double floor =
-      std::max(static_cast<double>(200 * epsilon * scale), extended ? 0.0 : 30 * reference.error_bound);
+  const double floor = std::max(static_cast<double>(200 * epsilon * scale),
+                                30 * (extended ? reference.extended_error : reference.error_bound));
 
   const Runner runner = method.bind(problem);
   Progress progress(console, "order");

@@ -110,6 +110,7 @@ class Kepler {
     Real low = anomaly - Real(2) * e - Real(1), high = anomaly + Real(2) * e + Real(1), D = anomaly;
     for (int i = 0; i < 200; ++i) {
       const Real gap = mean(D) - anomaly;
+      if (gap == Real(0)) break;
       (gap > 0 ? high : low) = D;
       Real next = D - gap / (Real(1) - p * cos(D) + w * sin(D));
       if (!(next > low && next < high)) next = (low + high) / Real(2);

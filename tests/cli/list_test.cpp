@@ -27,7 +27,7 @@ TEST(List, MethodsHaveTheKeysOfTheContract) {
 
 TEST(List, ProblemsHaveTheKeysOfTheContract) {
   const Json problems = Shell().hmax("--json list problems").json();
-  ASSERT_EQ(problems.size(), 4U);
+  ASSERT_EQ(problems.size(), 16U);
   for (const Json& problem : problems)
     expect_keys(problem, {"id", "dimension", "parameters", "y0", "t_end", "has_exact_solution"});
   // The numbers of the published full model.
