@@ -54,7 +54,8 @@ std::string describe(const std::vector<Equilibrium>& equilibria) {
   std::string text;
   for (const Equilibrium& e : equilibria) {
     const auto& [first, second] = e.eigenvalues;
-    const std::string values = first.imag() != 0
+    // Rounding splits a double eigenvalue into a pair about sqrt(epsilon) apart.
+    const std::string values = std::abs(first.imag()) > 1e-7 * std::abs(first)
                                    ? fmt::format("{:.4g} ± {:.4g}i", first.real(), std::abs(first.imag()))
                                    : fmt::format("{:.4g} and {:.4g}", first.real(), second.real());
     text += fmt::format("{}`{}` at ({:.3g}, {:.3g}), eigenvalues {} 1/s", text.empty() ? "" : "; ",
@@ -212,7 +213,7 @@ class Study {
     Figure cost = step_cost_figure(rows_.published_model, all);
     cost.title = "The cost of one step does not depend on its size";
     Figure exciting = step_figure(rows_.self_exciting, five);
-    exciting.title = "With the damping of -2 that the study's text names, every step above 0.05 s diverges";
+    exciting.title = "With the damping of -2 that the study's text names, only small steps follow the growth";
     sections_.push_back(
         {.title = "Figure 1: CPU time against step size",
          .text = "The full model `1.45 x'' + 2 x' + 0.7 x + 0.8 x³ = 0.5 cos(0.5 t)`, x(0) = 0.5, x'(0) = 1, "
@@ -342,11 +343,10 @@ class Study {
         equilibria_table(damping, window);
     for (const std::string_view id : {"cubic_stiffness", "cubic_hardening"}) {
       const LiverFamily& family = liver_family(id);
-      std::vector<PhasePlane> varied{{.title = std::string(family.note), .orbits = curves_of(family)}};
-      figures.push_back(
-          drawn(phase_figure(id == "cubic_stiffness" ? "Linear stiffness varied" : "Cubic stiffness varied",
-                             varied),
-                "figure_6_" + std::string(id), curve_footer(family)));
+      const char* title = id == "cubic_stiffness" ? "The stiffer the liver, the less far it swings"
+                                                  : "The harder the cubic spring, the less far it swings";
+      figures.push_back(drawn(phase_figure(title, {{.orbits = curves_of(family)}}),
+                              "figure_6_" + std::string(id), curve_footer(family)));
       text += "\n" + equilibria_table(family, window);
     }
     sections_.push_back(
@@ -366,7 +366,7 @@ class Study {
     std::vector<FigureFiles> figures;
     for (const auto& [id, title] :
          {std::pair{"forced_amplitude", "The force sets the size of the lasting motion"},
-          std::pair{"forced_stiffness", "Under force the stiffness hardly matters"},
+          std::pair{"forced_stiffness", "A stiffer liver moves less under the same force"},
           std::pair{"forced_damping", "Damping decides how long the start is remembered"}}) {
       const LiverFamily& family = liver_family(id);
       figures.push_back(drawn(four_views(title, curves_of(family, 40), 15), "figure_7_" + std::string(id),

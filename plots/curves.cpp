@@ -41,7 +41,8 @@ std::string number(double value) {
 }
 
 std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& lambda) {
-  if (lambda[0].imag() == 0 && lambda[1].imag() == 0)
+  // Rounding splits a double eigenvalue into a pair about sqrt(epsilon) apart.
+  if (std::abs(lambda[0].imag()) <= 1e-7 * std::abs(lambda[0]))
     return fmt::format("λ = {}, {} 1/s", number(lambda[0].real()), number(lambda[1].real()));
   const std::string real = number(lambda[0].real());
   return fmt::format("λ = {}{}i 1/s", real == "0" ? "±" : real + " ± ", number(std::abs(lambda[0].imag())));
@@ -111,12 +112,19 @@ Panel phase_panel(const PhasePlane& plane) {
       }
       nullclines.push_back(std::move(curve));
     }
+  std::vector<Mark> starts;
   for (std::size_t k = 0; k < plane.orbits.size(); ++k) {
     Curve orbit = curve_of(plane.orbits[k], plane.x, plane.v, static_cast<int>(k));
     if (!orbit.x.empty())
-      panel.marks.push_back({orbit.x[0], orbit.y[0], {.colour = orbit.style.colour, .marker = 9}, "start"});
+      starts.push_back({orbit.x[0], orbit.y[0], {.colour = orbit.style.colour, .marker = 9}, "start"});
     panel.curves.push_back(std::move(orbit));
   }
+  const auto shared = [&](const Mark& mark) { return mark.x == starts[0].x && mark.y == starts[0].y; };
+  if (starts.size() > 1 && std::ranges::all_of(starts, shared)) {
+    starts.resize(1);
+    starts[0].style.colour = 6;  // of no orbit
+  }
+  panel.marks = std::move(starts);
   // Under the orbits in the drawing, after them in the key: first drawn is lowest, and the key follows the
   // drawing.
   panel.curves.insert(panel.curves.begin(), nullclines.begin(), nullclines.end());

@@ -292,12 +292,13 @@ class Writer {
   std::vector<double> tops_;
 };
 
-/// Appends a block of `columns` columns and returns its number.
+/// Appends a block of `columns` columns and returns its number. A row of NaN is an empty line, which ends a
+/// line of the drawing.
 int Writer::block(const std::string& comment, const std::vector<std::array<double, 4>>& rows, int columns) {
   if (blocks_ > 0) data_ += "\n\n";
   data_ += "# " + one_line(comment) + "\n";
   for (const auto& row : rows) {
-    for (int i = 0; i < columns; ++i)
+    for (int i = 0; i < columns && !std::isnan(row[0]); ++i)
       data_ += fmt::format("{}{}", i == 0 ? "" : " ", row[static_cast<std::size_t>(i)]);
     data_ += "\n";
   }
@@ -376,6 +377,11 @@ void Writer::panel(const Panel& panel, std::size_t index) {
       const bool hidden = curve.style.marker == 0 && !rows.empty() && i + 1 < curve.x.size() &&
                           std::hypot(here.first - last.first, here.second - last.second) < 0.25;
       if (hidden) continue;
+      // A line across a lost run would show a result that is not there.
+      const bool lost_between = !rows.empty() && std::ranges::any_of(curve.lost, [&](double lost) {
+        return std::min(rows.back()[0], row[0]) < lost && lost < std::max(rows.back()[0], row[0]);
+      });
+      if (lost_between) rows.push_back({NAN, NAN, NAN, NAN});
       rows.push_back(row);
       last = here;
     }

@@ -135,6 +135,18 @@ TEST(PhasePanel, NamesTypeAndEigenvaluesOfEveryRestPoint) {
   EXPECT_EQ(panel.marks.size(), 4u);  // three rest points and the start of the orbit
 }
 
+TEST(PhasePanel, OrbitsFromOnePointShareItsMark) {
+  LabelledTable other{"b", orbit()};
+  EXPECT_EQ(phase_panel({.orbits = {{"a", orbit()}, other}}).marks.size(), 1u);
+  for (std::vector<double>& values : other.table.values) values.front() += 1;
+  EXPECT_EQ(phase_panel({.orbits = {{"a", orbit()}, other}}).marks.size(), 2u);
+}
+
+TEST(PhasePanel, ADoubleEigenvalueIsNoPairForItsRounding) {
+  const Panel panel = phase_panel({.rest_points = {{0, 0, "stable_node", {{{-1.5, 2e-8}, {-1.5, -2e-8}}}}}});
+  EXPECT_EQ(panel.notes.at(0), "stable node at (0, 0): λ = −1.5, −1.5 1/s");
+}
+
 TEST(RunningTotals, TheOrderOfRunningFollowsTheClock) {
   // Three solvers on one clock: b ran first, then c, then a; d belongs to another session.
   const Table printed{{}, {"h", "a", "b", "c", "d"}, {{1, 0.1}, {9, 12}, {1, 2}, {2, 8.5}, {5, 6}}};

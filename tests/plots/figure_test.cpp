@@ -177,6 +177,13 @@ TEST(FigureSourceText, PointsThatCannotBeDrawnAreLeftOut) {
   }
 }
 
+TEST(FigureSourceText, NoLineCrossesALostRun) {
+  Figure figure = small_figure();
+  figure.panels[0].curves = {{.label = "Euler", .x = {0.01, 0.02, 2}, .y = {1, 2, 3}, .lost = {0.5, 4}}};
+  const std::string data = source_of(figure, "steps").data;
+  EXPECT_NE(data.find("\n0.01 1\n0.02 2\n\n2 3\n"), std::string::npos) << data;
+}
+
 TEST_F(FigureTest, APanelWithNothingToDrawIsDrawnEmpty) {
   Figure figure{
       .panels = {{.x = {"h [s]", true}, .y = {"error [1]", true}}, {.x = {"t [s]"}, .y = {"x [m]"}}}};
