@@ -1,4 +1,5 @@
-/// The subcommands of `hmax`, one source file each: parsing and printing only.
+/// The subcommands of `hmax`, one source file each, which parses and prints; reproduce_oscillators alone also
+/// composes a report.
 ///
 /// add_NAME() adds the subcommand to the application. Its callback runs after parsing; it reports bad input
 /// by throwing InputError and a check that failed by console.exit_code.

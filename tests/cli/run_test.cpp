@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "results/table.hpp"
 #include "tests/cli/program.hpp"
 
@@ -42,6 +44,15 @@ TEST(Run, SettingsChangeTheProblem) {
   EXPECT_EQ(run.at("parameters").at("P"), 0);
   EXPECT_EQ(run.at("y0"), Json({-1, 2}));
   EXPECT_EQ(run.at("control"), "deadband");
+  // The settings reach the integration: started elsewhere, damped more or unforced the liver ends elsewhere.
+  const auto end = [&](const std::string& options) {
+    return shell.hmax("run --problem liver_forced --method rk4 --h 0.01 --t-end 5 --json " + options)
+        .json()
+        .at("y")[0]
+        .get<double>();
+  };
+  for (const char* options : {"--set c=6", "--set P=0", "--set m=2", "--y0 -1,2"})
+    EXPECT_GT(std::abs(end(options) - end("")), 0.01) << options;
   const auto steps = [&](const std::string& control) {
     return shell
         .hmax("run --problem liver_forced --method ode45 --rtol 1e-3 --atol 1e-6 --json --control " + control)
