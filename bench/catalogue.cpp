@@ -20,6 +20,7 @@ namespace {
 std::vector<Method> all_methods() {
   std::vector<Method> all;
   add_explicit_rk(all);
+  add_adams(all);
   return all;
 }
 

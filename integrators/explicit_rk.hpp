@@ -178,6 +178,14 @@ class ExplicitRk {
       first_stage_known_ = false;
   }
 
+  /// The first stage f(t, y) of the next attempt, for methods that start from this one and keep slopes of
+  /// their own: known after accept() if the last stage is the first of the next step.
+  [[nodiscard]] const State& first_stage() const { return k_[0]; }
+  void set_first_stage(const State& slope) {
+    copy_state(slope, k_[0]);
+    first_stage_known_ = true;
+  }
+
   /// Square of the weighted error norm of the last attempt; at most 1 means good enough.
   /// With two error rows (DOP853) the estimates e5 and e3 are combined as |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2)
   /// [hairer1993solving, II.10].

@@ -2,6 +2,7 @@
 /// is laid out.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -151,6 +152,56 @@ template <class State, class Stages>
 inline void stage_argument(std::span<const long double> weights, const State& y, real_of<State> h,
                            const Stages& k, State& out) {
   add_increment(weights, y, h, k, out);
+}
+
+namespace detail {
+/// Numbers of a vector that stay in the innermost cache while all terms are added to them.
+inline constexpr Eigen::Index block_size = 256;
+
+/// Calls f(first, length) for the blocks of a vector of n numbers.
+template <class F>
+inline void for_each_block(Eigen::Index n, F&& f) {
+  for (Eigen::Index first = 0; first < n; first += block_size) f(first, std::min(block_size, n - first));
+}
+}  // namespace detail
+
+/// out = sum_j weights_j terms[j], with weights known at run time: at least one, and at least as many terms
+/// of shape (n). One pass over memory.
+template <class Real, class Terms, class State>
+inline void combine(std::span<const Real> weights, const Terms& terms, State& out) {
+  if constexpr (is_small_state<State>) {
+    for_each_component<State>([&](Eigen::Index d) {
+      typename State::Scalar sum = weights[0] * terms[0][d];
+      for (std::size_t j = 1; j < weights.size(); ++j) sum += weights[j] * terms[j][d];
+      out[d] = sum;
+    });
+  } else {
+    detail::for_each_block(out.size(), [&](Eigen::Index first, Eigen::Index length) {
+      auto part = out.segment(first, length);
+      part = weights[0] * terms[0].segment(first, length);
+      for (std::size_t j = 1; j < weights.size(); ++j) part += weights[j] * terms[j].segment(first, length);
+    });
+  }
+}
+
+/// out = y + h sum_j weights_j terms[j]. The small increment is summed first: this rounding stays.
+template <class Real, class Terms, class State>
+inline void add_combination(const State& y, Real h, std::span<const Real> weights, const Terms& terms,
+                            State& out) {
+  if constexpr (is_small_state<State>) {
+    for_each_component<State>([&](Eigen::Index d) {
+      typename State::Scalar sum = weights[0] * terms[0][d];
+      for (std::size_t j = 1; j < weights.size(); ++j) sum += weights[j] * terms[j][d];
+      out[d] = y[d] + h * sum;
+    });
+  } else {
+    detail::for_each_block(out.size(), [&](Eigen::Index first, Eigen::Index length) {
+      auto part = out.segment(first, length);
+      part = weights[0] * terms[0].segment(first, length);
+      for (std::size_t j = 1; j < weights.size(); ++j) part += weights[j] * terms[j].segment(first, length);
+      part = y.segment(first, length) + h * part;
+    });
+  }
 }
 
 }  // namespace hmax

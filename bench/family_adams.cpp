@@ -1,0 +1,41 @@
+/// The Adams methods of the catalogue.
+#include <string>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "bench/bind.hpp"
+#include "bench/families.hpp"
+#include "integrators/adams.hpp"
+
+namespace hmax {
+
+namespace {
+
+Method fixed_step_adams(std::string_view prefix, AdamsMode mode, int k) {
+  return {.id = fmt::format("{}_{}", prefix, k),
+          .aliases = {},
+          .family = "adams",
+          .order = k,
+          .error_order = 0,
+          .stages = mode == AdamsMode::pece ? 2 : 1,
+          .engine = "hmax",
+          .source = "hairer1993solving",
+          .bind = [=](const Problem& problem) {
+            return bind_problem(problem, 0, [=](auto sys) {
+              using Sys = typename decltype(sys)::type;
+              return Adams<typename Sys::State>(mode, k);
+            });
+          }};
+}
+
+}  // namespace
+
+void add_adams(std::vector<Method>& all) {
+  for (const auto& [prefix, mode] : {std::pair{"adams_bashforth", AdamsMode::bashforth},
+                                     {"abm_pece", AdamsMode::pece},
+                                     {"abm_pec", AdamsMode::pec}})
+    for (int k = 1; k <= 6; ++k) all.push_back(fixed_step_adams(prefix, mode, k));
+}
+
+}  // namespace hmax
