@@ -82,9 +82,10 @@ using Parameters = std::vector<std::pair<std::string, double>>;
 struct Method {
   std::string id;
   std::vector<std::string> aliases;
-  std::string family;  ///< explicit_runge_kutta, ...
-  int order = 0;
-  int error_order = 0;  ///< err = O(h^error_order); 0: no error estimate, fixed steps only
+  std::string family;   ///< explicit_runge_kutta, ...
+  int order = 0;        ///< 0 with !fixed_step: chosen in the run
+  int error_order = 0;  ///< err = O(h^error_order), of the lowest order where that is chosen in the run; 0:
+                        ///< no error estimate, fixed steps only
   int stages = 0;
   bool is_explicit = true, needs_jacobian = false, a_stable = false, l_stable = false;
   std::string engine;               ///< hmax, or the library that runs it
@@ -100,6 +101,11 @@ struct Method {
   std::function<Method(const Parameters&)> with{};
 
   [[nodiscard]] bool adaptive() const { return error_order > 0; }
+  /// A method that chooses its order as it runs has no order of its own.
+  [[nodiscard]] bool has_variable_order() const { return order == 0 && !fixed_step; }
+  /// How far a measured order may be from `order`: multistep methods and high orders show theirs only at
+  /// steps that are close to rounding.
+  [[nodiscard]] double order_tolerance() const { return family == "adams" || order >= 6 ? 0.2 : 0.1; }
 };
 
 /// Every method, in the order in which they are listed.

@@ -7,6 +7,7 @@
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/adams.hpp"
+#include "integrators/adams_pece.hpp"
 
 namespace hmax {
 
@@ -29,6 +30,16 @@ Method fixed_step_adams(std::string_view prefix, AdamsMode mode, int k) {
           }};
 }
 
+/// It has no runs at fixed step, so none in long double either.
+Runner bind_adams_pece(const Problem& problem) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) {
+        using State = typename Sys::State;
+        return make_runner(detail::StepperEngine<AdamsPece<State>>{}, system, State(problem.y0));
+      },
+      problem.system);
+}
+
 }  // namespace
 
 void add_adams(std::vector<Method>& all) {
@@ -36,6 +47,16 @@ void add_adams(std::vector<Method>& all) {
                                      {"abm_pece", AdamsMode::pece},
                                      {"abm_pec", AdamsMode::pec}})
     for (int k = 1; k <= 6; ++k) all.push_back(fixed_step_adams(prefix, mode, k));
+  all.push_back({.id = "adams_pece",
+                 .aliases = {"ode113"},
+                 .family = "adams",
+                 .order = 0,
+                 .error_order = 2,
+                 .stages = 2,
+                 .engine = "hmax",
+                 .source = "shampine1975computer",
+                 .fixed_step = false,
+                 .bind = bind_adams_pece});
 }
 
 }  // namespace hmax

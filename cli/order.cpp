@@ -34,9 +34,28 @@ struct OrderOptions {
   std::optional<double> t_end;
 };
 
+/// A method of variable order has no order to expect, and no runs at fixed step that could show one.
+void report_variable_order(const Problem& problem, const Method& method, Console& console) {
+  const std::string status = fmt::format(
+      "{} chooses order and step as it runs, so there is no order to measure; `hmax precision` shows its "
+      "error "
+      "against its cost",
+      method.id);
+  if (console.json)
+    return console.print_json(Json{{"problem", problem.id},
+                                   {"method", method.id},
+                                   {"expected", Json()},
+                                   {"observed", Json()},
+                                   {"h", Json::array()},
+                                   {"error", Json::array()},
+                                   {"status", status}});
+  console.print(status + "\n");
+}
+
 void order(const OrderOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   const Method method = options.method.make();
+  if (method.has_variable_order()) return report_variable_order(problem, method, console);
   const std::vector<double> times = options.t_end ? std::vector{*options.t_end} : end_times(problem.t_end);
   check({.t_end = times.back(), .h = times.back()}, method, problem);
   const Reference reference = make_reference(problem, times.back());
@@ -65,7 +84,7 @@ void order(const OrderOptions& options, Console& console) {
   };
   const OrderObservation seen = observe_order(error_of, times, floor);
 
-  constexpr double tolerance = 0.1;
+  const double tolerance = method.order_tolerance();
   const bool shown = seen.observed && std::abs(*seen.observed - method.order) <= tolerance;
   const std::string status = !seen.observed
                                  ? "too few errors lie above rounding to fit a slope; try another --t-end"

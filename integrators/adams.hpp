@@ -102,7 +102,7 @@ class Adams {
     // In units of h from the newest value, t for the explicit formula and t + h for the corrector.
     const bool explicitly = mode_ == AdamsMode::bashforth;
     const Real s = explicitly ? theta : theta - 1;
-    std::array<Real, max_order> g, w;
+    std::array<Real, max_order> g{}, w{};
     const std::span<Real> differences(g.data(), k_), values(w.data(), k_);
     adams::interpolation_weights<Real>(s, distances_, differences);
     adams::weights_of_values<Real>(differences, values);

@@ -13,8 +13,14 @@ TEST(OrderCommand, EveryMethodShowsItsOrderOnALinearANonlinearAndAForcedCase) {
                                    method.at("id").get<std::string>());
       ASSERT_EQ(told.exit_code, 0) << told.out << told.err;
       const Json order = told.json();
+      if (method.at("order") == 0) {
+        EXPECT_TRUE(order.at("expected").is_null() && order.at("observed").is_null());
+        EXPECT_NE(order.at("status"), "");
+        continue;
+      }
       EXPECT_EQ(order.at("expected"), method.at("order"));
-      EXPECT_NEAR(order.at("observed").get<double>(), order.at("expected").get<double>(), 0.1)
+      const bool coarse = method.at("family") == "adams" || method.at("order") >= 6;
+      EXPECT_NEAR(order.at("observed").get<double>(), order.at("expected").get<double>(), coarse ? 0.2 : 0.1)
           << method.at("id") << " on " << problem;
       EXPECT_EQ(order.at("h").size(), order.at("error").size());
       EXPECT_GE(order.at("h").size(), 3U);

@@ -6,6 +6,7 @@
   ((condition) ? void(0) : throw std::logic_error("Eigen's assertion failed: " #condition))
 
 #include "integrators/adams.hpp"
+#include "integrators/adams_pece.hpp"
 #include "integrators/control.hpp"
 #include "integrators/integrate.hpp"
 #include "tests/integrators/methods.hpp"
@@ -41,6 +42,13 @@ TEST(AdamsAllocatesNothing, FromItsStartToItsShorterLastStep) {
   for (const AdamsMode mode : {AdamsMode::bashforth, AdamsMode::pece, AdamsMode::pec})
     for (const int k : {2, 4})
       EXPECT_EQ(run(Adams<State>(mode, k), FixedStep<double>(0.02)).stats.steps, 151);
+}
+
+TEST(AdamsAllocatesNothing, WhileItChoosesOrderAndStep) {
+  using Method = AdamsPece<State>;
+  const auto end = run(Method(), Method::Control({1e-6, 1e-6}));
+  EXPECT_EQ(end.outcome, Outcome::reached_end);
+  EXPECT_GT(end.stats.steps, 20);
 }
 
 }  // namespace

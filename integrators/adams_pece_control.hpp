@@ -1,0 +1,163 @@
+/// How Shampine and Gordon's Adams method chooses its order and its step.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "integrators/control.hpp"
+#include "integrators/state.hpp"
+
+namespace hmax {
+
+/// Estimates of the local error of one attempt at order k; 0 below order 1.
+template <class Real>
+struct AdamsErrors {
+  Real step;                          ///< of the attempt as its steps really are; this is what is tested
+  Real at_order;                      ///< as at equal steps of order k,
+  Real one_below = 0, two_below = 0;  ///< k - 1 and k - 2: these choose the order
+};
+
+/// The rules of subroutine STEP [shampine1975computer]:
+/// - The error test is |e / w|_2 <= eps with eps = max(rtol, atol) and w_i = (rtol |y_i| + atol) / eps: the
+///   Euclidean norm over all components, not their mean.
+/// - The run begins with order 1, and while all goes well each step raises the order and doubles the step.
+/// - Then the order falls when errors at lower orders are no larger, and rises when that at the next one is
+///   smaller, which only equal steps can tell. Steps double when the error allows it, keep their size, or
+///   shrink by a factor of 0.5 to 0.9: equal steps are cheap and stable, so no other growth is worth it.
+/// - A failed step is halved; after the third failure in a row the order is 1.
+/// A tolerance below what rounding allows is taken as the smallest that it does.
+/// A relative tolerance above one half is taken as one half: errors as large as the state let it run away.
+/// STEP leaves to its caller what eps stands for. Here it is 0.7 of the tolerance: near eps = 1e-10 the
+/// highest orders work at the edge of their stability, and global errors of several eps are common.
+template <class Real>
+class ShampineGordonControl {
+ public:
+  explicit ShampineGordonControl(Tolerances<Real> tolerances) : tolerances_(tolerances) {
+    tolerances_.rtol = Real(0.7) * std::min(tolerances.rtol, Real(0.5));
+    tolerances_.atol *= Real(0.7);
+    eps_ = std::max(tolerances_.rtol, tolerances_.atol);
+  }
+
+  template <class Stepper, System Sys>
+  void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
+    t_end_ = span.t_end;
+    h_ = tolerances_.h_first > 0 ? tolerances_.h_first : span.t_end - span.t0;
+    h_ = std::min(h_, tolerances_.h_max);
+    const typename Sys::State& slope = stepper.evaluate_start(system, span.t0, y);
+    Real sum{0};
+    for (Eigen::Index i = 0; i < y.size(); ++i) sum += Eigen::numext::abs2(slope[i] * weight(y, i));
+    const Real rate = std::sqrt(sum);
+    if (eps_ < 16 * rate * h_ * h_) h_ = std::sqrt(eps_ / rate) / 4;
+    h_ = std::max(h_, smallest_step(span.t0));
+    failures_ = 0;
+    doubling_ = true;
+  }
+
+  /// The last step is stretched by up to 1 % rather than leaving a sliver.
+  Proposal<Real> propose(Real t) const {
+    if (t + Real(1.01) * h_ >= t_end_) [[unlikely]]
+      return {t_end_ - t, t_end_, true};
+    return {h_, t + h_, false};
+  }
+
+  template <class Stepper, System Sys>
+  Judgement judge(Stepper& stepper, const Sys& system, const Proposal<Real>& step,
+                  const typename Sys::State& y, const typename Sys::State& y_new) {
+    const auto w = [&](Eigen::Index i) { return weight(y, i); };
+    const AdamsErrors<Real> errors = stepper.errors(w);
+    const int k = stepper.current_order();
+    const Real tolerance = std::max(eps_, rounding_of(y));
+    int next = k;
+    if (k > 2 ? std::max(errors.one_below, errors.two_below) <= errors.at_order
+              : k == 2 && errors.one_below <= errors.at_order / 2)
+      next = k - 1;
+    if (!(errors.step <= tolerance)) return shorten(stepper, step, errors.at_order, tolerance, next);
+    failures_ = 0;
+    if (step.last) return Judgement::accept;
+    // A state beyond which f is not finite is no place to go on from.
+    if (!is_bounded(stepper.evaluate_end(system, step.t_next, y_new)))
+      return shorten(stepper, step, errors.at_order, tolerance, next);
+    choose(stepper, step.h, errors, tolerance, next, w);
+    return Judgement::accept;
+  }
+
+  template <class Stepper>
+  Judgement failed(Stepper& stepper, const Proposal<Real>& step) {
+    return shorten(stepper, step, Real(0), eps_, stepper.current_order());
+  }
+
+ private:
+  template <class State>
+  Real weight(const State& y, Eigen::Index i) const {
+    return eps_ / (tolerances_.rtol * std::abs(y[i]) + tolerances_.atol);
+  }
+
+  /// The smallest tolerance that rounding of y allows: 4 u |y / w|_2, u the distance from 1 to the next
+  /// number.
+  template <class State>
+  Real rounding_of(const State& y) const {
+    constexpr Real u = std::numeric_limits<Real>::epsilon();
+    if (eps_ > Real(1e-10)) return 0;
+    Real sum{0};
+    for (Eigen::Index i = 0; i < y.size(); ++i) sum += Eigen::numext::abs2(y[i] * weight(y, i));
+    return 4 * u * std::sqrt(sum);
+  }
+
+  /// Order and step after an accepted step, which may still lower the order to `next`.
+  template <class Stepper, class Weight>
+  void choose(Stepper& stepper, Real h, const AdamsErrors<Real>& errors, Real tolerance, int next,
+              const Weight& w) {
+    const int k = stepper.current_order();
+    Real error = next < k ? errors.one_below : errors.at_order;
+    if (next < k || k == Stepper::max_order) doubling_ = false;
+    if (doubling_) {
+      next = k + 1;
+    } else if (next == k && stepper.steps_are_equal()) {
+      const Real above = stepper.error_one_above(w);
+      if (k > 1 && errors.one_below <= std::min(errors.at_order, above)) {
+        next = k - 1;
+        error = errors.one_below;
+      } else if (k < Stepper::max_order && above < (k > 1 ? errors.at_order : errors.at_order / 2)) {
+        next = k + 1;
+        error = above;
+      }
+    }
+    stepper.set_order(next);
+    // The error grows by 2^(k+1) when the step doubles; half the tolerance is aimed at.
+    const Real aim = tolerance / 2;
+    if (doubling_ || aim >= std::ldexp(error, next + 1))
+      h_ = 2 * h;
+    else if (aim >= error)
+      h_ = h;
+    else
+      h_ = h * std::clamp(std::pow(aim / error, 1 / static_cast<Real>(next + 1)), Real(0.5), Real(0.9));
+    h_ = std::min(h_, tolerances_.h_max);
+  }
+
+  template <class Stepper>
+  Judgement shorten(Stepper& stepper, const Proposal<Real>& step, Real error, Real tolerance, int next) {
+    doubling_ = false;
+    ++failures_;
+    Real factor = Real(0.5);
+    // Past the third failure the optimal step of order 1 may be shorter still.
+    if (failures_ > 3 && tolerance / 2 < error / 4) factor = std::sqrt(tolerance / 2 / error);
+    stepper.set_order(failures_ >= 3 ? 1 : next);
+    h_ = step.h * factor;
+    return h_ > smallest_step(step.t_next) ? Judgement::retry : Judgement::give_up;
+  }
+
+  /// Below 16 units in the last place of t a step no longer moves time reliably.
+  static Real smallest_step(Real t) {
+    return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t),
+                    std::numeric_limits<Real>::min());
+  }
+
+  Tolerances<Real> tolerances_;
+  Real eps_ = 0;
+  Real t_end_ = 0, h_ = 0;
+  int failures_ = 0;
+  bool doubling_ = true;  // phase 1 of a run
+};
+
+}  // namespace hmax
