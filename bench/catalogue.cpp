@@ -21,6 +21,7 @@ std::vector<Method> all_methods() {
   std::vector<Method> all;
   add_explicit_rk(all);
   add_adams(all);
+  add_stabilised(all);
   return all;
 }
 

@@ -40,7 +40,7 @@ struct RunSpec {
   double rtol = 0, atol = 0;  ///< not read when fixed
   Controllers control = Controllers::deadband;
   JacobianUpdate jacobian{};  ///< read by methods that linearise
-  double every = 0;         ///< output interval [s]; 0: none, the sink then sees every accepted step
+  double every = 0;           ///< output interval [s]; 0: none, the sink then sees every accepted step
   std::int64_t max_steps = 1'000'000'000;
 };
 

@@ -68,7 +68,8 @@ void list_methods(Console& console) {
                         {"engine", method.engine},
                         {"source", method.source}});
     table.add({method.id, std::to_string(method.order),
-               method.adaptive() ? std::to_string(method.error_order) : "-", std::to_string(method.stages),
+               method.adaptive() ? std::to_string(method.error_order) : "-",
+               method.stages > 0 ? std::to_string(method.stages) : "varies",
                fmt::format("{}", fmt::join(method.aliases, ",")), method.source});
   }
   if (console.json) return console.print_json(document);

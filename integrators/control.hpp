@@ -155,6 +155,7 @@ class Adaptive {
                   const State& y_new) {
     const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
     h_ = std::min(verdict.h_next, tolerances_.h_max);
+    if constexpr (requires { stepper.longest_step(); }) h_ = std::min(h_, stepper.longest_step());
     if (verdict.accept) [[likely]]
       return Judgement::accept;
     return retry_or_give_up(step);

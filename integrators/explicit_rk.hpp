@@ -337,15 +337,9 @@ class ExplicitRk {
 
   [[no_unique_address]] Coefficients coefficients_;
   typename Coefficients::template Storage<State> k_;
-  /// A stepper is copied into its run; numbers without a value must not be.
-  static State blank() {
-    if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
-      return State();
-    else
-      return State::Zero();
-  }
-  State stage_ = blank();      // argument of the stage in the making
-  State end_slope_ = blank();  // f at the new point, for the Hermite polynomial of methods without FSAL
+  State stage_ = blank_state<State>();  // argument of the stage in the making
+  State end_slope_ =
+      blank_state<State>();  // f at the new point, for the Hermite polynomial of methods without FSAL
   std::array<State, Coefficients::interpolant_degree> q_;
   Real end_time_{}, end_part_{};  // t + h and g(t + h) of the last attempt
   bool first_stage_known_ = false, end_slope_known_ = false, polynomial_known_ = false;

@@ -126,6 +126,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
         ++end.stats.rejected;
         if (judgement == Judgement::give_up)
           return finish(status == StepStatus::ok ? Outcome::step_too_small : Outcome::newton_failed, t);
+        if constexpr (requires { stepper.reject(); }) stepper.reject();
       }
       step = control.propose(t);
     } while (step.h == h);

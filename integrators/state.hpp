@@ -37,6 +37,16 @@ inline void for_each_component(F&& f) {
   detail::unrolled(f, std::make_index_sequence<State::SizeAtCompileTime>{});
 }
 
+/// A state for a member that init() will size: zero where the size is fixed, since a stepper is copied into
+/// its run and numbers without a value must not be.
+template <class State>
+inline State blank_state() {
+  if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
+    return State();
+  else
+    return State::Zero();
+}
+
 /// out = y.
 template <class State>
 inline void copy_state(const State& y, State& out) {

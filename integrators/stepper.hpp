@@ -47,8 +47,11 @@ constexpr std::string_view to_string(Outcome outcome) {
 /// y_new and may be repeated with another h: only accept() commits. interpolate() is valid after a successful
 /// attempt and until accept(): it writes the state at t + theta h, theta in [0, 1].
 /// A stepper with an error estimate also has error_squared(h, y, y_new, norm), the square of its weighted
-/// norm; one that solves equations has work() -> ImplicitWork, what it did since init(). One that chooses its
-/// own order brings a control of its own (control.hpp says what a control is).
+/// norm; one that solves equations has work() -> ImplicitWork, what it did since init(). One that assumes
+/// something it could look at anew (the spectrum of f, say) may have reject(), called when an attempt was not
+/// good enough and another follows; one whose steps are stable only up to a length of its own may have
+/// longest_step(). One that chooses its own order brings a control of its own (control.hpp says what a
+/// control is).
 template <class M, class Sys>
 concept Stepper = System<Sys> && requires(M stepper, const Sys& system, real_of<typename Sys::State> t,
                                           const typename Sys::State& y, typename Sys::State& y_new) {

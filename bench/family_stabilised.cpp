@@ -1,0 +1,36 @@
+/// The stabilised explicit methods of the catalogue.
+#include <string>
+
+#include "bench/bind.hpp"
+#include "bench/families.hpp"
+#include "integrators/stabilized_rk.hpp"
+
+namespace hmax {
+
+namespace {
+
+template <class Polynomials>
+Method stabilised() {
+  return {.id = std::string(Polynomials::id),
+          .aliases = {},
+          .family = "stabilised",
+          .order = 2,
+          .error_order = 3,
+          .stages = 0,  // chosen at run time
+          .engine = "hmax",
+          .source = std::string(Polynomials::source),
+          .bind = [](const Problem& problem) {
+            return bind_problem(problem, 3, []<class Sys>(std::type_identity<Sys>) {
+              return StabilizedRk<Polynomials, typename Sys::State>{};
+            });
+          }};
+}
+
+}  // namespace
+
+void add_stabilised(std::vector<Method>& all) {
+  all.push_back(stabilised<Rkc2>());
+  all.push_back(stabilised<Rkl2>());
+}
+
+}  // namespace hmax
