@@ -22,6 +22,7 @@ std::vector<Method> all_methods() {
   add_explicit_rk(all);
   add_adams(all);
   add_stabilised(all);
+  add_imex(all);
   return all;
 }
 

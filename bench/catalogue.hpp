@@ -86,11 +86,7 @@ struct Method {
   int order = 0;        ///< 0 with !fixed_step: chosen in the run
   int error_order = 0;  ///< err = O(h^error_order), of the lowest order where that is chosen in the run; 0:
                         ///< no error estimate, fixed steps only
-  int stages = 0;
-  std::string family;  ///< explicit_runge_kutta, ...
-  int order = 0;
-  int error_order = 0;  ///< err = O(h^error_order); 0: no error estimate, fixed steps only
-  int stages = 0;       ///< 0: chosen at run time
+  int stages = 0;       ///< 0: chosen in the run
   bool is_explicit = true, needs_jacobian = false, a_stable = false, l_stable = false;
   std::string engine;               ///< hmax, or the library that runs it
   std::string source;               ///< bibliography key

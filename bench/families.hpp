@@ -11,5 +11,6 @@ namespace hmax {
 void add_explicit_rk(std::vector<Method>& all);
 void add_adams(std::vector<Method>& all);
 void add_stabilised(std::vector<Method>& all);
+void add_imex(std::vector<Method>& all);
 
 }  // namespace hmax

@@ -92,6 +92,19 @@ concept SplitSystem = System<S> &&
   system.jacobian_stiff(t, y, J);
 };
 
+/// True when the stiff part of a split system is known to be linear in y, with a Jacobian that never changes:
+/// one Newton correction then solves its equations. A type says so by
+/// `static constexpr bool linear_stiff_part = true`.
+template <SplitSystem S>
+constexpr bool has_linear_stiff_part(const S& system) {
+  if constexpr (requires { system.has_linear_stiff_part(); })
+    return system.has_linear_stiff_part();
+  else if constexpr (requires { S::linear_stiff_part; })
+    return S::linear_stiff_part;
+  else
+    return false;
+}
+
 /// A system that bounds the spectral radius of its Jacobian [1/s], which stabilised methods ask for.
 template <class S>
 concept BoundedSpectrumSystem = System<S> &&

@@ -69,20 +69,25 @@ constexpr RowDefect largest_row_defect(std::span<const long double> a, std::span
 /// [hairer1993solving, II.2]. Trees are made by the Butcher product u o v (v grafted on the root of u): g(u o
 /// v) = g(u) . (A g(v)) and gamma(u o v) = gamma(u) gamma(v) (|u| + |v|) / |u|. Children are grafted in
 /// non-decreasing order, so each tree appears once. Row sums are not assumed: c does not enter.
-/// @param a  row-major, shape (s, s)
-template <class Visit>
-constexpr void visit_trees(std::span<const long double> a, std::size_t s, int max_nodes, Visit&& visit) {
+/// With several matrices, of an additive method, every node but the root has one of as many colours, which
+/// says whose matrix A it is grafted with [kennedy2003additive]; the colour of the root says whose weights b
+/// to take and is left to visit.
+/// @param parts  the matrices, each row-major, shape (s, s)
+template <std::size_t Colours, class Visit>
+constexpr void visit_trees(const std::array<std::span<const long double>, Colours>& parts, std::size_t s,
+                           int max_nodes, Visit&& visit) {
   struct Tree {
     int nodes;
     long double gamma;
-    std::size_t last_child;  // index of the child grafted last; children never decrease
-    std::vector<long double> g, a_g;
+    std::size_t last_child;           // tree and colour of the child grafted last; children never decrease
+    std::vector<long double> g, a_g;  // a_g: A g of one colour after the other
   };
   std::vector<Tree> trees;
   auto add = [&](int nodes, long double gamma, std::size_t last_child, std::vector<long double> g) {
-    std::vector<long double> a_g(s, 0);
-    for (std::size_t i = 0; i < s; ++i)
-      for (std::size_t j = 0; j < s; ++j) a_g[i] += a[i * s + j] * g[j];
+    std::vector<long double> a_g(Colours * s, 0);
+    for (std::size_t colour = 0; colour < Colours; ++colour)
+      for (std::size_t i = 0; i < s; ++i)
+        for (std::size_t j = 0; j < s; ++j) a_g[colour * s + i] += parts[colour][i * s + j] * g[j];
     trees.push_back({nodes, gamma, last_child, g, a_g});
     return visit(nodes, gamma, std::span<const long double>(g));
   };
@@ -90,15 +95,23 @@ constexpr void visit_trees(std::span<const long double> a, std::size_t s, int ma
   for (int nodes = 2; nodes <= max_nodes; ++nodes) {
     const std::size_t known = trees.size();
     for (std::size_t u = 0; u < known; ++u) {
-      for (std::size_t v = trees[u].last_child; v < known; ++v) {
+      for (std::size_t child = trees[u].last_child; child < known * Colours; ++child) {
+        const std::size_t v = child / Colours, colour = child % Colours;
         if (trees[u].nodes + trees[v].nodes != nodes) continue;
         std::vector<long double> g = trees[u].g;
-        for (std::size_t i = 0; i < s; ++i) g[i] *= trees[v].a_g[i];
+        for (std::size_t i = 0; i < s; ++i) g[i] *= trees[v].a_g[colour * s + i];
         const long double ratio = static_cast<long double>(nodes) / static_cast<long double>(trees[u].nodes);
-        if (!add(nodes, trees[u].gamma * trees[v].gamma * ratio, v, std::move(g))) return;
+        if (!add(nodes, trees[u].gamma * trees[v].gamma * ratio, child, std::move(g))) return;
       }
     }
   }
+}
+
+/// The same for the trees of one colour.
+/// @param a  row-major, shape (s, s)
+template <class Visit>
+constexpr void visit_trees(std::span<const long double> a, std::size_t s, int max_nodes, Visit&& visit) {
+  visit_trees(std::array<std::span<const long double>, 1>{a}, s, max_nodes, std::forward<Visit>(visit));
 }
 
 /// The order of the weights b with the stages a: the largest p <= max_order for which every rooted tree t

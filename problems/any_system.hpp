@@ -52,6 +52,7 @@ class BasicAnySystem {
   void damping(Real t, const Dofs& q, const Dofs& v, DofMatrix& C) const { self_->damping(t, q, v, C); }
 
   [[nodiscard]] bool has_split() const { return self_->has_split(); }
+  [[nodiscard]] bool has_linear_stiff_part() const { return self_->has_linear_stiff_part(); }
   void rhs_stiff(Real t, const State& y, State& dydt) const { self_->rhs_stiff(t, y, dydt); }
   void rhs_nonstiff(Real t, const State& y, State& dydt) const { self_->rhs_nonstiff(t, y, dydt); }
   void jacobian_stiff(Real t, const State& y, Jacobian& J) const { self_->jacobian_stiff(t, y, J); }
@@ -79,6 +80,7 @@ class BasicAnySystem {
     virtual void stiffness(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
     virtual void damping(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
     virtual bool has_split() const = 0;
+    virtual bool has_linear_stiff_part() const = 0;
     virtual void rhs_stiff(Real, const State&, State&) const = 0;
     virtual void rhs_nonstiff(Real, const State&, State&) const = 0;
     virtual void jacobian_stiff(Real, const State&, Jacobian&) const = 0;
@@ -226,6 +228,12 @@ class BasicAnySystem {
     }
 
     bool has_split() const override { return split; }
+    bool has_linear_stiff_part() const override {
+      if constexpr (requires { S::linear_stiff_part; })
+        return S::linear_stiff_part;
+      else
+        return false;
+    }
     void rhs_stiff(Real t, const State& y, State& dydt) const override {
       if constexpr (split)
         through<Own>(y, dydt,

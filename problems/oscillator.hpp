@@ -117,6 +117,7 @@ class BasicOscillator {
     C(0, 0) = static_cast<Real>(parameters_.m) * c_m_;
   }
 
+  static constexpr bool linear_stiff_part = true;
   /// The linear spring and the damper, which IMEX methods treat implicitly: (v, -(k1 x + c v) / m).
   void rhs_stiff(Real /*t*/, const State& y, State& dydt) const noexcept {
     const Real v = y[1];

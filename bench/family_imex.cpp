@@ -1,0 +1,42 @@
+/// The implicit-explicit methods of the catalogue.
+#include <string>
+
+#include "bench/bind.hpp"
+#include "bench/families.hpp"
+#include "integrators/imex.hpp"
+
+namespace hmax {
+
+namespace {
+
+template <class T>
+Method imex() {
+  return {.id = std::string(T::id),
+          .aliases = {},
+          .family = "imex",
+          .order = T::order,
+          .error_order = T::error_order,
+          .stages = static_cast<int>(T::tableau.stages),
+          .is_explicit = false,
+          .needs_jacobian = true,
+          .a_stable = true,  // in what is declared stiff
+          .l_stable = true,
+          .engine = "hmax",
+          .source = std::string(T::source),
+          .needs_split = true,
+          .bind = [](const Problem& problem) {
+            return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
+              return ImexRk<T, typename Sys::State, jacobian_type<Sys>>{};
+            });
+          }};
+}
+
+}  // namespace
+
+void add_imex(std::vector<Method>& all) {
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    (all.push_back(imex<T>()), ...);
+  }(std::type_identity<tableaux::AllImex>{});
+}
+
+}  // namespace hmax
