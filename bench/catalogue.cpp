@@ -23,6 +23,7 @@ std::vector<Method> all_methods() {
   add_adams(all);
   add_stabilised(all);
   add_imex(all);
+  add_structural(all);
   return all;
 }
 

@@ -12,5 +12,6 @@ void add_explicit_rk(std::vector<Method>& all);
 void add_adams(std::vector<Method>& all);
 void add_stabilised(std::vector<Method>& all);
 void add_imex(std::vector<Method>& all);
+void add_structural(std::vector<Method>& all);
 
 }  // namespace hmax

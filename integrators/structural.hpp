@@ -228,6 +228,7 @@ class KickDriftKick {
     const Eigen::Index n = system.dofs();
     const typename Sys::Dofs q = y.head(n), v = y.tail(n), m = system.mass();
     typename Sys::DofMatrix C;
+    if constexpr (!detail::is_variant<typename Sys::DofMatrix>) C.resize(n, n);
     system.damping(t, q, v, C);
     const auto lump = [&](const auto& matrix) {
       for (Eigen::Index i = 0; i < n; ++i) damping_[i] = matrix.coeff(i, i) / m[i];
