@@ -20,8 +20,8 @@ namespace hmax {
 
 /// How large a correction is, in units of what the equations have to be solved to.
 /// With tolerances: root mean square of d_i / max(kappa (atol + rtol |y_i|), 4 eps |y_i|), a fraction kappa
-/// of what the error test allows. Without, in runs of fixed steps: max |d_i| / (4 eps max(|y|, |Y|)), in the
-/// maximum norm, that is solved to rounding.
+/// of what the error test allows. Without, in runs of fixed steps: max |d_i| / (4 eps max(|y|, |Y|, |d|)), in
+/// the maximum norm, that is solved to rounding.
 /// @source [hairer1996solving] IV.8
 template <class StateT>
 class NewtonNorm {
@@ -60,7 +60,10 @@ class NewtonNorm {
   [[nodiscard]] Real squared(const State& d, const State& Y) const {
     if (!has_tolerances()) {
       const Real size = largest(d);
-      return size == 0 ? Real(0) : Eigen::numext::abs2(size / (rounding * std::max(scale_, largest(Y))));
+      // The smallest numbers have no relative precision.
+      const Real unit =
+          std::max(rounding * std::max({scale_, largest(Y), size}), std::numeric_limits<Real>::min());
+      return Eigen::numext::abs2(size / unit);
     }
     Real sum{0};
     for (Eigen::Index i = 0; i < d.size(); ++i) sum += Eigen::numext::abs2(d[i] * per_weight_[i]);
@@ -70,7 +73,7 @@ class NewtonNorm {
   /// Corrections that no longer shrink are rounding when their norm is at most this.
   [[nodiscard]] Real stall() const { return 250 * rounding / std::max(rtol_, rounding); }
   /// With a step that can be cut it is cheaper to give up early.
-  [[nodiscard]] int iterations() const { return has_tolerances() ? 7 : 30; }
+  [[nodiscard]] int iterations() const { return has_tolerances() ? 7 : 100; }
 
  private:
   /// max |v_i|; NaN when there is one.

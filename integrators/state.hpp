@@ -121,10 +121,13 @@ inline void assign(State& out, const Expression& expression) {
 template <StaticRow Row, class State, class Stages>
 inline void stage_argument(Row, const State& y, real_of<State> h, const Stages& k, State& out) {
   using Real = real_of<State>;
-  detail::assign(out, [&](auto access) {
-    return detail::fold_weights<Row, Real, detail::next_weight<Row>(0)>(
-        h, [&](std::size_t j) -> decltype(auto) { return access(k[j]); }, access(y));
-  });
+  if constexpr (detail::next_weight<Row>(0) >= Row::size)
+    copy_state(y, out);
+  else
+    detail::assign(out, [&](auto access) {
+      return detail::fold_weights<Row, Real, detail::next_weight<Row>(0)>(
+          h, [&](std::size_t j) -> decltype(auto) { return access(k[j]); }, access(y));
+    });
 }
 
 /// The end of a step, out = y + (h sum_j weight_j k_j). The small increment is summed first: this rounding

@@ -162,6 +162,12 @@ constexpr bool is_fsal(const ButcherTableau<S>& tableau) {
   return true;
 }
 
+/// True when the result is the value of the last stage: it then damps infinite stiffness as that stage does.
+template <std::size_t S>
+constexpr bool is_stiffly_accurate(const ButcherTableau<S>& tableau) {
+  return tableau.a[S - 1] == tableau.b;
+}
+
 /// True when the tableau carries an embedded method, that is an error estimate.
 template <std::size_t S>
 constexpr bool has_error_estimate(const ButcherTableau<S>& tableau) {
