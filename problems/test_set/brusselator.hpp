@@ -90,6 +90,7 @@ class Brusselator {
     detail::write_sparse(J, dim(), [&](const auto& emit) { entries(y, Real(1), emit); });
   }
 
+  static constexpr bool linear_stiff_part = true;
   /// The diffusion with its boundary values.
   void rhs_stiff(Real /*t*/, const State& y, State& dydt) const {
     const Eigen::Index size = dim();

@@ -56,6 +56,7 @@ class ProtheroRobinson {
     return std::abs(lambda_);
   }
 
+  static constexpr bool linear_stiff_part = true;
   void rhs_stiff(Real t, const State& y, State& dydt) const noexcept {
     using std::cos;
     dydt[0] = lambda_ * (y[0] - cos(t));

@@ -108,6 +108,7 @@ class SpringChain {
         C, n_, [&](const auto& emit) { tridiagonal([&](Eigen::Index) { return c_; }, Real(1), 0, 0, emit); });
   }
 
+  static constexpr bool linear_stiff_part = true;
   void rhs_stiff(Real /*t*/, const State& y, State& dydt) const {
     dydt.head(n_) = y.tail(n_);
     pull(y.data(), y.data() + n_, k_, c_, Real(0), dydt.data() + n_);

@@ -27,6 +27,7 @@ inline const std::map<std::string, std::set<std::string>> allowed_arrows{
     {"bench", {"bench", "analysis", "integrators", "problems", "results"}},
     {"plots", {"plots", "results"}},
     {"cli", {"cli", "plots", "bench", "analysis", "integrators", "problems", "results"}},
+    {"examples", {"integrators", "problems"}},
     {"tests", {"tests", "cli", "plots", "bench", "analysis", "integrators", "problems", "results"}},
 };
 

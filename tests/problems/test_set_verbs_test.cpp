@@ -139,6 +139,20 @@ TYPED_TEST(TestSet, StiffAndNonstiffPartsSumUp) {
   }
 }
 
+TYPED_TEST(TestSet, AStiffPartThatIsCalledLinearIsLinear) {
+  if constexpr (SplitSystem<TypeParam>) {
+    const TypeParam problem = lively<TypeParam>();
+    ASSERT_TRUE(has_linear_stiff_part(problem));
+    const auto states = states_of(problem, 2);
+    typename TypeParam::State one = states[0], other = one;
+    typename TypeParam::Jacobian J;
+    problem.rhs_stiff(0.3L, states[0], one);
+    problem.rhs_stiff(0.3L, states[1], other);
+    problem.jacobian_stiff(0.7L, states[0], J);
+    EXPECT_LT((J * (states[1] - states[0]) - (other - one)).norm(), 1e-16L * (one.norm() + other.norm()));
+  }
+}
+
 TYPED_TEST(TestSet, SparseJacobiansKeepTheirPatternAndTheirMemory) {
   using Jacobian = typename TypeParam::Jacobian;
   if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Jacobian>, Jacobian>) {
