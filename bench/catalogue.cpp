@@ -24,6 +24,7 @@ std::vector<Method> all_methods() {
   add_stabilised(all);
   add_imex(all);
   add_structural(all);
+  add_rosenbrock(all);
   return all;
 }
 

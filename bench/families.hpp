@@ -13,5 +13,6 @@ void add_adams(std::vector<Method>& all);
 void add_stabilised(std::vector<Method>& all);
 void add_imex(std::vector<Method>& all);
 void add_structural(std::vector<Method>& all);
+void add_rosenbrock(std::vector<Method>& all);
 
 }  // namespace hmax

@@ -156,8 +156,12 @@ class Adaptive {
     const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
     h_ = std::min(verdict.h_next, tolerances_.h_max);
     if constexpr (requires { stepper.longest_step(); }) h_ = std::min(h_, stepper.longest_step());
-    if (verdict.accept) [[likely]]
+    if (verdict.accept) [[likely]] {
+      // A method that keeps its Jacobian would have to factor anew for every change of h.
+      if constexpr (requires { stepper.prefers_equal_steps(); })
+        if (stepper.prefers_equal_steps() && std::abs(h_ - step.h) <= step.h / 5) h_ = step.h;
       return Judgement::accept;
+    }
     return retry_or_give_up(step);
   }
 

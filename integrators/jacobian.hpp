@@ -11,6 +11,7 @@
 #include <Eigen/SparseCore>
 
 #include "integrators/linear_solver.hpp"
+#include "integrators/state.hpp"
 #include "integrators/system.hpp"
 
 namespace hmax {
@@ -199,7 +200,7 @@ class JacobianSource {
     }
   }
 
-  State f0_, f1_, moved_;
+  State f0_ = blank_state<State>(), f1_ = f0_, moved_ = f0_;
   Eigen::SparseMatrix<Real> pattern_;  // empty: unknown, so every entry
   ColumnGroups groups_;
   Vector increments_;  // of the columns, in grouped differences
