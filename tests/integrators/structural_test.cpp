@@ -9,6 +9,7 @@
 
 #include "integrators/explicit_rk.hpp"
 #include "integrators/tableaux.hpp"
+#include "problems/test_set/kepler.hpp"
 #include "tests/integrators/motion.hpp"
 
 namespace hmax {
@@ -214,6 +215,29 @@ TYPED_TEST(Structural, KeepsTheEnergyBoundedOverAMillionSteps) {
     EXPECT_GT(first, TypeParam::order == 1 ? 0.01 : 1e-4) << "nothing is measured";
     EXPECT_NEAR(last, first, 0.01 * first);
   }
+}
+
+TYPED_TEST(Structural, KeepsTheEnergyAndTheAngularMomentumOfAKeplerOrbitOverAMillionSteps) {
+  using State = Kepler<double>::State;
+  const Kepler<double> kepler({.e = 0.3});
+  const auto energy = [](const State& y) { return y.tail<2>().squaredNorm() / 2 - 1 / y.head<2>().norm(); };
+  const auto momentum = [](const State& y) { return y[0] * y[3] - y[1] * y[2]; };
+  State y = kepler.y0();
+  const double e0 = energy(y), l0 = momentum(y);
+  double first = 0, last = 0, turned = 0;
+  const int steps = 1'000'000;
+  int n = 0;
+  integrate(typename TypeParam::template Stepper<State>{}, kepler, Span<double>{0, 0.02 * steps}, y,
+            FixedStep<double>(0.02), [&](auto& view) {
+              const double error = std::abs(energy(view.y1()) / e0 - 1);
+              if (++n <= steps / 10) first = std::max(first, error);
+              if (n > steps - steps / 10) last = std::max(last, error);
+              turned = std::max(turned, std::abs(momentum(view.y1()) / l0 - 1));
+            });
+  EXPECT_LT(first, TypeParam::order == 1 ? 0.05 : 1e-3);
+  EXPECT_GT(first, TypeParam::order == 1 ? 1e-3 : 1e-5) << "nothing is measured";
+  EXPECT_NEAR(last, first, 0.02 * first);
+  EXPECT_LT(turned, 1e-10);
 }
 
 TEST(SymplecticEuler, BeatsExplicitEulerWhichGainsEnergy) {
