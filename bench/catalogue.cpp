@@ -21,6 +21,8 @@ std::vector<Method> all_methods() {
   std::vector<Method> all;
   add_explicit_rk(all);
   add_adams(all);
+  add_diagonally_implicit(all);
+  add_radau(all);
   add_stabilised(all);
   add_imex(all);
   add_structural(all);

@@ -10,6 +10,8 @@ namespace hmax {
 
 void add_explicit_rk(std::vector<Method>& all);
 void add_adams(std::vector<Method>& all);
+void add_diagonally_implicit(std::vector<Method>& all);
+void add_radau(std::vector<Method>& all);
 void add_stabilised(std::vector<Method>& all);
 void add_imex(std::vector<Method>& all);
 void add_structural(std::vector<Method>& all);

@@ -1,0 +1,53 @@
+/// The diagonally implicit Runge-Kutta methods of the catalogue.
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+
+#include "bench/bind.hpp"
+#include "bench/families.hpp"
+#include "integrators/dirk.hpp"
+#include "integrators/dirk_tableaux.hpp"
+#include "integrators/tableaux.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// The line of one diagonally implicit method: everything else is in its struct.
+template <class T>
+Method diagonally_implicit() {
+  // A stage of which only the error estimate is made is no stage of the method.
+  int stages = 0;
+  for (const long double weight : T::tableau.b) stages += weight != 0;
+  Method method{.id = std::string(T::id),
+                .aliases = {},
+                .family = "diagonally_implicit",
+                .order = T::order,
+                .error_order = T::error_order,
+                .stages = stages,
+                .is_explicit = false,
+                .needs_jacobian = true,
+                .a_stable = T::a_stable,
+                .l_stable = T::l_stable,
+                .engine = "hmax",
+                .source = std::string(T::source),
+                .bind = {}};
+  for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
+  method.bind = [](const Problem& problem) {
+    return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
+      return Dirk<T, typename Sys::State, jacobian_type<Sys>>{};
+    });
+  };
+  return method;
+}
+
+}  // namespace
+
+void add_diagonally_implicit(std::vector<Method>& all) {
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    (all.push_back(diagonally_implicit<T>()), ...);
+  }(std::type_identity<tableaux::AllDiagonallyImplicit>{});
+}
+
+}  // namespace hmax

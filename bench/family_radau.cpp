@@ -1,0 +1,30 @@
+/// Radau IIA in the catalogue.
+#include <type_traits>
+
+#include "bench/bind.hpp"
+#include "bench/families.hpp"
+#include "integrators/radau.hpp"
+
+namespace hmax {
+
+void add_radau(std::vector<Method>& all) {
+  all.push_back({.id = "radau_iia_5",
+                 .aliases = {},
+                 .family = "fully_implicit",
+                 .order = 5,
+                 .error_order = 4,
+                 .stages = 3,
+                 .is_explicit = false,
+                 .needs_jacobian = true,
+                 .a_stable = true,
+                 .l_stable = true,
+                 .engine = "hmax",
+                 .source = "hairer1996solving",
+                 .bind = [](const Problem& problem) {
+                   return bind_problem(problem, 4, []<class Sys>(std::type_identity<Sys>) {
+                     return RadauIIA5<typename Sys::State, jacobian_type<Sys>>{};
+                   });
+                 }});
+}
+
+}  // namespace hmax
