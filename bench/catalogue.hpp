@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/stability_function.hpp"
 #include "bench/run.hpp"
 #include "integrators/runtime_tableau.hpp"
 #include "problems/any_system.hpp"
@@ -94,6 +95,7 @@ struct Method {
   bool needs_second_order = false;  ///< positions and velocities, M q'' = F
   bool needs_split = false;         ///< a declared stiff part
   std::function<Runner(const Problem&)> bind;
+  StabilityFunction stability_function{};  ///< empty where one step is no function of h lambda alone
 
   /// Numbers of the method itself that a user may set, `newmark:beta=0.25,gamma=0.5`, with their values;
   /// `with` makes the method of other values and throws InputError for values that make no method.

@@ -37,6 +37,9 @@ Method explicit_rk(std::size_t index) {
                 .bind = {}};
   for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
   method.bind = [index](const Problem& problem) { return bind_to(index, problem); };
+  method.stability_function = [](std::complex<double> z) {
+    return explicit_stability_function(detail::flattened(T::tableau.a), T::tableau.b, z);
+  };
   return method;
 }
 
@@ -64,6 +67,9 @@ Method make_method(const RuntimeTableau& tableau) {
                 .source = "the user's tableau",
                 .bind = {}};
   method.bind = [tableau](const Problem& problem) { return bind_to(tableau, problem); };
+  method.stability_function = [a = tableau.a, b = tableau.b](std::complex<double> z) {
+    return explicit_stability_function(a, b, z);
+  };
   return method;
 }
 

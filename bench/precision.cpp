@@ -1,6 +1,11 @@
 #include "bench/precision.hpp"
 
 #include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+#include "integrators/jacobian.hpp"
 
 namespace hmax {
 
@@ -24,6 +29,46 @@ SweepSpec precision_sweep(const PrecisionSpec& spec) {
       sweep.unsteered_h.push_back(std::ldexp(t_end, -doublings));
   }
   return sweep;
+}
+
+namespace {
+
+/// The eigenvalues of the Jacobian at (t, y) [1/s].
+template <System Sys>
+Eigen::VectorXcd spectrum_at(const Sys& system, double t, const typename Sys::State& y) {
+  JacobianSource<typename Sys::State, jacobian_type<Sys>> source;
+  source.init(system);
+  jacobian_type<Sys> J;
+  source.evaluate(system, t, y, J);
+  Eigen::MatrixXd dense;
+  if constexpr (detail::is_variant<jacobian_type<Sys>>)
+    std::visit([&](const auto& held) { dense = held; }, J);
+  else
+    dense = J;
+  return dense.eigenvalues();
+}
+
+}  // namespace
+
+std::optional<double> predicted_step_limit(const Method& method, const Problem& problem,
+                                           const Reference& reference, double t_end) {
+  // A dense spectrum of a larger system would take longer than the runs it explains.
+  constexpr Eigen::Index largest = 200;
+  constexpr int times = 40;
+  if (!method.stability_function || problem.y0.size() > largest || reference.valid_until < t_end)
+    return std::nullopt;
+  return std::visit(
+      [&]<class Sys>(const Sys& system) {
+        double h = std::numeric_limits<double>::infinity();
+        for (int i = 0; i <= times; ++i) {
+          const double t = t_end * i / times;
+          const Eigen::VectorXcd spectrum = spectrum_at(system, t, typename Sys::State(reference.at(t)));
+          h = std::min(h, largest_stable_step(method.stability_function,
+                                              {spectrum.data(), static_cast<std::size_t>(spectrum.size())}));
+        }
+        return h;
+      },
+      problem.system);
 }
 
 }  // namespace hmax

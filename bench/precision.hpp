@@ -25,4 +25,10 @@ struct PrecisionSpec {
 /// other.
 SweepSpec precision_sweep(const PrecisionSpec& spec);
 
+/// The largest step at which `method` is stable on `problem` as its stability function and the spectrum of
+/// the Jacobian say, [s]: the smallest over times along the reference. Empty where one of them is not known;
+/// infinity where no step is unstable.
+std::optional<double> predicted_step_limit(const Method& method, const Problem& problem,
+                                           const Reference& reference, double t_end);
+
 }  // namespace hmax

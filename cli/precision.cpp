@@ -1,7 +1,9 @@
 /// hmax precision: what an error costs, method against method.
 #include "bench/precision.hpp"
 
+#include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <stdlib.h>
 #include <system_error>
@@ -72,7 +74,15 @@ class TemporaryFolder {
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-Json to_json(const std::vector<Row>& rows) {
+/// The largest stable step of each method, where it is known.
+using StepLimits = std::map<std::string, std::optional<double>>;
+
+Json limit_of(const StepLimits& limits, const std::string& method) {
+  const std::optional<double> h = limits.at(method);
+  return !h ? Json() : std::isfinite(*h) ? Json(*h) : Json("unbounded");
+}
+
+Json to_json(const std::vector<Row>& rows, const StepLimits& limits) {
   Json document = Json::array();
   for (const Row& row : rows) {
     const TimingSummary time = summarise(row.cpu_s);
@@ -88,6 +98,7 @@ Json to_json(const std::vector<Row>& rows) {
                         {"cpu_q3_s", number_or_null(time.q3)},
                         {"rhs", row.rhs},
                         {"steps", row.steps},
+                        {"h_stable", limit_of(limits, row.key.method)},
                         {"reference", row.reference},
                         {"reference_error", number_or_null(row.reference_error)},
                         {"status", row.status}});
@@ -123,10 +134,17 @@ void precision(const PrecisionOptions& options, Console& console) {
     for (const std::string& warning : summary.warnings) console.remark(warning);
   }
   const std::vector<Row> rows = store.rows();
+  const double t_end = plan.blocks.front().run.t_end;
+  const Reference reference = make_reference(plan.problems.front(), t_end);
+  StepLimits limits;
+  for (const Method& method : plan.methods)
+    limits[method.id] = predicted_step_limit(method, plan.problems.front(), reference, t_end);
   std::string drawn;
   if (!options.output.empty()) {
     std::vector<ShownMethod> shown;
-    for (const Method& method : plan.methods) shown.push_back({method.id, method.order});
+    for (const Method& method : plan.methods)
+      shown.push_back(
+          {.id = method.id, .order = method.order, .stable_step = limits.at(method.id).value_or(0)});
     Figure figure = work_precision_figure(rows, shown);
     figure.footer = summary(store.sessions().back().fingerprint);
     const FigureFiles files = draw(figure, options.output, "precision");
@@ -136,7 +154,7 @@ void precision(const PrecisionOptions& options, Console& console) {
       console.remark(files.problem);
   }
   if (console.json)
-    console.print_json(to_json(rows));
+    console.print_json(to_json(rows, limits));
   else
     console.print(for_people(rows, console) + (drawn.empty() ? "" : "\n" + drawn));
 }

@@ -186,6 +186,42 @@ Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMet
           .panel_height = 380};
 }
 
+namespace {
+
+/// A line for each method that stability held back: the cost of a run of its largest stable steps, at what
+/// its longest run without failure paid a step.
+std::vector<Curve> stability_limits(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods,
+                                    const std::function<double(const Row&)>& cost) {
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const Row& row : rows)
+    if (reached_end(row) && row.error_global > 0) {
+      low = std::min(low, row.error_global);
+      high = std::max(high, row.error_global);
+    }
+  const std::vector<Style> styles = method_styles(methods);
+  std::vector<Curve> lines;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    const Row* fewest = nullptr;
+    for (const Row& row : rows)
+      if (row.key.method == methods[m].id && reached_end(row) && row.steps > 0 &&
+          (!fewest || row.steps < fewest->steps))
+        fewest = &row;
+    if (!fewest || !(methods[m].stable_step > 0) || !std::isfinite(methods[m].stable_step)) continue;
+    const double least = fewest->key.t_end / methods[m].stable_step,
+                 taken = static_cast<double>(fewest->steps);
+    if (taken > 1.5 * least) continue;
+    const double height = cost(*fewest) * least / taken;
+    Style style = styles[m];
+    style.dash = 3;
+    style.marker = 0;
+    lines.push_back(
+        {.label = "least for stability", .x = {low, high}, .y = {height, height}, .style = style});
+  }
+  return lines;
+}
+
+}  // namespace
+
 Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods) {
   std::vector<Row> kept = shown(rows, "fixed", methods);
   for (Row& row : shown(rows, "adaptive", methods)) kept.push_back(std::move(row));
@@ -209,16 +245,22 @@ Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<Sho
     if (!settings.empty()) failures.push_back(fmt::format("{}: {}{}", method.id, outcome, settings));
   }
   const Axis error{"largest error over all outputs", true, {}};
+  const auto with_limits = [&](std::vector<Curve> curves, const std::function<double(const Row&)>& cost) {
+    for (Curve& limit : stability_limits(kept, methods, cost)) curves.push_back(std::move(limit));
+    return curves;
+  };
   return {.title = "What an error costs: " + kept.front().key.problem,
           .panels = {{.title = "CPU time of one run",
                       .x = error,
                       .y = {"CPU time [s]", true, {}},
-                      .curves = curves_of(kept, methods, true, time, follow, false),
+                      .curves = with_limits(curves_of(kept, methods, true, time, follow, false),
+                                            [](const Row& row) { return summarise(row.cpu_s).median; }),
                       .notes = failures},
                      {.title = "Evaluations of f",
                       .x = error,
                       .y = {"evaluations", true, {}},
-                      .curves = curves_of(kept, methods, false, evaluations, follow, false)}},
+                      .curves = with_limits(curves_of(kept, methods, false, evaluations, follow, false),
+                                            [](const Row& row) { return static_cast<double>(row.rhs); })}},
           .columns = 2,
           .panel_height = 380};
 }

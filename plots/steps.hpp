@@ -15,6 +15,7 @@ struct ShownMethod {
   std::string id;          ///< as in RowKey::method
   int order = 0;           ///< of the method; 0 when it has no fixed order
   std::string label = {};  ///< text in the key; the id when empty
+  double stable_step = 0;  ///< the largest step at which it is stable on the problem shown [s]; 0: not known
 };
 
 /// One style per method, in the order given.
