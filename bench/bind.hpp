@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -16,6 +18,11 @@
 namespace hmax {
 
 namespace detail {
+
+/// Explicit steps of a few numbers take some nanoseconds: a loop of their own for every control and every way
+/// of being watched pays off. Everything else is compiled once.
+template <class StepperT>
+inline constexpr bool steps_are_cheap = StepperT::is_explicit&& is_small_state<typename StepperT::State>;
 
 /// Calls go(control) with the control that `spec` asks for; the typed world begins here. The steps of an
 /// explicit method on a small state are so cheap that each controller is compiled into a loop of its own.
@@ -32,7 +39,7 @@ auto with_control(const RunSpec& spec, int error_order, Go&& go) {
       return go(fixed);
     } else {
       if (!spec.adaptive || error_order == 0) return go(fixed);
-      if constexpr (StepperT::is_explicit && is_small_state<typename StepperT::State>) {
+      if constexpr (steps_are_cheap<StepperT>) {
         switch (spec.control) {
           case Controllers::i:
             return go(Adaptive<Real, IntegralController>(tolerances, error_order));
@@ -72,6 +79,8 @@ template <class StepperT>
 struct StepperEngine {
   StepperT stepper;
   int error_order;
+  /// Whether a step is so cheap that watching and counting it would show in its time.
+  static constexpr bool is_cheap = steps_are_cheap<StepperT>;
 
   template <System Sys, class Observer>
   auto operator()(const Sys& system, Span<real_of<typename Sys::State>> span, typename Sys::State& y,
@@ -87,6 +96,40 @@ struct StepperEngine {
 
 }  // namespace detail
 
+/// The observer of runs that are compiled once: shows what it is told to, points or samples, or nothing.
+template <class State>
+class AnyObserver {
+ public:
+  using Real = real_of<State>;
+  using Show = std::function<void(Real t, const State& y)>;
+
+  /// @param every  interval of samples [s]; 0: every accepted step
+  /// @param show   may be empty
+  AnyObserver(Span<Real> span, Real every, const State& y0, Show show)
+      : samples_(every > 0), show_(std::move(show)) {
+    if (!show_) return;
+    if (samples_)
+      sample_.emplace(span, every, y0, std::cref(show_));
+    else
+      show_(span.t0, y0);
+  }
+  AnyObserver(const AnyObserver&) = delete;
+  AnyObserver& operator=(const AnyObserver&) = delete;
+
+  template <class View>
+  void operator()(View& view) {
+    if (sample_)
+      (*sample_)(view);
+    else if (show_)
+      show_(view.t1(), view.y1());
+  }
+
+ private:
+  bool samples_;
+  Show show_;
+  std::optional<SampleEvery<State, std::reference_wrapper<const Show>>> sample_;
+};
+
 /// A Runner from an engine, a system and an initial state at t = 0; `end_state_extended` is left empty.
 template <class Engine, System Sys>
 Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::State& y0) {
@@ -99,18 +142,10 @@ Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::
     RunRecord record;
     State y = y0;
     Stats counts;
-    const Counted<Sys> counted(system, counts);
-    auto point = [&sink](Real t, const State& state) {
-      if (sink) sink(static_cast<double>(t), state);
-    };
-    // One observer for all three ways of looking, so that each method is compiled once a control.
-    SampleEvery<State, decltype(point)> sample(span, spec.every > 0 ? spec.every : spec.t_end, y0, point);
-    const RunEnd<Real> end = engine(counted, span, y, spec, [&](auto& view) {
-      if (spec.every > 0)
-        sample(view);
-      else
-        point(view.t1(), view.y1());
-    });
+    typename AnyObserver<State>::Show show;
+    if (sink) show = [&sink](Real t, const State& state) { sink(static_cast<double>(t), state); };
+    AnyObserver<State> observer(span, static_cast<Real>(spec.every), y0, std::move(show));
+    const RunEnd<Real> end = engine(Counted<Sys>(system, counts), span, y, spec, observer);
     record.outcome = end.outcome;
     record.t = end.t;
     record.stats = end.stats;
@@ -129,14 +164,21 @@ Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::
       if (memory->size() < points) memory->assign(points, y0);
     }
     State y = y0;
+    Stats unread;
     for (std::int64_t run = 0; run < runs; ++run) {
       y = y0;
-      if (spec.every > 0) {
-        State* out = memory->data();
-        auto store = [&out](Real, const State& state) { copy_state(state, *out++); };
-        engine(system, span, y, spec, SampleEvery<State, decltype(store)>(span, spec.every, y0, store));
+      State* out = memory->data();
+      const auto store = [&out](Real, const State& state) { copy_state(state, *out++); };
+      if constexpr (Engine::is_cheap) {
+        if (spec.every > 0)
+          engine(system, span, y, spec, SampleEvery<State, decltype(store)>(span, spec.every, y0, store));
+        else
+          engine(system, span, y, spec, ObserveNothing{});
       } else {
-        engine(system, span, y, spec, ObserveNothing{});
+        typename AnyObserver<State>::Show show;
+        if (spec.every > 0) show = store;
+        AnyObserver<State> observer(span, static_cast<Real>(spec.every), y0, std::move(show));
+        engine(Counted<Sys>(system, unread), span, y, spec, observer);
       }
       // The state is an input and an output the compiler knows nothing of: no run may be merged with
       // another.
