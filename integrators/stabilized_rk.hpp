@@ -138,12 +138,11 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
 ///   y_new = Y_s,   err = 0.8 (y - y_new) + 0.4 h (f(y) + f(y_new)) = O(h^3).
 /// The stage number s is the smallest one stable for h times the spectral radius of f: the bound of a system
 /// that knows one, at every step; else an estimate that is renewed every 25 steps and after a rejection.
-/// Stable means real negative eigenvalues: along the imaginary axis the methods are stable (nearly) nowhere,
-/// however many stages they have, so that an oscillator needs damping, or steps short enough for accuracy.
+/// Stable means real negative eigenvalues: on the imaginary axis |R(iy)| = 1 + O(y^4) > 1 however many stages
+/// there are, so that an oscillator needs damping, or steps short enough for accuracy.
 /// @tparam Polynomials  Rkc2 or Rkl2
-/// @cost   s evaluations of f a step (the last one is the first of the next step) and those of the estimate;
-/// no
-///         allocation after init()
+/// @cost   s evaluations of f a step, the last of which is the first of the next step, and those of the
+///         estimate; no allocation after init()
 template <class Polynomials, class StateT>
 class StabilizedRk {
  public:

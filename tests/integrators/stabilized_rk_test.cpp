@@ -43,26 +43,42 @@ std::vector<int> stage_numbers(int most) {
   return numbers;
 }
 
+/// R(z) by the recurrence itself.
+template <class Real, class Number>
+Number by_recurrence(const std::vector<StabilizedStage<Real>>& stages, Number z) {
+  Number older = 1, newer = Real(1) + z * stages[0].mu_f;
+  for (std::size_t j = 1; j < stages.size(); ++j) {
+    const auto& c = stages[j];
+    older = std::exchange(newer, c.mu * newer + c.nu * older + c.rest + z * (c.mu_f * newer + c.gamma_f));
+  }
+  return newer;
+}
+
 TYPED_TEST(Stabilised, ReachesAsFarAsPublishedAndNoFarther) {
   using Real = long double;
   for (const int s : stage_numbers<TypeParam>(60)) {
     std::vector<StabilizedStage<Real>> stages;
     make_stages<TypeParam>(s, stages);
-    // The recurrence itself on y' = lambda y, |h lambda| growing until |R| exceeds 1.
-    const auto grows = [&](Real z) {
-      Real older = 1, newer = 1 + z * stages[0].mu_f;
-      for (std::size_t j = 1; j < stages.size(); ++j) {
-        const auto& c = stages[j];
-        older = std::exchange(newer, c.mu * newer + c.nu * older + c.rest + z * (c.mu_f * newer + c.gamma_f));
-      }
-      return std::abs(newer) > 1;
-    };
+    const auto grows = [&](Real z) { return std::abs(by_recurrence(stages, z)) > 1; };
     const Real reach = TypeParam::template reach<Real>(s), step = reach / (100 * s);
     Real exit = step;
     while (!grows(-exit)) exit += step;
     EXPECT_GE(exit, reach) << s;
     // Beyond it both polynomials oscillate no longer: an even s leaves at once, an odd one has to pass -1.
     EXPECT_LE(exit, 1.002L * reach + 1) << s;
+  }
+}
+
+TYPED_TEST(Stabilised, GrowsALittleOnTheImaginaryAxisHoweverManyStagesItHas) {
+  // |R(iy)| = 1 + (1/8 - c3 + c4) y^4 + ... where c3, c4 are the next coefficients of R.
+  using Real = long double;
+  const Real y = 0.05L;
+  for (const int s : stage_numbers<TypeParam>(60)) {
+    std::vector<StabilizedStage<Real>> stages;
+    make_stages<TypeParam>(s, stages);
+    const Real growth = std::abs(by_recurrence(stages, std::complex<Real>(0, y))) - 1;
+    EXPECT_GT(growth, 0) << s;
+    EXPECT_LT(growth, 0.13L * y * y * y * y) << s;
   }
 }
 
