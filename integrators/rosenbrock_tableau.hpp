@@ -208,7 +208,7 @@ constexpr void visit_trees(const RosenbrockForm<S>& form, JacobianIs jacobian, i
 /// @param tolerance  largest accepted defect of one condition: published coefficients have 16 digits
 template <std::size_t S>
 constexpr int order_of(const RosenbrockForm<S>& form, const std::array<long double, S>& b,
-                       JacobianIs jacobian, int max_order = 6, long double tolerance = 1e-14L) {
+                       JacobianIs jacobian, int max_order = 6, long double tolerance = 1e-16L) {
   int order = max_order;
   visit_trees(form, jacobian, max_order, [&](int nodes, long double wanted, std::span<const long double> g) {
     long double sum = -wanted;
@@ -224,7 +224,7 @@ constexpr int order_of(const RosenbrockForm<S>& form, const std::array<long doub
 template <std::size_t S, std::size_t D>
 constexpr int order_of_interpolant(const RosenbrockTableau<S>& tableau,
                                    const RosenbrockInterpolant<S, D>& interpolant, int max_order = 6,
-                                   long double tolerance = 5e-13L) {
+                                   long double tolerance = 1e-14L) {
   int order = max_order;
   const auto form = original(tableau);
   detail::Square<S> b{};  // row j: the weights of theta^(j+1)
