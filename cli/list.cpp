@@ -67,7 +67,7 @@ void list_methods(Console& console) {
                         {"l_stable", method.l_stable},
                         {"engine", method.engine},
                         {"source", method.source}});
-    table.add({method.id, std::to_string(method.order),
+    table.add({method.id, method.has_variable_order() ? "variable" : std::to_string(method.order),
                method.adaptive() ? std::to_string(method.error_order) : "-",
                method.stages > 0 ? std::to_string(method.stages) : "varies",
                fmt::format("{}", fmt::join(method.aliases, ",")), method.source});

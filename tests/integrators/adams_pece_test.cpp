@@ -156,6 +156,138 @@ TEST(AdamsPece, ItsEstimatesAreTheTermsOfTheAdamsFormulas) {
   }
 }
 
+TEST(AdamsPece, ItsEstimatesForTheOrderDoNotDependOnThePastSteps) {
+  // y' = t^k: the k-th divided difference is 1, the one before it the sum of its nodes, whatever the steps.
+  constexpr auto gamma_star = adams::gamma_star<14>();
+  for (int k = 3; k <= 8; ++k) {
+    const auto system = system_of<One>([=](double t, const One&, One& dydt) { dydt[0] = std::pow(t, k); });
+    AdamsPece<One> adams;
+    One y(0.0), y_new;
+    std::vector<double> t{0.1};
+    double h = 0;
+    adams.init(system, t[0], y);
+    for (int n = 0; n < 20; ++n) {
+      if (n > 0) adams.accept(y_new);
+      h = 0.05 * (1 + (n * 7 % 5) / 5.0);
+      adams.set_order(std::min(n + 1, k));
+      adams.attempt(system, t.back(), y, h, y_new);
+      t.push_back(t.back() + h);
+    }
+    const auto errors = adams.errors([](Eigen::Index) { return 1.0; });
+    const auto scale = [&](int q) {
+      return std::abs(static_cast<double>(gamma_star[static_cast<std::size_t>(q)])) * std::pow(h, q + 1) *
+             std::tgamma(q + 1);
+    };
+    double nodes = 0;
+    for (int i = 0; i < k; ++i) nodes += t[t.size() - 1 - static_cast<std::size_t>(i)];
+    EXPECT_NEAR(errors.at_order / scale(k), 1, 1e-4) << k;
+    EXPECT_NEAR(errors.one_below / (scale(k - 1) * nodes), 1, 1e-4) << k;
+  }
+}
+
+/// What a stepper tells the control, as a test wants it.
+struct Told {
+  static constexpr int max_order = 12;
+  AdamsErrors<double> told{};
+  double above = 0;
+  bool equal = false;
+  int k = 1;
+  One slope = One::Zero();
+  const AdamsErrors<double>& errors(const auto&) const { return told; }
+  double error_one_above(const auto&) const { return above; }
+  bool steps_are_equal() const { return equal; }
+  int current_order() const { return k; }
+  void set_order(int order) { k = order; }
+  const One& evaluate_start(const auto&, double, const One&) const { return slope; }
+  const One& evaluate_end(const auto&, double, const One&) const { return slope; }
+};
+
+/// The control with eps = 1e-3, past its first phase unless `doubling`.
+struct AfterTheStart {
+  explicit AfterTheStart(bool doubling = false) {
+    control.start(stepper, system, {0, 1e6}, y);
+    if (!doubling) judge(1, {.step = 3, .at_order = 3});
+  }
+  /// Size of the step after one of size 1 at order k with these errors, in units of eps / 2.
+  double judge(int k, AdamsErrors<double> errors, double above = -1) {
+    const double half = 5e-4;
+    stepper.k = k;
+    stepper.equal = above >= 0;
+    stepper.above = above * half;
+    stepper.told = {errors.step * half, errors.at_order * half, errors.one_below * half,
+                    errors.two_below * half};
+    accepted = control.judge(stepper, system, {1, 2, false}, y, y) == Judgement::accept;
+    return control.propose(2).h;
+  }
+  ShampineGordonControl<double> control{{1e-3 / 0.7, 1e-3 / 0.7}};
+  Told stepper;
+  Decay<One> system{One(-1.0)};
+  One y = One::Zero();
+  bool accepted = false;
+};
+
+TEST(ShampineGordon, DoublesStepAndRaisesOrderAtTheStart) {
+  AfterTheStart run(true);
+  EXPECT_EQ(run.judge(1, {.step = 1, .at_order = 1.9}), 2);
+  EXPECT_EQ(run.stepper.k, 2);
+}
+
+TEST(ShampineGordon, DoublesKeepsOrShrinksTheStep) {
+  AfterTheStart run;
+  const AdamsErrors<double> none{.step = 0.1, .at_order = 0, .one_below = 999, .two_below = 999};
+  const auto next = [&](double error) {
+    AdamsErrors<double> errors = none;
+    errors.at_order = error;
+    return run.judge(4, errors);
+  };
+  EXPECT_EQ(next(0.99 / 32), 2);
+  EXPECT_EQ(next(1.01 / 32), 1);
+  EXPECT_EQ(next(0.99), 1);
+  EXPECT_EQ(next(1.01), 0.9);
+  EXPECT_NEAR(next(5), std::pow(5, -0.2), 1e-12);
+  EXPECT_EQ(next(100), 0.5);
+  EXPECT_EQ(run.stepper.k, 4);
+}
+
+TEST(ShampineGordon, LowersTheOrderWhenErrorsBelowAreNoLarger) {
+  AfterTheStart run;
+  const auto order_after = [&](int k, double one_below, double two_below, double above = -1) {
+    run.judge(k, {.step = 0.1, .at_order = 0.5, .one_below = one_below, .two_below = two_below}, above);
+    return run.stepper.k;
+  };
+  EXPECT_EQ(order_after(5, 0.5, 0.4), 4);
+  EXPECT_EQ(order_after(5, 0.4, 0.6), 5);
+  EXPECT_EQ(order_after(5, 0.6, 0.4), 5);
+  EXPECT_EQ(order_after(2, 0.25, 0), 1);
+  EXPECT_EQ(order_after(2, 0.26, 0), 2);
+  EXPECT_EQ(order_after(5, 0.4, 0.6, 0.45), 4) << "equal steps tell that order 6 would err more";
+}
+
+TEST(ShampineGordon, RaisesTheOrderWhenTheErrorAboveIsSmaller) {
+  AfterTheStart run;
+  const auto order_after = [&](int k, double above) {
+    run.judge(k, {.step = 0.1, .at_order = 0.5, .one_below = 1, .two_below = 9}, above);
+    return run.stepper.k;
+  };
+  EXPECT_EQ(order_after(5, 0.49), 6);
+  EXPECT_EQ(order_after(5, 0.5), 5);
+  EXPECT_EQ(order_after(12, 0.1), 12);
+  EXPECT_EQ(order_after(1, 0.24), 2);
+  EXPECT_EQ(order_after(1, 0.26), 1);
+}
+
+TEST(ShampineGordon, HalvesFailedStepsAndStartsAnewAfterTheThird) {
+  AfterTheStart run;  // one failure behind it
+  run.judge(5, {.step = 1, .at_order = 0.5, .one_below = 9, .two_below = 9});
+  const AdamsErrors<double> failing{.step = 2.1, .at_order = 50, .one_below = 60, .two_below = 60};
+  for (const int order : {5, 5, 1}) {
+    EXPECT_EQ(run.judge(5, failing), 0.5);
+    EXPECT_FALSE(run.accepted);
+    EXPECT_EQ(run.stepper.k, order);
+  }
+  EXPECT_NEAR(run.judge(1, failing), std::sqrt(1 / 50.0), 1e-12);
+}
+
 TEST(AdamsPece, LeavesNoTraceOfARejectedAttempt) {
   const Pendulum<State> system;
   const auto go = [&](bool disturbed) {
