@@ -74,8 +74,7 @@ static_assert(is_unconditionally_stable(hht_parameters(-1 / 3.0L)) &&
 /// are the same. a_new is the a of the next step; the first is M^-1 F(t_0).
 ///
 /// Simplified Newton iteration on a_new with the symmetric matrix of n rows
-///   M + c C + k K,   c = (1 - alpha_f) gamma h / (1 - alpha_m),   k = (1 - alpha_f) beta h^2 / (1 -
-///   alpha_m),
+///   M + c C + k K,    c = r gamma h,    k = r beta h^2,    r = (1 - alpha_f) / (1 - alpha_m)
 /// from a_new = a until what is still to come, as the rate of convergence foretells it, is rounding. The rate
 /// is remembered from step to step, so that a linear problem takes one iteration and one force a step. A
 /// factorisation is kept while h, K and C stay. K and C are renewed as JacobianUpdate says; automatic: after

@@ -126,27 +126,24 @@ enum class KickDamping {
   lumped,     ///< solves for the diagonal of the damping matrix: central differences
 };
 
-/// One step kick-drift-kick (velocity Verlet, leapfrog),
-///   v_half = v + h/2 a,  q_new = q + h v_half,  v_new = v_half + h/2 a_new,  a_new = M^-1 F(t + h, q_new,
-///   v_new),
-/// at one evaluation a step: a_new is the a of the next. Order 2. Where F does not depend on v the step is
-/// symplectic and time-reversible, its energy error is bounded for all times, and it is stable for
-/// omega h < 2.
+/// One step kick-drift-kick (velocity Verlet, leapfrog) at one evaluation: a_new is the a of the next step.
+///   v_half = v + h/2 a,    q_new = q + h v_half,    v_new = v_half + h/2 a_new,
+///   a_new = M^-1 F(t + h, q_new, v_new)
+/// Order 2. Where F does not depend on v the step is symplectic and time-reversible, its energy error is
+/// bounded for all times, and it is stable for omega h < 2.
 ///
 /// With damping a_new depends on v_new. The usual v_half in its place leaves order 1. Here F is evaluated at
 /// v_p = v + h a, which errs by O(h^2), and
-///   a_new = M^-1 F(t + h, q_new, v_p)                                           (Verlet)
-///   (M + h/2 D) a_new = F(t + h, q_new, v_p) + h/2 D a,   D = diag(dF/dv) with the sign of C  (central
-///   differences)
-/// so that v_new errs by O(h^3) a step for every F and every D: both keep order 2, at one evaluation. Neither
-/// is reversible then, but for
-/// * central differences where damping is linear and diagonal, F = f(t, q) - D v: a_new is then the solution
-/// of
-///   its equation, the step is the classical one of structural dynamics,
-///     (M/h^2 + D/(2h)) q_new = f(t, q) + 2 M/h^2 q - (M/h^2 - D/(2h)) q_old,   q_old = q_0 - h v_0 + h^2/2
-///     a_0
-///   at the start, reversible, and stable for omega h < 2 whatever the damping;
-/// * Verlet pays for its explicit damper with a lower limit: c h / m < 1 where the damper is all there is.
+///   Verlet:               M a_new = F(t + h, q_new, v_p),
+///   central differences:  (M + h/2 D) a_new = F(t + h, q_new, v_p) + h/2 D a,    D = diag(C).
+/// So v_new errs by O(h^3) a step whatever F and D are: both keep order 2. Reversibility is lost.
+///
+/// Where damping is linear and diagonal, F = f(t, q) - D v, central differences solve the equation of a_new.
+/// They are then the classical method of structural dynamics with its consistent start,
+///   (M/h^2 + D/(2h)) q_new = f(t, q) + 2 M/h^2 q - (M/h^2 - D/(2h)) q_old,
+///   q_old = q_0 - h v_0 + h^2/2 a_0    before the first step,
+/// reversible, and stable for omega h < 2 whatever the damping. Verlet needs no damping matrix, but is stable
+/// only for omega h < 2 (sqrt(1 + 4 zeta^2) - 2 zeta): c h / m < 1 where the damper is all there is.
 /// @cost   1 evaluation a step and one before the first; no allocation after init()
 /// @source [hairer2006geometric] I.1.4, [hughes2000finite] 9.1
 template <class StateT, KickDamping Damping>

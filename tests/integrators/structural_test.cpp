@@ -7,6 +7,8 @@
 #include <limits>
 #include <random>
 
+#include <Eigen/Eigenvalues>
+
 #include "integrators/explicit_rk.hpp"
 #include "integrators/tableaux.hpp"
 #include "problems/test_set/kepler.hpp"
@@ -150,6 +152,21 @@ TEST(CentralDifference, IsStableUntilOmegaHIsTwoWhateverTheDamping) {
     const OscillatorParameters damped{.m = 1, .c = 2 * zeta, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
     EXPECT_TRUE(stays_bounded(CentralDifference<Plane>{}, damped, 1.999));
     EXPECT_FALSE(stays_bounded(CentralDifference<Plane>{}, damped, 2.001));
+  }
+}
+
+TEST(StormerVerlet, WithDampingIsStableUntilItsDerivedLimit) {
+  // lambda = -1 is a root of the characteristic polynomial where W^2 + 8 zeta W - 4 = 0.
+  const auto radius = [](double W, double zeta) {
+    return StormerVerletMethod::amplification(W, zeta).eigenvalues().cwiseAbs().maxCoeff();
+  };
+  for (const double zeta : {0.01, 0.1, 0.5, 1.0, 3.0}) {
+    const double limit = 2 * (std::sqrt(1 + 4 * zeta * zeta) - 2 * zeta);
+    for (int i = 1; i < 1000; ++i) EXPECT_LT(radius(limit * i / 1000, zeta), 1) << zeta << " " << i;
+    EXPECT_GT(radius(1.001 * limit, zeta), 1);
+    const OscillatorParameters damped{.m = 1, .c = 2 * zeta, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
+    EXPECT_TRUE(stays_bounded(StormerVerlet<Plane>{}, damped, 0.999 * limit));
+    EXPECT_FALSE(stays_bounded(StormerVerlet<Plane>{}, damped, 1.001 * limit));
   }
 }
 
