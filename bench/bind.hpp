@@ -148,6 +148,7 @@ Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::
     const RunEnd<Real> end = engine(Counted<Sys>(system, counts), span, y, spec, observer);
     record.outcome = end.outcome;
     record.t = end.t;
+    record.note = end.note;
     record.stats = end.stats;
     record.stats.rhs += counts.rhs;
     record.stats.jacobian += counts.jacobian;

@@ -17,6 +17,25 @@ namespace hmax {
 
 namespace {
 
+/// Whose methods a build has only where their library is.
+struct ForeignEngine {
+  std::string_view prefix, library, package;
+  bool present;
+};
+#if HMAX_HAVE_SUNDIALS
+constexpr bool have_sundials = true;
+#else
+constexpr bool have_sundials = false;
+#endif
+#if HMAX_HAVE_BOOST
+constexpr bool have_boost = true;
+#else
+constexpr bool have_boost = false;
+#endif
+constexpr ForeignEngine foreign_engines[]{{"cvode_", "SUNDIALS", "libsundials-dev", have_sundials},
+                                          {"arkode_", "SUNDIALS", "libsundials-dev", have_sundials},
+                                          {"odeint_", "Boost.Odeint", "libboost-dev", have_boost}};
+
 std::vector<Method> all_methods() {
   std::vector<Method> all;
   add_explicit_rk(all);
@@ -27,6 +46,8 @@ std::vector<Method> all_methods() {
   add_imex(all);
   add_structural(all);
   add_rosenbrock(all);
+  add_sundials(all);
+  add_odeint(all);
   return all;
 }
 
@@ -118,6 +139,12 @@ Method find_method(std::string_view name) {
     names.push_back(method.id);
     names.insert(names.end(), method.aliases.begin(), method.aliases.end());
   }
+  for (const auto& [prefix, library, package, present] : foreign_engines)
+    if (id.starts_with(prefix) && !present)
+      throw InputError(
+          fmt::format("{} is a method of {}, which this build lacks; install the Debian package {}, then "
+                      "configure and build again",
+                      id, library, package));
   throw InputError(fmt::format("unknown method '{}'; {}", id,
                                suggestion(id, names, "`hmax list methods` shows all of them")));
 }

@@ -17,4 +17,8 @@ void add_imex(std::vector<Method>& all);
 void add_structural(std::vector<Method>& all);
 void add_rosenbrock(std::vector<Method>& all);
 
+/// The foreign engines add nothing where their library is missing.
+void add_sundials(std::vector<Method>& all);
+void add_odeint(std::vector<Method>& all);
+
 }  // namespace hmax

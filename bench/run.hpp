@@ -53,6 +53,7 @@ struct RunRecord {
   double t = 0;       ///< of the last accepted state, or where it diverged [s]
   Eigen::VectorXd y;  ///< last accepted state, shape (dim)
   Stats stats;
+  std::string_view note{};  ///< a foreign engine's own words for a failure, if it has some
 };
 
 /// One method bound to one problem: three erased calls, each a whole integration in the typed world.

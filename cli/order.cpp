@@ -64,23 +64,29 @@ void order(const OrderOptions& options, Console& console) {
         fmt::format("the solution of {} cannot be followed beyond t = {} s; give a smaller --t-end",
                     problem.id, to_text(reference.valid_until)));
 
-  const bool extended = static_cast<bool>(reference.extended_at);
+  // A foreign engine may have double alone.
+  const Runner runner = method.bind(problem);
+  const bool extended = reference.extended_at && runner.end_state_extended;
   const auto exact = [&](double t) -> Extended {
-    return extended ? reference.extended_at(t) : reference.at(t).cast<long double>();
+    return reference.extended_at ? reference.extended_at(t) : reference.at(t).cast<long double>();
+  };
+  const auto end_state = [&](double h, double t_end) -> Extended {
+    if (runner.end_state_extended) return runner.end_state_extended(h, t_end);
+    return runner.run({.t_end = t_end, .h = h}, {}).y.cast<long double>();
   };
   const long double epsilon =
       extended ? std::numeric_limits<long double>::epsilon() : std::numeric_limits<double>::epsilon();
   const long double scale = std::max(1.0L, exact(times.front()).cwiseAbs().maxCoeff());
   // Rounding of up to 20000 steps, with a margin that keeps it out of the slope.
-  const double floor = std::max(static_cast<double>(200 * epsilon * scale),
-                                30 * (extended ? reference.extended_error : reference.error_bound));
+  const double floor =
+      std::max(static_cast<double>(200 * epsilon * scale),
+               30 * (reference.extended_at ? reference.extended_error : reference.error_bound));
 
-  const Runner runner = method.bind(problem);
   Progress progress(console, "order");
   const auto error_of = [&](double t_end, double h) {
     const auto at = static_cast<double>(std::ranges::find(times, t_end) - times.begin());
     progress.update(at / static_cast<double>(times.size()));
-    return static_cast<double>((runner.end_state_extended(h, t_end) - exact(t_end)).cwiseAbs().maxCoeff());
+    return static_cast<double>((end_state(h, t_end) - exact(t_end)).cwiseAbs().maxCoeff());
   };
   const OrderObservation seen = observe_order(error_of, times, floor);
 

@@ -146,7 +146,8 @@ std::size_t write_points(const RunOptions& options, const RunSpec& spec, const P
 
 /// What happened, and what to do about it when the end was not reached.
 std::string in_words(const RunRecord& record, const RunSpec& spec) {
-  const std::string at = fmt::format("t = {} s", short_number(record.t, 10));
+  const std::string at = fmt::format("t = {} s{}", short_number(record.t, 10),
+                                     record.note.empty() ? "" : fmt::format(" ({})", record.note));
   switch (record.outcome) {
     case Outcome::reached_end:
       return "reached the end at " + at;

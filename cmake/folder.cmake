@@ -7,7 +7,8 @@ function(hmax_folder name)
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   list(APPEND sources ${FOLDER_SOURCES})
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.hpp")
-  list(FILTER headers EXCLUDE REGEX "/bench/(micro|peers)/")   # programs, not part of the library
+  # What has a library or a program of its own is no part of this one.
+  list(FILTER headers EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/(micro|odeint|sundials)/")
   set(target hmax_${name})
   if(sources)
     add_library(${target} STATIC ${sources})

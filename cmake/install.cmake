@@ -8,6 +8,13 @@ install(TARGETS hmax_flags hmax_integrators hmax_problems hmax_results hmax_anal
         EXPORT hmax_targets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
+foreach(engine sundials odeint)
+  if(TARGET hmax_integrators_${engine})
+    install(TARGETS hmax_integrators_${engine} EXPORT hmax_targets
+            ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+            FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
+  endif()
+endforeach()
 install(TARGETS hmax RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 install(EXPORT hmax_targets NAMESPACE hmax:: FILE hmaxTargets.cmake DESTINATION "${package_dir}")
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -60,6 +61,7 @@ struct RunEnd {
   Outcome outcome;
   Real t;
   Stats stats;  ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
+  std::string_view note{};  ///< a foreign engine's own words for a failure, if it has some
 };
 
 namespace detail {

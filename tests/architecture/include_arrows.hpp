@@ -39,7 +39,7 @@ struct ForeignRule {
 inline const std::vector<ForeignRule> foreign_rules{
     {"^(sundials|cvodes?|arkode|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)/",
      "^(integrators/sundials|tests)/"},
-    {"^boost/numeric/odeint", "^(integrators/odeint/|bench/peers/|bench/micro/|bench/formula_reference|tests/)"},
+    {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/formula_reference|tests/)"},
     {"^benchmark/", "^bench/micro/"},
     {"^muParser", "^problems/formula[a-z_]*\\.cpp$"},
     {"^toml", "\\.cpp$"},

@@ -1,0 +1,144 @@
+// uBLAS checks itself in debug builds, and Odeint does not pass: all builds shall behave alike.
+#define BOOST_UBLAS_NDEBUG 1
+#include "integrators/odeint/implicit_steppers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <boost/numeric/odeint/stepper/implicit_euler.hpp>
+#include <boost/numeric/odeint/stepper/rosenbrock4.hpp>
+#include <boost/numeric/odeint/stepper/rosenbrock4_controller.hpp>
+
+namespace hmax::odeint {
+
+namespace native = boost::numeric::odeint;
+namespace ublas = boost::numeric::ublas;
+
+namespace {
+
+template <class Real>
+using Vector = ublas::vector<Real>;
+template <class Real>
+using Matrix = ublas::matrix<Real>;
+
+template <class Real>
+const Real* data(const Vector<Real>& v) {
+  return &*v.begin();
+}
+template <class Real>
+Real* data(Vector<Real>& v) {
+  return &*v.begin();
+}
+
+template <class Real>
+struct Rhs {
+  SystemCalls<Real> calls;
+  void operator()(const Vector<Real>& y, Vector<Real>& dydt, Real t) const {
+    calls.rhs(calls.system, t, data(y), data(dydt));
+  }
+};
+
+template <class Real>
+struct Jacobian {
+  SystemCalls<Real> calls;
+  void operator()(const Vector<Real>& y, Matrix<Real>& J, Real t, Vector<Real>& dfdt) const {
+    calls.jacobian(calls.system, t, data(y), &*J.data().begin());
+    for (const Real entry : J.data())
+      if (!std::isfinite(entry)) throw NotSolved();
+    calls.time_derivative(calls.system, t, data(y), data(dfdt));
+  }
+};
+
+}  // namespace
+
+template <class Real>
+struct Rosenbrock4<Real>::Memory {
+  std::pair<Rhs<Real>, Jacobian<Real>> system;
+  Vector<Real> y, y_new, out;
+  native::rosenbrock4_controller<native::rosenbrock4<Real>> controlled;
+};
+
+template <class Real>
+Rosenbrock4<Real>::Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Real rtol, Real atol)
+    : memory_(new Memory{{{calls}, {calls}},
+                         Vector<Real>(n),
+                         Vector<Real>(n),
+                         Vector<Real>(n),
+                         native::rosenbrock4_controller<native::rosenbrock4<Real>>(atol, rtol)}) {}
+template <class Real>
+Rosenbrock4<Real>::~Rosenbrock4() = default;
+
+template <class Real>
+bool Rosenbrock4<Real>::try_step(const Real* y, Real t, Real* y_new, Real& h) {
+  Memory& m = *memory_;
+  std::copy_n(y, m.y.size(), m.y.begin());
+  const bool stands = m.controlled.try_step(m.system, m.y, t, m.y_new, h) == native::success;
+  std::copy(m.y_new.begin(), m.y_new.end(), y_new);
+  return stands;
+}
+
+template <class Real>
+void Rosenbrock4<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
+  Memory& m = *memory_;
+  std::copy_n(y, m.y.size(), m.y.begin());
+  m.controlled.stepper().do_step(m.system, m.y, t, m.y_new, h);
+  std::copy(m.y_new.begin(), m.y_new.end(), y_new);
+}
+
+template <class Real>
+void Rosenbrock4<Real>::inside(const Real* y0, Real t0, const Real* y1, Real t1, Real t, Real* out) {
+  Memory& m = *memory_;
+  std::copy_n(y0, m.y.size(), m.y.begin());
+  std::copy_n(y1, m.y.size(), m.y_new.begin());
+  m.controlled.stepper().prepare_dense_output();
+  m.controlled.stepper().calc_state(t, m.out, m.y, t0, m.y_new, t1);
+  std::copy(m.out.begin(), m.out.end(), out);
+}
+
+template <class Real>
+struct ImplicitEuler<Real>::Memory {
+  SystemCalls<Real> calls;
+  Vector<Real> y;
+  Matrix<Real> rehearsed;
+  native::implicit_euler<Real> stepper;
+};
+
+template <class Real>
+ImplicitEuler<Real>::ImplicitEuler(const SystemCalls<Real>& calls, std::size_t n)
+    : memory_(new Memory{calls, Vector<Real>(n), Matrix<Real>(n, n),
+                         native::implicit_euler<Real>(static_cast<Real>(tolerance))}) {}
+template <class Real>
+ImplicitEuler<Real>::~ImplicitEuler() = default;
+
+template <class Real>
+void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
+  Memory& m = *memory_;
+  ublas::permutation_matrix<std::size_t> pivots(m.y.size());
+  const auto rehearse = [&] {
+    if (ublas::lu_factorize(m.rehearsed, pivots) != 0) throw NotSolved();
+  };
+  int iterations = 0;
+  const auto f = [&](const Vector<Real>& at, Vector<Real>& dydt, Real time) {
+    if (++iterations > most_iterations) throw NotSolved();
+    m.calls.rhs(m.calls.system, time, data(at), data(dydt));
+    if (iterations > 1) rehearse();
+  };
+  const auto J = [&](const Vector<Real>& at, Matrix<Real>& matrix, Real time) {
+    m.calls.jacobian(m.calls.system, time, data(at), &*matrix.data().begin());
+    m.rehearsed = matrix;
+    m.rehearsed *= h;
+    m.rehearsed -= ublas::identity_matrix<Real>(at.size());
+    rehearse();
+  };
+  std::copy_n(y, m.y.size(), m.y.begin());
+  m.stepper.do_step(std::make_pair(f, J), m.y, t, h);
+  std::copy(m.y.begin(), m.y.end(), y_new);
+}
+
+template class Rosenbrock4<double>;
+template class Rosenbrock4<long double>;
+template class ImplicitEuler<double>;
+template class ImplicitEuler<long double>;
+
+}  // namespace hmax::odeint

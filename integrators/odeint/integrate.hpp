@@ -1,0 +1,214 @@
+/// Runs of Boost.Odeint's steppers on systems of the house, with the observers of the house. Odeint's own
+/// loops go on for ever where a derivative is not finite; these do not.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include <boost/numeric/odeint/util/odeint_error.hpp>
+
+#include "integrators/initial_step.hpp"
+#include "integrators/integrate.hpp"
+#include "integrators/odeint/implicit_steppers.hpp"
+#include "integrators/odeint/values.hpp"
+
+namespace hmax::odeint {
+
+namespace detail {
+
+/// A step that is about to be accepted, as observers see it.
+template <class Peer, class State>
+class View {
+ public:
+  using Real = real_of<State>;
+  using Values = typename Peer::Values;
+  View(Peer& peer, Real t0, Real t1, const Values& y0, const Values& y1, const State& start, const State& end)
+      : peer_(peer), t0_(t0), t1_(t1), values0_(y0), values1_(y1), start_(start), end_(end) {}
+
+  [[nodiscard]] Real t0() const { return t0_; }
+  [[nodiscard]] Real t1() const { return t1_; }
+  [[nodiscard]] Real h() const { return t1_ - t0_; }
+  [[nodiscard]] const State& y0() const { return start_; }
+  [[nodiscard]] const State& y1() const { return end_; }
+
+  void at(Real t, State& out) {
+    if (t == t1_) return copy_state(end_, out);
+    if (t == t0_) return copy_state(start_, out);
+    Values values = values0_;
+    peer_.inside(values0_, t0_, values1_, t1_, t, values);
+    to_state(values, out);
+  }
+
+  void stop_at(Real t) { stop_ = t; }
+  [[nodiscard]] const std::optional<Real>& stop() const { return stop_; }
+
+ private:
+  Peer& peer_;
+  Real t0_, t1_;
+  const Values &values0_, &values1_;
+  const State &start_, &end_;
+  std::optional<Real> stop_;
+};
+
+/// True when Odeint's numbers are finite and can be squared.
+template <class Values>
+bool is_bounded(const Values& values) {
+  using Real = std::remove_cvref_t<decltype(*values.begin())>;
+  Real sum{0};
+  for (const Real value : values) sum += value * value;
+  return sum <= std::numeric_limits<Real>::max();
+}
+
+/// Keeps the state of a run and shows its steps.
+template <class Peer, class State, class Observer>
+class Walk {
+ public:
+  using Real = real_of<State>;
+  using Values = typename Peer::Values;
+  static constexpr bool watched = !std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>;
+
+  Walk(Peer& peer, Real start, State& y, Observer& observer)
+      : t(start), peer_(peer), y_(y), end_(y), observer_(observer), run_{Outcome::reached_end, start, {}} {
+    to_values(y, now);
+    next = now;
+  }
+
+  /// Accepts `next` at t_next; true when an observer ends the run there.
+  bool accept(Real t_next) {
+    ++run_.stats.steps;
+    if constexpr (watched) {
+      to_state(next, end_);
+      View<Peer, State> view(peer_, t, t_next, now, next, y_, end_);
+      observer_(view);
+      if (view.stop()) {
+        State stopped = y_;
+        view.at(*view.stop(), stopped);
+        to_values(stopped, now);
+        t = *view.stop();
+        return true;
+      }
+      copy_state(end_, y_);
+    }
+    std::swap(now, next);
+    t = t_next;
+    return false;
+  }
+  void reject() { ++run_.stats.rejected; }
+
+  RunEnd<Real> finish(Outcome outcome, Real at, std::string_view note = {}) {
+    to_state(now, y_);
+    run_.outcome = outcome;
+    run_.t = at;
+    run_.note = note;
+    return run_;
+  }
+
+  Real t;
+  Values now, next;
+
+ private:
+  Peer& peer_;
+  State& y_;
+  State end_;
+  Observer& observer_;
+  RunEnd<Real> run_;
+};
+
+inline constexpr std::string_view not_solved = "Odeint does not solve the stage equation";
+inline constexpr std::string_view not_finite = "the derivative is not finite however short the step";
+
+}  // namespace detail
+
+/// Fixed steps over `span`, as hmax::integrate does them: time is t0 + n h, the last step may be shorter.
+/// @tparam Peer      step(y, t, y_new, h) and inside(...), as in explicit_peers.hpp
+/// @param y          initial state in, last bounded state out, shape (n)
+template <class Peer, System Sys, class Observer>
+RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
+                                                     Span<real_of<typename Sys::State>> span,
+                                                     typename Sys::State& y, real_of<typename Sys::State> h,
+                                                     Observer&& observer, std::int64_t max_steps) {
+  using Real = real_of<typename Sys::State>;
+  if (!hmax::is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
+  Peer peer(system);
+  detail::Walk<Peer, typename Sys::State, std::remove_reference_t<Observer>> walk(peer, span.t0, y, observer);
+  FixedStep<Real> control(h);
+  control.start(peer, system, span, y);
+  for (std::int64_t steps = 0;; ++steps) {
+    const Proposal<Real> step = control.propose(walk.t);
+    if (steps == max_steps) return walk.finish(Outcome::too_many_steps, walk.t);
+    if (!(step.t_next > walk.t)) return walk.finish(Outcome::step_too_small, walk.t);
+    try {
+      peer.step(walk.now, walk.t, walk.next, step.h);
+    } catch (const NotSolved&) {
+      return walk.finish(Outcome::newton_failed, walk.t, detail::not_solved);
+    }
+    if (!detail::is_bounded(walk.next)) return walk.finish(Outcome::diverged, step.t_next);
+    control.judge(peer, system, step, y, y);
+    if (walk.accept(step.t_next)) return walk.finish(Outcome::stopped, walk.t);
+    if (step.last) return walk.finish(Outcome::reached_end, walk.t);
+  }
+}
+
+/// Steps steered by Odeint; it wants to be told the first one, which hmax chooses as for its own methods.
+/// @tparam Peer         try_step(y, t, y_new, h) -> bool and inside(...), as in explicit_peers.hpp
+/// @param first_order   order of the error estimate that the first step is chosen for
+template <class Peer, System Sys, class Observer>
+RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
+                                                        Span<real_of<typename Sys::State>> span,
+                                                        typename Sys::State& y,
+                                                        real_of<typename Sys::State> rtol,
+                                                        real_of<typename Sys::State> atol, int first_order,
+                                                        Observer&& observer, std::int64_t max_steps) {
+  using Real = real_of<typename Sys::State>;
+  if (!hmax::is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
+  Peer peer(system, rtol, atol);
+  detail::Walk<Peer, typename Sys::State, std::remove_reference_t<Observer>> walk(peer, span.t0, y, observer);
+  Real h =
+      hairer_initial_step(system, span.t0, y, first_order, RmsNorm<Real>{rtol, atol}, span.t_end - span.t0);
+  bool was_finite = true;
+  for (std::int64_t attempts = 0;; ++attempts) {
+    const Real t = walk.t;
+    if (attempts == max_steps) return walk.finish(Outcome::too_many_steps, t);
+    const Real shortest = 16 * std::numeric_limits<Real>::epsilon() * std::abs(t);
+    if (!(h > shortest) || !(t + h > t))
+      return was_finite ? walk.finish(Outcome::step_too_small, t)
+                        : walk.finish(Outcome::diverged, t, detail::not_finite);
+    bool last = t + h >= span.t_end;
+    if (last) h = span.t_end - t;
+    const Real tried = h;
+    bool stands = false;
+    try {
+      stands = peer.try_step(walk.now, t, walk.next, h);
+    } catch (const NotSolved&) {
+      return walk.finish(Outcome::newton_failed, t, detail::not_solved);
+    } catch (const boost::numeric::odeint::odeint_error&) {
+      return walk.finish(Outcome::step_too_small, t, "Odeint finds no step that it accepts");
+    }
+    was_finite = detail::is_bounded(walk.next);
+    if (!stands || !was_finite) {
+      walk.reject();
+      if (stands) {
+        // Odeint takes an error that is no number for a small one.
+        if constexpr (requires { peer.take_back(); }) peer.take_back();
+        h = tried / 4;
+      }
+      continue;
+    }
+    Real t_next = last ? span.t_end : t + tried;
+    if constexpr (requires { peer.reached(); }) {
+      last = last && peer.reached() >= t + tried;
+      t_next = last ? span.t_end : peer.reached();
+    }
+    if (walk.accept(t_next)) return walk.finish(Outcome::stopped, walk.t);
+    if (last) return walk.finish(Outcome::reached_end, walk.t);
+  }
+}
+
+}  // namespace hmax::odeint

@@ -1,0 +1,94 @@
+/// The linear equations (I - gamma J) x = b inside a Newton iteration of SUNDIALS: our Jacobians, and our
+/// solver or KLU, as a SUNMatrix and a SUNLinearSolver of the library.
+#pragma once
+
+#include <memory>
+#include <new>
+
+#include <Eigen/SparseCore>
+#include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_matrix.h>
+
+#include "integrators/linear_solver.hpp"
+#include "integrators/sundials/vector.hpp"
+
+namespace hmax::sundials {
+
+struct DestroyMatrix {
+  void operator()(SUNMatrix A) const { SUNMatDestroy(A); }
+};
+using MatrixHandle = std::unique_ptr<_generic_SUNMatrix, DestroyMatrix>;
+struct FreeLinearSolver {
+  void operator()(SUNLinearSolver solver) const { SUNLinSolFree(solver); }
+};
+using LinearSolverHandle = std::unique_ptr<_generic_SUNLinearSolver, FreeLinearSolver>;
+
+/// The matrix I - gamma J in the type of our Jacobian. The library never looks inside: it is written by a
+/// function of ours and read by a solver of ours.
+template <class Matrix>
+Matrix& matrix_of(SUNMatrix A) {
+  return *static_cast<Matrix*>(A->content);
+}
+
+/// An empty matrix of ours as a SUNMatrix.
+template <class Matrix>
+MatrixHandle make_matrix(SUNContext context) {
+  auto content = std::make_unique<Matrix>();
+  SUNMatrix A = SUNMatNewEmpty(context);
+  if (A == nullptr) throw std::bad_alloc();
+  A->ops->getid = [](SUNMatrix) { return SUNMATRIX_CUSTOM; };
+  A->ops->destroy = [](SUNMatrix made) {
+    delete static_cast<Matrix*>(made->content);
+    SUNMatFreeEmpty(made);
+  };
+  A->content = content.release();
+  return MatrixHandle(A);
+}
+
+/// LinearSolver<Matrix> as a SUNLinearSolver: set up by factoring, solved by substitution. A singular matrix
+/// is a failure that the library may recover from, with a shorter step.
+template <class State, class Matrix>
+LinearSolverHandle make_linear_solver(SUNContext context) {
+  using Solver = LinearSolver<Matrix>;
+  auto content = std::make_unique<Solver>();
+  SUNLinearSolver made = SUNLinSolNewEmpty(context);
+  if (made == nullptr) throw std::bad_alloc();
+  made->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
+  made->ops->getid = [](SUNLinearSolver) { return SUNLINEARSOLVER_CUSTOM; };
+  made->ops->setup = [](SUNLinearSolver solver, SUNMatrix A) -> int {
+    try {
+      return static_cast<Solver*>(solver->content)->factor(matrix_of<Matrix>(A)) ? SUNLS_SUCCESS
+                                                                                 : SUNLS_LUFACT_FAIL;
+    } catch (const std::bad_alloc&) {
+      return SUNLS_MEM_FAIL;
+    }
+  };
+  made->ops->solve = [](SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, realtype) -> int {
+    try {
+      State& solution = state_of<State>(x);
+      if (x != b) solution = state_of<State>(b);
+      static_cast<Solver*>(solver->content)->solve(solution);
+      return SUNLS_SUCCESS;
+    } catch (const std::bad_alloc&) {
+      return SUNLS_MEM_FAIL;
+    }
+  };
+  made->ops->free = [](SUNLinearSolver solver) -> int {
+    delete static_cast<Solver*>(solver->content);
+    solver->content = nullptr;
+    SUNLinSolFreeEmpty(solver);
+    return SUNLS_SUCCESS;
+  };
+  made->content = content.release();
+  return LinearSolverHandle(made);
+}
+
+/// A sparse matrix of the library for the pattern of I - gamma J, and KLU for it.
+/// @param like  any vector of the run
+MatrixHandle make_klu_matrix(const Eigen::SparseMatrix<double>& pattern, SUNContext context);
+LinearSolverHandle make_klu_solver(N_Vector like, SUNMatrix A, SUNContext context);
+
+/// Copies a matrix of the same pattern into one made by make_klu_matrix.
+void copy_to_klu_matrix(const Eigen::SparseMatrix<double>& from, SUNMatrix A);
+
+}  // namespace hmax::sundials

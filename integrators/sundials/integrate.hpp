@@ -1,0 +1,235 @@
+/// A run of CVODE or ARKODE on a system of the house, with the observers of the house.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "integrators/integrate.hpp"
+#include "integrators/jacobian.hpp"
+#include "integrators/sundials/solver.hpp"
+
+namespace hmax::sundials {
+
+namespace detail {
+
+/// An accepted step as observers see it; what lies inside comes from the dense output of the library.
+template <class State>
+class View {
+ public:
+  using Real = double;
+  View(Solver& solver, double t0, double t1, const State& y0, const State& y1, N_Vector inside)
+      : solver_(solver), t0_(t0), t1_(t1), y0_(y0), y1_(y1), inside_(inside) {}
+
+  [[nodiscard]] double t0() const { return t0_; }
+  [[nodiscard]] double t1() const { return t1_; }
+  [[nodiscard]] double h() const { return t1_ - t0_; }
+  [[nodiscard]] const State& y0() const { return y0_; }
+  [[nodiscard]] const State& y1() const { return y1_; }
+
+  void at(double t, State& out) {
+    if (t == t1_) return copy_state(y1_, out);
+    solver_.interpolate(t, inside_);
+    copy_state(state_of<State>(inside_), out);
+  }
+
+  void stop_at(double t) { stop_ = t; }
+  [[nodiscard]] const std::optional<double>& stop() const { return stop_; }
+
+ private:
+  Solver& solver_;
+  double t0_, t1_;
+  const State &y0_, &y1_;
+  N_Vector inside_;
+  std::optional<double> stop_;
+};
+
+/// The system behind the callbacks. The library is C: an exception of the system waits here until the library
+/// has returned.
+template <System Sys>
+class Binding {
+ public:
+  using State = typename Sys::State;
+  using Matrix = jacobian_type<Sys>;
+
+  /// @param split  the Jacobian is that of the declared stiff part
+  Binding(const Sys& system, bool split, JacobianUpdate update)
+      : system_(system), split_(split), update_(update) {
+    source_.init(system);
+  }
+
+  Callbacks callbacks() {
+    Callbacks calls;
+    calls.rhs = call<Part::whole>;
+    if constexpr (SplitSystem<Sys>) {
+      calls.stiff = call<Part::stiff>;
+      calls.nonstiff = call<Part::nonstiff>;
+    }
+    calls.cvode_system = [](double t, N_Vector y, N_Vector, SUNMatrix A, booleantype keep, booleantype* fresh,
+                            double gamma, void* self, N_Vector, N_Vector, N_Vector) {
+      return of(self).write_system(t, state_of<State>(y), A, keep, *fresh, gamma);
+    };
+    calls.arkode_system = [](double t, N_Vector y, N_Vector, SUNMatrix A, SUNMatrix, booleantype keep,
+                             booleantype* fresh, double gamma, void* self, N_Vector, N_Vector, N_Vector) {
+      return of(self).write_system(t, state_of<State>(y), A, keep, *fresh, gamma);
+    };
+    calls.user = this;
+    return calls;
+  }
+
+  /// The matrix and the solver that fit the Jacobian: KLU for sparse ones where it is wanted, ours otherwise.
+  Equations equations(double t, const State& y, bool klu, SUNContext context) {
+    if constexpr (hmax::detail::is_variant<Matrix>) {
+      // Only the Jacobian itself says whether it is sparse. It serves as that of the start.
+      evaluate(t, y);
+      if (auto* sparse = std::get_if<Eigen::SparseMatrix<double>>(&J_); sparse != nullptr && klu) {
+        set_shifted(*sparse, 1.0, shifted_);
+        MatrixHandle matrix = make_klu_matrix(shifted_, context);
+        const Vector like = make_vector<State>(y.size(), context);
+        LinearSolverHandle solver = make_klu_solver(like.get(), matrix.get(), context);
+        klu_ = true;
+        return {std::move(matrix), std::move(solver)};
+      }
+    }
+    return {make_matrix<Matrix>(context), make_linear_solver<State, Matrix>(context)};
+  }
+
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  static constexpr int done = 0, try_shorter = 1, give_up = -1;
+
+  static Binding& of(void* self) { return *static_cast<Binding*>(self); }
+
+  enum class Part { whole, stiff, nonstiff };
+
+  /// A right-hand side as the library calls it. A result that is not finite asks for a shorter step.
+  template <Part part>
+  static int call(double t, N_Vector y, N_Vector dydt, void* self) {
+    Binding& binding = of(self);
+    if (binding.thrown_) return give_up;
+    try {
+      const State& in = state_of<State>(y);
+      State& out = state_of<State>(dydt);
+      if constexpr (part == Part::whole)
+        binding.system_.rhs(t, in, out);
+      else if constexpr (part == Part::stiff)
+        binding.system_.rhs_stiff(t, in, out);
+      else
+        binding.system_.rhs_nonstiff(t, in, out);
+      return is_bounded(out) ? done : try_shorter;
+    } catch (...) {
+      binding.thrown_ = std::current_exception();
+      return give_up;
+    }
+  }
+
+  void evaluate(double t, const State& y) {
+    evaluated_ = true;
+    if constexpr (SplitSystem<Sys>)
+      if (split_) return system_.jacobian_stiff(t, y, J_);
+    source_.evaluate(system_, t, y, J_);
+  }
+
+  /// A = I - gamma J.
+  /// @param keep   the library would use the Jacobian at hand again
+  /// @param fresh  whether it got a new one
+  int write_system(double t, const State& y, SUNMatrix A, booleantype keep, booleantype& fresh,
+                   double gamma) {
+    try {
+      const bool frozen = update_.every == JacobianUpdate::frozen && evaluated_;
+      fresh = !frozen && !keep ? SUNTRUE : SUNFALSE;
+      if (fresh) evaluate(t, y);
+      if constexpr (hmax::detail::is_variant<Matrix>) {
+        if (klu_) {
+          set_shifted(std::get<Eigen::SparseMatrix<double>>(J_), gamma, shifted_);
+          copy_to_klu_matrix(shifted_, A);
+          return done;
+        }
+      }
+      set_shifted(J_, gamma, matrix_of<Matrix>(A));
+      return done;
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return give_up;
+    }
+  }
+
+  const Sys& system_;
+  bool split_;
+  JacobianUpdate update_;
+  JacobianSource<State, Matrix> source_;
+  Matrix J_;
+  bool evaluated_ = false, klu_ = false;
+  Eigen::SparseMatrix<double> shifted_;
+  std::exception_ptr thrown_;
+};
+
+}  // namespace detail
+
+/// Integrates y' = f(t, y) over `span`, as hmax::integrate does, by a method of SUNDIALS. Fixed steps are
+/// those of ARKODE; CVODE always chooses its own.
+/// @param y         initial state in, last bounded state out, shape (n)
+/// @param observer  called as observer(View&) once for each accepted step, in order of time
+/// @throws what the system throws; std::runtime_error when the library refuses the settings
+template <System Sys, class Observer>
+RunEnd<double> integrate(const Method& method, const Settings& settings, const Sys& system, Span<double> span,
+                         typename Sys::State& y, Observer&& observer, std::int64_t max_steps) {
+  using State = typename Sys::State;
+  if (!is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
+
+  SUNContext context = this_context();
+  detail::Binding<Sys> binding(system, method.package == Package::imex, settings.jacobian);
+  const Vector next = make_vector<State>(y.size(), context), inside = make_vector<State>(y.size(), context);
+  State& y_next = state_of<State>(next.get());
+  copy_state(y, y_next);
+  Equations equations;
+  if (solves_equations(method.package)) equations = binding.equations(span.t0, y, method.klu, context);
+  const std::unique_ptr<Solver> solver = make_solver(
+      method, settings, binding.callbacks(), std::move(equations), span.t0, span.t_end, next.get(), context);
+
+  double t = span.t0;
+  auto finish = [&](Outcome outcome, double at, std::string_view note = {}) {
+    RunEnd<double> end{outcome, at, solver->stats()};
+    end.note = note;
+    return end;
+  };
+  const std::int64_t fixed_steps =
+      settings.adaptive ? std::numeric_limits<std::int64_t>::max() : fixed_step_count(span, settings.h);
+  for (std::int64_t steps = 1;; ++steps) {
+    if (steps > max_steps) return finish(Outcome::too_many_steps, t);
+    double t_next = t;
+    const int flag = solver->step(span.t_end, next.get(), t_next);
+    binding.rethrow();
+    if (flag < 0) {
+      const Failure failure = failure_of(flag);
+      return finish(failure.outcome, t, failure.words);
+    }
+    // The library adds up its fixed steps: what rounding leaves after the last one is no step.
+    if (steps == fixed_steps) t_next = span.t_end;
+    if (!(t_next > t))
+      return finish(Outcome::step_too_small, t, "SUNDIALS takes steps that no longer change the time");
+    if (!is_bounded(y_next)) return finish(Outcome::diverged, t_next);
+    if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
+      detail::View<State> view(*solver, t, t_next, y, y_next, inside.get());
+      observer(view);
+      if (view.stop()) {
+        view.at(*view.stop(), y);
+        return finish(Outcome::stopped, *view.stop());
+      }
+    }
+    copy_state(y_next, y);
+    t = t_next;
+    if (t >= span.t_end) return finish(Outcome::reached_end, t);
+  }
+}
+
+}  // namespace hmax::sundials

@@ -1,0 +1,34 @@
+/// Sparse equations through KLU, which comes with the library.
+#include <algorithm>
+
+#include <sunlinsol/sunlinsol_klu.h>
+#include <sunmatrix/sunmatrix_sparse.h>
+
+#include "integrators/sundials/equations.hpp"
+
+namespace hmax::sundials {
+
+MatrixHandle make_klu_matrix(const Eigen::SparseMatrix<double>& pattern, SUNContext context) {
+  SUNMatrix A = SUNSparseMatrix(pattern.rows(), pattern.cols(), pattern.nonZeros(), CSC_MAT, context);
+  if (A == nullptr) throw std::bad_alloc();
+  MatrixHandle made(A);
+  copy_to_klu_matrix(pattern, A);
+  return made;
+}
+
+LinearSolverHandle make_klu_solver(N_Vector like, SUNMatrix A, SUNContext context) {
+  LinearSolverHandle made(SUNLinSol_KLU(like, A, context));
+  if (!made) throw std::bad_alloc();
+  return made;
+}
+
+void copy_to_klu_matrix(const Eigen::SparseMatrix<double>& from, SUNMatrix A) {
+  if (from.nonZeros() > SUNSparseMatrix_NNZ(A) &&
+      SUNSparseMatrix_Reallocate(A, from.nonZeros()) != SUNMAT_SUCCESS)
+    throw std::bad_alloc();
+  std::copy_n(from.outerIndexPtr(), from.outerSize() + 1, SUNSparseMatrix_IndexPointers(A));
+  std::copy_n(from.innerIndexPtr(), from.nonZeros(), SUNSparseMatrix_IndexValues(A));
+  std::copy_n(from.valuePtr(), from.nonZeros(), SUNSparseMatrix_Data(A));
+}
+
+}  // namespace hmax::sundials

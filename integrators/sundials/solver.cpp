@@ -1,0 +1,307 @@
+#include "integrators/sundials/solver.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <arkode/arkode_erkstep.h>
+#include <arkode/arkode_mristep.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include "integrators/sundials/tables.hpp"
+
+namespace hmax::sundials {
+
+namespace {
+
+/// At fixed steps nothing but rounding is to disturb the order: the stage equations are solved to this.
+constexpr double tight = 1e-12;
+constexpr int patient_iterations = 20;
+/// The library counts steps of one call, and a call is one step here.
+constexpr long no_limit = -1;
+
+void be_silent(int, const char*, const char*, char*, void*) {}
+
+void check(int flag, const char* what) {
+  if (flag < 0)
+    throw std::runtime_error("SUNDIALS refuses " + std::string(what) + " (flag " + std::to_string(flag) +
+                             ")");
+}
+void* checked(void* made, const char* what) {
+  if (made == nullptr) throw std::runtime_error("SUNDIALS cannot make " + std::string(what));
+  return made;
+}
+
+bool is_rhs_failure(int flag) { return flag <= ARK_RHSFUNC_FAIL && flag >= ARK_UNREC_RHSFUNC_ERR; }
+
+std::int64_t count_of(int (*read)(void*, long int*), void* memory) {
+  long int count = 0;
+  read(memory, &count);
+  return count;
+}
+
+/// The memory of one integrator, freed by the function of its kind.
+using Memory = std::unique_ptr<void, void (*)(void*)>;
+template <void (*Free)(void**)>
+Memory own(void* made, const char* what) {
+  return {checked(made, what), [](void* memory) { Free(&memory); }};
+}
+
+struct FreeNonlinearSolver {
+  void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
+};
+
+class Cvode final : public Solver {
+ public:
+  Cvode(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
+        double t0, double t_end, N_Vector y0, SUNContext context)
+      : equations_(std::move(equations)),
+        memory_(own<CVodeFree>(CVodeCreate(method.package == Package::cvode_bdf ? CV_BDF : CV_ADAMS, context),
+                               "CVODE")) {
+    void* cvode = memory_.get();
+    check(CVodeSetErrHandlerFn(cvode, be_silent, nullptr), "an error handler");
+    check(CVodeInit(cvode, calls.rhs, t0, y0), "the initial state");
+    check(CVodeSetUserData(cvode, calls.user), "the system");
+    check(CVodeSStolerances(cvode, settings.rtol, settings.atol), "the tolerances");
+    check(CVodeSetMaxNumSteps(cvode, no_limit), "steps without limit");
+    check(CVodeSetStopTime(cvode, t_end), "the end time");
+    if (method.package == Package::cvode_adams) {
+      functional_iteration_.reset(SUNNonlinSol_FixedPoint(y0, 0, context));
+      checked(functional_iteration_.get(), "a functional iteration");
+      check(CVodeSetNonlinearSolver(cvode, functional_iteration_.get()), "the functional iteration");
+      return;
+    }
+    check(CVodeSetLinearSolver(cvode, equations_.solver.get(), equations_.matrix.get()), "the linear solver");
+    check(CVodeSetLinSysFn(cvode, calls.cvode_system), "the linear equations");
+    if (settings.jacobian.every >= 1) {
+      check(CVodeSetJacEvalFrequency(cvode, settings.jacobian.every), "the interval of Jacobians");
+      check(CVodeSetLSetupFrequency(cvode, settings.jacobian.every), "the interval of factorisations");
+    }
+  }
+
+  int step(double t_end, N_Vector y, double& t) override {
+    return CVode(memory_.get(), t_end, y, &t, CV_ONE_STEP);
+  }
+  void interpolate(double t, N_Vector out) override { CVodeGetDky(memory_.get(), t, 0, out); }
+  [[nodiscard]] Stats stats() const override {
+    void* cvode = memory_.get();
+    Stats stats;
+    stats.steps = count_of(CVodeGetNumSteps, cvode);
+    stats.rejected = count_of(CVodeGetNumErrTestFails, cvode) + count_of(CVodeGetNumStepSolveFails, cvode);
+    stats.newton = count_of(CVodeGetNumNonlinSolvIters, cvode);
+    if (equations_.solver) stats.factorisations = count_of(CVodeGetNumLinSolvSetups, cvode);
+    return stats;
+  }
+
+ private:
+  Equations equations_;
+  std::unique_ptr<_generic_SUNNonlinearSolver, FreeNonlinearSolver> functional_iteration_;
+  Memory memory_;
+};
+
+class ErkStep final : public Solver {
+ public:
+  ErkStep(const Method& method, const Settings& settings, const Callbacks& calls, double t0, double t_end,
+          N_Vector y0, SUNContext context)
+      : memory_(own<ERKStepFree>(ERKStepCreate(calls.rhs, t0, y0, context), "ERKStep")),
+        adaptive_(settings.adaptive) {
+    void* erk = memory_.get();
+    check(ERKStepSetErrHandlerFn(erk, be_silent, nullptr), "an error handler");
+    check(ERKStepSetUserData(erk, calls.user), "the system");
+    const Table table = explicit_table(static_cast<ARKODE_ERKTableID>(method.explicit_table));
+    check(ERKStepSetTable(erk, table.get()), "the table");
+    check(ERKStepSetMaxNumSteps(erk, no_limit), "steps without limit");
+    check(ERKStepSetStopTime(erk, t_end), "the end time");
+    if (settings.adaptive)
+      check(ERKStepSStolerances(erk, settings.rtol, settings.atol), "the tolerances");
+    else
+      check(ERKStepSetFixedStep(erk, settings.h), "the step");
+  }
+
+  int step(double t_end, N_Vector y, double& t) override {
+    void* erk = memory_.get();
+    const double start = t;
+    int flag = ERKStepEvolve(erk, t_end, y, &t, ARK_ONE_STEP);
+    // Where CVODE and ARKStep try a shorter step, ERKStep gives up: it is begun anew at the last good state.
+    double h = t_end - start;
+    if (is_rhs_failure(flag)) ERKStepGetCurrentStep(erk, &h);
+    while (is_rhs_failure(flag) && adaptive_) {
+      h /= 4;
+      if (!(start + h > start)) break;
+      check(ERKStepReset(erk, start, y), "a restart");
+      check(ERKStepSetInitStep(erk, h), "the step of a restart");
+      check(ERKStepSetStopTime(erk, t_end), "the end time");
+      flag = ERKStepEvolve(erk, t_end, y, &t, ARK_ONE_STEP);
+    }
+    return flag;
+  }
+  void interpolate(double t, N_Vector out) override { ERKStepGetDky(memory_.get(), t, 0, out); }
+  [[nodiscard]] Stats stats() const override {
+    Stats stats;
+    stats.steps = count_of(ERKStepGetNumSteps, memory_.get());
+    stats.rejected = count_of(ERKStepGetNumStepAttempts, memory_.get()) - stats.steps;
+    return stats;
+  }
+
+ private:
+  Memory memory_;
+  bool adaptive_;
+};
+
+class ArkStep final : public Solver {
+ public:
+  ArkStep(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
+          double t0, double t_end, N_Vector y0, SUNContext context)
+      : equations_(std::move(equations)),
+        memory_(own<ARKStepFree>(method.package == Package::imex
+                                     ? ARKStepCreate(calls.nonstiff, calls.stiff, t0, y0, context)
+                                     : ARKStepCreate(nullptr, calls.rhs, t0, y0, context),
+                                 "ARKStep")) {
+    void* ark = memory_.get();
+    check(ARKStepSetErrHandlerFn(ark, be_silent, nullptr), "an error handler");
+    check(ARKStepSetUserData(ark, calls.user), "the system");
+    check(ARKStepSetTableNum(ark, static_cast<ARKODE_DIRKTableID>(method.implicit_table),
+                             static_cast<ARKODE_ERKTableID>(method.explicit_table)),
+          "the tables");
+    check(ARKStepSetMaxNumSteps(ark, no_limit), "steps without limit");
+    check(ARKStepSetStopTime(ark, t_end), "the end time");
+    check(ARKStepSetLinearSolver(ark, equations_.solver.get(), equations_.matrix.get()), "the linear solver");
+    check(ARKStepSetLinSysFn(ark, calls.arkode_system), "the linear equations");
+    if (settings.adaptive) {
+      check(ARKStepSStolerances(ark, settings.rtol, settings.atol), "the tolerances");
+    } else {
+      check(ARKStepSStolerances(ark, tight, tight), "the tolerances");
+      check(ARKStepSetMaxNonlinIters(ark, patient_iterations), "the number of iterations");
+      check(ARKStepSetFixedStep(ark, settings.h), "the step");
+    }
+    if (settings.jacobian.every >= 1) {
+      check(ARKStepSetJacEvalFrequency(ark, settings.jacobian.every), "the interval of Jacobians");
+      check(ARKStepSetLSetupFrequency(ark, settings.jacobian.every), "the interval of factorisations");
+    }
+  }
+
+  int step(double t_end, N_Vector y, double& t) override {
+    return ARKStepEvolve(memory_.get(), t_end, y, &t, ARK_ONE_STEP);
+  }
+  void interpolate(double t, N_Vector out) override { ARKStepGetDky(memory_.get(), t, 0, out); }
+  [[nodiscard]] Stats stats() const override {
+    void* ark = memory_.get();
+    Stats stats;
+    stats.steps = count_of(ARKStepGetNumSteps, ark);
+    stats.rejected = count_of(ARKStepGetNumStepAttempts, ark) - stats.steps;
+    stats.newton = count_of(ARKStepGetNumNonlinSolvIters, ark);
+    stats.factorisations = count_of(ARKStepGetNumLinSolvSetups, ark);
+    return stats;
+  }
+
+ private:
+  Equations equations_;
+  Memory memory_;
+};
+
+/// The fast part takes method.fast_steps explicit steps of order 3 inside each slow step, of order 3 too.
+class MriStep final : public Solver {
+ public:
+  MriStep(const Method& method, const Settings& settings, const Callbacks& calls, double t0, double t_end,
+          N_Vector y0, SUNContext context)
+      : fast_(own<ARKStepFree>(ARKStepCreate(calls.stiff, nullptr, t0, y0, context), "ARKStep")),
+        bridge_(nullptr,
+                [](void* bridge) {
+                  auto stepper = static_cast<MRIStepInnerStepper>(bridge);
+                  MRIStepInnerStepper_Free(&stepper);
+                }),
+        slow_(nullptr, nullptr) {
+    check(ARKStepSetErrHandlerFn(fast_.get(), be_silent, nullptr), "an error handler");
+    check(ARKStepSetUserData(fast_.get(), calls.user), "the system");
+    check(ARKStepSetTableNum(fast_.get(), ARKODE_DIRK_NONE, ARKODE_BOGACKI_SHAMPINE_4_2_3), "the fast table");
+    check(ARKStepSetMaxNumSteps(fast_.get(), no_limit), "steps without limit");
+    check(ARKStepSetFixedStep(fast_.get(), settings.h / method.fast_steps), "the fast step");
+    MRIStepInnerStepper stepper = nullptr;
+    check(ARKStepCreateMRIStepInnerStepper(fast_.get(), &stepper), "the fast part");
+    bridge_.reset(stepper);
+    slow_ = own<MRIStepFree>(MRIStepCreate(calls.nonstiff, nullptr, t0, y0, stepper, context), "MRIStep");
+    check(MRIStepSetErrHandlerFn(slow_.get(), be_silent, nullptr), "an error handler");
+    check(MRIStepSetUserData(slow_.get(), calls.user), "the system");
+    check(MRIStepSetMaxNumSteps(slow_.get(), no_limit), "steps without limit");
+    check(MRIStepSetStopTime(slow_.get(), t_end), "the end time");
+    check(MRIStepSetFixedStep(slow_.get(), settings.h), "the slow step");
+  }
+
+  int step(double t_end, N_Vector y, double& t) override {
+    return MRIStepEvolve(slow_.get(), t_end, y, &t, ARK_ONE_STEP);
+  }
+  void interpolate(double t, N_Vector out) override { MRIStepGetDky(slow_.get(), t, 0, out); }
+  [[nodiscard]] Stats stats() const override {
+    Stats stats;
+    stats.steps = count_of(MRIStepGetNumSteps, slow_.get());
+    return stats;
+  }
+
+ private:
+  Memory fast_, bridge_, slow_;  // freed from the last to the first
+};
+
+}  // namespace
+
+std::unique_ptr<Solver> make_solver(const Method& method, const Settings& settings,
+                                    const Callbacks& callbacks, Equations equations, double t0, double t_end,
+                                    N_Vector y0, SUNContext context) {
+  switch (method.package) {
+    case Package::cvode_adams:
+    case Package::cvode_bdf:
+      return std::make_unique<Cvode>(method, settings, callbacks, std::move(equations), t0, t_end, y0,
+                                     context);
+    case Package::erk:
+      return std::make_unique<ErkStep>(method, settings, callbacks, t0, t_end, y0, context);
+    case Package::dirk:
+    case Package::imex:
+      return std::make_unique<ArkStep>(method, settings, callbacks, std::move(equations), t0, t_end, y0,
+                                       context);
+    case Package::mri:
+      return std::make_unique<MriStep>(method, settings, callbacks, t0, t_end, y0, context);
+  }
+  throw std::logic_error("no such package of SUNDIALS");
+}
+
+SUNContext this_context() {
+  struct Context {
+    SUNContext context = nullptr;
+    Context() { check(SUNContext_Create(nullptr, &context), "a context"); }
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+    ~Context() { SUNContext_Free(&context); }
+  };
+  thread_local const Context mine;
+  return mine.context;
+}
+
+Failure failure_of(int flag) {
+  // CVODE and ARKODE number the failures of a run alike down to -11.
+  switch (flag) {
+    case ARK_TOO_MUCH_WORK:
+      return {Outcome::too_many_steps, "SUNDIALS reports that it took too many steps"};
+    case ARK_TOO_MUCH_ACC:
+      return {Outcome::step_too_small,
+              "SUNDIALS reports that the tolerances ask for more than the rounding gives"};
+    case ARK_ERR_FAILURE:
+      return {Outcome::step_too_small, "SUNDIALS reports that the error test fails however short the step"};
+    case ARK_CONV_FAILURE:
+      return {Outcome::newton_failed, "SUNDIALS reports that its iteration does not converge"};
+    case ARK_LINIT_FAIL:
+    case ARK_LSETUP_FAIL:
+    case ARK_LSOLVE_FAIL:
+      return {Outcome::newton_failed, "SUNDIALS reports that the linear equations cannot be solved"};
+    case ARK_RHSFUNC_FAIL:
+    case ARK_FIRST_RHSFUNC_ERR:
+    case ARK_REPTD_RHSFUNC_ERR:
+    case ARK_UNREC_RHSFUNC_ERR:
+    case ARK_INNERSTEP_FAIL:
+      return {Outcome::diverged, "SUNDIALS reports that the derivative is not finite however short the step"};
+    case ARK_TOO_CLOSE:
+      return {Outcome::step_too_small, "SUNDIALS reports that the end is too close to the start"};
+    default:
+      return {Outcome::step_too_small, "SUNDIALS gives up for another reason"};
+  }
+}
+
+}  // namespace hmax::sundials
