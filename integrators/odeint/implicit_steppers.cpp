@@ -50,13 +50,23 @@ struct Jacobian {
   }
 };
 
+/// The coefficients of RODAS with d_4 < 0 as published; Boost 1.74 has it positive, and order 1 on every
+/// system that depends on time.
+template <class Real>
+struct Coefficients : native::default_rosenbrock_coefficients<Real> {
+  const Real d4 = static_cast<Real>(-0.0362);
+};
+
+template <class Real>
+using Controlled = native::rosenbrock4_controller<native::rosenbrock4<Real, Coefficients<Real>>>;
+
 }  // namespace
 
 template <class Real>
 struct Rosenbrock4<Real>::Memory {
   std::pair<Rhs<Real>, Jacobian<Real>> system;
   Vector<Real> y, y_new, out;
-  native::rosenbrock4_controller<native::rosenbrock4<Real>> controlled;
+  Controlled<Real> controlled;
 };
 
 template <class Real>
@@ -65,7 +75,7 @@ Rosenbrock4<Real>::Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Re
                          Vector<Real>(n),
                          Vector<Real>(n),
                          Vector<Real>(n),
-                         native::rosenbrock4_controller<native::rosenbrock4<Real>>(atol, rtol)}) {}
+                         Controlled<Real>(atol, rtol)}) {}
 template <class Real>
 Rosenbrock4<Real>::~Rosenbrock4() = default;
 

@@ -23,7 +23,9 @@ struct NotSolved : std::runtime_error {
   NotSolved() : std::runtime_error("Odeint does not solve the stage equation") {}
 };
 
-/// The Rosenbrock method of order 4 with Odeint's own step control and dense output.
+/// The Rosenbrock method of order 4, RODAS, with Odeint's own step control and dense output. In Boost 1.74
+/// its coefficient d_4 has the wrong sign, which makes it a method of order 1 wherever f depends on time;
+/// here it has the published one [hairer1996solving].
 template <class Real>
 class Rosenbrock4 {
  public:
