@@ -35,7 +35,7 @@ struct Method {
   int explicit_table = ARKODE_ERK_NONE;   ///< of erk and imex
   int implicit_table = ARKODE_DIRK_NONE;  ///< of dirk and imex
   bool klu = true;                        ///< sparse equations are solved by KLU, else by LinearSolver
-  int fast_steps = 10;                    ///< of mri: h is this many steps of the fast part
+  int fast_steps = 5;                     ///< of mri: h is this many steps of the fast part
 };
 
 struct Settings {
