@@ -163,14 +163,6 @@ class AdamsPece {
   }
 
  private:
-  /// A stepper is copied into its run; numbers without a value must not be.
-  static State blank() {
-    if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
-      return State();
-    else
-      return State::Zero();
-  }
-
   /// What is known of phi(n) at the present state.
   enum class Differences { none, await_end_slope, known };
 
@@ -266,10 +258,10 @@ class AdamsPece {
     differences_ = Differences::known;
   }
 
-  std::array<State, max_order + 2> phi_;  // phi_i(n) is phi_[i - 1]
-  State predicted_slope_ = blank();       // phi^p_1
-  State slope_ = blank();                 // f(t_n+1, p)
-  State end_slope_ = blank();             // f(t_n+1, y_n+1)
+  std::array<State, max_order + 2> phi_;          // phi_i(n) is phi_[i - 1]
+  State predicted_slope_ = blank_state<State>();  // phi^p_1
+  State slope_ = blank_state<State>();            // f(t_n+1, p)
+  State end_slope_ = blank_state<State>();        // f(t_n+1, y_n+1)
   TimePart<Real> time_part_;
   Steps past_, trial_;
   std::array<Real, max_order> beta_{};

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "integrators/hermite.hpp"
 #include "integrators/newton.hpp"
 #include "integrators/slope_at.hpp"
 #include "integrators/state.hpp"
@@ -92,7 +93,7 @@ class Dirk {
     if constexpr (estimates_from_slopes)
       if (old_h_ == 0) {
         // The first step has no other before it: the slope at its middle serves in its place.
-        hermite(y, k_[0], y_new, k_[s - 1], h, Real(0.5), Y_);
+        hermite(h, y, y_new, k_[0], k_[s - 1], Real(0.5), Y_);
         system.rhs(t + h / 2, Y_, old_slope_);
       }
     return StepStatus::ok;
@@ -158,16 +159,16 @@ class Dirk {
       const Real c = static_cast<Real>(tableau.c[inner]);
       stage_argument(FullRow<inner>{}, y, h, k_, Y_);
       if (theta <= c)
-        hermite(y, k_[0], Y_, k_[inner], c * h, theta / c, out);
+        hermite(c * h, y, Y_, k_[0], k_[inner], theta / c, out);
       else
-        hermite(Y_, k_[inner], y_new, k_[s - 1], (1 - c) * h, (theta - c) / (1 - c), out);
+        hermite((1 - c) * h, Y_, y_new, k_[inner], k_[s - 1], (theta - c) / (1 - c), out);
     } else if constexpr (explicit_first) {
-      hermite(y, k_[0], y_new, k_[s - 1], h, theta, out);
+      hermite(h, y, y_new, k_[0], k_[s - 1], theta, out);
     } else {
       if (!start_known_) system.rhs(t, y, start_slope_);
       if (!end_known_) system.rhs(t + h, y_new, end_slope_);
       start_known_ = end_known_ = true;
-      hermite(y, start_slope_, y_new, end_slope_, h, theta, out);
+      hermite(h, y, y_new, start_slope_, end_slope_, theta, out);
     }
   }
 
@@ -281,32 +282,14 @@ class Dirk {
     }
   }
 
-  /// out = the cubic that meets values y0, y1 and slopes f0, f1 at the ends of a step h, at theta in [0, 1].
-  static void hermite(const State& y0, const State& f0, const State& y1, const State& f1, Real h, Real theta,
-                      State& out) {
-    // The weights of y1 - y0, f0 and f1; the step itself is only a small correction to y0.
-    const Real rest = 1 - theta;
-    const Real value = theta * theta * (3 - 2 * theta);
-    const Real first = h * theta * rest * rest, last = -h * theta * theta * rest;
-    detail::assign(out, [&](auto access) {
-      return access(y0) + ((access(y1) - access(y0)) * value + access(f0) * first + access(f1) * last);
-    });
-  }
-
-  /// A stepper is copied into its run; numbers without a value must not be.
-  static State blank() {
-    if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
-      return State();
-    else
-      return State::Zero();
-  }
-
   static constexpr Real gamma = static_cast<Real>(Method::gamma);
   std::array<State, s> k_;
-  State base_ = blank(), z_ = blank(), Y_ = blank(), d_ = blank();
-  State start_slope_ = blank(), end_slope_ = blank();  // f at the ends, where no stage stands there
-  State old_slope_ = blank();                          // f at the start of the step before
-  mutable State error_ = blank();
+  State base_ = blank_state<State>(), z_ = blank_state<State>(), Y_ = blank_state<State>(),
+        d_ = blank_state<State>();
+  State start_slope_ = blank_state<State>(),
+        end_slope_ = blank_state<State>();  // f at the ends, where no stage stands there
+  State old_slope_ = blank_state<State>();  // f at the start of the step before
+  mutable State error_ = blank_state<State>();
   std::array<State, 3> slopes_;
   Linearisation<State, Matrix> jacobian_;
   mutable ShiftedSolver<Matrix, typename State::Scalar> solver_;

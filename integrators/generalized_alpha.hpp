@@ -300,11 +300,12 @@ class GeneralizedAlpha {
 
   Real alpha_m_ = 0, alpha_f_ = 0, beta_ = Real(0.25), gamma_ = Real(0.5);
   JacobianUpdate update_{};
-  DofsT mass_, a_, a_new_;   // shape (n)
-  DofsT q_, v_, force_;      // at one iterate, shape (n)
-  MatrixT K_, C_;            // of the last renewal, shape (n, n)
-  MatrixT K_full_, C_full_;  // at the iterates of Newton's method
-  MatrixT A_;
+  DofsT mass_ = blank_state<DofsT>(), a_ = mass_, a_new_ = mass_;  // shape (n)
+  DofsT q_ = mass_, v_ = mass_, force_ = mass_;                    // at one iterate, shape (n)
+  MatrixT K_ = blank_matrix<MatrixT>(), C_ = K_, K_full_ = K_,
+          C_full_ = K_;  // shape (n, n): of the last renewal,
+                         // and at the iterates of Newton's method
+  MatrixT A_ = K_;
   LinearSolver<MatrixT> solver_;
   Real factored_h_ = 0;                   // the h of the factors of K_ and C_; NaN: there are none
   Real rate_ = 1, new_rate_ = 1;          // of convergence, in the last accepted step and the last attempt

@@ -87,6 +87,16 @@ void set_combination(const Vector& m, Real c, const Matrix& C, Real k, const Mat
   }
 }
 
+/// A matrix for a member that will be sized later: zero where the size is fixed, since a stepper is copied
+/// into its run and numbers without a value must not be.
+template <class Matrix>
+Matrix blank_matrix() {
+  if constexpr (requires { requires Matrix::SizeAtCompileTime != Eigen::Dynamic; })
+    return Matrix::Zero();
+  else
+    return Matrix();
+}
+
 /// An LU factorisation of a dense A, shape (n, n), with partial pivoting. The equations of a few unknowns are
 /// solved here: Eigen's general routines would spend more time on their blocks and temporaries than on the
 /// arithmetic (two unknowns of dynamic size, factored once and solved eight times: 70 instead of 250 ns).
@@ -99,22 +109,26 @@ class DenseLu {
   /// The only call that allocates; factor() makes it when n has changed.
   void resize(Eigen::Index n) {
     factors_.resize(n, n);
-    if (is_small(n)) {
-      pivots_.resize(n);
-    } else {
-      lu_ = Eigen::PartialPivLU<Matrix>(n);
-      scratch_.resize(n);
+    if constexpr (may_be_large) {
+      if (!is_small(n)) {
+        large_.lu = Eigen::PartialPivLU<Matrix>(n);
+        large_.scratch.resize(n);
+        return;
+      }
     }
+    pivots_.resize(n);
   }
 
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
-    if (A.rows() != factors_.rows() || pivots_.size() + scratch_.size() == 0) resize(A.rows());
-    if (!is_small(A.rows())) {
-      if (!A.allFinite()) return false;
-      lu_.compute(A);
-      const auto pivots = lu_.matrixLU().diagonal().cwiseAbs();
-      return pivots.allFinite() && pivots.minCoeff() > 0;
+    if (A.rows() != factors_.rows()) resize(A.rows());
+    if constexpr (may_be_large) {
+      if (!is_small(A.rows())) {
+        if (!A.allFinite()) return false;
+        large_.lu.compute(A);
+        const auto pivots = large_.lu.matrixLU().diagonal().cwiseAbs();
+        return pivots.allFinite() && pivots.minCoeff() > 0;
+      }
     }
     factors_ = A;
     if constexpr (fixed == 1) return is_pivot(A(0, 0));
@@ -128,10 +142,12 @@ class DenseLu {
       x /= factors_(0, 0);
       return;
     }
-    if (!is_small(factors_.rows())) {
-      scratch_.noalias() = lu_.solve(x);
-      x = scratch_;
-      return;
+    if constexpr (may_be_large) {
+      if (!is_small(factors_.rows())) {
+        large_.scratch.noalias() = large_.lu.solve(x);
+        x = large_.scratch;
+        return;
+      }
     }
     const Eigen::Index n = size();
     const Scalar* column = factors_.data();
@@ -147,9 +163,8 @@ class DenseLu {
 
  private:
   static constexpr Eigen::Index fixed = Matrix::RowsAtCompileTime, largest_small = 16;
-  static constexpr bool is_small(Eigen::Index n) {
-    return fixed == Eigen::Dynamic ? n <= largest_small : fixed <= largest_small;
-  }
+  static constexpr bool may_be_large = fixed == Eigen::Dynamic || fixed > largest_small;
+  static constexpr bool is_small(Eigen::Index n) { return n <= largest_small; }
   [[nodiscard]] Eigen::Index size() const { return fixed == Eigen::Dynamic ? factors_.rows() : fixed; }
 
   /// Gaussian elimination by columns. Multipliers stand below the diagonal and stay where they arose; on the
@@ -197,10 +212,17 @@ class DenseLu {
     return size >= std::numeric_limits<Real>::min() && size <= std::numeric_limits<Real>::max();
   }
 
-  Matrix factors_;
-  Eigen::Matrix<Eigen::Index, Matrix::RowsAtCompileTime, 1> pivots_;
-  Eigen::PartialPivLU<Matrix> lu_;
-  Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, 1> scratch_;
+  using Pivots = Eigen::Matrix<Eigen::Index, Matrix::RowsAtCompileTime, 1>;
+  /// What Eigen's routines need; nothing where the size is fixed and small.
+  struct Large {
+    Eigen::PartialPivLU<Matrix> lu;
+    Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, 1> scratch;
+  };
+  struct Nothing {};
+
+  Matrix factors_ = blank_matrix<Matrix>();
+  Pivots pivots_ = blank_matrix<Pivots>();
+  [[no_unique_address]] std::conditional_t<may_be_large, Large, Nothing> large_;
 };
 
 /// An LU factorisation of A, shape (n, n): dense with partial pivoting, sparse with a fill-reducing ordering

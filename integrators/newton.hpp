@@ -88,7 +88,7 @@ class NewtonNorm {
   }
 
   Real kappa_, rtol_ = 0, atol_ = 0, scale_ = 0;
-  State per_weight_;
+  State per_weight_ = blank_state<State>();
 };
 
 /// What is known of the convergence from earlier iterations with the same kind of matrix.
@@ -222,7 +222,7 @@ class Linearisation {
 
   JacobianUpdate update_;
   JacobianSource<State, Matrix> source_;
-  Matrix J_, fresh_;
+  Matrix J_ = blank_matrix<Matrix>(), fresh_ = J_;
   std::int64_t id_ = 0, fresh_id_ = 0, evaluations_ = 0, steps_ = 0;
   bool due_ = true, is_current_ = false, fresh_known_ = false, uses_fresh_ = false;
 };
@@ -276,7 +276,7 @@ class ShiftedSolver {
   }
 
  private:
-  with_scalar<Matrix, Scalar> A_;
+  with_scalar<Matrix, Scalar> A_ = blank_matrix<with_scalar<Matrix, Scalar>>();
   LinearSolver<with_scalar<Matrix, Scalar>> solver_;
   std::int64_t id_ = 0;
   Scalar s_{};

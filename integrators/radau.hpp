@@ -228,17 +228,10 @@ class RadauIIA5 {
     polynomial_known_ = true;
   }
 
-  static State blank() {
-    if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
-      return State();
-    else
-      return State::Zero();
-  }
-
   Three z_, w_, f_, Y_;
   Three polynomial_, old_polynomial_;
-  State slope_ = blank();  // f at the start of the step
-  mutable State error_ = blank();
+  State slope_ = blank_state<State>();  // f at the start of the step
+  mutable State error_ = blank_state<State>();
   Eigen::Matrix<Complex, State::RowsAtCompileTime, 1> pair_;
   Linearisation<State, Matrix> jacobian_;
   mutable ShiftedSolver<Matrix, Real> real_;

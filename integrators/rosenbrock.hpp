@@ -229,7 +229,7 @@ class Rosenbrock {
 
   JacobianUpdate update_;
   JacobianSource<State, Jacobian> source_;
-  Jacobian J_;
+  Jacobian J_ = blank_matrix<Jacobian>();
   ShiftedSolver<Jacobian, Scalar> solver_;
   std::array<State, s> u_;
   State slope_ = blank_state<State>(), stage_slope_ = slope_;  // f at (t, y), and of the last stage

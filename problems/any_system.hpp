@@ -92,10 +92,13 @@ class BasicAnySystem {
     if constexpr (std::is_same_v<Vector, State>) {
       call(y, out);
     } else {
-      const Vector own = y.template cast<typename Vector::Scalar>();
+      // Number by number: g++ 12 warns of a packet that a vector of one number does not have.
+      Vector own;
+      own.resize(y.size());
+      for (Eigen::Index i = 0; i < own.size(); ++i) own[i] = static_cast<typename Vector::Scalar>(y[i]);
       Vector result = own;
       call(own, result);
-      out = result.template cast<Real>();
+      for (Eigen::Index i = 0; i < result.size(); ++i) out[i] = static_cast<Real>(result[i]);
     }
   }
   template <class Vector, class Call>

@@ -107,7 +107,8 @@ const auto decay = system_of<One>([](double, const One& y, One& dydt) { dydt[0] 
 /// The first proposal of MATLAB's rules for ode45 on y' = -2 y.
 Proposal<double> first_matlab_step(double length, double rtol, double atol, double y0) {
   Adaptive<double, MatlabController, MatlabNorm> control({rtol, atol}, 5);
-  control.start(0, decay, Span<double>{1, 1 + length}, One(y0));
+  int no_stepper = 0;
+  control.start(no_stepper, decay, Span<double>{1, 1 + length}, One(y0));
   return control.propose(1);
 }
 
@@ -125,7 +126,8 @@ TEST(MatlabRules, BoundTheStepByATenthOfTheSpan) {
 
 TEST(MatlabRules, StretchTheLastStepByATenth) {
   Adaptive<double, MatlabController, MatlabNorm> control({1e-5, 1e-6}, 5);
-  control.start(0, decay, Span<double>{0, 1}, One(3.0));  // h = 0.04
+  int no_stepper = 0;
+  control.start(no_stepper, decay, Span<double>{0, 1}, One(3.0));  // h = 0.04
   EXPECT_FALSE(control.propose(1 - 0.0441).last);
   const Proposal<double> last = control.propose(1 - 0.0439);
   EXPECT_TRUE(last.last);
