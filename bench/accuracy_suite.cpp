@@ -22,9 +22,9 @@ struct SuiteProblem {
 
 const std::vector<SuiteProblem>& suite_problems() {
   static const std::vector<SuiteProblem> problems{
-      {"liver_linear", {}, 10, false},
-      {"liver_cubic", {}, 10, false},
-      {"liver_forced", {}, 10, false},
+      {"liver_linear", {}, 10, false}, {"liver_cubic", {}, 10, false},    {"liver_forced", {}, 10, false},
+      {"kepler", {}, 4, false},        {"spring_chain", {}, 0.25, false}, {"prothero_robinson", {}, 2, false},
+      {"van_der_pol", {}, 500, true},  {"robertson", {}, 1e4, true},      {"hires", {}, 100, true},
   };
   return problems;
 }
@@ -57,10 +57,12 @@ void add_adaptive(AccuracyPlan& plan, std::size_t p, const Method& method, doubl
                                   .control = control,
                                   .every = t_end / samples,
                                   .max_steps = attempts},
-                          fmt::format("rtol={} control={}", to_text(tolerance), to_string(control))});
+                          fmt::format("rtol={}", to_text(tolerance))});
+    AccuracyCase& added = plan.cases.back();
+    added.setting += " control=" + control_of(method, added.spec);
   };
   for (const double tolerance : {1e-3, 1e-6}) add(tolerance, Controllers::deadband);
-  if (plan.problems[p].id != "liver_forced") return;
+  if (plan.problems[p].id != "liver_forced" || method.own_control) return;
   for (const Controllers control : {Controllers::i, Controllers::pi, Controllers::matlab}) add(1e-5, control);
 }
 

@@ -178,6 +178,11 @@ std::vector<Method> choose_methods(const std::vector<std::string>& names,
   return chosen;
 }
 
+std::string control_of(const Method& method, const RunSpec& spec) {
+  if (!spec.adaptive) return "none";
+  return method.own_control ? "own" : std::string(to_string(spec.control));
+}
+
 bool is_second_order(const Problem& problem) {
   const auto* any = std::get_if<AnySystem>(&problem.system);
   return any == nullptr || any->dofs() > 0;

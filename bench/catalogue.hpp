@@ -92,6 +92,7 @@ struct Method {
   std::string engine;               ///< hmax, or the library that runs it
   std::string source;               ///< bibliography key
   bool fixed_step = true;           ///< false: only adaptive runs
+  bool own_control = false;         ///< steers adaptive runs by rules of its own, not by RunSpec::control
   bool needs_second_order = false;  ///< positions and velocities, M q'' = F
   bool needs_split = false;         ///< a declared stiff part
   std::function<Runner(const Problem&)> bind;
@@ -141,6 +142,9 @@ inline constexpr std::int64_t adaptive_attempts = 20'000'000;
 /// Whether a problem has positions and velocities, and whether it declares a stiff part.
 bool is_second_order(const Problem& problem);
 bool has_split(const Problem& problem);
+
+/// The control of a run as people and stores read it: none, own, or the word of RunSpec::control.
+std::string control_of(const Method& method, const RunSpec& spec);
 
 /// Throws InputError unless `spec` can be run with `method` on a problem of this length: h, tolerances and
 /// t_end positive and finite, an adaptive run only with an error estimate, no more steps than spec.max_steps,

@@ -56,6 +56,7 @@ void add_adams(std::vector<Method>& all) {
                  .engine = "hmax",
                  .source = "shampine1975computer",
                  .fixed_step = false,
+                 .own_control = true,
                  .bind = bind_adams_pece});
 }
 

@@ -88,6 +88,7 @@ Method line(const Facts& facts) {
                           std::to_string(BOOST_VERSION / 100 % 1000),
                 .source = "ahnert2011odeint",
                 .fixed_step = !std::same_as<Fixed<ExtendedSystem>, None<ExtendedSystem>>,
+                .own_control = true,
                 .bind = {}};
   const OdeintEngine<Fixed, Steered> engine{method.error_order};
   method.bind = [engine, extends = facts.in_long_double](const Problem& problem) {

@@ -106,6 +106,7 @@ Method line(const Facts& facts, const sundials::Method& choice) {
                 .engine = std::string(engine_name),
                 .source = is_cvode ? "hindmarsh2005sundials" : "reynolds2023arkode",
                 .fixed_step = !is_cvode,
+                .own_control = true,
                 .needs_split = choice.package == Package::imex || choice.package == Package::mri,
                 .bind = {}};
   method = with_number(method, choice);

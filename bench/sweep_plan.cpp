@@ -218,7 +218,7 @@ RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t metho
           .y0 = describe(problem.y0),
           .method = plan.methods[method].id,
           .mode = block.mode,
-          .control = run.adaptive ? std::string(to_string(run.control)) : "none",
+          .control = control_of(plan.methods[method], run),
           .h = run.adaptive ? run.every : run.h,
           .rtol = run.rtol,
           .atol = run.atol,

@@ -122,7 +122,7 @@ std::size_t write_points(const RunOptions& options, const RunSpec& spec, const P
   if (spec.adaptive) {
     table.notes.emplace_back("rtol", to_text(spec.rtol));
     table.notes.emplace_back("atol", to_text(spec.atol));
-    table.notes.emplace_back("control", to_string(spec.control));
+    table.notes.emplace_back("control", control_of(method, spec));
   } else {
     table.notes.emplace_back("h", to_text(spec.h));
   }
@@ -199,7 +199,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   if (spec.adaptive) {
     document["rtol"] = spec.rtol;
     document["atol"] = spec.atol;
-    document["control"] = to_string(spec.control);
+    document["control"] = control_of(method, spec);
   } else {
     document["h"] = spec.h;
   }
@@ -215,7 +215,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
                                  problem.parameters.empty() ? "no parameters" : describe(problem.parameters));
   text += fmt::format("{}, {}", method.id,
                       spec.adaptive ? fmt::format("rtol {}, atol {}, control {}", to_text(spec.rtol),
-                                                  to_text(spec.atol), to_string(spec.control))
+                                                  to_text(spec.atol), control_of(method, spec))
                                     : fmt::format("fixed steps of {} s", to_text(spec.h)));
   if (own_tableau)
     text += fmt::format("; its order is {}{}", method.order,
@@ -242,6 +242,8 @@ void run(const RunOptions& options, Console& console) {
   const Method method = options.method.make();
   const RunSpec spec = spec_of(options, problem);
   check(spec, method, problem);
+  if (!options.control.empty() && method.own_control)
+    throw InputError(fmt::format("{} steers its steps by rules of its own; leave --control out", method.id));
   if (!options.jacobian.empty() && !method.needs_jacobian)
     throw InputError(fmt::format("{} uses no Jacobian; leave --jacobian out", method.id));
   check_output(options, spec);

@@ -15,7 +15,7 @@ struct RowKey {
   std::string y0;          ///< initial state, "0.5,1"
   std::string method;      ///< method id
   std::string mode;     ///< fixed: steps of h; sampled: adaptive inside, output every h; adaptive: rtol only
-  std::string control;  ///< none | i | pi | deadband | matlab
+  std::string control;  ///< none | i | pi | deadband | matlab | own
   double h = 0;         ///< step or output interval [s]; 0 in mode adaptive
   double rtol = 0;      ///< relative tolerance; 0 in mode fixed
   double atol = 0;      ///< absolute tolerance; 0 in mode fixed
