@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -5,26 +7,36 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST(OrderCommand, EveryMethodShowsItsOrderOnALinearANonlinearAndAForcedCase) {
+/// On a linear problem without a force a method may do better than its order: then another problem must show it.
+/// Foreign engines are peers with defects of their own (docs/facts.md); two problems must show what they claim.
+TEST(OrderCommand, EveryMethodShowsItsOrderOnThreeProblemsAndFallsShortOfItOnNone) {
   const Shell shell;
-  for (const Json& method : shell.hmax("list methods --json").json())
-    for (const char* problem : {"liver_linear", "liver_cubic", "liver_forced"}) {
-      const Told told = shell.hmax("order --json --problem " + std::string(problem) + " --method " +
-                                   method.at("id").get<std::string>());
-      ASSERT_EQ(told.exit_code, 0) << told.out << told.err;
+  for (const Json& method : shell.hmax("list methods --json").json()) {
+    const std::string id = method.at("id");
+    const double tolerance = method.at("family") == "adams" || method.at("order") >= 6 ? 0.2 : 0.1;
+    const bool ours = method.at("engine") == "hmax";
+    int shown = 0;
+    for (const char* problem : {"liver_linear", "liver_cubic", "liver_forced", "kepler"}) {
+      if (shown == 3 || (method.at("needs_split") && std::string(problem) == "kepler")) break;
+      const Told told = shell.hmax("order --json --problem " + std::string(problem) + " --method " + id);
+      ASSERT_LE(told.exit_code, 1) << id << " on " << problem << told.out << told.err;
       const Json order = told.json();
       if (method.at("order") == 0) {
-        EXPECT_TRUE(order.at("expected").is_null() && order.at("observed").is_null());
+        EXPECT_TRUE(order.at("expected").is_null() && order.at("observed").is_null()) << id;
         EXPECT_NE(order.at("status"), "");
+        ++shown;
         continue;
       }
       EXPECT_EQ(order.at("expected"), method.at("order"));
-      const bool coarse = method.at("family") == "adams" || method.at("order") >= 6;
-      EXPECT_NEAR(order.at("observed").get<double>(), order.at("expected").get<double>(), coarse ? 0.2 : 0.1)
-          << method.at("id") << " on " << problem;
-      EXPECT_EQ(order.at("h").size(), order.at("error").size());
+      ASSERT_FALSE(order.at("observed").is_null()) << id << " on " << problem;
+      const double ahead = order.at("observed").get<double>() - method.at("order").get<double>();
+      EXPECT_TRUE(ahead >= -tolerance || !ours) << id << " on " << problem << " shows " << ahead;
+      EXPECT_EQ(told.exit_code == 0, std::abs(ahead) <= tolerance) << id << " on " << problem;
+      shown += told.exit_code == 0;
       EXPECT_GE(order.at("h").size(), 3U);
     }
+    EXPECT_GE(shown, ours ? 3 : 2) << id;
+  }
 }
 
 TEST(OrderCommand, AlsoServesTheUsersFiles) {
