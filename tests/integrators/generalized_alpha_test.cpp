@@ -316,7 +316,7 @@ TEST(GeneralizedAlpha, InterpolantMeetsBothEndsAndHasTheOrderOfTheStep) {
     stepper.interpolate(liver, 0, h, start, y_new, 0.4L, between);
     return (between - after_steps(Rk<tableaux::Dop853, State>{}, liver, start, 0.4L * h / 4, 4)).norm();
   };
-  EXPECT_NEAR(std::log2(error(0.01L) / error(0.005L)), 3, 0.1);
+  EXPECT_NEAR(static_cast<double>(std::log2(error(0.01L) / error(0.005L))), 3, 0.1);
 }
 
 /// A spring without an end: the force is not a number beyond q = 1.

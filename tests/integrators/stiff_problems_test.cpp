@@ -52,8 +52,19 @@ TYPED_TEST(Stiff, VanDerPol) {
 }
 TYPED_TEST(Stiff, Robertson) {
   constexpr double rtol = rtol_of<TypeParam>;
-  if (!TypeParam::l_stable)
-    GTEST_SKIP() << "what is tiny and stiff rings on undamped, and its estimate stops the steps from growing";
+  if constexpr (!TypeParam::l_stable) {
+    // What is tiny and stiff rings on undamped and stops the steps from growing: the end at 1e11 s is out of
+    // reach.
+    Eigen::Vector3d y = Robertson<double>::y0();
+    const auto end = integrate(
+        typename TypeParam::template Stepper<Eigen::Vector3d>{}, Robertson<double>(), Span<double>{0, 40}, y,
+        Adaptive<double, DeadbandController>({rtol, 1e-9 * rtol}, TypeParam::error_order), ObserveNothing{},
+        100'000);
+    EXPECT_EQ(end.outcome, Outcome::reached_end);
+    // [hairer1996solving, IV.10] prints the end point at t = 40.
+    EXPECT_NEAR(y[0], 0.7158271, 1e-4);
+    return;
+  }
   EXPECT_LT((relative_error<TypeParam, Robertson<double>>(rtol, 1e-9 * rtol)), bound_of<TypeParam>);
 }
 TYPED_TEST(Stiff, Hires) {
@@ -85,7 +96,9 @@ TYPED_TEST(Stiff, AWrongJacobianIsNoticedAndNeverGivesAWrongAnswer) {
                                Span<double>{0, 1}, y,
                                Adaptive<double, DeadbandController>({1e-5, 1e-5}, TypeParam::error_order),
                                ObserveNothing{}, 100'000);
-    if (end.outcome == Outcome::reached_end) EXPECT_NEAR(y[0], std::cos(1.0), 2e-3);
+    if (end.outcome == Outcome::reached_end) {
+      EXPECT_NEAR(y[0], std::cos(1.0), 2e-3);
+    }
     return end;
   };
   const auto exact = run(1);
