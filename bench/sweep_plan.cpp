@@ -201,7 +201,9 @@ std::string difference(const std::string& stored, const std::string& asked) {
 
 }  // namespace
 
-std::vector<std::string> study_methods() { return {"explicit_runge_kutta"}; }
+std::vector<std::string> study_methods() {
+  return {"explicit_runge_kutta", "rosenbrock_23", "adams_pece", "trapezoidal"};
+}
 
 std::int64_t SweepPlan::rows() const {
   std::int64_t rows = 0;
