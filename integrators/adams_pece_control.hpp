@@ -28,9 +28,9 @@ struct AdamsErrors {
 /// - A failed step is halved; after the third failure in a row the order is 1.
 /// A tolerance below what rounding allows is taken as the smallest that it does.
 /// A relative tolerance above one half is taken as one half: errors as large as the state let it run away.
-/// STEP leaves to its caller what eps stands for. Here it is 0.7 of the tolerance, a factor chosen on the forced
-/// liver model from 1e-4 to 1e-10: with 1 the run at 1e-10 takes a tenth fewer evaluations and ends three
-/// tolerances off, since the highest orders work there at the edge of their stability.
+/// STEP leaves to its caller what eps stands for. Here it is 0.7 of the tolerance, a factor chosen on the
+/// forced liver model from 1e-4 to 1e-10: with 1 the run at 1e-10 takes a tenth fewer evaluations and ends
+/// three tolerances off, since the highest orders work there at the edge of their stability.
 template <class Real>
 class ShampineGordonControl {
  public:
