@@ -108,9 +108,24 @@ Identity identity(sqlite3* database) {
 
 bool is_empty(const Identity& id) { return id.application == 0 && id.version == 0 && id.tables == 0; }
 
+/// Changing the journal mode turns a read lock into a write lock. Where two processes do so at the same time,
+/// SQLite refuses one at once, however patient it is, rather than let each wait for the other; it tries
+/// again.
+void keep_a_write_ahead_log(sqlite3* database) {
+  constexpr int pause_ms = 5;
+  for (int waited_ms = 0;; waited_ms += pause_ms) {
+    try {
+      return sqlite::execute(database, "PRAGMA journal_mode = WAL");
+    } catch (const sqlite::Failure& failure) {
+      if ((failure.code & 0xff) != SQLITE_BUSY || waited_ms >= patience_ms) throw;
+      sqlite3_sleep(pause_ms);
+    }
+  }
+}
+
 /// Lays out an empty file; another process may do the same at the same time.
 void lay_out(sqlite3* database) {
-  sqlite::execute(database, "PRAGMA journal_mode = WAL");
+  keep_a_write_ahead_log(database);
   sqlite::Transaction transaction(database);
   if (!is_empty(identity(database))) return;
   sqlite::execute(database, store_schema);
