@@ -21,6 +21,7 @@ void add_order(CLI::App& app, Console& console);
 void add_sweep(CLI::App& app, Console& console);
 void add_precision(CLI::App& app, Console& console);
 void add_check(CLI::App& app, Console& console);
+void add_phase(CLI::App& app, Console& console);
 void add_reproduce(CLI::App& app, Console& console);
 void add_export(CLI::App& app, Console& console);
 void add_compare(CLI::App& app, Console& console);

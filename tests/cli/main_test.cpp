@@ -73,7 +73,7 @@ TEST(Help, HasAnExampleForEachCommand) {
 
 TEST(Help, ExamplesRun) {
   // These take minutes, need a store made before, or are not of this test.
-  const std::set<std::string> elsewhere{"sweep", "reproduce", "export", "compare", "phase"};
+  const std::set<std::string> elsewhere{"sweep", "reproduce", "export", "compare"};
   const Shell shell;
   for (const std::string& name : commands(shell)) {
     if (elsewhere.contains(name)) continue;

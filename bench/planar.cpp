@@ -1,0 +1,182 @@
+#include "bench/planar.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "analysis/differences.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+Vector2d rhs_of(const std::variant<Oscillator, AnySystem>& system, double t, const Vector2d& y) {
+  return std::visit(
+      [&](const auto& typed) -> Vector2d {
+        typename std::remove_cvref_t<decltype(typed)>::State state = y, dydt = y;
+        typed.rhs(t, state, dydt);
+        return dydt;
+      },
+      system);
+}
+
+/// f(t, .) of a system of two states, its time running forwards (sign 1) or backwards (sign -1).
+struct FrozenSystem {
+  using State = Vector2d;
+  static constexpr bool autonomous = true;
+
+  std::variant<Oscillator, AnySystem> system;
+  double t, sign;
+
+  static constexpr Eigen::Index dim() { return 2; }
+  void rhs(double /*t*/, const State& y, State& dydt) const { dydt = sign * rhs_of(system, t, y); }
+};
+
+Problem with_system(const Problem& problem, const FrozenSystem& system) {
+  Problem other = problem;
+  other.system = AnySystem(system);
+  other.extended = ExtendedSystem(system);
+  other.exact = nullptr;
+  other.has_exact_solution = false;
+  return other;
+}
+
+/// A method whose steps are short enough to be drawn as a line.
+const char* drawing_method(const Problem& problem) {
+  return problem.stiff ? "rosenbrock_23" : "bogacki_shampine_32";
+}
+
+/// Ends a run from inside.
+struct Left {};
+
+// More steps than this show no more: a line of so many points has filled its loops.
+constexpr int most_steps = 6000;
+
+/// Calls see(t, y) at each accepted step from `start`, until it returns false or most_steps have been seen.
+template <class See>
+void follow(Problem problem, const Vector2d& start, double t_end, const See& see) {
+  problem.y0 = start;
+  const RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = 1e-6, .atol = 1e-8};
+  int steps = 0;
+  try {
+    find_method(drawing_method(problem)).bind(problem).run(spec, [&](double t, const auto& y) {
+      if (!see(t, Vector2d(y)) || ++steps > most_steps) throw Left{};
+    });
+  } catch (const Left&) {
+  }
+}
+
+}  // namespace
+
+void require_planar(const Problem& problem) {
+  if (problem.states.size() != 2)
+    throw InputError(fmt::format(
+        "{} has {} state{}, and a phase plane shows two; choose a problem of two states, like liver_forced, "
+        "van_der_pol or a file of two formulas",
+        problem.id, problem.states.size(), problem.states.size() == 1 ? "" : "s"));
+}
+
+bool is_driven(const Problem& problem) {
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
+    return oscillator->parameters().P != 0 && oscillator->parameters().w != 0;
+  const AnySystem& system = std::get<AnySystem>(problem.system);
+  if (system.is_autonomous()) return false;
+  const Vector2d scale = problem.y0.cwiseAbs().cwiseMax(0.1);
+  for (const double u : {0.0, 0.7, -1.3})
+    for (const double v : {0.0, 1.1, -0.6}) {
+      const Vector2d y = Vector2d(problem.y0) + Vector2d(u, v).cwiseProduct(scale);
+      const Vector2d f = rhs_of(system, 0, y);
+      for (int i = 1; i < 8; ++i) {
+        // Multiples of the golden ratio hit no common period.
+        const Vector2d later = rhs_of(system, i * std::numbers::phi * problem.t_end / 13, y);
+        if (f.allFinite() && later.allFinite() && later != f) return true;
+      }
+    }
+  return false;
+}
+
+Problem frozen(const Problem& problem, double t) {
+  if (!is_driven(problem)) return problem;
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
+    OscillatorParameters parameters = oscillator->parameters();
+    parameters.P *= std::cos(parameters.w * t);
+    parameters.w = 0;
+    Problem other = problem;
+    other.system = Oscillator(parameters);
+    other.extended = ExtendedSystem(BasicOscillator<long double>(parameters));
+    other.has_exact_solution = false;
+    return other;
+  }
+  return with_system(problem, FrozenSystem{problem.system, t, 1});
+}
+
+Problem reversed(const Problem& problem) { return with_system(problem, FrozenSystem{problem.system, 0, -1}); }
+
+PlanarField planar_field(const Problem& problem, double t, const Vector2d& scale) {
+  require_planar(problem);
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) return frozen_at(*oscillator, t);
+  const AnySystem system = std::get<AnySystem>(problem.system);
+  PlanarField field{[=](const Vector2d& y) { return rhs_of(system, t, y); }, {}};
+  if (system.has_jacobian())
+    field.jacobian = [=](const Vector2d& y) -> Matrix2d {
+      AnySystem::Jacobian J;
+      system.jacobian(t, y, J);
+      return std::visit([](const auto& matrix) { return Matrix2d(Eigen::MatrixXd(matrix)); }, J);
+    };
+  else
+    field.jacobian = [rhs = field.rhs, scale](const Vector2d& y) -> Matrix2d {
+      return differenced_jacobian(rhs, y, scale);
+    };
+  return field;
+}
+
+std::array<std::string, 2> axis_names(const Problem& problem) {
+  if (std::holds_alternative<Oscillator>(problem.system)) return {"x [m]", "v [m/s]"};
+  return {problem.states[0], problem.states[1]};
+}
+
+Table orbit(const Problem& problem, const Vector2d& start, double t_end, const Window& window,
+            double length) {
+  const auto names = axis_names(problem);
+  Table table{.notes = {}, .columns = {names[0], names[1]}, .values = {{}, {}}};
+  const Vector2d margin = 2 * window.size();
+  Vector2d last = start;
+  double gone = 0;
+  follow(problem, start, t_end, [&](double, const Vector2d& y) {
+    const bool near =
+        ((y - window.lower + margin).array() >= 0).all() && ((window.upper + margin - y).array() >= 0).all();
+    for (std::size_t i = 0; i < 2; ++i) table.values[i].push_back(y(static_cast<Eigen::Index>(i)));
+    gone += (y - last).cwiseQuotient(window.size()).norm();
+    last = y;
+    return near && gone < length;
+  });
+  return table;
+}
+
+Window default_window(const Problem& problem) {
+  require_planar(problem);
+  std::vector<Vector2d> seen;
+  Vector2d early = Vector2d::Zero();
+  follow(problem, problem.y0, problem.t_end, [&](double t, const Vector2d& y) {
+    if (!y.allFinite()) return false;
+    if (t < problem.t_end / 50) early = early.cwiseMax(y.cwiseAbs());
+    // A runaway grows in both components; a relaxation oscillation that jumps late grows in one.
+    if (early.maxCoeff() > 0 && (y.cwiseAbs().array() > 4 * early.array()).all()) return false;
+    seen.push_back(y);
+    return true;
+  });
+  if (seen.empty()) seen.push_back(problem.y0);
+  const Window motion = window_around({}, "", "", seen);
+  const Window wide{motion.lower - motion.size(), motion.upper + motion.size()};
+  for (const Equilibrium& e : find_equilibria(planar_field(problem, 0, wide.size()), wide))
+    if (e.type != EquilibriumType::degenerate) seen.push_back(e.state);
+  return window_around({}, "", "", seen, 0.15);
+}
+
+}  // namespace hmax

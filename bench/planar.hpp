@@ -1,0 +1,47 @@
+/// Problems of two states in the plane: their field, frozen in time where they are driven, and their orbits.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "analysis/phase_plane.hpp"
+#include "bench/catalogue.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+/// @throws InputError unless the problem has two states
+void require_planar(const Problem& problem);
+
+/// Whether f depends on time. The oscillator and the test set know; of formulas f is compared at eight
+/// instants and nine points, to the last bit.
+bool is_driven(const Problem& problem);
+
+/// The problem with f as it is at the instant t [s]: autonomous.
+Problem frozen(const Problem& problem, double t);
+
+/// The autonomous problem with its time running backwards, y' = -f(y).
+Problem reversed(const Problem& problem);
+
+/// f(t, .) and its Jacobian: the problem's own, or differences.
+/// @param scale  typical size of both components, for the differences
+/// @throws InputError unless the problem has two states
+PlanarField planar_field(const Problem& problem, double t, const Eigen::Vector2d& scale);
+
+/// Both components as columns and axes are called: "x [m]" and "v [m/s]" of the oscillator.
+std::array<std::string, 2> axis_names(const Problem& problem);
+
+/// The way from `start` to t_end, every accepted step of a low order at tight tolerance, so dense that it can
+/// be drawn as a line. It ends early when it diverges, is two window sizes outside, or has gone far enough to
+/// have been seen.
+/// @param length  how far, in sizes of the window
+/// Columns as axis_names.
+Table orbit(const Problem& problem, const Eigen::Vector2d& start, double t_end, const Window& window,
+            double length);
+
+/// A window that shows what matters when the user names none: the motion from y0 as long as it is no
+/// runaway, and the equilibria within three times its size.
+/// @param problem  autonomous
+Window default_window(const Problem& problem);
+
+}  // namespace hmax

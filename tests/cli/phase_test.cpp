@@ -1,0 +1,131 @@
+#include <cmath>
+#include <complex>
+#include <filesystem>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+Json phase(const Shell& shell, const std::string& options) {
+  const Told told = shell.hmax("phase --json --problem " + options);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  return told.json();
+}
+
+std::vector<std::string> types_of(const Json& document) {
+  std::vector<std::string> types;
+  for (const Json& e : document.at("equilibria")) types.push_back(e.at("type"));
+  return types;
+}
+using Types = std::vector<std::string>;
+
+TEST(Phase, ClassifiesThePublishedDampings) {
+  const Shell shell;
+  for (const auto& [c, type] :
+       {std::pair{"-0.2", "unstable_focus"}, {"0", "centre"}, {"2", "stable_focus"}, {"10", "stable_node"}}) {
+    const Json document = phase(shell, std::string("liver_cubic --set c=") + c);
+    EXPECT_EQ(types_of(document), Types{type}) << c;
+    const Json& e = document.at("equilibria")[0];
+    EXPECT_EQ(e.at("x"), 0);
+    EXPECT_EQ(e.at("v"), 0);
+    ASSERT_EQ(e.at("eigenvalues").size(), 2U);
+    for (const Json& pair : e.at("eigenvalues")) {
+      // 1.45 lambda^2 + c lambda + 0.7 = 0
+      const std::complex<double> lambda(pair[0], pair[1]);
+      EXPECT_LT(std::abs(1.45 * lambda * lambda + std::stod(c) * lambda + 0.7), 1e-13) << c;
+    }
+  }
+}
+
+TEST(Phase, FindsTheDoubleWellAndSaysWhereItLooked) {
+  const Json document = phase(Shell(), "liver_cubic --set k1=-1 --set c=0.3");
+  EXPECT_EQ(types_of(document), (Types{"stable_focus", "saddle", "stable_focus"}));
+  EXPECT_NEAR(document.at("equilibria")[2].at("x").get<double>(), std::sqrt(1 / 0.8), 1e-14);
+  EXPECT_TRUE(document.at("t").is_null());
+  EXPECT_EQ(document.at("parameters").at("k1"), -1);
+  EXPECT_EQ(document.at("states"), Json({"x", "v"}));
+  EXPECT_LT(document.at("window")[0].get<double>(), -1.1);
+  EXPECT_GT(document.at("window")[1].get<double>(), 1.1);
+}
+
+TEST(Phase, FreezesADrivenProblemAndSaysSo) {
+  const Shell shell;
+  for (const double t : {0.0, 3.0}) {
+    const Json document = phase(shell, "liver_forced --at " + std::to_string(t));
+    EXPECT_EQ(document.at("t"), t);
+    ASSERT_EQ(document.at("remarks").size(), 1U);
+    EXPECT_NE(document.at("remarks")[0].get<std::string>().find("driven"), std::string::npos);
+    ASSERT_EQ(document.at("equilibria").size(), 1U);
+    const double x = document.at("equilibria")[0].at("x");
+    EXPECT_NEAR(0.7 * x + 0.8 * x * x * x, 0.5 * std::cos(0.5 * t), 1e-14);
+  }
+  EXPECT_EQ(phase(shell, "liver_forced").at("t"), 0);
+  expect_refused(shell.hmax("phase --problem liver_cubic --at 1"), "--at");
+  expect_refused(shell.hmax("phase --problem liver_forced --at nan"), "--at");
+}
+
+TEST(Phase, ServesFirstOrderProblemsAndFormulas) {
+  const Shell shell;
+  EXPECT_EQ(types_of(phase(shell, "van_der_pol")), Types{"unstable_node"});
+  EXPECT_EQ(types_of(phase(shell, "van_der_pol --set mu=1")), Types{"unstable_focus"});
+  EXPECT_EQ(types_of(phase(shell, "van_der_pol --set mu=0")), Types{"centre"});
+  // Lotka and Volterra: a saddle at (0, 0), a centre at (1, 1).
+  write_text(
+      shell / "prey.toml",
+      "[equations]\nprey = \"prey*(1 - hunters)\"\nhunters = \"hunters*(prey - 1)\"\n[initial]\nprey = "
+      "0.5\nhunters = 0.5\n");
+  const Json document = phase(shell, "prey.toml --window -0.5,3,-0.5,3");
+  EXPECT_EQ(types_of(document), (Types{"saddle", "centre"}));
+  EXPECT_EQ(document.at("states"), Json({"prey", "hunters"}));
+}
+
+TEST(Phase, AnEmptyWindowIsAnAnswer) {
+  const Json document = phase(Shell(), "liver_cubic --window 1,2,1,2");
+  EXPECT_TRUE(document.at("equilibria").empty());
+  ASSERT_EQ(document.at("remarks").size(), 1U);
+  EXPECT_NE(document.at("remarks")[0].get<std::string>().find("no equilibrium"), std::string::npos);
+}
+
+TEST(Phase, DrawsItsFigure) {
+  const Shell shell;
+  const Json document =
+      phase(shell, "liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-1.5,1.5 --output figure");
+  EXPECT_EQ(document.at("figure"), "figure/phase.svg");
+  const std::string script = read_text(shell / "figure/phase.gp"),
+                    data = read_text(shell / "figure/phase.dat");
+  for (const char* entry : {"nullcline", "stable focus", "saddle", "into the saddle", "from (0.5, 1)"})
+    EXPECT_NE(script.find(entry), std::string::npos) << entry;
+  EXPECT_NE(data.find("direction field"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(shell / "figure/phase.svg"));
+}
+
+TEST(Phase, TellsPeopleInATable) {
+  const Told told = Shell().hmax("phase --problem liver_cubic --set c=2");
+  EXPECT_EQ(told.exit_code, 0);
+  for (const char* text : {"stable_focus", "x [m]", "v [m/s]", "-0.68966 ± 0.084465i", "c=2"})
+    EXPECT_NE(told.out.find(text), std::string::npos) << text << told.out;
+}
+
+TEST(Phase, RefusesWhatItCannotShow) {
+  const Shell shell;
+  expect_refused(shell.hmax("phase"), "no problem is given");
+  expect_refused(shell.hmax("phase --problem lorenz"), "lorenz has 3 states");
+  expect_refused(shell.hmax("phase --problem dahlquist"), "dahlquist has 1 state,");
+  expect_refused(shell.hmax("phase --problem liver_cubic --set k2=1"), "unknown parameter 'k2'");
+  expect_refused(shell.hmax("phase --problem liver_cubic --window 2,-2,0,1"), "--window goes from 2 to -2");
+  expect_refused(shell.hmax("phase --problem liver_cubic --window 0,1,1,1"), "--window goes from 1 to 1");
+  expect_refused(shell.hmax("phase --problem liver_cubic --window 0,1"), "four");
+  expect_refused(shell.hmax("phase --problem liver_cubic --window 0,1,0,nan"), "nan");
+  expect_refused(shell.hmax("phase --problem liver_cubic --window 0,1,0,inf"), "inf");
+  expect_refused(shell.hmax("phase --problem liver_cubic --set m=0"), "mass must be positive");
+  write_text(shell / "roots.toml", "[equations]\na = \"sqrt(a)\"\nb = \"a*b\"\n[initial]\na = 1\nb = 1\n");
+  expect_refused(shell.hmax("phase --problem roots.toml --window -2,-1,0,1"), "not finite anywhere");
+  // Where f is finite in a part of the window the rest is passed over.
+  EXPECT_EQ(shell.hmax("phase --problem roots.toml --window -1,1,-1,1").exit_code, 0);
+}
+
+}  // namespace
+}  // namespace hmax
