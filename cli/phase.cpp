@@ -169,9 +169,9 @@ PhaseView view_of(const PhaseOptions& options) {
   require_finite(view);
   view.equilibria = find_equilibria(view.field, window);
   if (driven)
-    view.remarks.push_back(fmt::format(
-        "A driven problem has no equilibria: these are of the field frozen at t = {} s (--at)." short_name(
-            t)));
+    view.remarks.push_back(
+        fmt::format("A driven problem has no equilibria: these are of the field frozen at t = {} s (--at).",
+                    short_name(t)));
   if (view.equilibria.empty())
     view.remarks.push_back(
         fmt::format("There is no equilibrium with {} from {} to {} and {} from {} to {}; look elsewhere with "
