@@ -1,5 +1,5 @@
 /// The coefficients of Adams methods, computed from their definitions: integrals of the polynomial through
-/// past values of f.
+/// past values of f. adams_proof.cpp proves their orders.
 #pragma once
 
 #include <array>
@@ -65,6 +65,25 @@ constexpr void interpolation_weights(Real s, std::span<const Real> psi, std::spa
     for (std::size_t q = 0; q + i < k; ++q) c[q] = here * c[q] - next * c[q + 1];
     g[i] = c[0];
   }
+}
+
+/// The order of weights of values, the newest first: the largest p for which
+///   sum_i w_i (x - i)^q = 1 / (q + 1) for every q < p,
+/// that is, for which y_n+1 = y_n + h sum_i w_i f is exact when f is a polynomial of degree below p.
+/// @param x          where the newest value stands, in steps from t_n: 0 in explicit formulas, 1 in implicit
+///                   ones
+/// @param tolerance  largest accepted defect of one condition
+constexpr int order_of(std::span<const long double> w, int x, int max_order, long double tolerance = 1e-15L) {
+  for (int q = 0; q < max_order; ++q) {
+    long double defect = -1 / static_cast<long double>(q + 1);
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      long double power = 1;
+      for (int n = 0; n < q; ++n) power *= static_cast<long double>(x) - static_cast<long double>(i);
+      defect += w[i] * power;
+    }
+    if (defect > tolerance || defect < -tolerance) return q;
+  }
+  return max_order;
 }
 
 }  // namespace hmax::adams

@@ -59,6 +59,22 @@ constexpr bool is_imex(const AdditiveTableau<S>& tableau) {
   return true;
 }
 
+/// Whether a tableau, its own unless another one is given, keeps every claim of `Method`: orders that are
+/// reached and not exceeded, by both methods of a pair, over all trees of two colours; an implicit half whose
+/// last stage is the result; error weights only where there is a companion.
+template <class Method>
+constexpr bool keeps_its_claims(const decltype(Method::tableau)& tableau = Method::tableau) {
+  const auto has_order = [&](bool embedded, int order) {
+    return order_of(tableau, embedded, order + 1) == order;
+  };
+  const auto& [nonstiff, stiff] = tableau;
+  if (!is_imex(tableau) || !is_stiffly_accurate(stiff) || !has_order(false, Method::order)) return false;
+  for (const auto* half : {&nonstiff, &stiff})
+    if (has_error_estimate(*half) != (Method::embedded_order > 0)) return false;
+  if (Method::error_order != (Method::embedded_order > 0 ? Method::embedded_order + 1 : 0)) return false;
+  return Method::embedded_order == 0 || has_order(true, Method::embedded_order);
+}
+
 namespace tableaux {
 
 /// Explicit and implicit Euler: y_new = y + h nonstiff(t, y) + h stiff(t + h, y_new) [ascher1997implicit].

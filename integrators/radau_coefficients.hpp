@@ -83,36 +83,46 @@ inline constexpr Matrix3 T = detail::eigenvectors(), T_inverse = detail::inverse
 /// [hairer1996solving, IV.8 (8.18)]
 inline constexpr Row e{(-13 - 7 * root6) / (3 * gamma), (-13 + 7 * root6) / (3 * gamma), -1 / (3 * gamma)};
 
-namespace detail {
-constexpr bool T_splits_the_equations() {
-  const Matrix3 blocks{{{gamma, 0, 0}, {0, alpha, -beta}, {0, beta, alpha}}};
+/// Whether A T = T blocks^-1 and T T_inverse = 1.
+constexpr bool splits_the_equations(const ButcherTableau<3>& method, const Matrix3& vectors,
+                                    const Matrix3& inverse, long double real, long double re,
+                                    long double im) {
+  const Matrix3 blocks{{{real, 0, 0}, {0, re, -im}, {0, im, re}}};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
-      long double defect = T[i][j];  // of A T blocks = T
-      for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t l = 0; l < 3; ++l) defect -= tableau.a[i][k] * T[k][l] * blocks[l][j];
-      if (hmax::detail::magnitude(defect) > 1e-17L) return false;
+      long double defect = vectors[i][j], identity = i == j ? -1 : 0;  // of A T blocks = T
+      for (std::size_t k = 0; k < 3; ++k) {
+        identity += vectors[i][k] * inverse[k][j];
+        for (std::size_t l = 0; l < 3; ++l) defect -= method.a[i][k] * vectors[k][l] * blocks[l][j];
+      }
+      if (hmax::detail::magnitude(defect) > 1e-17L || hmax::detail::magnitude(identity) > 1e-17L)
+        return false;
     }
   return true;
 }
+
 /// The quadrature with nodes 0, c_1, c_2, c_3 and weights 1 / gamma, e A gives zero for 1, t and t^2: the
 /// difference of two formulas of order 3.
-constexpr bool error_is_of_order_four() {
+constexpr bool error_is_of_order_four(const ButcherTableau<3>& method, const Row& weights, long double real) {
   for (int power = 0; power < 3; ++power) {
-    long double sum = power == 0 ? 1 / gamma : 0;
+    long double sum = power == 0 ? 1 / real : 0;
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j) {
-        long double term = e[i] * tableau.a[i][j];
-        for (int k = 0; k < power; ++k) term *= tableau.c[j];
+        long double term = weights[i] * method.a[i][j];
+        for (int k = 0; k < power; ++k) term *= method.c[j];
         sum += term;
       }
     if (hmax::detail::magnitude(sum) > 1e-17L) return false;
   }
   return true;
 }
-}  // namespace detail
-static_assert(order_of(tableau) == 5 && rows_are_consistent(tableau) && is_stiffly_accurate(tableau));
-static_assert(detail::T_splits_the_equations());
-static_assert(detail::error_is_of_order_four());
+
+constexpr bool is_proved(const ButcherTableau<3>& method) {
+  return order_of(method) == 5 && rows_are_consistent(method) && is_stiffly_accurate(method) &&
+         !has_error_estimate(method);
+}
+static_assert(is_proved(tableau));
+static_assert(splits_the_equations(tableau, T, T_inverse, gamma, alpha, beta));
+static_assert(error_is_of_order_four(tableau, e, gamma));
 
 }  // namespace hmax::radau

@@ -132,9 +132,9 @@ constexpr RosenbrockInterpolant<S, D> transformed(const RosenbrockForm<S>& form,
 /// Continuous output of the form of the RODAS codes, with rows r_n = sum_i h_ni u_i:
 ///   y(t + theta h) = (1 - theta) y + theta [ y_new + (1 - theta) (r_1 + theta (r_2 + theta (r_3 + ...))) ].
 template <std::size_t S, std::size_t Rows>
-constexpr RosenbrockInterpolant<S, Rows + 2> rodas_interpolant(
+constexpr RosenbrockInterpolant<S, Rows + 1> rodas_interpolant(
     const std::array<long double, S>& m, const std::array<std::array<long double, S>, Rows>& h) {
-  RosenbrockInterpolant<S, Rows + 2> interpolant;
+  RosenbrockInterpolant<S, Rows + 1> interpolant;
   for (std::size_t i = 0; i < S; ++i) {
     interpolant.p[i][0] = m[i];
     for (std::size_t n = 0; n < Rows; ++n) {
@@ -300,6 +300,20 @@ enum class BrokenRosenbrockClaim {
   stiffly_accurate
 };
 
+/// Checks the continuous output of a method, its own unless another one is given: it meets both ends, its
+/// order is reached and not exceeded.
+template <class Method>
+constexpr bool keeps_its_rosenbrock_interpolant_claims(const decltype(Method::interpolant)& interpolant,
+                                                       const decltype(Method::tableau)& tableau) {
+  for (std::size_t i = 0; i < tableau.stages; ++i) {
+    long double at_end = -tableau.m[i];
+    for (const long double p : interpolant.p[i]) at_end += p;
+    if (detail::magnitude(at_end) > 1e-13L) return false;
+  }
+  return order_of_interpolant(tableau, interpolant, Method::interpolant_order + 1) ==
+         Method::interpolant_order;
+}
+
 /// Checks every claim of `Method` (see rosenbrock_tableaux.hpp) against a tableau, its own unless another one
 /// is given: orders that are reached and not exceeded.
 template <class Method>
@@ -331,14 +345,7 @@ constexpr BrokenRosenbrockClaim broken_rosenbrock_claim(
   } else if (Method::error_order != 0) {
     return error_order;
   }
-  for (std::size_t i = 0; i < s; ++i) {
-    long double at_end = -tableau.m[i];
-    for (const long double p : Method::interpolant.p[i]) at_end += p;
-    if (detail::magnitude(at_end) > 1e-13L) return interpolant;
-  }
-  if (order_of_interpolant(tableau, Method::interpolant, Method::interpolant_order + 1) !=
-      Method::interpolant_order)
-    return interpolant;
+  if (!keeps_its_rosenbrock_interpolant_claims<Method>(Method::interpolant, tableau)) return interpolant;
   // The end of a step and the embedded solution are the last arguments: e is the last u alone.
   for (std::size_t j = 0; Method::stiffly_accurate && j < s; ++j)
     if (tableau.m[j] - tableau.a[s - 1][j] != tableau.e[j] || tableau.e[j] != (j + 1 == s ? 1 : 0))

@@ -46,6 +46,31 @@ constexpr bool has_third_derivative_error(const ButcherTableau<S>& tableau, long
          detail::magnitude(nested - 1 / 6.0L - constant) < 1e-17L;
 }
 
+/// Checks the continuous output of a method against its tableau, its own unless another one is given: it
+/// meets both ends, its stages stand where they say, its order is reached and not exceeded.
+template <class Method>
+requires requires { Method::interpolant; }
+constexpr bool keeps_its_interpolant_claims(const decltype(Method::interpolant)& interpolant,
+                                            const decltype(Method::tableau)& tableau = Method::tableau) {
+  constexpr bool implicit = requires { Method::gamma; };
+  const auto all = extended(tableau, interpolant);
+  return meets_both_ends(tableau, interpolant) && (implicit || is_explicit(all)) &&
+         rows_are_consistent(all) &&
+         order_of_interpolant(tableau, interpolant, Method::interpolant_order + 1) ==
+             Method::interpolant_order;
+}
+
+/// Checks the second error row of a method that makes one estimate of two: its order is reached and not
+/// exceeded.
+template <class Method>
+requires requires { Method::b_err_low; }
+constexpr bool keeps_its_low_order_claim(const decltype(Method::b_err_low)& b_err_low,
+                                         const decltype(Method::tableau)& tableau = Method::tableau) {
+  auto low = tableau;
+  low.b_err = b_err_low;
+  return order_of(low, true, Method::embedded_order_low + 1) == Method::embedded_order_low;
+}
+
 /// Checks every claim of `Method` (see tableaux.hpp and dirk_tableaux.hpp) against a tableau, its own unless
 /// another one is given: the shape of its stages, row sums, orders that are reached and not exceeded,
 /// continuous output that meets both ends.
@@ -68,9 +93,8 @@ constexpr BrokenClaim broken_claim(const decltype(Method::tableau)& tableau = Me
   if (Method::embedded_order > 0 && !has_order(tableau, true, Method::embedded_order))
     return BrokenClaim::embedded_order;
   if constexpr (requires { Method::b_err_low; }) {
-    auto low = tableau;
-    low.b_err = Method::b_err_low;
-    if (!has_order(low, true, Method::embedded_order_low)) return BrokenClaim::embedded_order_low;
+    if (!keeps_its_low_order_claim<Method>(Method::b_err_low, tableau))
+      return BrokenClaim::embedded_order_low;
     // |e|^2 / |e_low| with e = O(h^(p + 1)) and e_low = O(h^(p_low + 1)).
     if (Method::error_order != 2 * (Method::embedded_order + 1) - (Method::embedded_order_low + 1))
       return BrokenClaim::error_order;
@@ -81,14 +105,8 @@ constexpr BrokenClaim broken_claim(const decltype(Method::tableau)& tableau = Me
              (Method::embedded_order > 0 ? std::min(Method::order, Method::embedded_order) + 1 : 0)) {
     return BrokenClaim::error_order;
   }
-  if constexpr (requires { Method::interpolant; }) {
-    if (!meets_both_ends(tableau, Method::interpolant)) return BrokenClaim::interpolant;
-    const auto all = extended(tableau, Method::interpolant);
-    if ((!implicit && !is_explicit(all)) || !rows_are_consistent(all)) return BrokenClaim::interpolant;
-    if (order_of_interpolant(tableau, Method::interpolant, Method::interpolant_order + 1) !=
-        Method::interpolant_order)
-      return BrokenClaim::interpolant;
-  }
+  if constexpr (requires { Method::interpolant; })
+    if (!keeps_its_interpolant_claims<Method>(Method::interpolant, tableau)) return BrokenClaim::interpolant;
   return BrokenClaim::none;
 }
 
