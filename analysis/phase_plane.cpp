@@ -143,22 +143,6 @@ std::string_view name_of(EquilibriumType type) {
   return "degenerate";
 }
 
-std::array<std::complex<double>, 2> eigenvalues_2x2(const Matrix2d& J) {
-  const double half_trace = J.trace() / 2;
-  // T^2/4 - D = ((J11 - J22)/2)^2 + J12 J21: for a symmetric matrix a sum of squares, never negative by
-  // rounding.
-  const double half_difference = (J(0, 0) - J(1, 1)) / 2;
-  const double discriminant = half_difference * half_difference + J(0, 1) * J(1, 0);
-  if (discriminant < 0) {
-    const double omega = std::sqrt(-discriminant);
-    return {std::complex(half_trace, omega), std::complex(half_trace, -omega)};
-  }
-  const double root = std::sqrt(discriminant);
-  const double larger = half_trace < 0 ? half_trace - root : half_trace + root;
-  const double smaller = larger == 0 ? 0 : J.determinant() / larger;
-  return {std::complex(std::max(larger, smaller), 0.0), std::complex(std::min(larger, smaller), 0.0)};
-}
-
 EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
   const double T = J.trace();
   const double D = J.determinant();

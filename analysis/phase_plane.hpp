@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/spectrum.hpp"
 #include "integrators/system.hpp"
 #include "results/table.hpp"
 
@@ -73,10 +74,6 @@ struct Equilibrium {
   std::array<std::complex<double>, 2>
       eigenvalues;  ///< of J [1/s]; larger real part first, then larger imaginary part
 };
-
-/// Eigenvalues of a 2 x 2 matrix from trace T and determinant D, lambda = T/2 +- sqrt(T^2/4 - D), the smaller
-/// real one as D over the larger so that nothing cancels. Larger real part first, then larger imaginary part.
-std::array<std::complex<double>, 2> eigenvalues_2x2(const Eigen::Matrix2d& J);
 
 /// The type of the equilibrium with Jacobian J, from the signs of T, D and T^2 - 4 D. [strogatz2015nonlinear]
 /// section 5.2
