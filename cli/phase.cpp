@@ -51,24 +51,6 @@ void require_finite(const PhaseView& view) {
                   view.problem.id));
 }
 
-std::string short_name(double value) { return short_number(value + 0.0, 5); }
-
-/// Where orbits begin: at the problem's own start, and all around the window.
-std::vector<Vector2d> starts_of(const PhaseView& view) {
-  const auto at = [&](double u, double v) -> Vector2d {
-    const Vector2d y = view.window.lower + Vector2d(u, v).cwiseProduct(view.window.size());
-    // Few digits, since they stand in the key.
-    return y.unaryExpr([](double x) { return to_number(short_number(x, 2)).value(); });
-  };
-  std::vector<Vector2d> starts;
-  const Vector2d own = view.problem.y0;
-  if (((own - view.window.lower).array() >= 0).all() && ((view.window.upper - own).array() >= 0).all())
-    starts.push_back(own);
-  for (const auto& [u, v] : {std::pair{0.1, 0.85}, {0.9, 0.15}, {0.57, 0.44}, {0.42, 0.1}})
-    starts.push_back(at(u, v));
-  return starts;
-}
-
 /// The ways that lead out of a saddle, or with time running backwards those that lead into it.
 std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
   const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
@@ -107,36 +89,23 @@ std::string title_of(const PhaseView& view) {
 }
 
 Figure phase_portrait(const PhaseView& view) {
-  PhasePlane plane = plane_of(view);
-  for (const Vector2d& start : starts_of(view))
-    plane.orbits.push_back({fmt::format("from ({}, {})", short_name(start(0)), short_name(start(1))),
-                            orbit(view.still, start, view.problem.t_end, view.window, 12)});
-  Figure figure = phase_figure("", {plane});
+  Figure figure = phase_figure(title_of(view), {plane_of(view)});
   for (const Equilibrium& e : view.equilibria) {
     if (e.type != EquilibriumType::saddle) continue;
     for (const bool into : {false, true})
       for (Curve& way : ways_of(view, e, into)) figure.panels[0].curves.push_back(std::move(way));
   }
-  figure.title = title_of(view);
   figure.footer = describe(view.problem.parameters);
   return figure;
 }
 
 void phase(const PhaseOptions& options, Console& console) {
+  if (!options.method.method.empty() || !options.method.tableau.empty()) return phase_map(options, console);
+  if (options.h) throw InputError("--h is a step of a method; name one with --method, or leave --h out");
   const PhaseView view = view_of(options);
   Json document = document_of(view);
   document["equilibria"] = to_json(view.equilibria);
-  std::string text =
-      fmt::format("{} with {}\n", view.problem.id,
-                  view.problem.parameters.empty() ? "no parameters" : describe(view.problem.parameters));
-  const auto names = axis_names(view.problem);
-  if (!view.equilibria.empty()) {
-    TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
-    for (const Equilibrium& e : view.equilibria)
-      table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
-                 in_words(e.eigenvalues)});
-    text += "\n" + table.text(console);
-  }
+  std::string text = headline(view) + equilibria_table(view, console);
   if (!options.output.empty()) deliver(phase_portrait(view), options, "phase", document, text, console);
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
   if (console.json) return console.print_json(document);
@@ -144,6 +113,38 @@ void phase(const PhaseOptions& options, Console& console) {
 }
 
 }  // namespace
+
+std::string short_name(double value) { return short_number(value + 0.0, 5); }
+
+std::string headline(const PhaseView& view) {
+  return fmt::format("{} with {}\n", view.problem.id,
+                     view.problem.parameters.empty() ? "no parameters" : describe(view.problem.parameters));
+}
+
+std::string equilibria_table(const PhaseView& view, const Console& console) {
+  if (view.equilibria.empty()) return "";
+  const auto names = axis_names(view.problem);
+  TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
+  for (const Equilibrium& e : view.equilibria)
+    table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
+               in_words(e.eigenvalues)});
+  return "\n" + table.text(console);
+}
+
+std::vector<Vector2d> starts_of(const PhaseView& view) {
+  const auto at = [&](double u, double v) -> Vector2d {
+    const Vector2d y = view.window.lower + Vector2d(u, v).cwiseProduct(view.window.size());
+    // Few digits, since they stand in the key.
+    return y.unaryExpr([](double x) { return to_number(short_number(x, 2)).value(); });
+  };
+  std::vector<Vector2d> starts;
+  const Vector2d own = view.problem.y0;
+  if (((own - view.window.lower).array() >= 0).all() && ((view.window.upper - own).array() >= 0).all())
+    starts.push_back(own);
+  for (const auto& [u, v] : {std::pair{0.1, 0.85}, {0.9, 0.15}, {0.57, 0.44}, {0.42, 0.1}})
+    starts.push_back(at(u, v));
+  return starts;
+}
 
 PhaseView view_of(const PhaseOptions& options) {
   const Problem problem = options.problem.make();
@@ -231,6 +232,9 @@ PhasePlane plane_of(const PhaseView& view) {
         plane_curves(nullcline(view.field, component, view.window));
   for (const Equilibrium& e : view.equilibria)
     plane.rest_points.push_back({e.state(0), e.state(1), std::string(name_of(e.type)), e.eigenvalues});
+  for (const Vector2d& start : starts_of(view))
+    plane.orbits.push_back({fmt::format("from ({}, {})", short_name(start(0)), short_name(start(1))),
+                            orbit(view.still, start, view.problem.t_end, view.window, 12)});
   return plane;
 }
 
@@ -245,14 +249,19 @@ void deliver(const Figure& figure, const PhaseOptions& options, const std::strin
 }
 
 void add_phase(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
-      app, console, "phase", "Find the equilibria of a problem of two states, their types and eigenvalues",
-      {"hmax phase --problem liver_cubic --set c=-0.2",
-       "hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 --output "
-       "results/runs/phase",
-       "hmax phase --problem liver_forced --at 3 --json"});
+  CLI::App& command =
+      add_command(app, console, "phase",
+                  "Show what a problem of two states does: where it rests, and what a method makes of it",
+                  {"hmax phase --problem liver_cubic --set c=-0.2",
+                   "hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 --output "
+                   "results/runs/phase",
+                   "hmax phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 "
+                   "--output results/runs/phase",
+                   "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
   options->problem.add_to(command);
+  options->method.add_to(command);
+  add_number(command, "--h", options->h, "Step of the method, whose map of the plane is looked at [s]");
   command
       .add_option("--window", options->window,
                   "The part of the plane; by default what the motion from y0 covers")

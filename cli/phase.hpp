@@ -15,8 +15,9 @@ namespace hmax {
 
 struct PhaseOptions {
   ProblemChoice problem;
+  MethodChoice method;
   std::string window, output;
-  std::optional<double> at;
+  std::optional<double> at, h;
 };
 
 /// A problem of two states as it is looked at: autonomous, or frozen at an instant.
@@ -41,11 +42,23 @@ nlohmann::ordered_json to_json(const std::array<std::complex<double>, 2>& eigenv
 /// "-0.69 ± 0.0845i" or "-0.1, -3"
 std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues);
 
-/// Field, nullclines and equilibria of a view, as yet without orbits.
+/// "liver_cubic with m=1.45 ...", a line.
+std::string headline(const PhaseView& view);
+/// The equilibria as a table for people; empty when there are none.
+std::string equilibria_table(const PhaseView& view, const Console& console);
+/// At most five digits, for people.
+std::string short_name(double value);
+
+/// Where orbits begin: at the problem's own start, and all around the window.
+std::vector<Eigen::Vector2d> starts_of(const PhaseView& view);
+/// Field, nullclines, equilibria, and an orbit from each of the starts.
 PhasePlane plane_of(const PhaseView& view);
 
 /// Draws into the folder of --output and says what came of it: a line for people and the key `figure`.
 void deliver(const Figure& figure, const PhaseOptions& options, const std::string& name,
              nlohmann::ordered_json& document, std::string& text, Console& console);
+
+/// The view of --method: what steps of a method make of the plane.
+void phase_map(const PhaseOptions& options, Console& console);
 
 }  // namespace hmax

@@ -48,11 +48,6 @@ std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& lamb
   return fmt::format("λ = {}{}i 1/s", real == "0" ? "±" : real + " ± ", number(std::abs(lambda[0].imag())));
 }
 
-std::string in_words(std::string type) {
-  std::replace(type.begin(), type.end(), '_', ' ');
-  return type;
-}
-
 /// A column's name as the label of an axis: "a [m/s^2]" with a raised 2.
 std::string axis_label(std::string name) {
   for (const auto& [plain, raised] : {std::pair{"^2", "²"}, std::pair{"^3", "³"}})
@@ -61,7 +56,13 @@ std::string axis_label(std::string name) {
   return name;
 }
 
-/// Filled stable, open unstable; squares nodes, circles foci; diamond centre, cross saddle, star degenerate.
+}  // namespace
+
+std::string in_words(std::string type) {
+  std::replace(type.begin(), type.end(), '_', ' ');
+  return type;
+}
+
 int marker_of(const std::string& type) {
   if (type == "stable_node") return 5;
   if (type == "unstable_node") return 4;
@@ -71,8 +72,6 @@ int marker_of(const std::string& type) {
   if (type == "saddle") return 2;
   return 3;
 }
-
-}  // namespace
 
 Panel series_panel(const std::string& title, const std::vector<LabelledTable>& tables, const std::string& x,
                    const std::string& y) {

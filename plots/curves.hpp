@@ -37,6 +37,13 @@ struct RestPoint {
   std::array<std::complex<double>, 2> eigenvalues;  ///< [1/s]
 };
 
+/// The marker of a point of rest by its type: filled where stable, open where unstable; squares nodes,
+/// circles foci; a diamond a centre, a cross a saddle, a star what is degenerate.
+int marker_of(const std::string& type);
+
+/// "stable focus" of stable_focus.
+std::string in_words(std::string type);
+
 /// Points of a curve in the plane.
 using PlaneCurve = std::vector<std::array<double, 2>>;
 

@@ -28,6 +28,8 @@ constexpr std::size_t longest_label = 44;
 
 constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                              "#e69f00", "#56b4e9", "#000000", "#808080"};
+constexpr std::array tints{"#b8d6e8", "#f4d0b8", "#b8e3d9", "#f1dbe7",
+                           "#f9e4b8", "#d0e9f8", "#b8b8b8", "#dcdcdc"};
 constexpr std::array dashes{"1", "(9,4)", "(12,4,2,4)", "(2,4)", "(18,5)"};
 
 template <class Array>
@@ -36,12 +38,13 @@ auto wrapped(const Array& values, int index) {
   return values[static_cast<std::size_t>(((index % size) + size) % size)];
 }
 
+const char* colour_of(const Style& style) { return wrapped(style.light ? tints : colours, style.colour); }
+
 std::string line_of(const Style& style) {
-  return fmt::format("lc rgb '{}' lw {} dt {}", wrapped(colours, style.colour), style.width,
-                     wrapped(dashes, style.dash));
+  return fmt::format("lc rgb '{}' lw {} dt {}", colour_of(style), style.width, wrapped(dashes, style.dash));
 }
 std::string point_of(const Style& style, double size = 0.75) {
-  return fmt::format("pt {} ps {} lc rgb '{}'", style.marker, size, wrapped(colours, style.colour));
+  return fmt::format("pt {} ps {} lc rgb '{}'", style.marker, size * style.size, colour_of(style));
 }
 
 bool drawable(double value, const Axis& axis) {
@@ -115,6 +118,9 @@ std::vector<Entry> key_of(const Figure& figure) {
     for (const Curve& curve : panel.curves) add(curve.label, curve.style, curve.line);
   for (const Panel& panel : figure.panels)
     for (const Mark& mark : panel.marks) add(mark.label, mark.style, false);
+  for (const Panel& panel : figure.panels)
+    for (const Area& area : panel.areas)
+      add(area.label, {.colour = area.colour, .marker = 5, .size = 1.4, .light = true}, false);
   return entries;
 }
 
@@ -179,6 +185,12 @@ Extent extent_of(const Panel& panel, double panel_width, double panel_height) {
     markers = markers || curve.style.marker != 0;
     most_lost += curve.lost.size();
   }
+  for (const Area& area : panel.areas)
+    for (std::size_t i = 0; i < area.x.size(); ++i)
+      for (const double side : {-0.5, 0.5}) {
+        x.include(area.x[i] + side * area.w[i], panel.x);
+        y.include(area.y[i] + side * area.h[i], panel.y);
+      }
   for (const Mark& mark : panel.marks) {
     x.include(mark.x, panel.x);
     y.include(mark.y, panel.y);
@@ -351,6 +363,15 @@ void Writer::panel(const Panel& panel, std::size_t index) {
 
   std::vector<std::string> drawn;
   const auto source = [&](int number) { return fmt::format("'{}.dat' index {}", name_, number); };
+  for (const Area& area : panel.areas) {
+    std::vector<std::array<double, 4>> rows;
+    for (std::size_t i = 0; i < area.x.size(); ++i)
+      rows.push_back({area.x[i], area.y[i], area.w[i] / 2, area.h[i] / 2});
+    if (rows.empty()) continue;
+    drawn.push_back(source(block(fmt::format("{}: x, y, half width, half height", area.label), rows, 4)) +
+                    fmt::format(" using 1:2:3:4 with boxxyerror fs solid 1 noborder lc rgb '{}'",
+                                colour_of({.colour = area.colour, .light = true})));
+  }
   if (!panel.arrows.x.empty()) {
     std::vector<std::array<double, 4>> rows;
     for (std::size_t i = 0; i < panel.arrows.x.size(); ++i)
@@ -390,8 +411,8 @@ void Writer::panel(const Panel& panel, std::size_t index) {
                                                       panel.x.label, panel.y.label, bars ? "low, high" : ""),
                                           rows, bars ? 4 : 2));
     if (bars)
-      drawn.push_back(from + " using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '" +
-                      wrapped(colours, curve.style.colour) + "'");
+      drawn.push_back(from + " using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '" + colour_of(curve.style) +
+                      std::string("'"));
     if (curve.line) drawn.push_back(from + " using 1:2 with lines " + line_of(curve.style));
     if (curve.style.marker != 0) drawn.push_back(from + " using 1:2 with points " + point_of(curve.style));
   }

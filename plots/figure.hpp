@@ -17,6 +17,8 @@ struct Style {
   int marker = 0;  ///< gnuplot's point type, 0 for none: 4/5 square, 6/7 circle, 8/9 triangle, 12/13 diamond
                    ///< (open/filled)
   double width = 1.8;
+  double size = 1;     ///< of the marker
+  bool light = false;  ///< a tint of the colour, as areas have it
 };
 
 /// The style of the k-th member of a family of curves: another colour and another dash each.
@@ -37,6 +39,13 @@ struct Curve {
 /// Arrows centred on (x, y), in the units of the axes.
 struct Arrows {
   std::vector<double> x = {}, y = {}, dx = {}, dy = {};
+};
+
+/// Rectangles filled with a light tint of one colour, under everything else.
+struct Area {
+  std::string label = {};                              ///< text in the key; empty: not in the key
+  std::vector<double> x = {}, y = {}, w = {}, h = {};  ///< centres and sizes, in the units of the axes
+  int colour = 0;                                      ///< as Style::colour
 };
 
 /// A point with a meaning of its own.
@@ -62,6 +71,7 @@ struct Panel {
   std::vector<Curve> curves = {};
   std::vector<Mark> marks = {};
   Arrows arrows = {};
+  std::vector<Area> areas = {};
   std::vector<std::string> notes = {};  ///< small lines under the title
   std::string lost_label = "diverged";  ///< what the strip of lost runs is called
 };

@@ -127,5 +127,92 @@ TEST(Phase, RefusesWhatItCannotShow) {
   EXPECT_EQ(shell.hmax("phase --problem roots.toml --window -1,1,-1,1").exit_code, 0);
 }
 
+/// z' = -z makes a plane of the line of y' = y (1 - y).
+void write_logistic(const Shell& shell) {
+  write_text(shell / "logistic.toml",
+             "[equations]\ny = \"y*(1-y)\"\nz = \"-z\"\n[initial]\ny = 0.5\nz = 0.5\n");
+}
+
+TEST(Phase, TheMidpointRuleRestsWhereTheLogisticEquationDoesNot) {
+  const Shell shell;
+  write_logistic(shell);
+  const double h = 1.5;
+  const Json document = phase(shell, "logistic.toml --window -1,3,-1,1 --method rk2_midpoint --h 1.5");
+  EXPECT_EQ(document.at("method"), "rk2_midpoint");
+  EXPECT_EQ(document.at("h"), h);
+  ASSERT_EQ(document.at("fixed_points").size(), 4U);
+  const double expected[] = {0, 1, 2 / h, 1 + 2 / h};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Json& point = document.at("fixed_points")[i];
+    EXPECT_NEAR(point.at("x").get<double>(), expected[i], 1e-11);
+    EXPECT_EQ(point.at("v"), 0);
+    EXPECT_EQ(point.at("spurious"), i >= 2);
+    EXPECT_EQ(point.at("multipliers").size(), 2U);
+  }
+  EXPECT_EQ(types_of(document), (Types{"saddle", "stable_node"}));
+}
+
+TEST(Phase, EulersRuleGoesToAndFroBeyondItsLimit) {
+  const Shell shell;
+  write_logistic(shell);
+  const auto at = [&](const std::string& h) {
+    return phase(shell, "logistic.toml --window -1,3,-1,1 --method explicit_euler --h " + h);
+  };
+  EXPECT_TRUE(at("1.9").at("period_two").empty());
+  const double h = 2.2, root = std::sqrt(h * h - 4);
+  const Json document = at("2.2");
+  ASSERT_EQ(document.at("period_two").size(), 1U);
+  const Json& pair = document.at("period_two")[0];
+  EXPECT_NEAR(pair[0][0].get<double>(), (h + 2 - root) / (2 * h), 1e-11);
+  EXPECT_NEAR(pair[1][0].get<double>(), (h + 2 + root) / (2 * h), 1e-11);
+  EXPECT_EQ(document.at("period_two_types").size(), 1U);
+  EXPECT_NEAR(std::abs(document.at("period_two_multipliers")[0][1][0].get<double>()),
+              std::min(std::abs(5 - h * h), (1 - h) * (1 - h)), 1e-9);
+}
+
+/// Symmetric points with Phi(x, 0) = (-x, 0): x + h^2/2 a(x) = -x, so k1 + k3 x^2 = 4 m / h^2.
+TEST(Phase, VerletsRuleGoesToAndFroOnTheUndampedCubicSpring) {
+  const Json document =
+      phase(Shell(), "liver_cubic --set c=0 --method stormer_verlet --h 2.5 --window -1.5,1.5,-1.5,1.5");
+  const double x = std::sqrt((4 * 1.45 / 6.25 - 0.7) / 0.8);
+  bool found = false;
+  for (const Json& pair : document.at("period_two"))
+    found = found || (std::abs(pair[0][0].get<double>() + x) < 1e-11 &&
+                      std::abs(pair[1][0].get<double>() - x) < 1e-11 && pair[0][1] == 0);
+  EXPECT_TRUE(found) << document.at("period_two");
+  EXPECT_EQ(document.at("fixed_points")[0].at("type"), "centre");
+}
+
+TEST(Phase, ShowsWhatRungeAndKuttaAddToTheLiver) {
+  const Shell shell;
+  const Json document =
+      phase(shell, "liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 --output figure");
+  EXPECT_EQ(document.at("fixed_points").size(), 5U);
+  for (const Json& point : document.at("fixed_points"))
+    EXPECT_EQ(point.at("spurious"), std::abs(point.at("x").get<double>()) > 0.1);
+  EXPECT_NE(read_text(shell / "figure/map.gp").find("made by the method"), std::string::npos);
+  const Told told =
+      shell.hmax("phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4");
+  EXPECT_NE(told.out.find("no: spurious"), std::string::npos) << told.out;
+  // An A-stable method rests where the equation rests.
+  for (const char* method : {"implicit_euler", "trapezoidal"}) {
+    const Json implicit = phase(shell, std::string("liver_cubic --set c=0.3 --h 2 --method ") + method);
+    ASSERT_EQ(implicit.at("fixed_points").size(), 1U) << method;
+    EXPECT_EQ(implicit.at("fixed_points")[0].at("type"), "stable_focus");
+  }
+}
+
+TEST(Phase, RefusesStepsThatAreNoMap) {
+  const Shell shell;
+  const std::string problem = "phase --problem liver_cubic ";
+  expect_refused(shell.hmax(problem + "--method rk4 --h 0"), "the step is 0");
+  expect_refused(shell.hmax(problem + "--method rk4 --h -1"), "the step is -1");
+  expect_refused(shell.hmax(problem + "--method rk4"), "add --h");
+  expect_refused(shell.hmax(problem + "--h 1"), "--method");
+  expect_refused(shell.hmax(problem + "--method abm_pece_4 --h 1"), "remembers more than the last state");
+  expect_refused(shell.hmax(problem + "--method ode113 --h 1"), "chooses its steps itself");
+  expect_refused(shell.hmax(problem + "--method rk5 --h 1"), "unknown method 'rk5'");
+}
+
 }  // namespace
 }  // namespace hmax
