@@ -40,10 +40,10 @@ struct FrozenField {
 };
 
 /// Damped Newton: y += a d with J d = -f, a halved until the correction that follows with the same J shrinks,
-/// |J^-1 f(y + a d)| <= (1 - a / 4) |d|, a test that no scaling of f changes [deuflhard2011newton, section 3.3].
-/// Where J is singular the least d that comes closest to J d = -f, after rows and columns have been brought
-/// to one size: on a line of equilibria the nearest of them is found. Components of y that are rounding
-/// beside what they have been on the way are given as 0.
+/// |J^-1 f(y + a d)| <= (1 - a / 4) |d|, a test that no scaling of f changes [deuflhard2011newton,
+/// section 3.3]. Where J is singular the least d that comes closest to J d = -f, after rows and columns have
+/// been brought to one size: on a line of equilibria the nearest of them is found. Components of y that are
+/// rounding beside what they have been on the way are given as 0.
 /// @param start            shape (n)
 /// @param most_iterations  a double root takes some 50, a threefold one some 80
 /// @cost  one Jacobian and one factorisation a step

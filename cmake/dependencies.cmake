@@ -47,6 +47,10 @@ find_package(SUNDIALS 6.4 QUIET COMPONENTS ${HMAX_SUNDIALS_COMPONENTS})
 set(HMAX_HAVE_SUNDIALS ${SUNDIALS_FOUND})
 hmax_optional(SUNDIALS HMAX_HAVE_SUNDIALS "${SUNDIALS_VERSION}" libsundials-dev "the methods cvode_* and arkode_*")
 
+find_package(Spectra 1.0 QUIET)
+set(HMAX_HAVE_SPECTRA ${Spectra_FOUND})
+hmax_optional(Spectra HMAX_HAVE_SPECTRA "${Spectra_VERSION}" libspectra-dev "extreme eigenvalues of more than 4000 unknowns")
+
 find_program(HMAX_GNUPLOT gnuplot)
 if(HMAX_GNUPLOT)
   execute_process(COMMAND "${HMAX_GNUPLOT}" --version OUTPUT_VARIABLE HMAX_GNUPLOT_VERSION OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)

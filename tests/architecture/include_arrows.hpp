@@ -46,6 +46,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^sqlite3", "^(results/sqlite\\.hpp|(results|tests)/.*\\.cpp)$"},
     {"^results/sqlite\\.hpp$", "^(results|tests)/.*\\.cpp$"},  // the wrapper: SQLite stays behind the store
     {"^CLI/", "^cli/"},
+    {"^Spectra/", "^analysis/extreme_eigenvalues\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},
 };
 
