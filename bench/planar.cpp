@@ -6,8 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "analysis/differences.hpp"
+#include "analysis/poincare.hpp"
 #include "results/errors.hpp"
+#include "results/numbers.hpp"
 
 namespace hmax {
 
@@ -134,6 +135,39 @@ PlanarField planar_field(const Problem& problem, double t, const Vector2d& scale
       return differenced_jacobian(rhs, y, scale);
     };
   return field;
+}
+
+double drive_period(const Problem& problem, std::optional<double> named) {
+  require_planar(problem);
+  if (!named && !is_driven(problem))
+    throw InputError(
+        fmt::format("{} is not driven, so there is no period to look at; choose a driven problem like "
+                    "liver_forced, or name a period with --period",
+                    problem.id));
+  if (!named) {
+    if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
+      return 2 * std::numbers::pi / std::abs(oscillator->parameters().w);
+    throw InputError(fmt::format(
+        "the period of the force of {} is not known; name it with --period, in seconds", problem.id));
+  }
+  const double period = *named;
+  if (!(period > 0) || !std::isfinite(period))
+    throw InputError(fmt::format("--period is {} but must be a positive number of seconds", to_text(period)));
+  for (int i = 0; i < 16; ++i) {
+    const double t = i * period / 16;
+    const Vector2d now = rhs_of(problem.system, t, problem.y0);
+    const Vector2d later = rhs_of(problem.system, t + period, problem.y0);
+    const double size = std::max({1.0, now.cwiseAbs().maxCoeff(), later.cwiseAbs().maxCoeff()});
+    if ((later - now).cwiseAbs().maxCoeff() > 1e-9 * size)
+      throw InputError(
+          fmt::format("the force of {} is not the same {} s later; give --period the period of the force",
+                      problem.id, to_text(period)));
+  }
+  return period;
+}
+
+VectorFunction stroboscope(const Problem& problem, double period) {
+  return std::visit([&](const auto& system) { return period_map(system, period); }, problem.system);
 }
 
 std::array<std::string, 2> axis_names(const Problem& problem) {

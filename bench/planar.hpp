@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
+#include "analysis/differences.hpp"
 #include "analysis/phase_plane.hpp"
 #include "bench/catalogue.hpp"
 #include "results/table.hpp"
@@ -27,6 +29,14 @@ Problem reversed(const Problem& problem);
 /// @param scale  typical size of both components, for the differences
 /// @throws InputError unless the problem has two states
 PlanarField planar_field(const Problem& problem, double t, const Eigen::Vector2d& scale);
+
+/// The period of the force [s]: 2 pi / w of the oscillator, or the one that the user names.
+/// @throws InputError where nothing is driven and no period is named, where it is not positive, or where f is
+///                    not the same one period later
+double drive_period(const Problem& problem, std::optional<double> named);
+
+/// The state one period after a state, see analysis/poincare.hpp.
+VectorFunction stroboscope(const Problem& problem, double period);
 
 /// Both components as columns and axes are called: "x [m]" and "v [m/s]" of the oscillator.
 std::array<std::string, 2> axis_names(const Problem& problem);

@@ -99,13 +99,33 @@ Figure phase_portrait(const PhaseView& view) {
   return figure;
 }
 
+/// One view at a time.
+void require_one_view(const PhaseOptions& options) {
+  const bool map = !options.method.method.empty() || !options.method.tableau.empty();
+  const int views = map + options.poincare + !options.bifurcation.empty();
+  if (views > 1)
+    throw InputError(
+        "--method, --poincare and --bifurcation are views of their own; ask for one of them at a time");
+  const bool strobed = options.poincare || !options.bifurcation.empty();
+  if (!strobed && (options.period || !options.periods.empty() || !options.skip.empty()))
+    throw InputError("--period, --periods and --skip belong to --poincare or --bifurcation; add one of them");
+  if (options.bifurcation.empty() &&
+      (options.from || options.to || options.follow || !options.points.empty()))
+    throw InputError("--from, --to, --points and --follow belong to --bifurcation; name a parameter with it");
+  if (strobed && (options.at || !options.window.empty()))
+    throw InputError(
+        "--at and --window are for equilibria, and a stroboscopic view has none; leave them out");
+}
+
 void phase(const PhaseOptions& options, Console& console) {
+  require_one_view(options);
   if (!options.method.method.empty() || !options.method.tableau.empty()) return phase_map(options, console);
+  if (options.poincare) return phase_poincare(options, console);
+  if (!options.bifurcation.empty()) return phase_bifurcation(options, console);
   if (options.h) throw InputError("--h is a step of a method; name one with --method, or leave --h out");
   const PhaseView view = view_of(options);
   Json document = document_of(view);
-  document["equilibria"] = to_json(view.equilibria);
-  std::string text = headline(view) + equilibria_table(view, console);
+  std::string text = headline(view.problem) + equilibria_table(view, console);
   if (!options.output.empty()) deliver(phase_portrait(view), options, "phase", document, text, console);
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
   if (console.json) return console.print_json(document);
@@ -116,9 +136,9 @@ void phase(const PhaseOptions& options, Console& console) {
 
 std::string short_name(double value) { return short_number(value + 0.0, 5); }
 
-std::string headline(const PhaseView& view) {
-  return fmt::format("{} with {}\n", view.problem.id,
-                     view.problem.parameters.empty() ? "no parameters" : describe(view.problem.parameters));
+std::string headline(const Problem& problem) {
+  return fmt::format("{} with {}\n", problem.id,
+                     problem.parameters.empty() ? "no parameters" : describe(problem.parameters));
 }
 
 std::string equilibria_table(const PhaseView& view, const Console& console) {
@@ -171,7 +191,8 @@ PhaseView view_of(const PhaseOptions& options) {
   view.equilibria = find_equilibria(view.field, window);
   if (driven)
     view.remarks.push_back(
-        fmt::format("A driven problem has no equilibria: these are of the field frozen at t = {} s (--at).",
+        fmt::format("A driven problem has no equilibria: these are of the field frozen at t = {} s (--at); "
+                    "what the motion settles to is shown by --poincare.",
                     short_name(t)));
   if (view.equilibria.empty())
     view.remarks.push_back(
@@ -182,17 +203,23 @@ PhaseView view_of(const PhaseOptions& options) {
   return view;
 }
 
-Json document_of(const PhaseView& view) {
+Json document_of(const Problem& problem) {
   Json parameters = Json::object();
-  for (const auto& [name, value] : view.problem.parameters) parameters[name] = value;
-  const Window& w = view.window;
-  return {{"problem", view.problem.id},
-          {"material", view.problem.material.empty() ? Json() : Json(view.problem.material)},
+  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
+  return {{"problem", problem.id},
+          {"material", problem.material.empty() ? Json() : Json(problem.material)},
           {"parameters", parameters},
-          {"states", view.problem.states},
-          {"t", view.t ? Json(*view.t) : Json()},
-          {"window", {w.lower(0), w.upper(0), w.lower(1), w.upper(1)}},
-          {"remarks", view.remarks}};
+          {"states", problem.states}};
+}
+
+Json document_of(const PhaseView& view) {
+  Json document = document_of(view.problem);
+  const Window& w = view.window;
+  document["t"] = view.t ? Json(*view.t) : Json();
+  document["window"] = {w.lower(0), w.upper(0), w.lower(1), w.upper(1)};
+  document["remarks"] = view.remarks;
+  document["equilibria"] = to_json(view.equilibria);
+  return document;
 }
 
 Json to_json(const std::array<std::complex<double>, 2>& eigenvalues) {
@@ -257,6 +284,12 @@ void add_phase(CLI::App& app, Console& console) {
                    "results/runs/phase",
                    "hmax phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 "
                    "--output results/runs/phase",
+                   "hmax phase --problem liver_forced --poincare --set c=0.05 --set P=7.5 --set k1=0 --set "
+                   "k3=1 --set m=1 "
+                   "--set w=1",
+                   "hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 100 --set "
+                   "c=0.05 --set k1=0 "
+                   "--set k3=1 --set m=1 --set w=1 --output results/runs/phase",
                    "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
   options->problem.add_to(command);
@@ -267,6 +300,25 @@ void add_phase(CLI::App& app, Console& console) {
                   "The part of the plane; by default what the motion from y0 covers")
       ->type_name("XMIN,XMAX,VMIN,VMAX");
   add_number(command, "--at", options->at, "Instant at which a driven problem is frozen [s]; 0 by default");
+  command.add_flag("--poincare", options->poincare, "Show the state once in each period of the force");
+  command
+      .add_option("--bifurcation", options->bifurcation,
+                  "Show the same over this parameter, from --from to --to")
+      ->type_name("NAME");
+  add_number(command, "--from", options->from, "First value of the parameter");
+  add_number(command, "--to", options->to, "Last value of the parameter");
+  command.add_option("--points", options->points, "Values of the parameter; 200 by default")
+      ->type_name("NUMBER");
+  command.add_flag("--follow", options->follow,
+                   "Each value starts where the one before has ended, instead of at y0");
+  command
+      .add_option("--periods", options->periods,
+                  "Periods that are seen; by default 2000, or 64 for each value of a parameter")
+      ->type_name("NUMBER");
+  command.add_option("--skip", options->skip, "Periods that pass unseen before them; 200 by default")
+      ->type_name("NUMBER");
+  add_number(command, "--period", options->period,
+             "Period of the force [s], where it is not that of the oscillator");
   command.add_option("--output", options->output, "Draw the figure into this folder, as SVG, PNG and PDF")
       ->type_name("FOLDER");
   command.callback([options, &console] { phase(*options, console); });

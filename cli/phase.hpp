@@ -18,6 +18,10 @@ struct PhaseOptions {
   MethodChoice method;
   std::string window, output;
   std::optional<double> at, h;
+  // The stroboscopic views.
+  bool poincare = false, follow = false;
+  std::string bifurcation, periods, skip, points;
+  std::optional<double> period, from, to;
 };
 
 /// A problem of two states as it is looked at: autonomous, or frozen at an instant.
@@ -34,7 +38,9 @@ struct PhaseView {
 /// @throws InputError for what cannot be shown
 PhaseView view_of(const PhaseOptions& options);
 
-/// {problem, material, parameters, states, t, window, remarks}, how every document of the command begins.
+/// {problem, material, parameters, states}, how every document of the command begins.
+nlohmann::ordered_json document_of(const Problem& problem);
+/// The same and {t, window, remarks, equilibria}.
 nlohmann::ordered_json document_of(const PhaseView& view);
 nlohmann::ordered_json to_json(const std::vector<Equilibrium>& equilibria);
 /// [[re, im], [re, im]]
@@ -43,7 +49,7 @@ nlohmann::ordered_json to_json(const std::array<std::complex<double>, 2>& eigenv
 std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues);
 
 /// "liver_cubic with m=1.45 ...", a line.
-std::string headline(const PhaseView& view);
+std::string headline(const Problem& problem);
 /// The equilibria as a table for people; empty when there are none.
 std::string equilibria_table(const PhaseView& view, const Console& console);
 /// At most five digits, for people.
@@ -60,5 +66,9 @@ void deliver(const Figure& figure, const PhaseOptions& options, const std::strin
 
 /// The view of --method: what steps of a method make of the plane.
 void phase_map(const PhaseOptions& options, Console& console);
+/// The view of --poincare: the state once in each period of the force.
+void phase_poincare(const PhaseOptions& options, Console& console);
+/// The view of --bifurcation: the same over a parameter.
+void phase_bifurcation(const PhaseOptions& options, Console& console);
 
 }  // namespace hmax

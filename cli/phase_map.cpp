@@ -154,9 +154,8 @@ void phase_map(const PhaseOptions& options, Console& console) {
   const PhaseView view = view_of(options);
   const MapView seen = map_of(view, options);
   Json document = document_of(view);
-  document["equilibria"] = to_json(view.equilibria);
   add_map(seen, document);
-  std::string text = headline(view) + equilibria_table(view, console) + table_of(view, seen, console);
+  std::string text = headline(view.problem) + equilibria_table(view, console) + table_of(view, seen, console);
   if (!options.output.empty()) deliver(picture(view, seen), options, "map", document, text, console);
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
   if (console.json) return console.print_json(document);

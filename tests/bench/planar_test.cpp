@@ -133,5 +133,17 @@ TEST(Planar, RefusesWhatHasNotTwoStates) {
   EXPECT_NO_THROW(require_planar(make_problem("van_der_pol")));
 }
 
+TEST(Planar, TheStroboscopeIsTheMotionOverOnePeriod) {
+  const Problem problem = liver({}, "liver_forced");
+  const double period = drive_period(problem, {});
+  EXPECT_NEAR(period, 4 * std::acos(-1.0), 1e-14);
+  const Reference reference = make_reference(problem, 3 * period);
+  const VectorFunction next = stroboscope(problem, period);
+  const Eigen::VectorXd third = next(next(next(problem.y0)));
+  EXPECT_LT((third - reference.at(3 * period)).norm(), 1e-9);
+  EXPECT_THROW(drive_period(problem, period / 2), InputError);
+  EXPECT_EQ(drive_period(problem, 2 * period), 2 * period);
+}
+
 }  // namespace
 }  // namespace hmax

@@ -214,5 +214,81 @@ TEST(Phase, RefusesStepsThatAreNoMap) {
   expect_refused(shell.hmax(problem + "--method rk5 --h 1"), "unknown method 'rk5'");
 }
 
+const std::string ueda = "liver_forced --set m=1 --set c=0.05 --set k1=0 --set k3=1 --set w=1 ";
+
+/// x = Re(Z e^{i w t}) with Z = P / (k1 - m w^2 + i c w).
+TEST(Phase, SeesALinearLiverAtOnePointOfItsSteadyState) {
+  const Json document = phase(Shell(), "liver_forced --set k3=0 --set c=1 --poincare --periods 40 --skip 60");
+  const std::complex<double> Z = 0.5 / std::complex<double>(0.7 - 1.45 * 0.25, 0.5);
+  EXPECT_NEAR(document.at("drive_period").get<double>(), 4 * std::acos(-1), 1e-14);
+  ASSERT_EQ(document.at("section").size(), 40U);
+  for (const Json& y : document.at("section")) {
+    EXPECT_NEAR(y[0].get<double>(), Z.real(), 1e-9);
+    EXPECT_NEAR(y[1].get<double>(), -0.5 * Z.imag(), 1e-9);
+  }
+  EXPECT_EQ(document.at("period"), 1);
+  ASSERT_EQ(document.at("periodic").size(), 1U);
+  EXPECT_EQ(document.at("periodic")[0].at("type"), "stable_focus");
+  EXPECT_NEAR(document.at("lyapunov").get<double>(), -1 / 2.9, 1e-2);
+}
+
+TEST(Phase, TellsChaosFromRepetition) {
+  const Shell shell;
+  const Json chaos = phase(shell, ueda + "--set P=7.5 --poincare --periods 1000 --output figure");
+  EXPECT_TRUE(chaos.at("period").is_null());
+  EXPECT_GT(chaos.at("lyapunov").get<double>(), 0.08);
+  for (const Json& y : chaos.at("section")) EXPECT_LT(std::abs(y[0].get<double>()), 5);
+  EXPECT_EQ(chaos.at("figure"), "figure/poincare.svg");
+  EXPECT_EQ(phase(shell, ueda + "--set P=5.75 --poincare --periods 100").at("period"), 3);
+  EXPECT_EQ(phase(shell, "liver_forced --poincare --periods 100").at("period"), 1);
+}
+
+TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
+  const Shell shell;
+  const Json document =
+      phase(shell, ueda + "--bifurcation P --from 5.7 --to 7.5 --points 3 --output figure --follow");
+  ASSERT_EQ(document.at("columns").size(), 3U);
+  EXPECT_EQ(document.at("parameter"), "P");
+  EXPECT_FALSE(document.at("parameters").contains("P"));
+  EXPECT_EQ(document.at("columns")[0].at("period"), 3);
+  EXPECT_TRUE(document.at("columns")[2].at("period").is_null());
+  EXPECT_DOUBLE_EQ(document.at("columns")[1].at("value").get<double>(), 6.6);
+  EXPECT_EQ(document.at("columns")[2].at("x").size(), 64U);
+  EXPECT_NE(read_text(shell / "figure/bifurcation.gp").find("does not repeat"), std::string::npos);
+  // Over the damping: what is fed grows without bound.
+  const Json damping = phase(shell, "liver_forced --bifurcation c --from -1 --to 2 --points 2");
+  EXPECT_TRUE(damping.at("columns")[0].at("diverged"));
+  EXPECT_EQ(damping.at("columns")[1].at("period"), 1);
+}
+
+TEST(Phase, LooksAtFormulasOnceInTheirPeriod) {
+  const Shell shell;
+  write_text(shell / "swing.toml",
+             "[equations]\na = \"b\"\nb = \"-a - 0.5*b + cos(2*t)\"\n[initial]\na = 0\nb = 0\n");
+  const Json document = phase(shell, "swing.toml --poincare --periods 20 --period 3.141592653589793");
+  const std::complex<double> Z = 1.0 / std::complex<double>(-3, 1);
+  EXPECT_NEAR(document.at("section")[3][0].get<double>(), Z.real(), 1e-9);
+  expect_refused(shell.hmax("phase --problem swing.toml --poincare"), "name it with --period");
+  expect_refused(shell.hmax("phase --problem swing.toml --poincare --period 3"), "not the same 3 s later");
+}
+
+TEST(Phase, RefusesLooksThatSayNothing) {
+  const Shell shell;
+  expect_refused(shell.hmax("phase --problem liver_cubic --poincare"), "is not driven");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --periods 0"), "--periods");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --skip -1"), "--skip");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --period 0"), "--period is 0");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --method rk4 --h 1"), "one of them");
+  expect_refused(shell.hmax("phase --problem liver_forced --skip 3"), "--poincare");
+  expect_refused(shell.hmax("phase --problem liver_forced --from 3"), "--bifurcation");
+  expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 3"), "--to");
+  expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 3 --to 3"), "no range");
+  expect_refused(shell.hmax("phase --problem liver_forced --bifurcation Q --from 3 --to 4"), "parameter 'Q'");
+  expect_refused(shell.hmax("phase --problem lorenz --poincare --period 1"), "lorenz has 3 states");
+  const Told runaway = shell.hmax("phase --problem liver_forced --set c=-3 --poincare --json");
+  EXPECT_EQ(runaway.exit_code, 1);
+  EXPECT_NE(runaway.json().at("status").get<std::string>().find("diverges"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace hmax

@@ -1,0 +1,135 @@
+#include "analysis/poincare.hpp"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "analysis/discrete_map.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+/// m x'' + c x' + k1 x + k3 x^3 = P cos(w t)
+struct Driven {
+  using State = Vector2d;
+  double m = 1, c = 0, k1 = 0, k3 = 0, P = 0, w = 1;
+
+  static Eigen::Index dim() { return 2; }
+  void rhs(double t, const State& y, State& f) const {
+    f << y(1), (P * std::cos(w * t) - c * y(1) - k1 * y(0) - k3 * y(0) * y(0) * y(0)) / m;
+  }
+  double period() const { return 2 * std::numbers::pi / w; }
+};
+
+VectorFunction map_of(const Driven& system) { return period_map(system, system.period()); }
+
+/// x = Re(Z e^{i w t}), Z = P / (k1 - m w^2 + i c w): at t = 0 x = Re Z and v = -w Im Z.
+TEST(Poincare, ALinearSystemIsSeenAtOnePointOfItsSteadyState) {
+  for (const double w : {0.3, 0.7, 2.0}) {
+    const Driven liver{.m = 1.45, .c = 0.6, .k1 = 0.7, .P = 0.5, .w = w};
+    const std::complex<double> Z = 0.5 / std::complex<double>(0.7 - 1.45 * w * w, 0.6 * w);
+    const Vector2d steady(Z.real(), -w * Z.imag());
+    const auto seen = looks(map_of(liver), Vector2d(0.5, 1), 100, 40);
+    ASSERT_EQ(seen.size(), 40U);
+    for (const VectorXd& y : seen) EXPECT_LT((y - steady).norm(), 1e-9) << w;
+    EXPECT_EQ(period_of(seen), 1);
+    // The only fixed point of the map, with the multipliers exp(lambda T).
+    const auto fixed = find_fixed_points(map_of(liver), {Vector2d(-3, -3), Vector2d(3, 3)}, 5);
+    ASSERT_EQ(fixed.size(), 1U);
+    EXPECT_LT((fixed[0].state - steady).norm(), 1e-9);
+    const std::complex<double> lambda(-0.6 / 2.9, std::sqrt(0.7 / 1.45 - std::pow(0.6 / 2.9, 2)));
+    EXPECT_NEAR(std::abs(fixed[0].multipliers[0]), std::exp(lambda.real() * liver.period()), 1e-9);
+  }
+}
+
+/// Both eigenvalues of the underdamped system have the real part -c / (2 m).
+TEST(Poincare, TheExponentOfALinearSystemIsItsDamping) {
+  const Driven liver{.m = 1.45, .c = 0.1, .k1 = 0.7, .P = 0.5, .w = 0.9};
+  const double exponent = largest_lyapunov(map_of(liver), Vector2d(0, 0), Vector2d(1, 1), 400);
+  EXPECT_NEAR(exponent / liver.period(), -0.1 / 2.9, 1e-3);
+}
+
+/// Ueda's x'' + 0.05 x' + x^3 = 7.5 cos t, the chaotic attractor of [ueda1979randomly].
+TEST(Poincare, UedasOscillatorIsBoundedAndNeverRepeats) {
+  const Driven ueda{.m = 1, .c = 0.05, .k3 = 1, .P = 7.5, .w = 1};
+  const auto seen = looks(map_of(ueda), Vector2d(2.5, 0), 100, 1000);
+  ASSERT_EQ(seen.size(), 1000U);
+  for (const VectorXd& y : seen) {
+    EXPECT_LT(std::abs(y(0)), 5);
+    EXPECT_LT(std::abs(y(1)), 12);
+  }
+  EXPECT_FALSE(period_of(seen, 1e-3));
+  // About a tenth per unit of time.
+  const double exponent = largest_lyapunov(map_of(ueda), seen[0], Vector2d(3, 5), 1000) / ueda.period();
+  EXPECT_GT(exponent, 0.08);
+  EXPECT_LT(exponent, 0.14);
+}
+
+TEST(Poincare, ASmallForceOnTheCubicSpringHasItsOwnPeriod) {
+  const Driven liver{.m = 1.45, .c = 2, .k1 = 0.7, .k3 = 0.8, .P = 0.05, .w = 0.5};
+  EXPECT_EQ(period_of(looks(map_of(liver), Vector2d(0.5, 1), 60, 40)), 1);
+}
+
+/// x -> r x (1 - x): one point up to r = 3, two up to 1 + sqrt(6), three in the window of 3.83, and the
+/// exponent ln 2 at r = 4.
+VectorFunction logistic(double r) {
+  return [r](const VectorXd& x) -> VectorXd { return VectorXd::Constant(1, r * x(0) * (1 - x(0))); };
+}
+
+TEST(Poincare, CountsThePeriodsOfTheLogisticMap) {
+  const auto columns =
+      bifurcation(logistic, {2.5, 3.2, 3.5, 3.83, 3.9, 4.5}, VectorXd::Constant(1, 0.3), 2000, 100, false);
+  ASSERT_EQ(columns.size(), 6U);
+  const std::optional<int> expected[] = {1, 2, 4, 3, std::nullopt, std::nullopt};
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    EXPECT_EQ(columns[i].period, expected[i]) << columns[i].value;
+  EXPECT_NEAR(columns[0].looks[7](0), 1 - 1 / 2.5, 1e-12);
+  EXPECT_LT(columns[5].looks.size(), 100U);  // it leaves for minus infinity
+}
+
+TEST(Poincare, MeasuresKnownExponents) {
+  EXPECT_NEAR(largest_lyapunov(logistic(4), VectorXd::Constant(1, 0.3123), VectorXd::Ones(1), 20000),
+              std::log(2), 0.02);
+  // f'(x*) = 2 - r at the fixed point.
+  EXPECT_NEAR(largest_lyapunov(logistic(2.8), VectorXd::Constant(1, 1 - 1 / 2.8), VectorXd::Ones(1), 100),
+              std::log(0.8), 1e-5);
+  const VectorFunction henon = [](const VectorXd& y) -> VectorXd {
+    return Vector2d(1 - 1.4 * y(0) * y(0) + y(1), 0.3 * y(0));
+  };
+  EXPECT_NEAR(largest_lyapunov(henon, Vector2d(0.1, 0.1), Vector2d(1, 0.3), 20000), 0.419, 0.01);
+}
+
+TEST(Poincare, FollowsABranchThroughHysteresis) {
+  // x -> x + 0.1 (p + x - x^3): two branches for small |p|.
+  const auto map_at = [](double p) -> VectorFunction {
+    return [p](const VectorXd& x) -> VectorXd {
+      return VectorXd::Constant(1, x(0) + 0.1 * (p + x(0) - x(0) * x(0) * x(0)));
+    };
+  };
+  const std::vector<double> values{1, 0.2, -0.2};
+  const VectorXd low = VectorXd::Constant(1, -1);
+  EXPECT_GT(bifurcation(map_at, values, low, 500, 5, true).back().looks[0](0), 0.5);
+  EXPECT_LT(bifurcation(map_at, values, low, 500, 5, false).back().looks[0](0), -0.5);
+}
+
+TEST(Poincare, EndsWhereTheMotionDoes) {
+  const Driven runaway{.m = 1, .c = -3, .k1 = 1, .k3 = 1, .P = 1, .w = 1};
+  EXPECT_LT(looks(map_of(runaway), Vector2d(1, 1), 0, 200).size(), 200U);
+  EXPECT_TRUE(std::isnan(largest_lyapunov(map_of(runaway), Vector2d(1, 1), Vector2d(1, 1), 200)));
+  EXPECT_FALSE(period_of({}));
+  EXPECT_THROW(looks(logistic(3), VectorXd::Constant(1, 0.3), -1, 3), std::invalid_argument);
+  int calls = 0;
+  EXPECT_EQ(bifurcation(logistic, {1, 2, 3}, VectorXd::Constant(1, 0.3), 1, 1, false,
+                        [&](double) { return ++calls < 3; })
+                .size(),
+            2U);
+}
+
+}  // namespace
+}  // namespace hmax
