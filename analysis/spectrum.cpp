@@ -276,7 +276,8 @@ Spectrum spectrum_of(const LinearModel& model) {
   require_dense_size(rows(model.J));
   Spectrum spectrum;
   if (!model.mechanical) {
-    spectrum.lambda = all_eigenvalues(dense(model.J));
+    const auto* full = std::get_if<MatrixXd>(&model.J);
+    spectrum.lambda = full != nullptr ? all_eigenvalues(*full) : all_eigenvalues(dense(model.J));
     return spectrum;
   }
   if (!model.mechanical->decouples()) {
