@@ -1,7 +1,6 @@
 #include "analysis/non_normality.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -34,9 +33,6 @@ class SmallestSingularValue {
           Complex(1 + std::sin(1.0 + 2.4 * static_cast<double>(i)), std::cos(3.1 * static_cast<double>(i)));
     start_.normalize();
   }
-
-  /// How many a search may take: about a second at most.
-  [[nodiscard]] int affordable() const { return T_.rows() <= 16 ? 20000 : 3000; }
 
   double operator()(Complex z) {
     if (T_.rows() == 1) return std::abs(z - T_(0, 0));
@@ -86,86 +82,142 @@ class SmallestSingularValue {
   VectorXcd start_;
 };
 
-/// Where a Kreiss constant is looked for: z(a, b), where a > 0 is what the norm of the resolvent is
-/// multiplied with. a + i b for differential equations, (1 + a) e^(i b) for steps.
-struct Plane {
-  bool polar = false;
+/// A family of lines on which |(z I - A)^-1| is looked at: Re z = a, or the circles |z| = 1 + a.
+struct Lines {
+  const MatrixXd& A;
+  bool circles = false;
 
-  [[nodiscard]] Complex z(double a, double b) const { return polar ? std::polar(1 + a, b) : Complex(a, b); }
-  [[nodiscard]] double circumference(double a) const { return polar ? 1 + a : 1; }  // dz / db
-};
+  [[nodiscard]] Complex z(double a, double b) const { return circles ? std::polar(1 + a, b) : Complex(a, b); }
+  /// In this coordinate the logarithm of the largest norm on the line is convex: Hadamard's three lines, or
+  /// circles.
+  [[nodiscard]] double convex(double a) const { return circles ? std::log1p(a) : a; }
 
-struct Box {
-  double a0, a1, b0, b1, bound;
-  /// The most promising first; of equals, and that is of those nothing is known of yet, the largest.
-  bool operator<(const Box& other) const {
-    return bound != other.bound ? bound < other.bound : a1 - a0 < other.a1 - other.a0;
+  /// Every b >= 0, and more, where z I - A has the singular value e. With (z I - A) u = e v and its adjoint
+  /// for v,
+  ///   Re z = a:  (A - a I, e I; -e I, a I - A^T) (u, v) = i b (u, v),
+  ///   |z| = r:   (A, e I; 0, r I) (u, v) = exp(i b) (r I, 0; e I, A^T) (u, v)   [boyd1989bisection]
+  [[nodiscard]] std::vector<double> crossings(double a, double e) const {
+    const Index n = A.rows();
+    const auto one = MatrixXd::Identity(n, n);
+    std::vector<double> found;
+    MatrixXd left(2 * n, 2 * n);
+    if (circles) {
+      MatrixXd right(2 * n, 2 * n);
+      left << A, e * one, MatrixXd::Zero(n, n), (1 + a) * one;
+      right << (1 + a) * one, MatrixXd::Zero(n, n), e * one, A.transpose();
+      const Eigen::GeneralizedEigenSolver<MatrixXd> solver(left, right, false);
+      for (Index i = 0; i < 2 * n; ++i) {
+        const Complex alpha = solver.alphas()[i];
+        if (std::abs(std::abs(alpha) - std::abs(solver.betas()[i])) <= 1e-5 * std::abs(alpha))
+          found.push_back(std::abs(std::arg(alpha / solver.betas()[i])));
+      }
+      return found;
+    }
+    left << A - a * one, e * one, -e * one, a * one - A.transpose();
+    const Eigen::EigenSolver<MatrixXd> solver(left, false);
+    const double near = 1e-5 * left.norm();
+    for (const Complex& w : solver.eigenvalues())
+      if (std::abs(w.real()) <= near) found.push_back(std::abs(w.imag()));
+    return found;
   }
 };
 
-/// Branch and bound for sup a / sigma(z(a, b)).
+/// An interval of a and the most that a |(z I - A)^-1| can be in it.
+struct Interval {
+  double a0, a1, log_norm0, log_norm1, bound;
+  bool operator<(const Interval& other) const { return bound < other.bound; }
+};
+
+/// sup of a N(a), N(a) the largest norm of the resolvent on line a.
 class KreissSearch {
  public:
-  static constexpr double within = 1e-2;
+  static constexpr double within = 1e-4;
 
-  /// @param growth  sigma >= a - growth everywhere, growth > 0
-  /// @param least   boxes of this size are not split
-  KreissSearch(SmallestSingularValue& sigma, Plane plane, double growth, double least)
-      : sigma_(sigma), plane_(plane), growth_(growth), least_(least) {}
-
-  void look_at(double a, double b) {
-    if (a > 0) (void)value(a, b);
+  /// @param growth  |(z I - A)^-1| <= 1 / (a - growth) where a > growth > 0
+  KreissSearch(const Lines& lines, const MatrixXcd& schur, double growth)
+      : lines_(lines), sigma_(schur), growth_(growth) {
+    starts_.push_back(0);
+    for (const Complex& lambda : schur.diagonal())
+      starts_.push_back(lines.circles ? std::abs(std::arg(lambda)) : std::abs(lambda.imag()));
   }
 
-  KreissConstant run(double b_end) {
-    // Beyond this a / (a - growth) is at most 1 + within, and 1 is reached at infinity.
-    const double a_end = growth_ * (1 + within) / within;
-    push({0, a_end, 0, b_end, 0});
-    double bound = 0;
-    for (int split = 0; !queue_.empty(); ++split) {
-      const Box box = queue_.top();
-      if (box.bound <= best_.value * (1 + within)) break;
-      if (split == sigma_.affordable()) {
-        bound = box.bound;
-        break;
-      }
-      queue_.pop();
-      const double height = plane_.circumference(box.a1) * (box.b1 - box.b0), width = box.a1 - box.a0;
-      if (std::max(height, width) < least_) continue;
-      Box low = box, high = box;
-      if (width > height)
-        low.a1 = high.a0 = (box.a0 + box.a1) / 2;
-      else
-        low.b1 = high.b0 = (box.b0 + box.b1) / 2;
-      push(low);
-      push(high);
+  /// @param least  the smallest a that is looked at
+  KreissConstant run(double least) {
+    // Beyond, a / (a - growth) is at most 1 + within, and 1 is reached at infinity.
+    const double most = growth_ * (1 + within) / within;
+    double a0 = least, norm0 = log_norm(least);
+    while (a0 < most) {
+      const double a1 = std::min(most, a0 * 10), norm1 = log_norm(a1);
+      push({a0, a1, norm0, norm1, 0});
+      a0 = a1;
+      norm0 = norm1;
     }
     climb();
-    best_.bound = bound > 0 ? std::max(best_.value, bound) : best_.value * (1 + within);
+    double bound = 0;
+    while (queue_.top().bound > best_.value * (1 + within)) {
+      const Interval top = queue_.top();
+      bound = top.bound;
+      if (++splits_ > most_splits) break;
+      queue_.pop();
+      const double middle = std::sqrt(top.a0 * top.a1), norm = log_norm(middle);
+      push({top.a0, middle, top.log_norm0, norm, 0});
+      push({middle, top.a1, norm, top.log_norm1, 0});
+    }
+    climb();
+    best_.bound = splits_ > most_splits ? std::max(bound, best_.value) : best_.value * (1 + within);
     return best_;
   }
 
  private:
-  double value(double a, double b) {
-    const Complex z = plane_.z(a, b);
-    const double sigma = sigma_(z);
-    const double found = sigma > 0 ? a / sigma : infinity;
-    if (found > best_.value) {
-      best_.value = found;
+  static constexpr int most_splits = 300;
+
+  double norm(double a, double b) {
+    const Complex z = lines_.z(a, b);
+    const double sigma = sigma_(z), found = sigma > 0 ? 1 / sigma : infinity;
+    if (a * found > best_.value) {
+      best_.value = a * found;
       best_.at = z;
       a_ = a;
       b_ = b;
     }
-    return sigma;
+    return found;
   }
 
-  void push(Box box) {
-    const double a = (box.a0 + box.a1) / 2, b = (box.b0 + box.b1) / 2;
-    const double reach = std::hypot(box.a1 - box.a0, plane_.circumference(box.a1) * (box.b1 - box.b0)) / 2;
-    const double sigma = value(a, b);
-    box.bound = sigma > reach ? box.a1 / (sigma - reach) : infinity;
-    if (box.a0 > growth_) box.bound = std::min(box.bound, box.a0 / (box.a0 - growth_));
-    queue_.push(box);
+  /// log N(a): from the largest norm so far to the places where a larger one is met, and between them, until
+  /// there are none.
+  double log_norm(double a) {
+    double most = 0;
+    for (const double b : starts_) most = std::max(most, norm(a, b));
+    for (int round = 0; round < 40 && std::isfinite(most); ++round) {
+      std::vector<double> places = lines_.crossings(a, 1 / (most * (1 + 1e-7)));
+      places.push_back(0);
+      if (lines_.circles) places.push_back(std::numbers::pi);
+      std::ranges::sort(places);
+      double larger = most;
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        larger = std::max(larger, norm(a, places[i]));
+        if (i > 0) larger = std::max(larger, norm(a, (places[i - 1] + places[i]) / 2));
+      }
+      if (!(larger > most * (1 + 1e-7))) break;
+      most = larger;
+    }
+    return std::log(most * (1 + 1e-7));
+  }
+
+  /// On a chord of the convex log N the largest a N is at an end, or where both slopes cancel.
+  void push(Interval interval) {
+    const double x0 = lines_.convex(interval.a0), x1 = lines_.convex(interval.a1);
+    const double slope = (interval.log_norm1 - interval.log_norm0) / (x1 - x0);
+    // a exp(slope x): x = a, or x = log(1 + a).
+    const double peak = lines_.circles ? -1 / (1 + slope) : -1 / slope;
+    const auto on_chord = [&](double a) {
+      return a * std::exp(interval.log_norm0 + slope * (lines_.convex(a) - x0));
+    };
+    interval.bound = std::max(on_chord(interval.a0), on_chord(interval.a1));
+    if (peak > interval.a0 && peak < interval.a1) interval.bound = std::max(interval.bound, on_chord(peak));
+    if (interval.a0 > growth_)
+      interval.bound = std::min(interval.bound, interval.a0 / (interval.a0 - growth_));
+    queue_.push(interval);
   }
 
   /// Up from the best point, step by step along both coordinates and their diagonals.
@@ -173,20 +225,23 @@ class KreissSearch {
     if (!(a_ > 0) || !std::isfinite(best_.value)) return;
     double step = 0.3;
     while (step > 1e-9) {
-      const double before = best_.value, a = a_, b = b_, side = step * a / plane_.circumference(a);
+      const double before = best_.value, a = a_, b = b_;
+      const double side = step * a / (lines_.circles ? 1 + a : 1);
       for (const double da : {-1.0, 0.0, 1.0})
         for (const double db : {-1.0, 0.0, 1.0})
-          if (da != 0 || db != 0) (void)value(a * (1 + da * step / (1 + step)), b + db * side);
+          if (da != 0 || db != 0) (void)norm(a * (1 + da * step / (1 + step)), b + db * side);
       if (!(best_.value > before * (1 + 1e-15))) step /= 2;
     }
   }
 
-  SmallestSingularValue& sigma_;
-  Plane plane_;
-  double growth_, least_;
+  const Lines& lines_;
+  SmallestSingularValue sigma_;
+  double growth_;
+  std::vector<double> starts_;
   double a_ = 0, b_ = 0;
+  int splits_ = 0;
   KreissConstant best_{.value = 1, .bound = 1, .at = infinity};
-  std::priority_queue<Box> queue_;
+  std::priority_queue<Interval> queue_;
 };
 
 constexpr KreissConstant unbounded{.value = infinity, .bound = infinity, .at = {}};
@@ -217,19 +272,8 @@ KreissConstant kreiss_constant(const MatrixXd& J) {
   if (T.diagonal().real().maxCoeff() > 1e-10 * scale) return unbounded;
   const double growth = largest_symmetric_eigenvalue((J + J.transpose()) / 2);
   if (growth <= 1e-13 * scale) return {.value = 1, .bound = 1, .at = infinity};
-  SmallestSingularValue sigma(T);
-  KreissSearch search(sigma, {}, growth, 1e-9 * scale);
-  for (const Complex& lambda : T.diagonal())
-    for (const double a :
-         {-lambda.real() / 3, -lambda.real(), -3 * lambda.real(), growth / 10, growth, 10 * growth})
-      search.look_at(a, std::abs(lambda.imag()));
-  // |z - w| for the nearest point w of the field of values bounds sigma from below: beyond the largest height
-  // of the field and the largest a nothing above 1 is left.
-  const Eigen::MatrixXcd skew = Complex(0, -0.5) * (J - J.transpose()).cast<Complex>();
-  const double height =
-      Eigen::SelfAdjointEigenSolver<MatrixXcd>(skew, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-  const KreissConstant found =
-      search.run(height + growth * (1 + KreissSearch::within) / KreissSearch::within);
+  const Lines lines{J};
+  const KreissConstant found = KreissSearch(lines, T, growth).run(std::min(1e-9 * scale, growth));
   return judged(found, found.at.real(), scale);
 }
 
@@ -238,12 +282,8 @@ KreissConstant kreiss_constant_of_step(const MatrixXd& A) {
   if (T.diagonal().cwiseAbs().maxCoeff() > 1 + 1e-10) return unbounded;
   const double size = std::sqrt(std::max(0.0, largest_symmetric_eigenvalue(A.transpose() * A)));
   if (size <= 1 + 1e-13) return {.value = 1, .bound = 1, .at = infinity};
-  SmallestSingularValue sigma(T);
-  KreissSearch search(sigma, {.polar = true}, size - 1, 1e-9);
-  for (const Complex& lambda : T.diagonal())
-    for (const double a : {(1 - std::abs(lambda)) / 3, 1 - std::abs(lambda), 0.1, 0.5, 1.0})
-      search.look_at(a, std::abs(std::arg(lambda)));
-  const KreissConstant found = search.run(std::numbers::pi);
+  const Lines lines{A, true};
+  const KreissConstant found = KreissSearch(lines, T, size - 1).run(std::min(1e-9, size - 1));
   return judged(found, std::abs(found.at) - 1, 1);
 }
 
