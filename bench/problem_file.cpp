@@ -59,10 +59,9 @@ FormulaDefinition problem_from(const TomlDocument& document) {
                   "x = \"v\"");
   for (const auto& [state, formula] : equations.items()) {
     if (!formula.is_string())
-      document.fail("/equations/" + state,
-                    fmt::format("the derivative of {} must be a formula in quotes, such as "
-                                "{} = \"-x\"",
-                                state, state));
+      document.fail(
+          "/equations/" + state,
+          fmt::format("the derivative of {} must be a formula in quotes, such as {} = \"-x\"", state, state));
     definition.equations.emplace_back(state, formula.get<std::string>());
   }
   for (const auto& [name, value] : table(document, "parameters").items())

@@ -246,8 +246,7 @@ SweepSpec spec_from(const SweepRequest& request) {
   if (!spec.sampled && spec.tolerances.empty() && (request.rtol || request.atol || request.control))
     throw InputError(
         "tolerances and --control steer adaptive runs, and this sweep has only fixed steps; leave them out, "
-        "or "
-        "add --sampled");
+        "or add --sampled");
   spec.t_end = request.t_end;
   if (request.repeats)
     spec.repeats =

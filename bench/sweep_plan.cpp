@@ -119,8 +119,7 @@ void check_block(const SweepBlock& block, const std::vector<Problem>& problems,
   if (numbers > largest_output)
     throw InputError(
         fmt::format("output of {} every {} s to t = {} s by {} methods would keep {:.3g} numbers in memory, "
-                    "more than the "
-                    "limit of {:.0e}; take a larger --h, fewer --methods, or --fixed",
+                    "more than the limit of {:.0e}; take a larger --h, fewer --methods, or --fixed",
                     problem.id, to_text(block.run.every), to_text(block.run.t_end), block.methods.size(),
                     numbers, largest_output));
 }
@@ -237,8 +236,7 @@ SweepPlan plan_sweep(const SweepSpec& spec) {
       std::ranges::none_of(plan.methods, &Method::adaptive))
     throw InputError(
         "tolerances need a method with an error estimate; choose one whose error_order in `hmax list "
-        "methods` "
-        "is not 0, or give --h");
+        "methods` is not 0, or give --h");
   plan.blocks = blocks_of(spec, plan.problems, plan.methods);
   if (plan.blocks.empty())
     throw InputError(

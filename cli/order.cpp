@@ -38,8 +38,7 @@ struct OrderOptions {
 void report_variable_order(const Problem& problem, const Method& method, Console& console) {
   const std::string status = fmt::format(
       "{} chooses order and step as it runs, so there is no order to measure; `hmax precision` shows its "
-      "error "
-      "against its cost",
+      "error against its cost",
       method.id);
   if (console.json)
     return console.print_json(Json{{"problem", problem.id},
@@ -92,13 +91,11 @@ void order(const OrderOptions& options, Console& console) {
 
   const double tolerance = method.order_tolerance();
   const bool shown = seen.observed && std::abs(*seen.observed - method.order) <= tolerance;
-  const std::string status = !seen.observed
-                                 ? "too few errors lie above rounding to fit a slope; try another --t-end"
-                             : shown ? ""
-                                     : fmt::format(
-                                           "the slope is not within {} of the order {}; try another "
-                                           "--t-end",
-                                           tolerance, method.order);
+  const std::string status =
+      !seen.observed ? "too few errors lie above rounding to fit a slope; try another --t-end"
+      : shown        ? ""
+              : fmt::format("the slope is not within {} of the order {}; try another --t-end", tolerance,
+                            method.order);
   if (!shown) console.exit_code = Exit::failed;
   if (console.json)
     return console.print_json(Json{{"problem", problem.id},

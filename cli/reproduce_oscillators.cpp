@@ -174,15 +174,13 @@ class Study {
     benchmark_liver();
     return write_report("The liver oscillator study, done again",
                         "Every oscillator figure and table of the study of the liver model `m x'' + c x' + "
-                        "k1 x + k3 x³ = P cos(w t)`, "
-                        "drawn from runs of hmax, each beside what the study printed and what differs. "
-                        "Curves are drawn from `" +
+                        "k1 x + k3 x³ = P cos(w t)`, drawn from runs of hmax, each beside what the study "
+                        "printed and what differs. Curves are drawn from `" +
                             std::string(curve_method) +
                             fmt::format("` at rtol = atol = {:g}", curve_tolerance) +
                             ". Times were measured on: " + markdown_text(rows_.machine) +
                             ". The study's stiffness in kPa and damping in N/m² cannot enter this equation; "
-                            "like the study we use the "
-                            "bare numbers as N/m and N s/m.",
+                            "like the study we use the bare numbers as N/m and N s/m.",
                         sections_, folder_);
   }
 
@@ -223,32 +221,24 @@ class Study {
     sections_.push_back(
         {.title = "Figure 1: CPU time against step size",
          .text = "The full model `1.45 x'' + 2 x' + 0.7 x + 0.8 x³ = 0.5 cos(0.5 t)`, x(0) = 0.5, x'(0) = 1, "
-                 "t = 0 … "
-                 "100 s, nine steps. Left: every method integrates with the step h. Right: the method "
-                 "chooses its own "
-                 "steps (rtol = atol = 1e-6) and h is only the output interval, which is what `0:h:T` means "
-                 "in MATLAB: "
-                 "its error hardly depends on h, and its cost only through the number of output points. Runs "
-                 "that "
-                 "diverge stand in the strip at the top: at h = 2 explicit Euler and RK4 overflow although h "
-                 "= 2 is "
-                 "linearly stable at x = 0, because the cubic term stiffens the model on the way from its "
-                 "start.\n\n"
+                 "t = 0 … 100 s, nine steps. Left: every method integrates with the step h. Right: the "
+                 "method chooses its own steps (rtol = atol = 1e-6) and h is only the output interval, which "
+                 "is what `0:h:T` means in MATLAB: its error hardly depends on h, and its cost only through "
+                 "the number of output points. Runs that diverge stand in the strip at the top: at h = 2 "
+                 "explicit Euler and RK4 overflow although h = 2 is linearly stable at x = 0, because the "
+                 "cubic term stiffens the model on the way from its start.\n\n"
                  "The study's text speaks of a damping of -2, its model of +2. With -2 the model is "
-                 "self-exciting: its "
-                 "amplitude grows without bound, so the last figure ends at t = 10 s.",
+                 "self-exciting: its amplitude grows without bound, so the last figure ends at t = 10 s.",
          .figures = {drawn(few, "figure_1_cpu_time", timing_footer()),
                      drawn(many, "figure_1_all_methods", timing_footer()),
                      drawn(cost, "figure_1_cost_of_a_step", timing_footer()),
                      drawn(exciting, "figure_1_damping_minus_2", timing_footer())},
          .printed = "CPU time of Euler, ode45, ode23s, ode113 and ode23t against the step on a logarithmic "
-                    "axis: five "
-                    "nearly horizontal lines.",
+                    "axis: five nearly horizontal lines.",
          .differs =
              "The printed lines are horizontal because they are running totals (see table 2). Measured, the "
              "time of a fixed-step run is proportional to 1/h. ode113 always chooses its own steps and "
-             "order, so "
-             "it stands on the right only."});
+             "order, so it stands on the right only."});
   }
 
   void table_2() {
@@ -261,9 +251,8 @@ class Study {
          .text =
              "First the table as printed [s], then its differences down each column [s], then our measured "
              "counterpart: milliseconds for one run with the step h (fixed), and milliseconds with h as "
-             "output "
-             "interval (sampled). A dash is a run that did not reach t = 100 s, or a method without error "
-             "control.",
+             "output interval (sampled). A dash is a run that did not reach t = 100 s, or a method without "
+             "error control.",
          .figures = {drawn(figure, "table_2_running_totals", timing_footer())},
          .tables = {published, differences_per_column(published),
                     run_times(rows_.published_model, "fixed", the_five()),
@@ -271,18 +260,15 @@ class Study {
          .printed =
              "Execution times of 1444 s (Euler), 588 s (ode45), 964 s (ode23s), 1336 s (ode113) and 1700 s "
              "(ode23t), nearly independent of the step; conclusion: ode45 is the fastest, Euler and ode23t "
-             "the "
-             "slowest.",
+             "the slowest.",
          .differs =
              "**They are not execution times.** The printed code stores MATLAB's `cputime`, the total since "
-             "the "
-             "program was started: ode45 ends at 963.587 where ode23s starts at 963.6; ode23s ends at 1335.6 "
-             "where ode113 starts; ode113 ends at 1699.9 where ode23t starts at 1700. The printed ranking is "
-             "the order in which the solvers were run. The differences down each column are the measurement: "
-             "for the last step 3.4 s (Euler), 371.75 s (ode45), 368.3 s (ode23s), 360.5 s (ode113) and 35.4 "
-             "s "
-             "(ode23t), so Euler was the cheapest a run and not the dearest. hmax subtracts before from "
-             "after."});
+             "the program was started: ode45 ends at 963.587 where ode23s starts at 963.6; ode23s ends at "
+             "1335.6 where ode113 starts; ode113 ends at 1699.9 where ode23t starts at 1700. The printed "
+             "ranking is the order in which the solvers were run. The differences down each column are the "
+             "measurement: for the last step 3.4 s (Euler), 371.75 s (ode45), 368.3 s (ode23s), 360.5 s "
+             "(ode113) and 35.4 s (ode23t), so Euler was the cheapest a run and not the dearest. hmax "
+             "subtracts before from after."});
   }
 
   void linear_families() {
@@ -358,8 +344,8 @@ class Study {
              "Phase planes with direction field for c = -0.2, 0, 2 and 10; c = 0 is called unconditionally "
              "stable and c = 10 conditionally stable.",
          .differs = "The eigenvalues say otherwise: c = 0 is a centre (orbits close, nothing decays), c = 2 "
-                    "a stable "
-                    "focus with damping ratio 0.9926, c = 10 a stable node, c = -0.2 an unstable focus."});
+                    "a stable focus with damping ratio 0.9926, c = 10 a stable node, c = -0.2 an unstable "
+                    "focus."});
   }
 
   void forced() {
@@ -378,8 +364,8 @@ class Study {
          .text = "Case 3: displacement, velocity and acceleration against time, and the phase plane.",
          .figures = figures,
          .printed = "Phase plane, velocity and acceleration for P = 0.1 and 1.0.",
-         .differs = "Stiffness and damping were varied in the study with values it does not print; "
-                    "ours stand under each figure."});
+         .differs = "Stiffness and damping were varied in the study with values it does not print; ours "
+                    "stand under each figure."});
   }
 
   void benchmark_liver() {

@@ -188,8 +188,7 @@ void add_sweep(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
       app, console, "sweep",
       "Measure CPU time and error over steps or tolerances; without options the study's own step sweep, "
-      "which "
-      "takes about a minute",
+      "which takes about a minute",
       {"hmax sweep --methods rk4,ode45 --h 0.1,0.01 --t-end 10 --out quick",
        "hmax sweep --problem liver_benchmark --materials all --methods rk4 --h 0.1 --fixed --out livers",
        "hmax sweep --methods ode23,ode45,dop_853 --rtol 1e-4,1e-6,1e-8 --out tolerances"});

@@ -237,9 +237,8 @@ struct FormulaSystem::Evaluator {
              "a formula has one value, not several; write decimals with a point, not a comma");
     if (!std::isfinite(start))
       refuse("equation " + equation.first + "' = " + shown(equation.second, 0) +
-             ": the derivative is not finite at the start, t0 and y0; change the initial state, a "
-             "parameter or the "
-             "formula");
+             ": the derivative is not finite at the start, t0 and y0; change the initial state, a parameter "
+             "or the formula");
   }
 };
 

@@ -84,8 +84,7 @@ std::span<const LiverProblem> liver_problems() {
       {"liver_forced", full_model, start(), 100, "case 3: the full model, cubic and forced, as published"},
       {"liver_benchmark", benchmark, start(), 100,
        "a material of the published table (male_normal); linear, since the table has no cubic term, with the "
-       "force of "
-       "the full model"},
+       "force of the full model"},
   }};
   return problems;
 }

@@ -138,8 +138,7 @@ std::vector<std::string> remarks_on(const std::vector<Pair>& pairs, const Compar
   if (pairs.size() < enough_rows) {
     remarks.push_back(
         fmt::format("Only {} rows can be compared in time, fewer than {}: a difference of the whole session "
-                    "cannot be told "
-                    "from a difference of the rows, and none is removed.",
+                    "cannot be told from a difference of the rows, and none is removed.",
                     pairs.size(), enough_rows));
   } else {
     remarks.push_back(fmt::format(

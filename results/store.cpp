@@ -194,19 +194,15 @@ constexpr const char* key_condition =
 
 constexpr const char* insert_sql =
     "INSERT INTO rows (problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, "
-    "session, outcome, "
-    "t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, reference_error, "
-    "reference, "
-    "subnormals, status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
+    "session, outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
+    "reference_error, reference, subnormals, status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+    "?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
 constexpr const char* select_sql =
     "SELECT problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, "
-    "outcome, "
-    "t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, reference_error, "
-    "reference, "
-    "subnormals, status FROM rows ORDER BY problem, material, parameters, y0, mode, method, control, h DESC, "
-    "rtol DESC, "
-    "atol DESC, t_end DESC";
+    "outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
+    "reference_error, reference, subnormals, status FROM rows ORDER BY problem, material, parameters, y0, "
+    "mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
 
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
   bind_key(statement, row.key);
@@ -338,8 +334,7 @@ std::unique_ptr<Store::Impl> Store::Impl::open(const fs::path& file, bool create
     if (id.version != schema_version) {
       throw InputError(
           fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
-                      "choose another file, or "
-                      "export it with the hmax that made it.",
+                      "choose another file, or export it with the hmax that made it.",
                       path, id.version, schema_version));
     }
     sqlite::execute(database.get(), "PRAGMA synchronous = NORMAL");
