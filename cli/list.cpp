@@ -6,6 +6,7 @@
 #include "bench/catalogue.hpp"
 #include "cli/commands.hpp"
 #include "problems/liver_materials.hpp"
+#include "results/errors.hpp"
 
 namespace hmax {
 
@@ -113,10 +114,12 @@ void add_list(CLI::App& app, Console& console) {
   CLI::App& command = add_command(app, console, "list", "Show the problems, methods or materials",
                                   {"hmax list methods", "hmax list problems --json", "hmax list materials"});
   auto what = std::make_shared<std::string>();
-  command.add_option("what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")))
-      ->required()
-      ->type_name("");
+  command.add_option("what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")))->type_name("");
   command.callback([what, &console] {
+    if (what->empty())
+      throw InputError(fmt::format("say what to list, {} or {}; for instance `hmax list {}`",
+                                   fmt::join(list_topics.begin(), list_topics.end() - 1, ", "),
+                                   list_topics.back(), list_topics.front()));
     const std::string chosen = parse_choice("what to list", *what, list_topics);
     if (chosen == "problems") return list_problems(console);
     if (chosen == "methods") return list_methods(console);

@@ -137,12 +137,13 @@ std::vector<ShownMethod> all_methods_shown() {
 }
 
 /// Medians of the CPU time of one run [ms] by step, a column per method, NaN where the method has no such
-/// row.
+/// row. Three digits: a repeated measurement agrees in no more.
 Table run_times(const std::vector<Row>& rows, const std::string& mode, const std::vector<ShownMethod>& list) {
   std::map<double, std::map<std::string, double>, std::greater<>> by_step;
   for (const Row& row : rows)
     if (row.key.mode == mode && row.outcome == "reached_end")
-      by_step[row.key.h][row.key.method] = summarise(row.cpu_s).median * 1e3;
+      by_step[row.key.h][row.key.method] =
+          std::stod(fmt::format("{:.3g}", summarise(row.cpu_s).median * 1e3));
   Table table{.notes = {}, .columns = {"h [s]"}, .values = {{}}};
   for (const ShownMethod& method : list) {
     table.columns.push_back((method.label.empty() ? method.id : method.label) + " [ms]");

@@ -93,7 +93,7 @@ class Dirk {
     if constexpr (estimates_from_slopes)
       if (old_h_ == 0) {
         // The first step has no other before it: the slope at its middle serves in its place.
-        hermite(h, y, y_new, k_[0], k_[s - 1], Real(0.5), Y_);
+        hermite_step(h, y, y_new, k_[0], k_[s - 1], Real(0.5), Y_);
         system.rhs(t + h / 2, Y_, old_slope_);
       }
     return StepStatus::ok;
@@ -159,16 +159,16 @@ class Dirk {
       const Real c = static_cast<Real>(tableau.c[inner]);
       stage_argument(FullRow<inner>{}, y, h, k_, Y_);
       if (theta <= c)
-        hermite(c * h, y, Y_, k_[0], k_[inner], theta / c, out);
+        hermite_step(c * h, y, Y_, k_[0], k_[inner], theta / c, out);
       else
-        hermite((1 - c) * h, Y_, y_new, k_[inner], k_[s - 1], (theta - c) / (1 - c), out);
+        hermite_step((1 - c) * h, Y_, y_new, k_[inner], k_[s - 1], (theta - c) / (1 - c), out);
     } else if constexpr (explicit_first) {
-      hermite(h, y, y_new, k_[0], k_[s - 1], theta, out);
+      hermite_step(h, y, y_new, k_[0], k_[s - 1], theta, out);
     } else {
       if (!start_known_) system.rhs(t, y, start_slope_);
       if (!end_known_) system.rhs(t + h, y_new, end_slope_);
       start_known_ = end_known_ = true;
-      hermite(h, y, y_new, start_slope_, end_slope_, theta, out);
+      hermite_step(h, y, y_new, start_slope_, end_slope_, theta, out);
     }
   }
 

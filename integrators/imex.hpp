@@ -139,7 +139,7 @@ class ImexRk {
       }
       detail::assign(f0_, [&](auto access) { return access(nonstiff_[0]) + access(stiff_[0]); });
       detail::assign(f1_, [&](auto access) { return access(end_nonstiff_) + access(end_stiff_); });
-      hermite(h, y, y_new, f0_, f1_, theta, out);
+      hermite_step(h, y, y_new, f0_, f1_, theta, out);
     }
   }
 

@@ -230,7 +230,7 @@ class StabilizedRk {
   /// out = y(t + theta h) by the cubic Hermite polynomial through both ends; it costs no evaluation.
   template <System Sys>
   void interpolate(const Sys&, Real, Real h, const State& y, const State& y_new, Real theta, State& out) {
-    hermite(h, y, y_new, first_slope_, end_slope_, theta, out);
+    hermite_step(h, y, y_new, first_slope_, end_slope_, theta, out);
   }
 
   /// Stages of the last attempt.

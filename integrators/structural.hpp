@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "integrators/hermite.hpp"
 #include "integrators/linear_solver.hpp"
 #include "integrators/state.hpp"
 #include "integrators/stepper.hpp"
@@ -32,14 +33,6 @@ inline void for_each_dof(const State& y, F&& f) {
     const Eigen::Index n = dofs_of(y);
     for (Eigen::Index i = 0; i < n; ++i) f(i);
   }
-}
-
-/// The cubic polynomial through two values with slopes d0, d1 per unit of theta; exact at both ends.
-template <class Scalar, class Real>
-inline Scalar hermite(Real theta, Scalar y0, Scalar y1, Scalar d0, Scalar d1) {
-  const Real rest = Real(1) - theta;
-  return rest * y0 + theta * y1 +
-         (theta * rest) * ((Real(2) * theta - Real(1)) * (y1 - y0) + rest * d0 - theta * d1);
 }
 
 /// The state at t + theta h: q by the cubic through (q, v) at both ends, v by the one through (v, a). Errs by

@@ -285,6 +285,11 @@ std::unique_ptr<Store::Impl> Store::Impl::open(const fs::path& file, bool create
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw InputError(fmt::format("'{}' is not a regular file: name another file for the store.", path));
   }
+  // SQLite takes a file shorter than its header for an empty database, and would write over it.
+  if (constexpr std::uintmax_t header = 100; fs::exists(status)) {
+    const std::uintmax_t size = fs::file_size(absolute, error);
+    if (!error && size > 0 && size < header) throw translated({SQLITE_NOTADB, 0, "too short"}, file);
+  }
   if (!fs::exists(status)) {
     if (!create)
       throw InputError(

@@ -42,6 +42,13 @@ TEST(List, MaterialsHaveTheKeysOfTheContract) {
   for (const Json& material : materials) expect_keys(material, {"id", "parameters", "source"});
 }
 
+TEST(List, AsksWhatToListWhenNothingIsNamed) {
+  const Shell shell;
+  expect_refused(shell.hmax("list"),
+                 "say what to list, methods, problems or materials; for instance `hmax list methods`");
+  expect_refused(shell.hmax("list method"), "did you mean 'methods'?");
+}
+
 TEST(List, TablesForPeopleNameEverything) {
   const Shell shell;
   for (const char* what : {"methods", "problems", "materials"}) {

@@ -58,9 +58,17 @@ TEST(Export, RefusesWhatIsNoStore) {
   const Shell shell;
   make_store(shell / "results/runs/study.sqlite", 1);
   write_text(shell / "text.sqlite", "not a store");
+  write_text(shell / "byte.sqlite", "x");
+  write_text(shell / "nothing.sqlite", "");
   expect_refused(shell.hmax("export studi"), "did you mean 'study'?");
   expect_refused(shell.hmax("export absent/other.sqlite"), "other.sqlite");
   expect_refused(shell.hmax("export text.sqlite"), "text.sqlite");
+  expect_refused(shell.hmax("export byte.sqlite"),
+                 "'byte.sqlite' is not a store of hmax but some other file");
+  expect_refused(shell.hmax("export nothing.sqlite"), "'nothing.sqlite' is empty, not a store");
+  expect_refused(shell.hmax("sweep --problem liver_forced --methods rk4 --h 1 --out byte.sqlite"),
+                 "left untouched");
+  EXPECT_EQ(read_text(shell / "byte.sqlite"), "x");
   expect_refused(shell.hmax("export study --format xml"), "known are csv, jsonl, gbench");
   expect_refused(shell.hmax("export study --output ."), "it is a folder");
   expect_refused(shell.hmax("export"), "hmax export --help");

@@ -1,0 +1,108 @@
+/// The line of progress of a long task, seen from a terminal.
+#include <chrono>
+#include <csignal>
+#include <fcntl.h>
+#include <pty.h>
+#include <regex>
+#include <string>
+#include <unistd.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+/// A run of 5e8 steps whose standard error is a terminal, and whose standard output is a file.
+class LongRun {
+ public:
+  LongRun() {
+    const std::string out = (folder_ / "out").string();
+    child_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
+    if (child_ != 0) return;
+    setenv("TERM", "xterm", 1);
+    dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
+    execl(HMAX_PROGRAM, "hmax", "run", "--problem", "liver_forced", "--method", "rk4", "--h", "2e-7",
+          "--t-end", "100", "--max-steps", "1e9", nullptr);
+    _exit(127);
+  }
+  ~LongRun() {
+    kill(child_, SIGKILL);
+    waitpid(child_, nullptr, 0);
+    close(terminal_);
+  }
+  LongRun(const LongRun&) = delete;
+  LongRun& operator=(const LongRun&) = delete;
+
+  /// What stands on the terminal once `pattern` does, after a minute at most.
+  std::string screen_with(const std::regex& pattern) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!std::regex_search(screen_, pattern) && std::chrono::steady_clock::now() < give_up) {
+      fd_set ready;
+      FD_ZERO(&ready);
+      FD_SET(terminal_, &ready);
+      timeval patience{.tv_sec = 1, .tv_usec = 0};
+      if (select(terminal_ + 1, &ready, nullptr, nullptr, &patience) <= 0) continue;
+      char text[512];
+      const ssize_t length = read(terminal_, text, sizeof text);
+      if (length <= 0) break;
+      screen_.append(text, static_cast<std::size_t>(length));
+    }
+    return screen_;
+  }
+
+  /// Ctrl-C as typed; the exit code.
+  int interrupted() {
+    EXPECT_EQ(write(terminal_, "\x03", 1), 1);
+    screen_with(std::regex("is kept"));
+    int status = 0;
+    waitpid(child_, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  [[nodiscard]] std::string results() const { return read_text(folder_ / "out"); }
+
+ private:
+  Scratch folder_;
+  int terminal_ = -1;
+  pid_t child_ = -1;
+  std::string screen_;
+};
+
+TEST(Progress, SaysHowFarALongRunIsAndHowLongItTakesAndWipesItselfOut) {
+  LongRun run;
+  // Each line is drawn over the one before, so the second shows that it was.
+  const std::string line = "\r\x1b\\[Krun: [0-9]+ %, [0-9.]+ (s|min|h) to go";
+  const std::string screen = run.screen_with(std::regex(line + line));
+  EXPECT_TRUE(std::regex_search(screen, std::regex("^" + line + line))) << screen;
+  EXPECT_EQ(run.interrupted(), 130);
+  const std::string end = run.screen_with(std::regex("is kept"));
+  EXPECT_NE(end.find("\r\x1b[Khmax: interrupted; what was finished is kept\r\n"), std::string::npos) << end;
+  EXPECT_EQ(run.results(), "");
+}
+
+TEST(Progress, IsForTerminalsAlone) {
+  const Shell shell;
+  const Told told =
+      shell.line("timeout -s INT 2 '" HMAX_PROGRAM
+                 "' run --problem liver_forced --method rk4 --h 2e-7 --t-end 100 --max-steps 1e9");
+  EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+  EXPECT_EQ(told.err, "hmax: interrupted\n");
+}
+
+TEST(ExitCode, OfMemoryThatRunsOutIsThatOfAnInternalErrorWithARemedy) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer reserves more memory than the limit of this test";
+#endif
+  const Shell shell;
+  // 9e6 points of three numbers in 120 MB of address space.
+  const Told told = shell.line(
+      "ulimit -v 120000; hmax run --problem liver_forced --method rk4 --h 1e-4 --t-end 900 "
+      "--max-steps 1e9 --output points.csv");
+  EXPECT_EQ(told.exit_code, 3);
+  EXPECT_EQ(told.out, "");
+  EXPECT_EQ(told.err, "hmax: out of memory; take fewer points or a smaller problem\n");
+  EXPECT_FALSE(std::filesystem::exists(shell / "points.csv"));
+}
+
+}  // namespace
+}  // namespace hmax
