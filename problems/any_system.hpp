@@ -132,7 +132,12 @@ class BasicAnySystem {
       } else {
         Matrix own;
         call(own);
-        std::get<0>(out) = own.template cast<Real>();
+        // Into a corner of the same fixed size: copied number by number, not in packets longer than the
+        // matrix.
+        auto& dense = std::get<0>(out);
+        dense.resize(own.rows(), own.cols());
+        dense.template topLeftCorner<Matrix::RowsAtCompileTime, Matrix::ColsAtCompileTime>(
+            own.rows(), own.cols()) = own.template cast<Real>();
       }
     }
   }
