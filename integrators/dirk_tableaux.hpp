@@ -29,9 +29,10 @@ struct ImplicitEuler {
       .a = {{{}, {0, 1}}}, .b = {0, 1}, .b_err = {-1 / 2.0L, 1 / 2.0L}, .c = {0, 1}};
 };
 
-/// The trapezoidal rule, MATLAB's ode23t: |R(iy)| = 1, so it damps nothing. Cubic Hermite interpolation
-/// between its ends is free; there it is a quadratic, and the jump of its second derivative from step to step
-/// tells the third. [shampine1999solving]
+/// The trapezoidal rule, MATLAB's ode23t: |R(iy)| = 1 and R(-infinity) = -1, so it damps nothing, and what is
+/// tiny and stiff rings on: it does not reach the end of Robertson's problem (docs/facts.md). Cubic Hermite
+/// interpolation between its ends is free; there it is a quadratic, and the jump of its second derivative
+/// from step to step tells the third. [shampine1999solving]
 struct Trapezoidal {
   static constexpr std::string_view id = "trapezoidal", source = "shampine1999solving";
   static constexpr std::array<std::string_view, 1> aliases{"ode23t"};
