@@ -64,7 +64,8 @@ static_assert(newmark_parameters(0.25L, 0.5L) == AlphaParameters{} && hht_parame
 static_assert(generalized_alpha_parameters(1) == AlphaParameters{0.5L, 0.5L, 0.25L, 0.5L});
 static_assert(generalized_alpha_parameters(0) == AlphaParameters{-1, 0, 1, 1.5L});
 static_assert(order_of(newmark_parameters(0.25L, 0.6L)) == 1 && order_of(hht_parameters(-0.3L)) == 2);
-static_assert(is_unconditionally_stable(hht_parameters(-1 / 3.0L)) &&
+static_assert(is_unconditionally_stable(generalized_alpha_parameters(1)) &&
+              is_unconditionally_stable(hht_parameters(-1 / 3.0L)) &&
               !is_unconditionally_stable(newmark_parameters(1 / 6.0L, 0.5L)));
 
 /// One step of the generalized-alpha method: a_new solves
