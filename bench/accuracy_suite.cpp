@@ -18,8 +18,8 @@ struct SuiteProblem {
   const char* id;
   Parameters parameters;
   double t_end;
-  bool stiff = false;      ///< for methods that solve equations alone
-  std::vector<double> y0;  ///< adaptive runs from here; empty: all runs, from the problem's own start
+  bool stiff = false;        ///< for methods that solve equations alone
+  std::vector<double> y0{};  ///< adaptive runs from here; empty: all runs, from the problem's own start
 };
 
 const std::vector<SuiteProblem>& suite_problems() {
