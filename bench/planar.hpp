@@ -2,9 +2,12 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "analysis/basins.hpp"
 #include "analysis/differences.hpp"
 #include "analysis/phase_plane.hpp"
 #include "bench/catalogue.hpp"
@@ -37,6 +40,15 @@ double drive_period(const Problem& problem, std::optional<double> named);
 
 /// The state one period after a state, see analysis/poincare.hpp.
 VectorFunction stroboscope(const Problem& problem, double period);
+
+/// What decides the fate of a start: the number of the stable equilibrium it comes to rest at, or a Fate.
+/// Runs of dop_853 (radau_iia_5 where the problem is stiff) end as soon as they are trapped, when they have
+/// left for a million window sizes, or undecided after the time in which the slowest equilibrium damps
+/// twenty times what a trap needs, or the problem's own if that is longer.
+/// @param problem     autonomous
+/// @param equilibria  of the field; those that are not stable attract nothing
+std::function<int(const Eigen::Vector2d&)> fate_of_starts(const Problem& problem, const Window& window,
+                                                          const std::vector<Equilibrium>& equilibria);
 
 /// Both components as columns and axes are called: "x [m]" and "v [m/s]" of the oscillator.
 std::array<std::string, 2> axis_names(const Problem& problem);

@@ -51,27 +51,6 @@ void require_finite(const PhaseView& view) {
                   view.problem.id));
 }
 
-/// The ways that lead out of a saddle, or with time running backwards those that lead into it.
-std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
-  const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
-  const double lambda = saddle.eigenvalues[into ? 1 : 0].real();
-  // (J - lambda) d = 0: d is orthogonal to the longer of its rows.
-  const Eigen::Matrix2d A = J - lambda * Eigen::Matrix2d::Identity();
-  const Eigen::RowVector2d row = A.row(A.row(0).norm() >= A.row(1).norm() ? 0 : 1);
-  const Vector2d direction = Vector2d(-row(1), row(0)).normalized();
-  const double small = 1e-4 * view.window.size().minCoeff();
-  const Problem problem = into ? reversed(view.still) : view.still;
-  std::vector<Curve> ways;
-  for (const double sign : {1.0, -1.0}) {
-    const Table way = orbit(problem, saddle.state + sign * small * direction, problem.t_end, view.window, 6);
-    ways.push_back({.label = into ? "into the saddle" : "out of the saddle",
-                    .x = way.values[0],
-                    .y = way.values[1],
-                    .style = {.colour = 6, .dash = into ? 1 : 0, .marker = 0, .width = 1.4}});
-  }
-  return ways;
-}
-
 /// What is seen, in a sentence.
 std::string title_of(const PhaseView& view) {
   const std::string& id = view.problem.id;
@@ -102,10 +81,11 @@ Figure phase_portrait(const PhaseView& view) {
 /// One view at a time.
 void require_one_view(const PhaseOptions& options) {
   const bool map = !options.method.method.empty() || !options.method.tableau.empty();
-  const int views = map + options.poincare + !options.bifurcation.empty();
+  const int views = map + options.poincare + options.basins + !options.bifurcation.empty();
   if (views > 1)
     throw InputError(
-        "--method, --poincare and --bifurcation are views of their own; ask for one of them at a time");
+        "--method, --basins, --poincare and --bifurcation are views of their own; ask for one of them at a "
+        "time");
   const bool strobed = options.poincare || !options.bifurcation.empty();
   if (!strobed && (options.period || !options.periods.empty() || !options.skip.empty()))
     throw InputError("--period, --periods and --skip belong to --poincare or --bifurcation; add one of them");
@@ -120,6 +100,9 @@ void require_one_view(const PhaseOptions& options) {
 void phase(const PhaseOptions& options, Console& console) {
   require_one_view(options);
   if (!options.method.method.empty() || !options.method.tableau.empty()) return phase_map(options, console);
+  if (!options.basins && !options.cells.empty())
+    throw InputError("--cells is the grid of --basins; add --basins, or leave it out");
+  if (options.basins) return phase_basins(options, console);
   if (options.poincare) return phase_poincare(options, console);
   if (!options.bifurcation.empty()) return phase_bifurcation(options, console);
   if (options.h) throw InputError("--h is a step of a method; name one with --method, or leave --h out");
@@ -247,6 +230,26 @@ std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
                      (first.real() == 0 ? "" : " ") + short_name(std::abs(first.imag())));
 }
 
+std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
+  const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
+  const double lambda = saddle.eigenvalues[into ? 1 : 0].real();
+  // (J - lambda) d = 0: d is orthogonal to the longer of its rows.
+  const Eigen::Matrix2d A = J - lambda * Eigen::Matrix2d::Identity();
+  const Eigen::RowVector2d row = A.row(A.row(0).norm() >= A.row(1).norm() ? 0 : 1);
+  const Vector2d direction = Vector2d(-row(1), row(0)).normalized();
+  const double small = 1e-4 * view.window.size().minCoeff();
+  const Problem problem = into ? reversed(view.still) : view.still;
+  std::vector<Curve> ways;
+  for (const double sign : {1.0, -1.0}) {
+    const Table way = orbit(problem, saddle.state + sign * small * direction, problem.t_end, view.window, 6);
+    ways.push_back({.label = into ? "into the saddle" : "out of the saddle",
+                    .x = way.values[0],
+                    .y = way.values[1],
+                    .style = {.colour = 6, .dash = into ? 1 : 0, .marker = 0, .width = 1.4}});
+  }
+  return ways;
+}
+
 PhasePlane plane_of(const PhaseView& view) {
   const auto names = axis_names(view.problem);
   PhasePlane plane{.x = names[0],
@@ -276,21 +279,22 @@ void deliver(const Figure& figure, const PhaseOptions& options, const std::strin
 }
 
 void add_phase(CLI::App& app, Console& console) {
-  CLI::App& command =
-      add_command(app, console, "phase",
-                  "Show what a problem of two states does: where it rests, and what a method makes of it",
-                  {"hmax phase --problem liver_cubic --set c=-0.2",
-                   "hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 --output "
-                   "results/runs/phase",
-                   "hmax phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 "
-                   "--output results/runs/phase",
-                   "hmax phase --problem liver_forced --poincare --set c=0.05 --set P=7.5 --set k1=0 --set "
-                   "k3=1 --set m=1 "
-                   "--set w=1",
-                   "hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 100 --set "
-                   "c=0.05 --set k1=0 "
-                   "--set k3=1 --set m=1 --set w=1 --output results/runs/phase",
-                   "hmax phase --problem liver_forced --at 3 --json"});
+  CLI::App& command = add_command(
+      app, console, "phase",
+      "Show what a problem of two states does: where it rests, and what a method makes of it",
+      {"hmax phase --problem liver_cubic --set c=-0.2",
+       "hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 --output "
+       "results/runs/phase",
+       "hmax phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 "
+       "--output results/runs/phase",
+       "hmax phase --problem liver_cubic --set k1=-1 --set c=0.2 --basins --cells 60 --window -3,3,-3,3",
+       "hmax phase --problem liver_forced --poincare --set c=0.05 --set P=7.5 --set k1=0 --set "
+       "k3=1 --set m=1 "
+       "--set w=1",
+       "hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 100 --set "
+       "c=0.05 --set k1=0 "
+       "--set k3=1 --set m=1 --set w=1 --output results/runs/phase",
+       "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
   options->problem.add_to(command);
   options->method.add_to(command);
@@ -300,6 +304,9 @@ void add_phase(CLI::App& app, Console& console) {
                   "The part of the plane; by default what the motion from y0 covers")
       ->type_name("XMIN,XMAX,VMIN,VMAX");
   add_number(command, "--at", options->at, "Instant at which a driven problem is frozen [s]; 0 by default");
+  command.add_flag("--basins", options->basins, "Show which place of rest each start in the window leads to");
+  command.add_option("--cells", options->cells, "Starts in a row of the window; 120 by default")
+      ->type_name("NUMBER");
   command.add_flag("--poincare", options->poincare, "Show the state once in each period of the force");
   command
       .add_option("--bifurcation", options->bifurcation,

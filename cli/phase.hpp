@@ -18,6 +18,9 @@ struct PhaseOptions {
   MethodChoice method;
   std::string window, output;
   std::optional<double> at, h;
+  // Basins of attraction.
+  bool basins = false;
+  std::string cells;
   // The stroboscopic views.
   bool poincare = false, follow = false;
   std::string bifurcation, periods, skip, points;
@@ -57,6 +60,8 @@ std::string short_name(double value);
 
 /// Where orbits begin: at the problem's own start, and all around the window.
 std::vector<Eigen::Vector2d> starts_of(const PhaseView& view);
+/// The ways that lead out of a saddle, or with time running backwards those that lead into it.
+std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into);
 /// Field, nullclines, equilibria, and an orbit from each of the starts.
 PhasePlane plane_of(const PhaseView& view);
 
@@ -66,6 +71,8 @@ void deliver(const Figure& figure, const PhaseOptions& options, const std::strin
 
 /// The view of --method: what steps of a method make of the plane.
 void phase_map(const PhaseOptions& options, Console& console);
+/// The view of --basins: which place of rest a start leads to.
+void phase_basins(const PhaseOptions& options, Console& console);
 /// The view of --poincare: the state once in each period of the force.
 void phase_poincare(const PhaseOptions& options, Console& console);
 /// The view of --bifurcation: the same over a parameter.

@@ -290,5 +290,46 @@ TEST(Phase, RefusesLooksThatSayNothing) {
   EXPECT_NE(runaway.json().at("status").get<std::string>().find("diverges"), std::string::npos);
 }
 
+TEST(Phase, TheBasinsOfTheDoubleWellMirrorEachOther) {
+  const Shell shell;
+  const Json document = phase(
+      shell, "liver_cubic --set k1=-1 --set c=0.2 --basins --cells 40 --window -3,3,-3,3 --output figure");
+  ASSERT_EQ(document.at("attractors").size(), 2U);
+  for (const Json& attractor : document.at("attractors")) {
+    EXPECT_EQ(attractor.at("share"), 0.5);
+    EXPECT_EQ(attractor.at("type"), "stable_focus");
+  }
+  EXPECT_EQ(document.at("undecided"), 0);
+  EXPECT_EQ(document.at("unbounded"), 0);
+  EXPECT_EQ(document.at("cells"), Json({40, 30}));
+  EXPECT_EQ(types_of(document).size(), 3U);
+  EXPECT_NE(read_text(shell / "figure/basins.gp").find("boxxyerror"), std::string::npos);
+}
+
+/// A linear liver comes to rest from everywhere; a softening one breaks beyond its saddles, where the energy
+/// of the undamped motion says it must.
+TEST(Phase, BasinsEndWhereTheMotionBreaksAway) {
+  const Shell shell;
+  const Json linear = phase(shell, "liver_linear --basins --cells 10 --window -5,5,-5,5");
+  EXPECT_EQ(linear.at("attractors")[0].at("share"), 1);
+  const std::string soft = "liver_cubic --set k1=1 --set k3=-1 --set c=0.5 --basins --cells 10 --window ";
+  // Within the lobe of the energy 1/4 of the saddles at (+-1, 0) nothing escapes.
+  EXPECT_EQ(phase(shell, soft + "-0.4,0.4,-0.4,0.4").at("attractors")[0].at("share"), 1);
+  const Json wide = phase(shell, soft + "-3,3,-3,3");
+  EXPECT_GT(wide.at("unbounded").get<double>(), 0.5);
+  EXPECT_GT(wide.at("attractors")[0].at("share").get<double>(), 0);
+}
+
+TEST(Phase, RefusesBasinsOfNothing) {
+  const Shell shell;
+  expect_refused(shell.hmax("phase --problem liver_forced --basins"), "driven");
+  expect_refused(shell.hmax("phase --problem van_der_pol --basins"), "nothing has a basin");
+  expect_refused(shell.hmax("phase --problem liver_cubic --set c=0 --basins"), "nothing has a basin");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1"), "--cells");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1e6"), "--cells");
+  expect_refused(shell.hmax("phase --problem liver_cubic --cells 10"), "--basins");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --poincare"), "one of them");
+}
+
 }  // namespace
 }  // namespace hmax
