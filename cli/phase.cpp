@@ -290,8 +290,8 @@ void add_phase(CLI::App& app, Console& console) {
        "hmax phase --problem liver_cubic --set k1=-1 --set c=0.2 --basins --cells 60 --window -3,3,-3,3",
        "hmax phase --problem liver_forced --poincare --set c=0.05 --set P=7.5 --set k1=0 --set "
        "k3=1 --set m=1 "
-       "--set w=1",
-       "hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 100 --set "
+       "--set w=1 --periods 500",
+       "hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 60 --set "
        "c=0.05 --set k1=0 "
        "--set k3=1 --set m=1 --set w=1 --output results/runs/phase",
        "hmax phase --problem liver_forced --at 3 --json"});
