@@ -29,7 +29,7 @@ TEST(Program, SuggestsTheNearestNameForAMistypedOne) {
 
 TEST(Program, RefusesMissingAndSurplusArguments) {
   const Shell shell;
-  expect_refused(shell.hmax("list"), "hmax list --help");
+  expect_refused(shell.hmax("list"), "for instance `hmax list methods`");
   expect_refused(shell.hmax("list methods problems"), "unexpected argument 'problems'");
 }
 
