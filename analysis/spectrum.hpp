@@ -9,27 +9,9 @@
 #include <Eigen/Core>
 
 #include "analysis/linear_model.hpp"
+#include "analysis/modes.hpp"
 
 namespace hmax {
-
-/// An eigenvalue as engineers read it; a real one is a mode without oscillation, zeta = +-1.
-struct Mode {
-  std::complex<double> lambda;  ///< [1/s]
-  double omega = 0;             ///< |lambda| [rad/s]
-  double zeta = 0;              ///< damping ratio -Re(lambda) / |lambda|, in [-1, 1]; 0 for lambda = 0
-};
-Mode mode_of(std::complex<double> lambda);
-
-/// q'' + gamma q' + kappa q = 0. Every symmetric system whose damping is none or proportional is a sum of
-/// these.
-struct MechanicalMode {
-  double kappa = 0;  ///< [1/s^2]
-  double gamma = 0;  ///< [1/s]
-};
-
-/// lambda = -gamma/2 +- sqrt(gamma^2/4 - kappa), the smaller real one as kappa over the larger so that
-/// nothing cancels. Larger real part first, then larger imaginary part.
-std::array<std::complex<double>, 2> eigenvalues_of(const MechanicalMode& mode);
 
 /// Eigenvalues of a 2 x 2 matrix from trace T and determinant D, lambda = T/2 +- sqrt(T^2/4 - D), the smaller
 /// real one as D over the larger so that nothing cancels. Larger real part first, then larger imaginary part.

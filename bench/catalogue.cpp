@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/families.hpp"
+#include "bench/measured_amplification.hpp"
 #include "bench/suggest.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -48,6 +49,10 @@ std::vector<Method> all_methods() {
   add_rosenbrock(all);
   add_sundials(all);
   add_odeint(all);
+  // What steps at fixed size and brings no formula shows by its steps how it amplifies.
+  for (Method& method : all)
+    if (method.fixed_step && !method.amplification)
+      method.amplification = shared(measured_amplification(method));
   return all;
 }
 

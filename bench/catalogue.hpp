@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,7 +14,6 @@
 
 #include <Eigen/Core>
 
-#include "analysis/stability_function.hpp"
 #include "bench/run.hpp"
 #include "integrators/runtime_tableau.hpp"
 #include "problems/any_system.hpp"
@@ -76,6 +76,8 @@ Problem make_problem(const std::string& id_or_file, const ProblemSettings& setti
 /// tight tolerance, or dop_853 where Boost is missing (`name` says which).
 Reference make_reference(const Problem& problem, double t_end);
 
+struct Amplification;  // analysis/amplification.hpp
+
 /// Numbers by name, in a fixed order.
 using Parameters = std::vector<std::pair<std::string, double>>;
 
@@ -96,7 +98,7 @@ struct Method {
   bool needs_second_order = false;  ///< positions and velocities, M q'' = F
   bool needs_split = false;         ///< a declared stiff part
   std::function<Runner(const Problem&)> bind;
-  StabilityFunction stability_function{};  ///< empty where one step is no function of h lambda alone
+  std::shared_ptr<const Amplification> amplification{};  ///< null for methods that only run adaptively
 
   /// Numbers of the method itself that a user may set, `newmark:beta=0.25,gamma=0.5`, with their values;
   /// `with` makes the method of other values and throws InputError for values that make no method.

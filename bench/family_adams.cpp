@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/multistep_amplification.hpp"
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/adams.hpp"
@@ -22,12 +23,14 @@ Method fixed_step_adams(std::string_view prefix, AdamsMode mode, int k) {
           .stages = mode == AdamsMode::pece ? 2 : 1,
           .engine = "hmax",
           .source = "hairer1993solving",
-          .bind = [=](const Problem& problem) {
-            return bind_problem(problem, 0, [=](auto sys) {
-              using Sys = typename decltype(sys)::type;
-              return Adams<typename Sys::State>(mode, k);
-            });
-          }};
+          .bind =
+              [=](const Problem& problem) {
+                return bind_problem(problem, 0, [=](auto sys) {
+                  using Sys = typename decltype(sys)::type;
+                  return Adams<typename Sys::State>(mode, k);
+                });
+              },
+          .amplification = shared(adams_amplification(mode, k, k))};
 }
 
 /// It has no runs at fixed step, so none in long double either.

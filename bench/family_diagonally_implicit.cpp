@@ -4,6 +4,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "analysis/one_step_amplification.hpp"
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/dirk.hpp"
@@ -33,6 +34,8 @@ Method diagonally_implicit() {
                 .engine = "hmax",
                 .source = std::string(T::source),
                 .bind = {}};
+  method.amplification =
+      shared(runge_kutta_amplification(detail::flattened(T::tableau.a), T::tableau.b, T::order));
   for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
   method.bind = [](const Problem& problem) {
     return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/one_step_amplification.hpp"
 #include "bench/bind_explicit_rk.hpp"
 #include "bench/families.hpp"
 #include "results/errors.hpp"
@@ -37,9 +38,8 @@ Method explicit_rk(std::size_t index) {
                 .bind = {}};
   for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
   method.bind = [index](const Problem& problem) { return bind_to(index, problem); };
-  method.stability_function = [](std::complex<double> z) {
-    return explicit_stability_function(detail::flattened(T::tableau.a), T::tableau.b, z);
-  };
+  method.amplification =
+      shared(runge_kutta_amplification(detail::flattened(T::tableau.a), T::tableau.b, T::order));
   return method;
 }
 
@@ -67,9 +67,7 @@ Method make_method(const RuntimeTableau& tableau) {
                 .source = "the user's tableau",
                 .bind = {}};
   method.bind = [tableau](const Problem& problem) { return bind_to(tableau, problem); };
-  method.stability_function = [a = tableau.a, b = tableau.b](std::complex<double> z) {
-    return explicit_stability_function(a, b, z);
-  };
+  method.amplification = shared(runge_kutta_amplification(tableau.a, tableau.b, tableau.computed_order));
   return method;
 }
 

@@ -1,6 +1,7 @@
 /// The implicit-explicit methods of the catalogue.
 #include <string>
 
+#include "analysis/one_step_amplification.hpp"
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/imex.hpp"
@@ -24,11 +25,13 @@ Method imex() {
           .engine = "hmax",
           .source = std::string(T::source),
           .needs_split = true,
-          .bind = [](const Problem& problem) {
-            return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
-              return ImexRk<T, typename Sys::State, jacobian_type<Sys>>{};
-            });
-          }};
+          .bind =
+              [](const Problem& problem) {
+                return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
+                  return ImexRk<T, typename Sys::State, jacobian_type<Sys>>{};
+                });
+              },
+          .amplification = shared(additive_amplification(T::tableau, T::order))};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// Radau IIA in the catalogue.
 #include <type_traits>
 
+#include "analysis/one_step_amplification.hpp"
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/radau.hpp"
@@ -20,11 +21,14 @@ void add_radau(std::vector<Method>& all) {
                  .l_stable = true,
                  .engine = "hmax",
                  .source = "hairer1996solving",
-                 .bind = [](const Problem& problem) {
-                   return bind_problem(problem, 4, []<class Sys>(std::type_identity<Sys>) {
-                     return RadauIIA5<typename Sys::State, jacobian_type<Sys>>{};
-                   });
-                 }});
+                 .bind =
+                     [](const Problem& problem) {
+                       return bind_problem(problem, 4, []<class Sys>(std::type_identity<Sys>) {
+                         return RadauIIA5<typename Sys::State, jacobian_type<Sys>>{};
+                       });
+                     },
+                 .amplification = shared(full_runge_kutta_amplification(detail::flattened(radau::tableau.a),
+                                                                        radau::tableau.b, 5))});
 }
 
 }  // namespace hmax

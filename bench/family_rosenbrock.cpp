@@ -4,6 +4,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "analysis/one_step_amplification.hpp"
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/rosenbrock.hpp"
@@ -29,6 +30,7 @@ Method rosenbrock() {
                 .engine = "hmax",
                 .source = std::string(T::source),
                 .bind = {}};
+  method.amplification = shared(rosenbrock_amplification(T::tableau, T::order));
   for (const std::string_view alias : T::aliases) method.aliases.emplace_back(alias);
   method.bind = [](const Problem& problem) {
     return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {

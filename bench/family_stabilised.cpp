@@ -1,6 +1,7 @@
 /// The stabilised explicit methods of the catalogue.
 #include <string>
 
+#include "analysis/stabilised_amplification.hpp"
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/stabilized_rk.hpp"
@@ -19,11 +20,13 @@ Method stabilised() {
           .stages = 0,  // chosen at run time
           .engine = "hmax",
           .source = std::string(Polynomials::source),
-          .bind = [](const Problem& problem) {
-            return bind_problem(problem, 3, []<class Sys>(std::type_identity<Sys>) {
-              return StabilizedRk<Polynomials, typename Sys::State>{};
-            });
-          }};
+          .bind =
+              [](const Problem& problem) {
+                return bind_problem(problem, 3, []<class Sys>(std::type_identity<Sys>) {
+                  return StabilizedRk<Polynomials, typename Sys::State>{};
+                });
+              },
+          .amplification = shared(stabilised_amplification<Polynomials>())};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/structural_amplification.hpp"
 #include "bench/bind.hpp"
 #include "bench/families.hpp"
 #include "integrators/generalized_alpha.hpp"
@@ -31,9 +32,11 @@ Method structural(std::string id, std::vector<std::string> aliases, int order, s
 }
 
 template <template <class> class StepperT>
-Method explicit_structural(std::string id, std::vector<std::string> aliases, std::string source) {
+Method explicit_structural(std::string id, std::vector<std::string> aliases, std::string source,
+                           Amplification amplification) {
   Method method =
       structural(std::move(id), std::move(aliases), StepperT<Eigen::VectorXd>::order, std::move(source));
+  method.amplification = shared(std::move(amplification));
   method.bind = [](const Problem& problem) {
     return bind_problem(problem, 0,
                         []<class Sys>(std::type_identity<Sys>) { return StepperT<typename Sys::State>{}; });
@@ -42,12 +45,13 @@ Method explicit_structural(std::string id, std::vector<std::string> aliases, std
 }
 
 Method implicit_structural(std::string id, std::vector<std::string> aliases, const AlphaParameters& p,
-                           bool l_stable, std::string source) {
+                           std::string source) {
   Method method = structural(std::move(id), std::move(aliases), order_of(p), std::move(source));
   method.is_explicit = p.beta == 0;
   method.needs_jacobian = true;
-  method.a_stable = is_unconditionally_stable(p);
-  method.l_stable = l_stable;
+  method.amplification = shared(generalized_alpha_amplification(p));
+  method.a_stable = is_unconditionally_stable(*method.amplification);
+  method.l_stable = method.a_stable && annihilates_fast_modes(*method.amplification);
   method.bind = [p](const Problem& problem) {
     return bind_problem(problem, 0, [p]<class Sys>(std::type_identity<Sys>) {
       return GeneralizedAlpha<typename Sys::State, typename Sys::Dofs, typename Sys::DofMatrix>(p);
@@ -70,15 +74,14 @@ Method newmark(const Parameters& values) {
                   "it is the share of the new acceleration in the position, 1/4 for the trapezoidal rule");
   require_between("newmark", "gamma", gamma, 0, 2,
                   "it is the share of the new acceleration in the velocity, 1/2 for order 2");
-  return implicit_structural("newmark", {}, newmark_parameters(beta, gamma), beta == 1 && gamma == 1.5,
-                             "newmark1959method");
+  return implicit_structural("newmark", {}, newmark_parameters(beta, gamma), "newmark1959method");
 }
 
 Method hht_alpha(const Parameters& values) {
   const double alpha = values[0].second;
   require_between("hht_alpha", "alpha", alpha, -1.0 / 3, 0,
                   "0 is the trapezoidal rule, and -1/3 damps fast modes most");
-  return implicit_structural("hht_alpha", {"hht"}, hht_parameters(alpha), false, "hilber1977improved");
+  return implicit_structural("hht_alpha", {"hht"}, hht_parameters(alpha), "hilber1977improved");
 }
 
 Method generalized_alpha(const Parameters& values) {
@@ -86,7 +89,7 @@ Method generalized_alpha(const Parameters& values) {
   require_between("generalized_alpha", "rho_inf", rho, 0, 1,
                   "it is what one step leaves of infinitely fast modes, 0 nothing and 1 all");
   return implicit_structural("generalized_alpha", {"chung_hulbert"}, generalized_alpha_parameters(rho),
-                             rho == 0, "chung1993time");
+                             "chung1993time");
 }
 
 /// The method of its default parameters, which users may set.
@@ -100,10 +103,13 @@ Method with_defaults(Method (*make)(const Parameters&), const Parameters& defaul
 }  // namespace
 
 void add_structural(std::vector<Method>& all) {
-  all.push_back(explicit_structural<SymplecticEuler>("symplectic_euler", {}, "hairer2006geometric"));
+  all.push_back(explicit_structural<SymplecticEuler>("symplectic_euler", {}, "hairer2006geometric",
+                                                     symplectic_euler_amplification()));
   all.push_back(explicit_structural<StormerVerlet>("stormer_verlet", {"velocity_verlet", "verlet"},
-                                                   "hairer2006geometric"));
-  all.push_back(explicit_structural<CentralDifference>("central_difference", {}, "hughes2000finite"));
+                                                   "hairer2006geometric",
+                                                   kick_drift_kick_amplification(KickDamping::predicted)));
+  all.push_back(explicit_structural<CentralDifference>("central_difference", {}, "hughes2000finite",
+                                                       kick_drift_kick_amplification(KickDamping::lumped)));
   all.push_back(with_defaults(newmark, {{"beta", 0.25}, {"gamma", 0.5}}));
   all.push_back(with_defaults(hht_alpha, {{"alpha", -0.1}}));
   all.push_back(with_defaults(generalized_alpha, {{"rho_inf", 0.8}}));

@@ -10,8 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "analysis/one_step_amplification.hpp"
 #include "bench/bind.hpp"
 #include "integrators/sundials/integrate.hpp"
+#include "integrators/sundials/tables.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -91,6 +93,45 @@ void let_choose_fast_steps(Method& method, const sundials::Method& choice) {
   };
 }
 
+/// The coefficients of a table of the library.
+struct Coefficients {
+  std::vector<long double> a, b;
+
+  explicit Coefficients(const sundials::Table& table) {
+    const int s = table->stages;
+    for (int i = 0; i < s; ++i) a.insert(a.end(), table->A[i], table->A[i] + s);
+    b.assign(table->b, table->b + s);
+  }
+};
+
+/// From the tables that the library steps with; null where a method is more than tables.
+std::shared_ptr<const Amplification> amplification_of(const sundials::Method& choice, int order) {
+  const auto implicit = [&] {
+    return Coefficients(
+        sundials::Table(ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(choice.implicit_table))));
+  };
+  const auto explicit_part = [&] {
+    return Coefficients(
+        sundials::Table(ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(choice.explicit_table))));
+  };
+  switch (choice.package) {
+    case Package::erk: {
+      const Coefficients table = explicit_part();
+      return shared(runge_kutta_amplification(table.a, table.b, order));
+    }
+    case Package::dirk: {
+      const Coefficients table = implicit();
+      return shared(runge_kutta_amplification(table.a, table.b, order));
+    }
+    case Package::imex: {
+      const Coefficients nonstiff = explicit_part(), stiff = implicit();
+      return shared(additive_amplification(nonstiff.a, nonstiff.b, stiff.a, stiff.b, order));
+    }
+    default:
+      return nullptr;
+  }
+}
+
 Method line(const Facts& facts, const sundials::Method& choice) {
   const bool is_cvode = choice.package == Package::cvode_adams || choice.package == Package::cvode_bdf;
   Method method{.id = facts.id,
@@ -110,6 +151,7 @@ Method line(const Facts& facts, const sundials::Method& choice) {
                 .needs_split = choice.package == Package::imex || choice.package == Package::mri,
                 .bind = {}};
   method = with_number(method, choice);
+  method.amplification = amplification_of(choice, facts.order);
   if (method.needs_jacobian) let_choose_klu(method, choice);
   if (choice.package == Package::mri) let_choose_fast_steps(method, choice);
   return method;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "analysis/stable_step.hpp"
 #include "integrators/jacobian.hpp"
 
 namespace hmax {
@@ -55,7 +56,9 @@ std::optional<double> predicted_step_limit(const Method& method, const Problem& 
   // A dense spectrum of a larger system would take longer than the runs it explains.
   constexpr Eigen::Index largest = 200;
   constexpr int times = 40;
-  if (!method.stability_function || problem.y0.size() > largest || reference.valid_until < t_end)
+  // Steps of positions and velocities ask for more than a Jacobian; what is measured takes longer than runs.
+  if (!method.amplification || method.amplification->of_oscillation || method.amplification->measured ||
+      problem.y0.size() > largest || reference.valid_until < t_end)
     return std::nullopt;
   return std::visit(
       [&]<class Sys>(const Sys& system) {
@@ -63,8 +66,8 @@ std::optional<double> predicted_step_limit(const Method& method, const Problem& 
         for (int i = 0; i <= times; ++i) {
           const double t = t_end * i / times;
           const Eigen::VectorXcd spectrum = spectrum_at(system, t, typename Sys::State(reference.at(t)));
-          h = std::min(h, largest_stable_step(method.stability_function,
-                                              {spectrum.data(), static_cast<std::size_t>(spectrum.size())}));
+          const std::span<const Complex> modes(spectrum.data(), static_cast<std::size_t>(spectrum.size()));
+          h = std::min(h, largest_stable_step(*method.amplification, modes).h_max);
         }
         return h;
       },

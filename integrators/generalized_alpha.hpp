@@ -50,23 +50,10 @@ constexpr int order_of(const AlphaParameters& p) {
   return defect < 1e-15L && defect > -1e-15L ? 2 : 1;
 }
 
-/// Whether no step of any size amplifies a damped linear oscillator: 2 beta >= gamma >= 1/2 for Newmark
-/// [hughes2000finite], alpha_m <= alpha_f <= 1/2 and beta >= 1/4 + (alpha_f - alpha_m) / 2 at order 2
-/// [chung1993time]. A hair is left for rounding of the parameters.
-constexpr bool is_unconditionally_stable(const AlphaParameters& p) {
-  constexpr long double hair = 1e-15L;
-  if (p.alpha_m == 0 && p.alpha_f == 0) return p.gamma >= 0.5L && 2 * p.beta >= p.gamma;
-  return order_of(p) == 2 && p.alpha_m <= p.alpha_f + hair && p.alpha_f <= 0.5L + hair &&
-         p.beta >= 0.25L + (p.alpha_f - p.alpha_m) / 2 - hair;
-}
-
 static_assert(newmark_parameters(0.25L, 0.5L) == AlphaParameters{} && hht_parameters(0) == AlphaParameters{});
 static_assert(generalized_alpha_parameters(1) == AlphaParameters{0.5L, 0.5L, 0.25L, 0.5L});
 static_assert(generalized_alpha_parameters(0) == AlphaParameters{-1, 0, 1, 1.5L});
 static_assert(order_of(newmark_parameters(0.25L, 0.6L)) == 1 && order_of(hht_parameters(-0.3L)) == 2);
-static_assert(is_unconditionally_stable(generalized_alpha_parameters(1)) &&
-              is_unconditionally_stable(hht_parameters(-1 / 3.0L)) &&
-              !is_unconditionally_stable(newmark_parameters(1 / 6.0L, 0.5L)));
 
 /// One step of the generalized-alpha method: a_new solves
 ///   M ((1 - alpha_m) a_new + alpha_m a) = F(t_f, q_f, v_f),     x_f = (1 - alpha_f) x_new + alpha_f x,

@@ -26,6 +26,7 @@ class SpectralRadius {
  public:
   using Real = real_of<State>;
   static constexpr int max_iterations = 50;
+  static constexpr double margin = 1.2;  ///< of the result over the estimate
 
   template <System Sys>
   void init(const Sys& system) {
@@ -67,12 +68,12 @@ class SpectralRadius {
       direction_.swap(slope_);
       if (iteration > 2 && settled(pair, pair_before)) {
         const bool is_real = settled(sigma, sigma_before);
-        return radius_ = Real(1.2) * (is_real ? std::max(sigma, pair) : pair);
+        return radius_ = static_cast<Real>(margin) * (is_real ? std::max(sigma, pair) : pair);
       }
       sigma_before = sigma;
       pair_before = pair;
     }
-    return radius_ = Real(1.2) * std::max(sigma_before, pair_before);
+    return radius_ = static_cast<Real>(margin) * std::max(sigma_before, pair_before);
   }
 
  private:

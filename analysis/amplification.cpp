@@ -1,0 +1,391 @@
+#include "analysis/amplification.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Products without the search for infinities that the library's operator makes.
+Complex times(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+Complex horner(const std::vector<Complex>& c, Complex x) {
+  Complex sum = 0;
+  for (std::size_t i = c.size(); i-- > 0;) sum = times(sum, x) + c[i];
+  return sum;
+}
+
+/// All roots of sum_j c_j x^j by the simultaneous iteration of Ehrlich and Aberth; infinite ones where
+/// leading coefficients vanish.
+std::vector<LongComplex> all_roots(std::vector<LongComplex> c) {
+  std::vector<LongComplex> infinite;
+  while (c.size() > 1 && c.back() == LongComplex(0)) {
+    c.pop_back();
+    infinite.emplace_back(std::numeric_limits<long double>::infinity());
+  }
+  std::size_t zeros = 0;
+  while (c.size() > 1 && c.front() == LongComplex(0)) {
+    c.erase(c.begin());
+    ++zeros;
+  }
+  const std::size_t n = c.size() - 1;
+  // Cauchy's bound is where the iteration starts, off every symmetry.
+  long double bound = 0;
+  for (std::size_t j = 0; j < n; ++j)
+    bound = std::max(bound, std::pow(std::abs(c[j] / c[n]), 1.0L / static_cast<long double>(n - j)));
+  std::vector<LongComplex> roots(n);
+  for (std::size_t i = 0; i < n; ++i)
+    roots[i] = std::polar(bound + 1e-30L, 0.7L + 6.283185307179586L * static_cast<long double>(i) /
+                                                     static_cast<long double>(n));
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    long double moved = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      LongComplex value = c[n], slope = 0, repulsion = 0;
+      for (std::size_t j = n; j-- > 0;) {
+        slope = slope * roots[i] + value;
+        value = value * roots[i] + c[j];
+      }
+      if (value == LongComplex(0)) continue;
+      for (std::size_t j = 0; j < n; ++j)
+        if (j != i && roots[i] != roots[j]) repulsion += 1.0L / (roots[i] - roots[j]);
+      const LongComplex step = value / (slope - value * repulsion);
+      if (!std::isfinite(std::abs(step))) continue;
+      roots[i] -= step;
+      moved = std::max(moved, std::abs(step));
+    }
+    if (moved <= 1e-18L * bound) break;
+  }
+  roots.resize(n + zeros);
+  roots.insert(roots.end(), infinite.begin(), infinite.end());
+  return roots;
+}
+
+double largest(const std::vector<LongComplex>& roots) {
+  long double size = 0;
+  for (const LongComplex root : roots) size = std::max(size, std::abs(root));
+  return static_cast<double>(size);
+}
+
+bool is_zero(const ComplexPolynomial& p) {
+  return std::ranges::all_of(p, [](LongComplex c) { return c == LongComplex(0); });
+}
+
+Polynomial real_part(const ComplexPolynomial& p) {
+  Polynomial real(p.size());
+  std::ranges::transform(p, real.begin(), [](LongComplex c) { return c.real(); });
+  return real;
+}
+Polynomial imaginary_part(const ComplexPolynomial& p) {
+  Polynomial imaginary(p.size());
+  std::ranges::transform(p, imaginary.begin(), [](LongComplex c) { return c.imag(); });
+  return imaginary;
+}
+
+/// sum of sign p q
+Polynomial sum_of(
+    std::initializer_list<std::pair<long double, std::pair<const Polynomial*, const Polynomial*>>> terms) {
+  CancellingSum sum;
+  for (const auto& [sign, factors] : terms) sum.add(sign, *factors.first, *factors.second);
+  return sum.value();
+}
+
+/// |p|^2 as a polynomial in real h, into `sum`.
+void add_square(CancellingSum& sum, long double sign, const ComplexPolynomial& p) {
+  const Polynomial re = real_part(p), im = imaginary_part(p);
+  sum.add(sign, re, re);
+  sum.add(sign, im, im);
+}
+
+}  // namespace
+
+StepPolynomial::StepPolynomial(std::vector<ComplexPolynomial> p) : p_(std::move(p)) {
+  // Roots that are always zero say nothing.
+  while (p_.size() > 2 && is_zero(p_.front())) p_.erase(p_.begin());
+  real_ = std::ranges::all_of(p_, [](const ComplexPolynomial& q) {
+    return std::ranges::all_of(q, [](LongComplex c) { return c.imag() == 0; });
+  });
+  fast_.resize(p_.size());
+  for (std::size_t j = 0; j < p_.size(); ++j)
+    for (const LongComplex c : p_[j])
+      fast_[j].emplace_back(static_cast<double>(c.real()), static_cast<double>(c.imag()));
+}
+
+StepPolynomial StepPolynomial::real(const std::vector<Polynomial>& p) {
+  std::vector<ComplexPolynomial> complex;
+  complex.reserve(p.size());
+  for (const Polynomial& q : p) complex.emplace_back(q.begin(), q.end());
+  return StepPolynomial(std::move(complex));
+}
+
+double StepPolynomial::spectral_radius(Complex h) const {
+  switch (p_.size()) {
+    case 2: {
+      const Complex leading = horner(fast_[1], h), value = horner(fast_[0], h);
+      return std::sqrt(std::norm(value) / std::norm(leading));
+    }
+    case 3: {
+      // zeta = -b +- sqrt(b^2 - c), the larger one without cancellation.
+      const Complex leading = horner(fast_[2], h);
+      const Complex b = horner(fast_[1], h) / (2.0 * leading), c = horner(fast_[0], h) / leading;
+      Complex root = std::sqrt(times(b, b) - c);
+      if ((std::conj(b) * root).real() < 0) root = -root;
+      const double larger = std::abs(b + root);
+      return std::max(larger, larger > 0 ? std::abs(c) / larger : 0.0);
+    }
+    default: {
+      std::vector<LongComplex> c;
+      c.reserve(p_.size());
+      for (const ComplexPolynomial& q : p_) c.push_back(evaluate(q, LongComplex(h)));
+      return largest(all_roots(std::move(c)));
+    }
+  }
+}
+
+std::vector<Complex> StepPolynomial::roots(Complex h) const {
+  std::vector<LongComplex> c;
+  for (const ComplexPolynomial& q : p_) c.push_back(evaluate(q, LongComplex(h)));
+  std::vector<Complex> roots;
+  for (const LongComplex root : all_roots(std::move(c))) roots.emplace_back(root);
+  return roots;
+}
+
+double StepPolynomial::radius_at_infinity() const {
+  // The highest power of h rules.
+  std::size_t power = 0;
+  for (const ComplexPolynomial& q : p_)
+    for (std::size_t i = 0; i < q.size(); ++i)
+      if (q[i] != LongComplex(0)) power = std::max(power, i);
+  std::vector<LongComplex> c;
+  for (const ComplexPolynomial& q : p_) c.push_back(power < q.size() ? q[power] : LongComplex(0));
+  return largest(all_roots(std::move(c)));
+}
+
+bool StepPolynomial::is_below(Complex h, double growth) const {
+  std::vector<LongComplex> a;
+  a.reserve(p_.size());
+  long double power = 1;
+  for (const ComplexPolynomial& q : p_) {
+    a.push_back(power * evaluate(q, LongComplex(h)));
+    power *= 1 + static_cast<long double>(growth);
+  }
+  for (std::size_t n = a.size() - 1; n > 0; --n) {
+    if (!(std::norm(a[0]) < std::norm(a[n]))) return false;
+    const LongComplex first = a[0], last = std::conj(a[n]);
+    const long double size = 1 / std::norm(a[n]);
+    std::vector<LongComplex> reduced(n);
+    for (std::size_t j = 0; j < n; ++j)
+      reduced[j] = (last * a[j + 1] - first * std::conj(a[n - 1 - j])) * size;
+    a = std::move(reduced);
+  }
+  return true;
+}
+
+bool roots_are_at_most_one(Complex* c, std::size_t degree) {
+  // A circle a hair wider, so that roots on the unit circle are inside.
+  constexpr double wider = 1 + 1e-9;
+  double power = 1;
+  for (std::size_t j = 0; j <= degree; ++j) {
+    c[j] *= power;
+    power *= wider;
+  }
+  for (std::size_t n = degree; n > 0; --n) {
+    if (!(std::norm(c[0]) < std::norm(c[n]))) return false;
+    const Complex first = c[0], last = std::conj(c[n]);
+    const double size = 1 / std::norm(c[n]);
+    std::array<Complex, 17> reduced;
+    for (std::size_t j = 0; j < n; ++j)
+      reduced[j] = size * (times(last, c[j + 1]) - times(first, std::conj(c[n - 1 - j])));
+    std::copy_n(reduced.begin(), n, c);
+  }
+  return true;
+}
+
+bool StepPolynomial::is_at_most_one(Complex h) const {
+  if (fast_.size() == 2) return std::norm(horner(fast_[0], h)) <= std::norm(horner(fast_[1], h)) * (1 + 2e-9);
+  std::array<Complex, 17> c;
+  for (std::size_t j = 0; j < fast_.size(); ++j) c[j] = horner(fast_[j], h);
+  return roots_are_at_most_one(c.data(), fast_.size() - 1);
+}
+
+StepPolynomial StepPolynomial::along(Complex lambda) const {
+  std::vector<ComplexPolynomial> p = p_;
+  for (ComplexPolynomial& q : p) {
+    LongComplex power = 1;
+    for (LongComplex& c : q) {
+      c *= power;
+      power *= LongComplex(lambda);
+    }
+  }
+  return StepPolynomial(std::move(p));
+}
+
+bool StepPolynomial::grows_at_origin(LongComplex lambda) const {
+  // zeta = sum_m s_m h^m: with s_m = 0 the coefficient of h^m in pi says what s_m has to be.
+  constexpr std::size_t terms = 22;
+  LongComplex slope = 0;
+  for (std::size_t j = 1; j < p_.size(); ++j) slope += static_cast<long double>(j) * p_[j].at(0);
+  ComplexPolynomial s{1};
+  LongComplex exponential = 1;  // lambda^m / m!
+  const auto truncated = [](ComplexPolynomial p, std::size_t size) {
+    p.resize(std::min(p.size(), size));
+    return p;
+  };
+  for (std::size_t m = 1; m < terms; ++m) {
+    s.emplace_back(0);
+    ComplexPolynomial power{1}, sum;
+    for (const ComplexPolynomial& q : p_) {
+      add(sum, LongComplex(1), truncated(product(power, q), m + 1));
+      power = truncated(product(power, s), m + 1);
+    }
+    sum.resize(m + 1);
+    s[m] = -sum[m] / slope;
+    exponential *= lambda / static_cast<long double>(m);
+    // Up to the order the series is the exponential, but for rounding, which high orders magnify.
+    if (std::abs(s[m] - exponential) <= 1e-4L * std::abs(exponential)) s[m] = exponential;
+    // |zeta|^2 - 1
+    long double c = 0, size = 0;
+    for (std::size_t i = 0; i <= m; ++i) {
+      c += (s[i] * std::conj(s[m - i])).real();
+      size += std::abs(s[i] * s[m - i]);
+    }
+    if (std::abs(c) > 1e-10L * size) return c > 0;
+  }
+  return false;
+}
+
+std::optional<std::vector<Polynomial>> StepPolynomial::conditions(double growth) const {
+  const std::size_t roots = p_.size() - 1;
+  if (roots > 3 || (roots > 1 && !real_)) return std::nullopt;
+  const long double scale = 1 + static_cast<long double>(growth);
+  if (roots == 1) {
+    // |p_1|^2 (1 + growth)^2 - |p_0|^2
+    CancellingSum sum;
+    add_square(sum, scale * scale, p_[1]);
+    add_square(sum, -1, p_[0]);
+    return std::vector<Polynomial>{sum.value()};
+  }
+  const Polynomial one{1};
+  std::vector<Polynomial> p;
+  long double power = 1;
+  for (const ComplexPolynomial& q : p_) {
+    p.push_back(real_part(q));
+    for (long double& c : p.back()) c *= power;
+    power *= scale;
+  }
+  const auto linear = [&](std::initializer_list<long double> signs) {
+    CancellingSum sum;
+    std::size_t j = 0;
+    for (const long double sign : signs) sum.add(sign, p[j++], one);
+    return sum.value();
+  };
+  // The conditions of Schur and Cohn for real polynomials, due to Jury: pi(1) and pi(-1) have the sign they
+  // have far out, and the product of the roots is at most one; the leading coefficient is positive.
+  if (roots == 2)
+    return std::vector<Polynomial>{linear({1, 1, 1}), linear({1, -1, 1}), linear({-1, 0, 1}), p[2]};
+  using Pair = std::pair<const Polynomial*, const Polynomial*>;
+  return std::vector<Polynomial>{linear({1, 1, 1, 1}),
+                                 linear({-1, 1, -1, 1}),
+                                 linear({-1, 0, 0, 1}),
+                                 linear({1, 0, 0, 1}),
+                                 sum_of({{1, Pair{&p[3], &p[3]}},
+                                         {-1, Pair{&p[3], &p[1]}},
+                                         {1, Pair{&p[2], &p[0]}},
+                                         {-1, Pair{&p[0], &p[0]}}}),
+                                 p[3]};
+}
+
+namespace {
+
+/// The intervals of all conditions together.
+std::vector<Interval> merged(std::vector<Interval> all) {
+  std::ranges::sort(all, {}, &Interval::from);
+  std::vector<Interval> merged;
+  for (const Interval& next : all) {
+    if (!merged.empty() && next.from <= merged.back().to * (1 + 1e-14))
+      merged.back().to = std::max(merged.back().to, next.to);
+    else
+      merged.push_back(next);
+  }
+  return merged;
+}
+
+/// What rounding of the coefficients does to the spectral radius.
+constexpr double rounding = 1e-12;
+
+/// Strides outwards from the origin, bisection where stability changes.
+/// @param once  stop at the first exit
+UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
+  const double bound = tolerated > 0 ? tolerated : rounding;
+  const auto is_stable = [&](double h) {
+    return growth.polynomial ? growth.polynomial->is_below(h, bound) : growth.radius(h) <= 1 + bound;
+  };
+  UnstableSteps unstable;
+  unstable.searched_to = growth.farthest * growth.scale;
+  bool was_stable = true, below_rounding = false;
+  if (tolerated == 0 && growth.grows_at_origin) {
+    if (once) return {{{0, infinity}}};
+    unstable.intervals.push_back({0, infinity});
+    was_stable = false;
+    below_rounding = true;
+  }
+  double before = 0;
+  // Limits of high orders are small; behind the first hundred only large structures are left.
+  for (double x = 1e-5; x <= growth.farthest; x += std::min(std::max(5e-3, 2e-2 * (x - 100)), 0.05 * x)) {
+    const double h = x * growth.scale;
+    const bool stable = is_stable(h);
+    if (below_rounding && !stable) below_rounding = false;
+    if (!below_rounding && stable != was_stable) {
+      double low = before, high = h;
+      for (int halving = 0; halving < 200; ++halving) {
+        const double middle = low + (high - low) / 2;
+        if (middle <= low || middle >= high) break;
+        (is_stable(middle) == was_stable ? low : high) = middle;
+      }
+      if (stable)
+        unstable.intervals.back().to = low;
+      else
+        unstable.intervals.push_back({low, infinity});
+      if (once) return unstable;
+    }
+    if (!below_rounding) was_stable = stable;
+    before = h;
+  }
+  return unstable;
+}
+
+}  // namespace
+
+UnstableSteps unstable_steps(const Growth& growth, double tolerated) {
+  if (growth.polynomial) {
+    if (const auto conditions = growth.polynomial->conditions(tolerated)) {
+      std::vector<Interval> all;
+      for (const Polynomial& condition : *conditions) {
+        const std::vector<Interval> here = negative_intervals(condition, growth.scale);
+        all.insert(all.end(), here.begin(), here.end());
+      }
+      return {merged(std::move(all))};
+    }
+  }
+  return sampled(growth, tolerated, false);
+}
+
+double first_exit(const Growth& growth, double tolerated) {
+  if (growth.polynomial)
+    if (const auto conditions = growth.polynomial->conditions(tolerated)) {
+      double exit = infinity;
+      for (const Polynomial& condition : *conditions)
+        if (const auto negative = negative_intervals(condition, growth.scale); !negative.empty())
+          exit = std::min(exit, negative.front().from);
+      return exit;
+    }
+  return sampled(growth, tolerated, true).first_exit();
+}
+
+}  // namespace hmax

@@ -1,0 +1,75 @@
+#include "analysis/growth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hmax {
+
+namespace {
+
+/// A run that grows by less is bounded: what is seen at the limit itself.
+constexpr double visible = 0.02;
+
+}  // namespace
+
+double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
+                       double noise) {
+  double start = 0, early = 0, late = 0;
+  std::int64_t n = 0;
+  const bool ended = run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+    if (n == 0)
+      start = distance(y);
+    else if (n > steps / 4 && n <= steps / 2)
+      early = std::max(early, distance(y));
+    else if (n > 3 * steps / 4)
+      late = std::max(late, distance(y));
+    ++n;
+  });
+  if (!ended || !std::isfinite(late)) return std::numeric_limits<double>::infinity();
+  return std::log(late) - std::log(std::max({early, noise * start, std::numeric_limits<double>::min()}));
+}
+
+ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
+                            double growth_above, double decay_beside) {
+  constexpr double least = 512, most = 2e6;
+  // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it to
+  // fall by sixteen digits.
+  const double to_grow = 25 * visible / growth_above, to_decay = 4 * 37 / -decay_beside;
+  ObservedLimit limit;
+  limit.steps = static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
+  const auto grows = [&](double h) { return observed_growth(run, distance, h, limit.steps) > visible; };
+  limit.below_decays = !grows(0.999 * predicted);
+  limit.above_grows = grows(1.001 * predicted);
+  double low = 0.999 * predicted, high = 1.001 * predicted;
+  // Where the prediction fails the truth is sought outwards from it.
+  for (int i = 0; i < 60 && !limit.below_decays && low > 1e-3 * predicted; ++i) {
+    high = low;
+    low /= 1.1;
+    if (!grows(low)) break;
+  }
+  for (int i = 0; i < 60 && limit.below_decays && !limit.above_grows; ++i) {
+    low = high;
+    high *= 1.1;
+    if (grows(high)) break;
+    if (high > 1e3 * predicted) {
+      limit.h = std::numeric_limits<double>::infinity();
+      return limit;
+    }
+  }
+  while (high - low > 1e-6 * high) {
+    const double middle = (low + high) / 2;
+    (grows(middle) ? high : low) = middle;
+  }
+  limit.h = (low + high) / 2;
+  return limit;
+}
+
+bool grows_at(const ShowSteps& run, const Distance& distance, double h) {
+  // From one quarter to the other linear growth makes at most a factor of 4, so does not count.
+  // What is left of a mode that every step annihilates is what equations are solved to.
+  constexpr double noise = 1e-6;
+  return observed_growth(run, distance, h, 4096, noise) > std::log(4.0) + visible;
+}
+
+}  // namespace hmax

@@ -1,0 +1,52 @@
+/// Whether runs of the real code grow: the other side of every prediction.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include <Eigen/Core>
+
+namespace hmax {
+
+/// Takes `steps` steps of size h with a method from a start near a state of rest and shows every state, the
+/// first included. False when the run did not reach its end.
+using ShowSteps =
+    std::function<bool(double h, std::int64_t steps,
+                       const std::function<void(const Eigen::Ref<const Eigen::VectorXd>& y)>& show)>;
+
+/// The distance of a state from rest, in coordinates in which a mode of constant amplitude has a constant
+/// distance.
+using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y)>;
+
+/// By how much the logarithm of the distance grew between the second and the last quarter of a run, each by
+/// its largest distance: oscillation within a quarter takes no part. Infinity when the run broke down,
+/// -infinity when nothing was left.
+/// @param noise  a distance below this share of the first one is no growth yet
+double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
+                       double noise = 0);
+
+/// What integration found.
+struct ObservedLimit {
+  double h = 0;              ///< [s]; infinity when even the largest step tried did not grow
+  std::int64_t steps = 0;    ///< of each of the runs
+  bool below_decays = true;  ///< no growth at 0.999 of the prediction
+  bool above_grows = true;   ///< growth at 1.001 of it
+};
+
+/// Integrates at 0.999 and at 1.001 of a predicted limit, then bisects between a step that does not grow and
+/// one that does; away from the prediction where both sides behave alike, so that a wrong prediction is
+/// reported with what is true.
+/// The runs are long enough to see a tenth of the growth that is predicted at 1.001 of the limit, and for the
+/// rest to die away before the first quarter that is compared.
+/// @param growth_above  predicted growth of ln |amplitude| a step at 1.001 of the prediction, > 0
+/// @param decay_beside  ln of the largest factor below one by which a step multiplies anything else, < 0;
+///                      -infinity when there is nothing else
+ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
+                            double growth_above, double decay_beside);
+
+/// Whether a run of 4096 steps at a step far beyond every time scale of the model grows faster than in
+/// proportion to its length, which no stable method does.
+bool grows_at(const ShowSteps& run, const Distance& distance, double h);
+
+}  // namespace hmax

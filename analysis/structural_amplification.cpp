@@ -1,0 +1,91 @@
+#include "analysis/structural_amplification.hpp"
+
+#include "analysis/limits.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace hmax {
+
+namespace {
+
+/// The polynomial in zeta  inertia + h gamma damper + h^2 kappa spring.
+struct MotionMap {
+  Polynomial inertia, damper, spring;
+};
+
+Amplification of_map(const MotionMap& map) {
+  Amplification amplification;
+  amplification.of_oscillation = [map](const MechanicalMode& mode) {
+    const std::size_t size = std::max({map.inertia.size(), map.damper.size(), map.spring.size()});
+    std::vector<Polynomial> p(size, Polynomial(3));
+    const auto collect = [&p](const Polynomial& of, std::size_t power, long double factor) {
+      for (std::size_t j = 0; j < of.size(); ++j) p[j][power] = factor * of[j];
+    };
+    collect(map.inertia, 0, 1);
+    collect(map.damper, 1, mode.gamma);
+    collect(map.spring, 2, mode.kappa);
+    const double rate = std::max(std::sqrt(std::abs(mode.kappa)), std::abs(mode.gamma) / 2);
+    return Growth{.polynomial = StepPolynomial::real(p), .scale = rate > 0 ? 1 / rate : 1};
+  };
+  amplification.of_eigenmode = [of = amplification.of_oscillation](const Eigenmode& mode) {
+    return of(MechanicalMode::of(mode.lambda));
+  };
+  amplification.stable_at = [map](Complex z) {
+    std::array<Complex, 4> c{};
+    const auto collect = [&c](const Polynomial& of, double factor) {
+      for (std::size_t j = 0; j < of.size(); ++j) c[j] += factor * static_cast<double>(of[j]);
+    };
+    collect(map.inertia, 1);
+    collect(map.damper, -2 * z.real());
+    collect(map.spring, std::norm(z));
+    std::size_t degree = 3;
+    while (degree > 0 && c[degree] == Complex(0)) --degree;
+    return roots_are_at_most_one(c.data(), degree);
+  };
+  return amplification;
+}
+
+const Polynomial zeta{0, 1}, s{-1, 1}, s_squared{1, -2, 1};
+
+Polynomial sum(Polynomial p, const Polynomial& q) {
+  add(p, 1.0L, q);
+  return p;
+}
+
+}  // namespace
+
+Amplification symplectic_euler_amplification() {
+  return of_map({.inertia = s_squared, .damper = s, .spring = zeta});
+}
+
+Amplification kick_drift_kick_amplification(KickDamping damping) {
+  if (damping == KickDamping::lumped)
+    return of_map({.inertia = s_squared, .damper = {-0.5L, 0, 0.5L}, .spring = zeta});
+  const Polynomial W{0.5L, 0.5L};
+  return of_map({.inertia = product(zeta, s_squared),
+                 .damper = sum(product(W, s), s_squared),
+                 .spring = product(zeta, zeta)});
+}
+
+Amplification generalized_alpha_amplification(const AlphaParameters& p) {
+  const Polynomial W{1 - p.gamma, p.gamma}, B{0.5L - p.beta, p.beta};
+  const Polynomial F{p.alpha_f, 1 - p.alpha_f}, M{p.alpha_m, 1 - p.alpha_m};
+  return of_map({.inertia = product(M, s_squared),
+                 .damper = product(F, product(W, s)),
+                 .spring = product(F, sum(W, product(B, s)))});
+}
+
+bool is_unconditionally_stable(const Amplification& amplification) {
+  // The conditions hold for every h or they do not; between damping ratios they vary slowly.
+  for (const double zeta_of_mode : {0.0, 1e-3, 0.01, 0.1, 0.3, 0.6, 1.0, 2.0, 10.0})
+    if (!unstable_steps(amplification.of_oscillation({.kappa = 1, .gamma = 2 * zeta_of_mode})).intervals.empty()) return false;
+  return true;
+}
+
+bool annihilates_fast_modes(const Amplification& amplification) {
+  return amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial->radius_at_infinity() < annihilated;
+}
+
+}  // namespace hmax

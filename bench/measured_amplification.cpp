@@ -1,0 +1,94 @@
+#include "bench/measured_amplification.hpp"
+
+#include <cmath>
+
+namespace hmax {
+
+namespace {
+
+struct Spiral {
+  using State = Eigen::Vector2d;
+  using Jacobian = Eigen::Matrix2d;
+  static constexpr bool autonomous = true;
+  static constexpr bool linear_stiff_part = true;
+  Complex lambda;
+
+  static Eigen::Index dim() { return 2; }
+  [[nodiscard]] Jacobian matrix() const {
+    return (Jacobian() << lambda.real(), -lambda.imag(), lambda.imag(), lambda.real()).finished();
+  }
+  void rhs(double /*t*/, const State& y, State& dydt) const { dydt = matrix() * y; }
+  void jacobian(double /*t*/, const State& /*y*/, Jacobian& J) const { J = matrix(); }
+  [[nodiscard]] double spectral_radius(double /*t*/, const State& /*y*/) const { return std::abs(lambda); }
+  // All of it is stiff.
+  void rhs_stiff(double t, const State& y, State& dydt) const { rhs(t, y, dydt); }
+  static void rhs_nonstiff(double /*t*/, const State& /*y*/, State& dydt) { dydt.setZero(); }
+  void jacobian_stiff(double t, const State& y, Jacobian& J) const { jacobian(t, y, J); }
+};
+
+}  // namespace
+
+Problem spiral(Complex lambda) {
+  return {.id = "spiral",
+          .material = {},
+          .note = {},
+          .parameters = {{"re", lambda.real()}, {"im", lambda.imag()}},
+          .states = {"u", "v"},
+          .y0 = Eigen::Vector2d(1, 0),
+          .t_end = 1,
+          .system = AnySystem(Spiral{lambda})};
+}
+
+Complex measured_step(const Method& method, Complex z) {
+  const RunRecord record = method.bind(spiral(z)).run({.t_end = 1, .h = 1}, {});
+  if (record.outcome != Outcome::reached_end) return std::numeric_limits<double>::infinity();
+  return {record.y[0], record.y[1]};
+}
+
+double measured_growth(const Method& method, Complex z) {
+  constexpr int steps = 200;
+  const Runner runner = method.bind(spiral(z));
+  const auto size_after = [&](int count) {
+    const RunRecord record = runner.run({.t_end = static_cast<double>(count), .h = 1}, {});
+    return record.outcome == Outcome::reached_end ? record.y.norm() : std::numeric_limits<double>::infinity();
+  };
+  const double late = size_after(2 * steps), early = size_after(steps);
+  if (!std::isfinite(late)) return std::numeric_limits<double>::infinity();
+  return late < 1e-280 ? 0 : std::pow(late / early, 1.0 / steps);
+}
+
+namespace {
+
+/// Whether many steps make something else of y' = z y than one step many times. The first few are no evidence:
+/// a one-step method may take them for the start.
+bool remembers(const Method& method) {
+  const Complex z(-0.1, 0.3);
+  constexpr int steps = 16;
+  const RunRecord many = method.bind(spiral(z)).run({.t_end = steps, .h = 1}, {});
+  const Complex expected = std::pow(measured_step(method, z), steps);
+  return std::abs(Complex(many.y[0], many.y[1]) - expected) > 1e-10 * std::abs(expected);
+}
+
+}  // namespace
+
+Amplification measured_amplification(const Method& method) {
+  Amplification amplification;
+  amplification.measured = true;
+  // Asked when first needed: a catalogue runs nothing.
+  const auto bare = std::make_shared<Method>(method);
+  const auto looks_back = std::make_shared<std::optional<bool>>();
+  const auto radius = [bare, looks_back](Complex z) {
+    if (!*looks_back) *looks_back = remembers(*bare);
+    return **looks_back ? measured_growth(*bare, z) : std::abs(measured_step(*bare, z));
+  };
+  amplification.of_eigenmode = [radius](const Eigenmode& mode) {
+    Growth growth;
+    growth.scale = 1 / std::abs(mode.lambda);
+    growth.farthest = 100;
+    growth.radius = [radius, lambda = mode.lambda](double h) { return radius(h * lambda); };
+    return growth;
+  };
+  return amplification;
+}
+
+}  // namespace hmax

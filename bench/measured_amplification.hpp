@@ -1,0 +1,22 @@
+/// The amplification of a method as steps of its code show it, for engines that bring no formula.
+#pragma once
+
+#include "analysis/amplification.hpp"
+#include "bench/catalogue.hpp"
+
+namespace hmax {
+
+/// y' = lambda y in the real numbers: (u, v)' = ((Re, -Im), (Im, Re)) (u, v), y = u + i v, from y = 1.
+Problem spiral(Complex lambda);
+
+/// R(z) as one step of size 1 on y' = z y makes it.
+Complex measured_step(const Method& method, Complex z);
+
+/// By what a long run multiplies |y| in a step in the end. For methods that look back over several steps, of
+/// which one alone says too little.
+double measured_growth(const Method& method, Complex z);
+
+/// An amplification from such steps: of one, or of a long run where a step depends on those before it.
+Amplification measured_amplification(const Method& method);
+
+}  // namespace hmax
