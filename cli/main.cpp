@@ -88,6 +88,7 @@ Exit run(int argc, char** argv) {
   add_precision(app, console);
   add_check(app, console);
   add_phase(app, console);
+  add_stability(app, console);
   add_reproduce(app, console);
   add_export(app, console);
   add_compare(app, console);

@@ -1,0 +1,319 @@
+#include "bench/predict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "analysis/amplification.hpp"
+#include "analysis/equilibrium.hpp"
+#include "analysis/growth.hpp"
+#include "integrators/spectral_radius.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A state in words, if it is short.
+std::string words_of(const Eigen::VectorXd& y) {
+  if (y.size() > 4) return fmt::format("{} numbers", y.size());
+  std::string text;
+  for (const double value : y) text += (text.empty() ? "" : ", ") + fmt::format("{:.6g}", value);
+  return "(" + text + ")";
+}
+
+/// The amplification as far as the method can be analysed on this model, or why not.
+std::string obstacle(const Method& method, const Linearised& near) {
+  if (method.needs_second_order && !near.model.mechanical)
+    return "the method steps positions and velocities, which the problem does not have";
+  if (method.needs_second_order && !near.model.mechanical->decouples())
+    return "damping couples the modes of this model, and for methods of positions and velocities the "
+           "analysis takes "
+           "modes one by one";
+  if (method.needs_split && !near.model.J_stiff) return "the problem declares no stiff part";
+  return {};
+}
+
+/// lambda with the larger imaginary part only: methods and models are real.
+std::vector<Complex> without_conjugates(const std::vector<Complex>& lambda) {
+  std::vector<Complex> kept;
+  for (const Complex each : lambda)
+    if (each.imag() >= 0) kept.push_back(each);
+  return kept;
+}
+
+/// The share of every eigenvalue that is declared stiff. Where both parts have the same eigenvectors the
+/// Rayleigh quotient with them says it.
+std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const std::vector<Complex>& lambda) {
+  const Eigen::MatrixXd J = dense(near.model.J), stiff = dense(*near.model.J_stiff);
+  if ((J - stiff).norm() <= 1e-13 * J.norm()) return lambda;
+  if ((J * stiff - stiff * J).norm() > 1e-10 * J.norm() * stiff.norm()) return std::nullopt;
+  const Eigenvectors vectors = eigenvectors_of(near.model);
+  if (vectors.defective) return std::nullopt;
+  std::vector<Complex> parts;
+  for (const Complex each : lambda) {
+    const auto at =
+        std::ranges::min_element(vectors.lambda, {}, [&](Complex l) { return std::abs(l - each); });
+    const auto i = static_cast<Eigen::Index>(at - vectors.lambda.begin());
+    parts.push_back((vectors.left.row(i) * stiff.cast<Complex>() * vectors.right.col(i)).value());
+  }
+  return parts;
+}
+
+/// The spectral radius by which a stabilised method chooses its stages: the bound of the system, or what the
+/// estimate of the stepper comes to.
+double radius_told(const Problem& problem, const Linearised& near) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) -> double {
+        if constexpr (BoundedSpectrumSystem<Sys>)
+          if (has_spectral_radius(system)) return system.spectral_radius(near.model.t, near.model.y);
+        double radius = 0;
+        for (const Complex lambda : near.spectrum.lambda) radius = std::max(radius, std::abs(lambda));
+        return SpectralRadius<Eigen::VectorXd>::margin * radius;
+      },
+      problem.system);
+}
+
+bool solves_nonlinear_equations(const Method& method) {
+  return !method.is_explicit && method.family != "rosenbrock" && method.needs_jacobian;
+}
+
+bool is_linear(const Problem& problem) {
+  const auto* oscillator = std::get_if<Oscillator>(&problem.system);
+  return oscillator != nullptr && oscillator->parameters().k3 == 0;
+}
+
+}  // namespace
+
+std::string_view name_of(Bound bound) {
+  switch (bound) {
+    case Bound::stability:
+      return "stability";
+    case Bound::accuracy:
+      return "accuracy";
+    case Bound::newton:
+      return "newton";
+    case Bound::model:
+      return "model";
+    case Bound::every_step:
+      return "every_step";
+    case Bound::error_control:
+      return "error_control";
+    case Bound::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) {
+        Linearised near{.model = linearise(system, t, typename Sys::State(y)), .spectrum = {}, .state = {}};
+        near.spectrum = spectrum_of(near.model);
+        near.state =
+            fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(near.model.origin));
+        return near;
+      },
+      problem.system);
+}
+
+Linearised linearised(const Problem& problem) {
+  const EquilibriumSearch search = std::visit(
+      [&]<class Sys>(const Sys& system) {
+        return find_equilibrium(system, 0, typename Sys::State(problem.y0));
+      },
+      problem.system);
+  Linearised near = linearised(problem, 0, search.found() ? search.state : problem.y0);
+  near.at_equilibrium = search.found();
+  near.state = search.found() ? "equilibrium " + near.state
+                              : fmt::format("initial state {}; {}", near.state, search.message);
+  return near;
+}
+
+Prediction predict(const Method& method, const Problem& problem, const Linearised& near) {
+  Prediction row;
+  row.problem = problem.id;
+  row.material = problem.material;
+  row.method = method.id;
+  row.parameters = problem.parameters;
+  row.state = near.state;
+  if (!method.amplification) {
+    row.bound = Bound::error_control;
+    row.note = "the method chooses its steps as it runs";
+    return row;
+  }
+  row.note = obstacle(method, near);
+  if (!row.note.empty()) return row;
+
+  StepLimit limit;
+  std::vector<Complex> lambda;
+  if (method.amplification->of_oscillation) {
+    // Both eigenvalues of an oscillation share its limit.
+    const std::vector<MechanicalMode>& modes = near.spectrum.mechanical;
+    limit = largest_stable_step(*method.amplification, modes);
+    for (const MechanicalMode& mode : modes) lambda.push_back(eigenvalues_of(mode)[0]);
+  } else {
+    lambda = without_conjugates(near.spectrum.lambda);
+    std::vector<Eigenmode> modes(lambda.begin(), lambda.end());
+    for (Eigenmode& mode : modes) mode.radius = radius_told(problem, near);
+    if (method.needs_split) {
+      const auto parts = stiff_parts(near, lambda);
+      if (!parts) {
+        row.note = "the stiff part and the rest of this model have no common modes";
+        return row;
+      }
+      for (std::size_t i = 0; i < modes.size(); ++i) modes[i].stiff = (*parts)[i];
+    }
+    limit = largest_stable_step(*method.amplification, modes);
+  }
+  for (std::size_t i = 0; i < lambda.size(); ++i)
+    row.modes.push_back({mode_of(lambda[i]), limit.of_modes[i]});
+
+  if (!limit.growing.empty()) {
+    row.bound = Bound::model;
+    row.limiting = mode_of(lambda[limit.growing.front()]);
+    row.note = "the model itself grows: an eigenvalue has a positive real part";
+    return row;
+  }
+  row.h_max = limit.h_max;
+  if (std::isinf(limit.h_max)) {
+    row.bound = solves_nonlinear_equations(method) && !is_linear(problem) ? Bound::newton : Bound::accuracy;
+    return row;
+  }
+  row.limiting = mode_of(lambda[limit.limiting]);
+  row.bound = limit.h_max > 0 ? Bound::stability : Bound::every_step;
+  if (limit.h_max == 0) row.note = "a mode that the model keeps is amplified by every step, however small";
+  return row;
+}
+
+namespace {
+
+RunRecord take_steps(const Runner& runner, double h, std::int64_t steps, const Sink& sink) {
+  RunSpec spec{.t_end = h * static_cast<double>(steps), .h = h};
+  spec.max_steps = steps + 2;
+  return runner.run(spec, sink);
+}
+
+/// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
+/// from rest is taken off: what is left moves as the free model does.
+ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
+                   const Eigen::VectorXd& displacement) {
+  const auto from = [&](const Eigen::VectorXd& start) {
+    Problem started = problem;
+    started.y0 = start;
+    return method.bind(started);
+  };
+  const bool driven = !std::visit([](const auto& system) { return is_autonomous(system); }, problem.system);
+  const Runner displaced = from(rest + displacement), undisturbed = from(rest);
+  return [=](double h, std::int64_t steps, const auto& show) {
+    std::vector<double> path;
+    if (driven)
+      take_steps(undisturbed, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        path.insert(path.end(), y.begin(), y.end());
+      });
+    std::size_t at = 0;
+    Eigen::VectorXd free(rest.size());
+    const RunRecord record =
+        take_steps(displaced, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+          if (!driven) return show(y);
+          if (at + static_cast<std::size_t>(y.size()) > path.size()) return;
+          free = y - Eigen::Map<const Eigen::VectorXd>(path.data() + at, y.size()) + rest;
+          at += static_cast<std::size_t>(y.size());
+          show(free);
+        });
+    return record.outcome == Outcome::reached_end;
+  };
+}
+
+/// Distance from rest in the modes of the model, where it has a full set of them; otherwise in a norm like
+/// energy.
+Distance distance_from(const Eigen::VectorXd& rest, const Eigenvectors& vectors, double omega) {
+  if (!vectors.defective)
+    return [rest, left = vectors.left](const Eigen::Ref<const Eigen::VectorXd>& y) {
+      return (left * (y - rest).cast<Complex>()).cwiseAbs().maxCoeff();
+    };
+  const Eigen::Index n = rest.size() / 2;
+  return [rest, n, omega](const Eigen::Ref<const Eigen::VectorXd>& y) {
+    const Eigen::VectorXd d = y - rest;
+    return std::max(omega * d.head(n).norm(), d.tail(d.size() - n).norm());
+  };
+}
+
+Growth growth_of(const Method& method, Complex lambda) {
+  return method.amplification->of_oscillation
+             ? method.amplification->of_oscillation(MechanicalMode::of(lambda))
+             : method.amplification->of_eigenmode(Eigenmode(lambda));
+}
+
+/// The logarithm of the largest factor below one by which a step of size h multiplies part of the motion.
+double decay_beside(const Method& method, const Prediction& row, double h) {
+  double slowest = 0;
+  for (const ModeMargin& margin : row.modes) {
+    const Growth growth = growth_of(method, margin.mode.lambda);
+    if (!growth.polynomial) continue;
+    for (const Complex root : growth.polynomial->roots(h))
+      if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
+  }
+  return std::log(slowest);
+}
+
+/// The logarithm of the largest amplification at h, over all modes.
+double predicted_growth(const Method& method, const Prediction& row, double h) {
+  double radius = 0;
+  for (const ModeMargin& margin : row.modes) {
+    radius = std::max(radius, growth_of(method, margin.mode.lambda).spectral_radius(h));
+  }
+  return std::log(radius);
+}
+
+}  // namespace
+
+void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  if (!method.fixed_step ||
+      (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
+    return;
+  const Eigenvectors vectors = eigenvectors_of(near.model);
+  // The limiting mode, or the slowest, and a hundredth of everything else.
+  const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
+  const auto at =
+      std::ranges::min_element(vectors.lambda, {}, [&](Complex l) { return std::abs(l - wanted); });
+  Eigen::VectorXd start = vectors.right.col(at - vectors.lambda.begin()).real();
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (double& x : start) x += 0.01 * start.cwiseAbs().maxCoeff() * uniform(random);
+  // Small enough for the model to be linear; about rest at zero nothing is lost by that.
+  const double size = is_linear(problem) ? 1 : 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
+  const ShowSteps run = steps_of(method, problem, near.model.y, size * start);
+
+  double slowest = infinity, fastest = 0;
+  for (const ModeMargin& margin : row.modes) {
+    if (margin.mode.omega > 0) slowest = std::min(slowest, margin.mode.omega);
+    fastest = std::max(fastest, margin.mode.omega);
+  }
+  const Distance distance = distance_from(near.model.y, vectors, fastest);
+  Observation seen;
+  if (row.bound != Bound::stability) {
+    const double h = 1e6 / slowest;
+    seen.steps = 4096;
+    seen.agrees = !grows_at(run, distance, h);
+    seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
+    seen.gap = std::numeric_limits<double>::quiet_NaN();
+  } else {
+    const double growth = std::max(predicted_growth(method, row, 1.001 * *row.h_max), 1e-12);
+    const ObservedLimit limit =
+        observe_limit(run, distance, *row.h_max, growth, decay_beside(method, row, *row.h_max));
+    seen = {.h_max = limit.h,
+            .gap = limit.h / *row.h_max - 1,
+            .steps = limit.steps,
+            .agrees = limit.below_decays && limit.above_grows};
+  }
+  row.observed = seen;
+}
+
+}  // namespace hmax

@@ -1,0 +1,80 @@
+/// The largest stable step of a method on a problem: predicted from spectrum and amplification, and observed
+/// by integrating with the code itself.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/linear_model.hpp"
+#include "analysis/spectrum.hpp"
+#include "analysis/stable_step.hpp"
+#include "bench/catalogue.hpp"
+
+namespace hmax {
+
+/// What a step is limited by.
+enum class Bound {
+  stability,      ///< h_max is a number: beyond it a mode is amplified that the model damps or keeps
+  accuracy,       ///< no step is unstable: what limits it is the error it makes
+  newton,         ///< no step is unstable for the linearised model: Newton's method must still converge
+  model,          ///< the model itself grows here: no step makes it stable
+  every_step,     ///< every step is unstable, however small
+  error_control,  ///< the method chooses its steps as it runs
+  unknown,        ///< the analysis does not cover the pair; `note` says why
+};
+
+/// "stability", "accuracy", "newton", "model", "every_step", "error_control", "unknown".
+std::string_view name_of(Bound bound);
+
+/// The model whose limits are asked for: a problem near a state.
+struct Linearised {
+  LinearModel model;
+  Spectrum spectrum;
+  bool at_equilibrium = false;
+  std::string state;  ///< in words: which state, whose Jacobian
+};
+
+/// A problem near its equilibrium, found by Newton's method from its initial state with time standing still
+/// at 0; near the initial state itself where there is none, which `state` then says.
+/// @throws InputError  as linearise()
+Linearised linearised(const Problem& problem);
+/// Near a state of its own.
+Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
+
+/// The margin of one mode.
+struct ModeMargin {
+  Mode mode;
+  double h_max = 0;  ///< of this mode alone [s]
+};
+
+/// What integration showed.
+struct Observation {
+  double h_max = 0;        ///< [s]; infinity where even a step far beyond every time scale does not grow
+  double gap = 0;          ///< (observed - predicted) / predicted; NaN without a number on both sides
+  std::int64_t steps = 0;  ///< of each run
+  bool agrees = false;     ///< bounded below the prediction, growing above it
+};
+
+/// One row of the answer.
+struct Prediction {
+  std::string problem, material, method;
+  std::vector<std::pair<std::string, double>> parameters;
+  Bound bound = Bound::unknown;
+  std::optional<double> h_max;    ///< [s]; infinity for accuracy and newton; nothing where there is no answer
+  std::optional<Mode> limiting;   ///< the mode that sets it, or that grows
+  std::vector<ModeMargin> modes;  ///< every mode; conjugates once
+  std::string state;
+  std::string note;
+  std::optional<Observation> observed;
+};
+
+/// Predicts for one method.
+/// @param frozen  the Jacobian that a linearly implicit method keeps, where it is not that of the model
+Prediction predict(const Method& method, const Problem& problem, const Linearised& near);
+
+/// Integrates the problem with the code of the method on both sides of the prediction, from the limiting mode
+/// plus a seeded perturbation, and puts what it shows into the row.
+void verify(Prediction& prediction, const Method& method, const Problem& problem, const Linearised& near);
+
+}  // namespace hmax

@@ -1,0 +1,166 @@
+/// hmax stability predict
+#include <cmath>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/predict.hpp"
+#include "cli/choices.hpp"
+#include "cli/stability.hpp"
+#include "problems/liver_materials.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct PredictOptions {
+  ProblemChoice problem;
+  std::string materials, methods;
+  bool verify = false;
+};
+
+/// Ids of a list; all: both ends of the mass range of every material.
+std::vector<std::string> materials_of(const PredictOptions& options) {
+  if (options.materials.empty()) return {options.problem.material};
+  std::vector<std::string> ids;
+  for (const std::string& name : parse_names("--materials", options.materials)) {
+    if (name != "all") {
+      ids.push_back(name);
+      continue;
+    }
+    for (const LiverMaterial& material : liver_materials())
+      for (const char* end : {":light", ":heavy"}) ids.push_back(std::string(material.id) + end);
+  }
+  return ids;
+}
+
+Json to_json(const Mode& mode) {
+  return {{"re", mode.lambda.real()}, {"im", mode.lambda.imag()}, {"omega", mode.omega}, {"zeta", mode.zeta}};
+}
+
+Json to_json(const Prediction& row) {
+  Json parameters = Json::object();
+  for (const auto& [name, value] : row.parameters) parameters[name] = value;
+  Json modes = Json::array();
+  for (const ModeMargin& margin : row.modes) {
+    Json mode = to_json(margin.mode);
+    mode["h_max"] = number_or_word(margin.h_max);
+    modes.push_back(std::move(mode));
+  }
+  Json document{{"problem", row.problem},
+                {"material", row.material},
+                {"method", row.method},
+                {"h_max", row.h_max ? number_or_word(*row.h_max) : Json()},
+                {"bound", name_of(row.bound)},
+                {"limiting", row.limiting ? to_json(*row.limiting) : Json()},
+                {"observed", row.observed ? number_or_word(row.observed->h_max) : Json()},
+                {"gap", row.observed && std::isfinite(row.observed->gap) ? Json(row.observed->gap) : Json()},
+                {"steps_used", row.observed ? Json(row.observed->steps) : Json()},
+                {"agrees", row.observed ? Json(row.observed->agrees) : Json()},
+                {"modes", std::move(modes)},
+                {"state", row.state},
+                {"parameters", std::move(parameters)}};
+  if (!row.note.empty()) document["status"] = row.note;
+  return document;
+}
+
+std::string words_of(const std::optional<double>& h) {
+  return !h ? "-" : std::isinf(*h) ? "unbounded" : std::isnan(*h) ? "grows" : short_number(*h, 7);
+}
+
+std::string for_people(const std::vector<Prediction>& rows, bool verified, const Console& console) {
+  std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
+  if (verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
+  TextTable table(std::move(header));
+  for (const Prediction& row : rows) {
+    std::vector<std::string> cells{row.method,
+                                   row.material.empty() ? "-" : row.material,
+                                   words_of(row.h_max),
+                                   std::string(name_of(row.bound)),
+                                   row.limiting ? short_number(row.limiting->omega) : "-",
+                                   row.limiting ? short_number(row.limiting->zeta) : "-"};
+    if (verified) {
+      const auto& seen = row.observed;
+      cells.push_back(seen ? words_of(seen->h_max) : "-");
+      cells.push_back(seen && std::isfinite(seen->gap) ? fmt::format("{:+.4f} %", 100 * seen->gap) : "-");
+      cells.push_back(seen ? std::to_string(seen->steps) : "-");
+    }
+    table.add(std::move(cells));
+  }
+  return table.text(console);
+}
+
+void predict_rows(const PredictOptions& options, Console& console) {
+  if (options.methods.empty())
+    throw InputError(
+        "no methods are given; name them with --methods, like ode45,newmark, a family of `hmax list "
+        "methods`, or all");
+  const auto& interrupted = interrupt_flag();
+  std::vector<Problem> problems;
+  for (const std::string& material : materials_of(options)) {
+    ProblemChoice choice = options.problem;
+    choice.material = material;
+    problems.push_back(choice.make());
+  }
+  const std::vector<Method> chosen = choose_methods(parse_names("--methods", options.methods), problems);
+  std::vector<Prediction> rows;
+  {
+    Progress progress(console, "predict");
+    const auto total = static_cast<double>(problems.size() * chosen.size());
+    for (const Problem& problem : problems) {
+      const Linearised near = linearised(problem);
+      for (const Method& method : chosen) {
+        if (interrupted) throw Interrupted{};
+        progress.update(static_cast<double>(rows.size()) / total, method.id);
+        Prediction row = predict(method, problem, near);
+        if (options.verify) verify(row, method, problem, near);
+        if (row.observed && !row.observed->agrees) console.exit_code = Exit::failed;
+        rows.push_back(std::move(row));
+      }
+    }
+  }
+  if (console.json) {
+    Json list = Json::array();
+    for (const Prediction& row : rows) list.push_back(to_json(row));
+    return console.print_json({{"rows", std::move(list)}});
+  }
+  console.print(for_people(rows, options.verify, console));
+  std::string remarks = fmt::format("\n{}: {}\n", problems.front().id, rows.front().state);
+  for (const Prediction& row : rows)
+    if (!row.note.empty() && row.bound != Bound::error_control)
+      remarks +=
+          fmt::format("{}{}: {}\n", row.method, row.material.empty() ? "" : ", " + row.material, row.note);
+  console.print(remarks);
+}
+
+}  // namespace
+
+void add_stability_predict(CLI::App& stability, Console& console) {
+  CLI::App& command =
+      add_command(stability, console, "predict",
+                  "The largest stable step of methods on a model, and the mode that sets it",
+                  {"hmax stability predict --problem liver_benchmark --materials all --methods rk4,ode45",
+                   "hmax stability predict --problem liver_benchmark --methods "
+                   "explicit_runge_kutta,structural --verify --json"});
+  const auto options = std::make_shared<PredictOptions>();
+  options->problem.add_to(command);
+  command
+      .add_option("--materials", options->materials,
+                  "Ids of `hmax list materials`; all: both ends of the mass range of each")
+      ->type_name("A,B");
+  command
+      .add_option("--methods,--method", options->methods,
+                  "Ids, aliases or families of `hmax list methods`, or all")
+      ->type_name("A,B");
+  command.add_flag(
+      "--verify", options->verify,
+      "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong");
+  command.callback([options, &console] { predict_rows(*options, console); });
+}
+
+}  // namespace hmax
