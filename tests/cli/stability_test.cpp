@@ -1,0 +1,190 @@
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+Json stability(const std::string& options) {
+  const Told told = Shell().hmax("stability " + options + " --json");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.err, "");
+  return told.json();
+}
+
+/// The keys of a contract with programs.
+void expect_keys(const Json& document, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) EXPECT_TRUE(document.contains(key)) << key << " in " << document.dump();
+}
+
+TEST(StabilityLimits, AreThoseOfTheFactsInOneCall) {
+  struct Fact {
+    std::string method;
+    double real, imaginary;
+  };
+  // docs/facts.md and [hairer1996solving]; the pairs by 128-bit arithmetic.
+  const std::vector<Fact> facts{{"explicit_euler", 2, 0},
+                                {"rk2_heun", 2, 0},
+                                {"rk3_kutta", 2.512745326618, 1.732050807569},
+                                {"bogacki_shampine_32", 2.512745326618, 1.732050807569},
+                                {"rk4", 2.785293563405, 2.828427124746},
+                                {"dormand_prince_54", 3.306567892635, 0.997189008633},
+                                {"adams_bashforth_2", 1, 0},
+                                {"adams_bashforth_3", 6.0 / 11, 0.723627226987},
+                                {"adams_bashforth_4", 0.3, 0.429987079909},
+                                {"abm_pece_2", 2, 1.287188505811},
+                                {"abm_pece_3", 1.728783568074, 0},
+                                {"abm_pece_4", 1.284816263107, 0},
+                                {"adams_pece:order=2", 2.4, 1.2},
+                                {"adams_pece:order=3", 1.934608421157, 1.178471730604}};
+  std::string names;
+  for (const Fact& fact : facts) names += (names.empty() ? "" : ",") + fact.method;
+  const Json rows = stability("limits --method " + names);
+  ASSERT_EQ(rows.size(), facts.size());
+  for (std::size_t i = 0; i < facts.size(); ++i) {
+    EXPECT_EQ(rows[i].at("method"), facts[i].method);
+    EXPECT_NEAR(rows[i].at("real").get<double>(), facts[i].real, 1e-9) << facts[i].method;
+    EXPECT_NEAR(rows[i].at("imaginary").get<double>(), facts[i].imaginary, 1e-9) << facts[i].method;
+    EXPECT_FALSE(rows[i].at("a_stable").get<bool>());
+  }
+  // Where the imaginary axis is left at once, a part in a million later.
+  EXPECT_NEAR(rows[0].at("imaginary_weak").get<double>(), 0.00141421, 1e-8);
+  EXPECT_NEAR(rows[1].at("imaginary_weak").get<double>(), 0.05318297, 1e-8);
+}
+
+TEST(StabilityLimits, HaveTheKeysOfTheContract) {
+  const std::vector<std::string> keys{"method",        "real",     "imaginary", "imaginary_weak",
+                                      "alpha_degrees", "a_stable", "l_stable",  "lobes"};
+  const Json euler = stability("limits --method implicit_euler");
+  expect_keys(euler, keys);
+  EXPECT_EQ(euler.at("real"), "unbounded");
+  EXPECT_EQ(euler.at("imaginary"), "unbounded");
+  EXPECT_EQ(euler.at("alpha_degrees"), 90);
+  EXPECT_TRUE(euler.at("a_stable").get<bool>() && euler.at("l_stable").get<bool>());
+  EXPECT_EQ(euler.at("lobes"), Json::array());
+
+  const Json bdf = stability("limits --method bdf_3,bdf_4,bdf_5");
+  const double published[]{86.03, 73.35, 51.84};
+  for (std::size_t i = 0; i < 3; ++i) {
+    expect_keys(bdf[i], keys);
+    EXPECT_NEAR(bdf[i].at("alpha_degrees").get<double>(), published[i], 0.005);
+    EXPECT_FALSE(bdf[i].at("a_stable").get<bool>());
+  }
+
+  // Positions and velocities: omega h, and no word on a real eigenvalue alone, but why.
+  const Json motion = stability("limits --method stormer_verlet,newmark:beta=0.16666666666666666");
+  for (const Json& row : motion) {
+    expect_keys(row, keys);
+    EXPECT_TRUE(row.at("real").is_null());
+    EXPECT_NE(row.at("status").get<std::string>().find("omega h"), std::string::npos);
+  }
+  EXPECT_NEAR(motion[0].at("imaginary").get<double>(), 2, 1e-9);
+  EXPECT_NEAR(motion[1].at("imaginary").get<double>(), std::sqrt(12.0), 1e-9);
+}
+
+TEST(StabilityRegion, IsClosedCurvesThroughTheLimitsOfTheAxes) {
+  const Json region = stability("region --method rk4");
+  expect_keys(region, {"method", "curves"});
+  ASSERT_EQ(region.at("curves").size(), 1U);
+  const Json& curve = region.at("curves")[0];
+  ASSERT_GT(curve.size(), 100U);
+  EXPECT_EQ(curve.front(), curve.back());
+  double leftmost = 0;
+  for (const Json& point : curve) {
+    ASSERT_EQ(point.size(), 2U);
+    const double re = point[0];
+    if (std::abs(point[1].get<double>()) < 0.02) leftmost = std::min(leftmost, re);
+  }
+  EXPECT_NEAR(leftmost, -2.785293563405, 1e-3);
+}
+
+TEST(StabilityRegion, IsWrittenAsATable) {
+  const Shell shell;
+  const Told told = shell.hmax("stability region --method rk4 --output region.csv");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  const std::string csv = read_text(shell / "region.csv");
+  EXPECT_EQ(csv.rfind("method,curve,re,im\nrk4,0,", 0), 0U) << csv.substr(0, 60);
+}
+
+TEST(NumericalDamping, OfImplicitEulerAtTenMillisecondsIsAQuarterOfCriticalOnEightHertz) {
+  const Json shown = stability("numerical-damping --method implicit_euler --h 0.01 --frequency 8");
+  expect_keys(shown, {"method", "zeta_shown", "zeta_added", "frequency_shown", "period_error"});
+  // |R| = (1 + (omega h)^2)^(-1/2), arg R = atan(omega h)
+  const double x = 2 * std::numbers::pi * 8 * 0.01, decay = 0.5 * std::log1p(x * x), turn = std::atan(x);
+  EXPECT_NEAR(shown.at("zeta_added").get<double>(), decay / std::hypot(decay, turn), 1e-12);
+  EXPECT_NEAR(shown.at("zeta_added").get<double>(), 0.235, 5e-4);
+  EXPECT_NEAR(shown.at("frequency_shown").get<double>(), turn / (2 * std::numbers::pi * 0.01), 1e-9);
+  EXPECT_NEAR(shown.at("frequency_shown").get<double>(), 7.4, 0.02);
+}
+
+TEST(StabilityPredict, HasTheKeysOfTheContractAndIsVerified) {
+  const Json document = stability(
+      "predict --problem liver_benchmark --materials male_slim:light,female_fat:heavy --methods "
+      "rk4,newmark,cvode_bdf,explicit_euler --verify");
+  ASSERT_EQ(document.at("rows").size(), 8U);
+  for (const Json& row : document.at("rows")) {
+    expect_keys(row, {"problem", "material", "method", "h_max", "bound", "limiting", "observed", "gap",
+                      "steps_used"});
+    EXPECT_EQ(row.at("problem"), "liver_benchmark");
+    const std::string bound = row.at("bound");
+    if (row.at("method") == "cvode_bdf") {
+      EXPECT_EQ(bound, "error_control");
+      EXPECT_TRUE(row.at("h_max").is_null());
+      EXPECT_TRUE(row.contains("status"));
+    } else if (row.at("method") == "newmark") {
+      EXPECT_EQ(row.at("h_max"), "unbounded");
+      EXPECT_EQ(row.at("observed"), "unbounded");
+      EXPECT_EQ(bound, "accuracy");
+    } else {
+      EXPECT_EQ(bound, "stability");
+      expect_keys(row.at("limiting"), {"re", "im", "omega", "zeta"});
+      EXPECT_LE(std::abs(row.at("gap").get<double>()), 1e-3);
+      EXPECT_GT(row.at("steps_used").get<int>(), 0);
+    }
+  }
+}
+
+TEST(StabilityPredict, OfExplicitEulerIsTheClosedFormOfTheLinearModel) {
+  // m 1.45: underdamped h = c / k; overdamped 4 m / (c + sqrt(c^2 - 4 k m)).
+  struct Case {
+    const char* set;
+    double h;
+  };
+  for (const auto& [set, h] : {Case{"--set c=2 --set k1=0.7", 2.857142857142857},
+                               {"--set c=10 --set k1=0.7", 5.8 / (10 + std::sqrt(100 - 4 * 0.7 * 1.45))},
+                               {"--set c=0.1 --set k1=5.3", 0.1 / 5.3}}) {
+    const Json row = stability(std::string("predict --problem liver_linear --methods explicit_euler ") + set)
+                         .at("rows")[0];
+    EXPECT_NEAR(row.at("h_max").get<double>(), h, 1e-12 * h) << set;
+  }
+}
+
+TEST(Stability, RefusesBadInputInOneSentence) {
+  const Shell shell;
+  expect_refused(shell.hmax("stability limits --method rk5"), "rk5");
+  expect_refused(shell.hmax("stability limits"), "--method");
+  expect_refused(shell.hmax("stability limits --method adams_pece"), "order");
+  expect_refused(shell.hmax("stability limits --method cvode_bdf"), "cvode_bdf");
+  expect_refused(shell.hmax("stability limits --method bdf_7"), "bdf_7");
+  expect_refused(shell.hmax("stability region --method rk4 --window nonsense"), "--window");
+  expect_refused(shell.hmax("stability region --method rk4 --window 1,-1,0,1"), "--window");
+  expect_refused(shell.hmax("stability region --method rk4 --output no/such/folder.csv"),
+                 "no/such/folder.csv");
+  for (const char* h : {"0", "-0.01", "nan", "inf"})
+    expect_refused(shell.hmax(std::string("stability numerical-damping --method rk4 --frequency 8 --h=") + h),
+                   "--h");
+  expect_refused(shell.hmax("stability numerical-damping --method rk4 --h 0.01 --frequency 8 --zeta=-1"),
+                 "--zeta");
+  expect_refused(shell.hmax("stability numerical-damping --method rk4 --h 0.01"), "--frequency");
+  expect_refused(shell.hmax("stability predict --problem liver_benchmark --methods rk4 --materials steel"),
+                 "steel");
+  expect_refused(shell.hmax("stability predict --problem liver_benchmark"), "--methods");
+  expect_refused(shell.hmax("stability predict --problem no_such --methods rk4"), "no_such");
+}
+
+}  // namespace
+}  // namespace hmax
