@@ -2,7 +2,6 @@
 #include "cli/stability.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include <CLI/CLI.hpp>
@@ -11,7 +10,6 @@
 
 #include "analysis/limits.hpp"
 #include "analysis/numerical_damping.hpp"
-#include "analysis/region.hpp"
 #include "bench/formulas.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
@@ -26,14 +24,6 @@ using Json = nlohmann::ordered_json;
 
 std::string number_or_unbounded(double value, int digits = 10) {
   return std::isinf(value) ? "unbounded" : short_number(value, digits);
-}
-
-std::vector<Formula> formulas_of(const std::string& names) {
-  if (names.empty())
-    throw InputError(
-        "no method is given; name one with --method, like rk4, adams_pece:order=4 or bdf_3, or several with "
-        "commas");
-  return choose_formulas(parse_names("--method", names));
 }
 
 // ---- limits
@@ -116,70 +106,6 @@ void limits(const std::string& names, Console& console) {
       "damping.\n");
 }
 
-// ---- region
-
-struct RegionOptions {
-  std::string method, window, output;
-  int cells = 400;
-};
-
-/// The window of the user, or one that fits.
-PlaneWindow window_for(const RegionOptions& options, const Amplification& amplification) {
-  if (options.window.empty()) return window_of(amplification);
-  const std::vector<double> numbers = parse_numbers("--window", options.window);
-  if (numbers.size() != 4 || !(numbers[0] < numbers[1]) || !(numbers[2] < numbers[3]) ||
-      !std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }))
-    throw InputError(
-        fmt::format("--window {} is no rectangle; write re_from,re_to,im_from,im_to with smaller numbers "
-                    "first, like -4,1,-4,4",
-                    options.window));
-  return {numbers[0], numbers[1], numbers[2], numbers[3]};
-}
-
-void region(const RegionOptions& options, Console& console) {
-  const std::vector<Formula> formulas = formulas_of(options.method);
-  Json documents = Json::array();
-  std::string csv = "method,curve,re,im\n", text;
-  for (const Formula& formula : formulas) {
-    const PlaneWindow window = window_for(options, *formula.amplification);
-    const std::vector<RegionCurve> curves =
-        region_boundary(stable_at(*formula.amplification), window, options.cells);
-    Json list = Json::array(), about = Json::array();
-    text += fmt::format("{}: {} closed curve{} in [{}, {}] x i [{}, {}]\n", formula.id, curves.size(),
-                        curves.size() == 1 ? "" : "s", short_number(window.re_from, 4),
-                        short_number(window.re_to, 4), short_number(window.im_from, 4),
-                        short_number(window.im_to, 4));
-    for (std::size_t i = 0; i < curves.size(); ++i) {
-      Json points = Json::array();
-      for (const Complex z : curves[i].points) {
-        points.push_back({z.real(), z.imag()});
-        csv += fmt::format("{},{},{},{}\n", formula.id, i, to_text(z.real()), to_text(z.imag()));
-      }
-      points.push_back(points.front());
-      list.push_back(std::move(points));
-      const double area = curves[i].area();
-      about.push_back({{"area", area}, {"hole", area < 0}, {"clipped", curves[i].clipped}});
-      text += fmt::format("  {} of area {}, {} points{}\n", area < 0 ? "hole" : "outline",
-                          short_number(std::abs(area)), curves[i].points.size(),
-                          curves[i].clipped ? ", closed along the edge of the window" : "");
-    }
-    documents.push_back({{"method", formula.id},
-                         {"window", {window.re_from, window.re_to, window.im_from, window.im_to}},
-                         {"curves", std::move(list)},
-                         {"about", std::move(about)}});
-  }
-  if (!options.output.empty()) {
-    std::ofstream file(options.output, std::ios::binary);
-    file << csv;
-    if (!file.flush())
-      throw InputError(
-          fmt::format("{} cannot be written; choose another place with --output", options.output));
-    text += fmt::format("The points: {}\n", options.output);
-  }
-  if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);
-  console.print(text);
-}
-
 // ---- numerical damping
 
 struct DampingOptions {
@@ -231,6 +157,14 @@ void numerical_damping(const DampingOptions& options, Console& console) {
 
 }  // namespace
 
+std::vector<Formula> formulas_of(const std::string& names) {
+  if (names.empty())
+    throw InputError(
+        "no method is given; name one with --method, like rk4, adams_pece:order=4 or bdf_3, or several with "
+        "commas");
+  return choose_formulas(parse_names("--method", names));
+}
+
 Json number_or_word(double value) {
   return std::isnan(value) ? Json() : std::isinf(value) ? Json("unbounded") : Json(value);
 }
@@ -249,23 +183,7 @@ void add_stability(CLI::App& app, Console& console) {
   limits_command.add_option("--method,--methods", *method, formulas)->type_name("A,B");
   limits_command.callback([method, &console] { limits(*method, console); });
 
-  CLI::App& region_command =
-      add_command(stability, console, "region", "The boundary of the stability region as closed curves",
-                  {"hmax stability region --method dormand_prince_54",
-                   "hmax stability region --method rk4 --window -4,1,-4,4 --json"});
-  const auto options = std::make_shared<RegionOptions>();
-  region_command.add_option("--method,--methods", options->method, formulas)->type_name("A,B");
-  region_command
-      .add_option("--window", options->window,
-                  "Part of the plane, re_from,re_to,im_from,im_to; one that fits by default")
-      ->type_name("NUMBERS");
-  region_command
-      .add_option("--cells", options->cells, "Squares along the longer side of the grid; 400 by default")
-      ->check(CLI::Range(2, 4000))
-      ->type_name("NUMBER");
-  region_command.add_option("--output", options->output, "Write the points of the curves to this CSV file")
-      ->type_name("FILE.csv");
-  region_command.callback([options, &console] { region(*options, console); });
+  add_stability_region(stability, console, formulas);
 
   CLI::App& damping_command =
       add_command(stability, console, "numerical-damping",

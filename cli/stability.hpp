@@ -1,6 +1,7 @@
 /// What the subcommands of `hmax stability` share.
 #pragma once
 
+#include "bench/formulas.hpp"
 #include "cli/console.hpp"
 
 namespace hmax {
@@ -8,6 +9,11 @@ namespace hmax {
 /// A number, "unbounded" for infinity, null for NaN.
 nlohmann::ordered_json number_or_word(double value);
 
+/// The formulas of --method. @throws InputError when there is none
+std::vector<Formula> formulas_of(const std::string& names);
+
+/// @param formulas  what can be named, for --help
+void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas);
 void add_stability_predict(CLI::App& stability, Console& console);
 
 }  // namespace hmax

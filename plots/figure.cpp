@@ -38,6 +38,17 @@ auto wrapped(const Array& values, int index) {
   return values[static_cast<std::size_t>(((index % size) + size) % size)];
 }
 
+/// A colour mixed with white.
+std::string shaded(int colour, double shade) {
+  const std::string full = wrapped(colours, colour);
+  std::string mixed = "#";
+  for (const std::size_t at : {1U, 3U, 5U}) {
+    const double part = std::stoi(full.substr(at, 2), nullptr, 16);
+    mixed += fmt::format("{:02x}", std::lround(255 - std::clamp(shade, 0.0, 1.0) * (255 - part)));
+  }
+  return mixed;
+}
+
 const char* colour_of(const Style& style) { return wrapped(style.light ? tints : colours, style.colour); }
 
 std::string line_of(const Style& style) {
@@ -105,14 +116,16 @@ struct Entry {
   std::string label;
   Style style;
   bool line;
+  std::string fill = {};  ///< the colour of a filled sample, where it is one
 };
 
 std::vector<Entry> key_of(const Figure& figure) {
   std::vector<Entry> entries;
-  const auto add = [&](const std::string& label, const Style& style, bool line) {
+  const auto add = [&](const std::string& label, const Style& style, bool line,
+                       const std::string& fill = {}) {
     const bool known =
         std::any_of(entries.begin(), entries.end(), [&](const Entry& e) { return e.label == label; });
-    if (!label.empty() && !known) entries.push_back({label, style, line});
+    if (!label.empty() && !known) entries.push_back({label, style, line, fill});
   };
   for (const Panel& panel : figure.panels)
     for (const Curve& curve : panel.curves) add(curve.label, curve.style, curve.line);
@@ -121,6 +134,9 @@ std::vector<Entry> key_of(const Figure& figure) {
   for (const Panel& panel : figure.panels)
     for (const Area& area : panel.areas)
       add(area.label, {.colour = area.colour, .marker = 5, .size = 1.4, .light = true}, false);
+  for (const Panel& panel : figure.panels)
+    for (const Fill& fill : panel.fills)
+      add(fill.label, {.marker = 5, .size = 1.4}, false, shaded(fill.colour, fill.shade));
   return entries;
 }
 
@@ -190,6 +206,12 @@ Extent extent_of(const Panel& panel, double panel_width, double panel_height) {
       for (const double side : {-0.5, 0.5}) {
         x.include(area.x[i] + side * area.w[i], panel.x);
         y.include(area.y[i] + side * area.h[i], panel.y);
+      }
+  for (const Fill& fill : panel.fills)
+    for (const auto& loop : fill.loops)
+      for (const auto& [at_x, at_y] : loop) {
+        x.include(at_x, panel.x);
+        y.include(at_y, panel.y);
       }
   for (const Mark& mark : panel.marks) {
     x.include(mark.x, panel.x);
@@ -277,7 +299,7 @@ class Writer {
         "unset key\n"
         "set bars 0.4\n"
         "set border 3 lc rgb '#606060' lw 0.8\n"
-        "set grid lc rgb '#d4d4d4' lw 0.6 dt 1\n"
+        "set style line 100 lc rgb '#d4d4d4' lw 0.6 dt 1\n"
         "set multiplot\n",
         name_, width, height_, 2 * width, 2 * height_, width / 100, height_ / 100,
         gnuplot_string(name_ + "."));
@@ -320,7 +342,7 @@ int Writer::block(const std::string& comment, const std::vector<std::array<doubl
 void Writer::panel(const Panel& panel, std::size_t index) {
   const auto column = static_cast<double>(index % static_cast<std::size_t>(columns_));
   const double share = width / columns_;
-  const double left = share * column + left_margin, right = share * (column + 1) - right_margin;
+  const double left = share * column + left_margin, right = left + panel_width(columns_);
   const double top = tops_[index / static_cast<std::size_t>(columns_)], bottom = top + figure_.panel_height;
   const Extent extent = extent_of(panel, right - left, figure_.panel_height);
 
@@ -338,6 +360,7 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   script_ += fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}\n", up(top), up(bottom));
   script_ += fmt::format("set xlabel {} noenhanced offset 0,0.3\n", gnuplot_string(panel.x.label));
   script_ += "unset ylabel\n";
+  script_ += panel.grid ? "set grid ls 100\n" : "unset grid\n";
   label(panel.y.label, share * column + 14, (top + bottom) / 2, "'sans-serif,12'", "center rotate by 90");
   script_ += panel.x.logarithmic ? "set logscale x\n" : "unset logscale x\n";
   script_ += panel.y.logarithmic ? "set logscale y\n" : "unset logscale y\n";
@@ -371,6 +394,21 @@ void Writer::panel(const Panel& panel, std::size_t index) {
     drawn.push_back(source(block(fmt::format("{}: x, y, half width, half height", area.label), rows, 4)) +
                     fmt::format(" using 1:2:3:4 with boxxyerror fs solid 1 noborder lc rgb '{}'",
                                 colour_of({.colour = area.colour, .light = true})));
+  }
+  for (const Fill& fill : panel.fills) {
+    // One path for all loops: every later one is reached from the start of the first and left to it again,
+    // and what is gone along twice encloses nothing.
+    std::vector<std::array<double, 4>> rows;
+    for (const auto& loop : fill.loops) {
+      if (loop.size() < 3) continue;
+      for (const auto& [x, y] : loop) rows.push_back({x, y, 0, 0});
+      rows.push_back({loop.front()[0], loop.front()[1], 0, 0});
+      if (rows.size() > loop.size() + 1) rows.push_back(rows.front());
+    }
+    if (rows.empty()) continue;
+    drawn.push_back(source(block(fmt::format("{} | {}: area, x, y", panel.title, fill.label), rows, 2)) +
+                    fmt::format(" using 1:2 with filledcurves closed fs solid 1 noborder fc rgb '{}'",
+                                shaded(fill.colour, fill.shade)));
   }
   if (!panel.arrows.x.empty()) {
     std::vector<std::array<double, 4>> rows;
@@ -441,8 +479,10 @@ void Writer::key() {
       script_ += fmt::format("set arrow from screen {:.5f},{:.5f} to screen {:.5f},{:.5f} nohead {}\n",
                              across(x), up(y), across(x + key_sample), up(y), line_of(entry.style));
     if (entry.style.marker != 0)
-      script_ += fmt::format("set label '' at screen {:.5f},{:.5f} point {}\n", across(x + key_sample / 2),
-                             up(y), point_of(entry.style, entry.line ? 0.75 : 1.15));
+      script_ +=
+          fmt::format("set label '' at screen {:.5f},{:.5f} point {}\n", across(x + key_sample / 2), up(y),
+                      entry.fill.empty() ? point_of(entry.style, entry.line ? 0.75 : 1.15)
+                                         : fmt::format("pt 5 ps 1.61 lc rgb '{}'", entry.fill));
     label(entry.label, x + key_sample + 8, y, "'sans-serif,12'");
   }
   if (!figure_.footer.empty()) label(figure_.footer, 16, height_ - 11, "'sans-serif,10'", "tc rgb '#808080'");
@@ -483,6 +523,8 @@ Style family_style(int k, bool markers) {
   constexpr std::array shapes{7, 5, 9, 13, 6, 4, 8, 12};
   return {.colour = k, .dash = k, .marker = markers ? wrapped(shapes, k) : 0};
 }
+
+double panel_width(int columns) { return width / std::max(1, columns) - left_margin - right_margin; }
 
 FigureSource source_of(const Figure& figure, const std::string& name) { return Writer(figure, name).write(); }
 

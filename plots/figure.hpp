@@ -48,6 +48,16 @@ struct Area {
   int colour = 0;                                      ///< as Style::colour
 };
 
+/// A plane area with a rim of any shape, filled evenly under every curve; later ones cover earlier ones.
+struct Fill {
+  std::string label = {};  ///< text in the key; empty: not in the key
+  /// Closed loops, each without its first point repeated. What lies inside of one that runs counter-clockwise
+  /// is filled, what lies inside of a clockwise one is left out: a hole.
+  std::vector<std::vector<std::array<double, 2>>> loops = {};
+  int colour = 0;       ///< as Style::colour
+  double shade = 0.28;  ///< of the colour: 0 white, 1 full
+};
+
 /// A point with a meaning of its own.
 struct Mark {
   double x, y;
@@ -72,6 +82,8 @@ struct Panel {
   std::vector<Mark> marks = {};
   Arrows arrows = {};
   std::vector<Area> areas = {};
+  std::vector<Fill> fills = {};
+  bool grid = true;                     ///< lines at the tics, which fills cover
   std::vector<std::string> notes = {};  ///< small lines under the title
   std::string lost_label = "diverged";  ///< what the strip of lost runs is called
 };
@@ -84,6 +96,9 @@ struct Figure {
   std::string footer = {};  ///< method, tolerance, machine; small and grey
   int panel_height = 300;   ///< of the plotting area, in pixels of a figure 900 wide
 };
+
+/// The width of the plotting area of each of `columns` panels, in the pixels that panel_height counts.
+double panel_width(int columns);
 
 /// What `draw` left behind.
 struct FigureFiles {

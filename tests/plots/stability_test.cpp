@@ -1,0 +1,115 @@
+#include "plots/stability.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <regex>
+
+#include <gtest/gtest.h>
+
+namespace hmax {
+namespace {
+
+/// A circle, counter-clockwise, or clockwise as a hole.
+PlaneCurve circle(double x, double y, double radius, bool hole = false) {
+  PlaneCurve points;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = (hole ? -1 : 1) * std::numbers::pi * i / 30;
+    points.push_back({x + radius * std::cos(angle), y + radius * std::sin(angle)});
+  }
+  return points;
+}
+
+/// Pixels of a unit on the x axis over those of one on the y axis, as gnuplot will draw them.
+double ratio_of_units(const std::string& script) {
+  const auto number = [&](const std::string& before) {
+    std::smatch match;
+    if (!std::regex_search(script, match, std::regex(before + "([-+.0-9e]+)"))) return std::nan("");
+    return std::stod(match[1]);
+  };
+  const double width = number("set terminal svg size "), height = number("set terminal svg size [0-9.]+,");
+  const double across = (number("set rmargin at screen ") - number("set lmargin at screen ")) * width;
+  const double up = (number("set tmargin at screen ") - number("set bmargin at screen ")) * height;
+  const double re = number("set xrange \\[[-+.0-9e]+:") - number("set xrange \\[");
+  const double im = number("set yrange \\[[-+.0-9e]+:") - number("set yrange \\[");
+  return (across / re) / (up / im);
+}
+
+TEST(StabilityFigures, AUnitIsEquallyLongOnBothAxes) {
+  const std::pair<Range, Range> rectangles[] = {
+      {{-3, 1}, {-3, 3}}, {{-700, 30}, {-5, 5}}, {{-1, 1}, {-40, 40}}, {{-0.02, 0.01}, {-0.03, 0.01}}};
+  for (const auto& [re, im] : rectangles)
+    for (const int columns : {1, 2}) {
+      const PlaneFrame frame = equal_frame(re, im, columns);
+      EXPECT_LE(frame.re.low, re.low + 1e-3 * (re.high - re.low));
+      EXPECT_GE(frame.im.high, im.high - 1e-3 * (im.high - im.low));
+      const Figure figure{
+          .panels = {region_panel({}, frame)}, .columns = columns, .panel_height = frame.height};
+      EXPECT_NEAR(ratio_of_units(source_of(figure, "region").script), 1, 1e-3);
+    }
+}
+
+TEST(StabilityFigures, AHoleIsLeftOutOfTheFill) {
+  const RegionShape ring{.label = "ring", .loops = {circle(0, 0, 2), circle(0, 0, 1, true)}};
+  const Panel panel = region_panel(ring, equal_frame({-3, 3}, {-3, 3}, 1));
+  ASSERT_EQ(panel.fills.size(), 1U);
+  EXPECT_EQ(panel.fills[0].loops.size(), 2U);
+  // The two axes and the two rims, which close.
+  ASSERT_EQ(panel.curves.size(), 4U);
+  EXPECT_EQ(panel.curves[2].x.size(), 61U);
+  EXPECT_EQ(panel.curves[2].x.front(), panel.curves[2].x.back());
+  // One path: both loops closed, and back to the start of the first.
+  const std::string data = source_of({.panels = {panel}}, "ring").data;
+  const std::string fill = data.substr(0, data.find("\n\n"));
+  EXPECT_EQ(std::count(fill.begin(), fill.end(), '\n'), 61 + 61 + 1);
+  EXPECT_EQ(fill.substr(fill.rfind('\n') + 1), "2 0");
+}
+
+TEST(StabilityFigures, NoRimIsDrawnAlongTheFrame) {
+  const PlaneFrame frame = equal_frame({-3, 3}, {-2, 2}, 1);
+  const auto [left, right] = frame.re;
+  const auto [bottom, top] = frame.im;
+  const RegionShape half{.loops = {{{left, bottom}, {0, bottom}, {0, 0}, {0, top}, {left, top}}}};
+  const Panel panel = region_panel(half, frame);
+  ASSERT_EQ(panel.curves.size(), 3U);
+  EXPECT_EQ(panel.curves[2].x, (std::vector<double>{0, 0, 0}));
+  EXPECT_EQ(panel.curves[2].y, (std::vector<double>{bottom, 0, top}));
+}
+
+TEST(StabilityFigures, SeveralRegionsDifferInColourAndDash) {
+  const Panel panel =
+      regions_panel({{"a", {circle(-1, 0, 1)}}, {"b", {circle(-1, 0, 2)}}}, equal_frame({-4, 4}, {-3, 3}, 1));
+  ASSERT_EQ(panel.curves.size(), 4U);
+  EXPECT_TRUE(panel.fills.empty());
+  EXPECT_NE(panel.curves[2].style.colour, panel.curves[3].style.colour);
+  EXPECT_NE(panel.curves[2].style.dash, panel.curves[3].style.dash);
+}
+
+TEST(StabilityFigures, AFieldIsDeeperTheMoreItDampsAndTheMoreItAmplifies) {
+  std::vector<FieldLevel> levels;
+  for (const double level : {10.0, 2.0, 1.0, 0.5}) levels.push_back({level, {"", {circle(0, 0, level)}}});
+  const Panel panel =
+      field_panel(levels, {"spectral radius 1", {circle(0, 0, 1)}}, equal_frame({-3, 3}, {-3, 3}, 1));
+  ASSERT_EQ(panel.fills.size(), 5U);
+  EXPECT_EQ(panel.fills[0].label, "> 10");
+  EXPECT_GT(panel.fills[0].shade, panel.fills[1].shade);
+  EXPECT_GT(panel.fills[1].shade, panel.fills[2].shade);
+  EXPECT_LT(panel.fills[3].shade, panel.fills[4].shade);
+  EXPECT_NE(panel.fills[2].colour, panel.fills[3].colour);
+  const std::string script = source_of({.panels = {panel}}, "field").script;
+  EXPECT_NE(script.find("≤ 0.5"), std::string::npos);
+}
+
+TEST(StabilityFigures, AChartEndsWhereStepsAreUnstable) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const Panel one = oscillation_panel({{"", {0, 1, 2}, {2, 1, 0.5}}});
+  ASSERT_EQ(one.fills.size(), 1U);
+  EXPECT_EQ(one.fills[0].loops[0].size(), 5U);
+  const Panel two = oscillation_panel({{"a", {0, 2}, {2, 1}}, {"b", {0, 2}, {infinity, infinity}}});
+  EXPECT_TRUE(two.fills.empty());
+  EXPECT_EQ(two.curves[1].label, "b: every ωh");
+  // What never ends lies beyond the edge.
+  EXPECT_GT(two.curves[1].x[0], two.x.range->high);
+}
+
+}  // namespace
+}  // namespace hmax
