@@ -245,17 +245,19 @@ Distance distance_from(const Eigen::VectorXd& rest, const Eigenvectors& vectors,
   };
 }
 
-Growth growth_of(const Method& method, Complex lambda) {
+/// What the method makes of mode `i` of the row: an oscillation as a whole where it steps positions and
+/// velocities.
+Growth growth_of(const Method& method, const Prediction& row, const Linearised& near, std::size_t i) {
   return method.amplification->of_oscillation
-             ? method.amplification->of_oscillation(MechanicalMode::of(lambda))
-             : method.amplification->of_eigenmode(Eigenmode(lambda));
+             ? method.amplification->of_oscillation(near.spectrum.mechanical.at(i))
+             : method.amplification->of_eigenmode(Eigenmode(row.modes.at(i).mode.lambda));
 }
 
 /// The logarithm of the largest factor below one by which a step of size h multiplies part of the motion.
-double decay_beside(const Method& method, const Prediction& row, double h) {
+double decay_beside(const Method& method, const Prediction& row, const Linearised& near, double h) {
   double slowest = 0;
-  for (const ModeMargin& margin : row.modes) {
-    const Growth growth = growth_of(method, margin.mode.lambda);
+  for (std::size_t i = 0; i < row.modes.size(); ++i) {
+    const Growth growth = growth_of(method, row, near, i);
     if (!growth.polynomial) continue;
     for (const Complex root : growth.polynomial->roots(h))
       if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
@@ -263,13 +265,29 @@ double decay_beside(const Method& method, const Prediction& row, double h) {
   return std::log(slowest);
 }
 
-/// The logarithm of the largest amplification at h, over all modes.
-double predicted_growth(const Method& method, const Prediction& row, double h) {
-  double radius = 0;
-  for (const ModeMargin& margin : row.modes) {
-    radius = std::max(radius, growth_of(method, margin.mode.lambda).spectral_radius(h));
-  }
-  return std::log(radius);
+/// The logarithm of what a run from a mode shows of its growth at h. The run begins in the root near
+/// exp(lambda h); another one, which only methods of several steps have, begins as small as rounding and has
+/// to grow by so much more.
+double visible_growth(const Method& method, const Growth& growth, Complex lambda, double h) {
+  const double whole = std::log(growth.spectral_radius(h));
+  if (!growth.polynomial || method.amplification->of_oscillation) return whole;
+  const std::vector<Complex> roots = growth.polynomial->roots(h);
+  const auto near = std::ranges::min_element(
+      roots, {}, [&](Complex root) { return std::abs(root - std::exp(lambda * h)); });
+  // Where that root decays, what is left is soon the other one.
+  if (std::abs(*near) < 1 - 1e-4 || std::log(std::abs(*near)) > whole / 2) return whole;
+  constexpr double from_rounding = 150;  // 2 ln 1e16, beside what is visible
+  return whole / from_rounding;
+}
+
+/// A driven linear oscillator moves about its forced motion as the free one moves about zero, and at steps
+/// far beyond every time scale only the latter can be told from rounding.
+void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
+  if (!is_linear(problem)) return;
+  OscillatorParameters parameters = std::get<Oscillator>(problem.system).parameters();
+  parameters.P = 0;
+  problem.system = Oscillator(parameters);
+  rest.setZero();
 }
 
 }  // namespace
@@ -289,14 +307,17 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   for (double& x : start) x += 0.01 * start.cwiseAbs().maxCoeff() * uniform(random);
   // Small enough for the model to be linear; about rest at zero nothing is lost by that.
   const double size = is_linear(problem) ? 1 : 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
-  const ShowSteps run = steps_of(method, problem, near.model.y, size * start);
+  Problem free = problem;
+  Eigen::VectorXd rest = near.model.y;
+  take_off_drive(free, rest);
+  const ShowSteps run = steps_of(method, free, rest, size * start);
 
   double slowest = infinity, fastest = 0;
   for (const ModeMargin& margin : row.modes) {
     if (margin.mode.omega > 0) slowest = std::min(slowest, margin.mode.omega);
     fastest = std::max(fastest, margin.mode.omega);
   }
-  const Distance distance = distance_from(near.model.y, vectors, fastest);
+  const Distance distance = distance_from(rest, vectors, fastest);
   Observation seen;
   if (row.bound != Bound::stability) {
     const double h = 1e6 / slowest;
@@ -305,9 +326,13 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
     seen.gap = std::numeric_limits<double>::quiet_NaN();
   } else {
-    const double growth = std::max(predicted_growth(method, row, 1.001 * *row.h_max), 1e-12);
+    const auto limiting = std::ranges::min_element(
+        row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - wanted); });
+    const Growth of_limiting =
+        growth_of(method, row, near, static_cast<std::size_t>(limiting - row.modes.begin()));
+    const double growth = std::max(visible_growth(method, of_limiting, wanted, 1.001 * *row.h_max), 1e-12);
     const ObservedLimit limit =
-        observe_limit(run, distance, *row.h_max, growth, decay_beside(method, row, *row.h_max));
+        observe_limit(run, distance, *row.h_max, growth, decay_beside(method, row, near, *row.h_max));
     seen = {.h_max = limit.h,
             .gap = limit.h / *row.h_max - 1,
             .steps = limit.steps,
