@@ -197,6 +197,7 @@ void add_stability(CLI::App& app, Console& console) {
   damping_command.callback([damping, &console] { numerical_damping(*damping, console); });
 
   add_stability_predict(stability, console);
+  add_stability_gallery(stability, console, formulas);
 }
 
 }  // namespace hmax

@@ -15,5 +15,6 @@ std::vector<Formula> formulas_of(const std::string& names);
 /// @param formulas  what can be named, for --help
 void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas);
 void add_stability_predict(CLI::App& stability, Console& console);
+void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas);
 
 }  // namespace hmax

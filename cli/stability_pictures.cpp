@@ -83,10 +83,29 @@ bool is_chart(const std::vector<Formula>& formulas, const PlaneLook& look) {
          std::ranges::all_of(formulas, steps_motion);
 }
 
+/// The window of the look; where none is asked for and the region ends inside of the one that fits, no more
+/// of that than is needed.
+PlaneWindow close_window_of(const Formula& formula, const PlaneLook& look) {
+  const PlaneWindow window = window_of(formula, look);
+  // Steps of the code are too dear to be taken twice.
+  if (look.window || look.view == PlaneView::order_star || formula.amplification->measured) return window;
+  PlaneLook coarse = look;
+  coarse.cells = 100;
+  const std::vector<RegionCurve> curves = curves_of(formula, coarse, window);
+  if (curves.empty() || std::ranges::any_of(curves, &RegionCurve::clipped)) return window;
+  PlaneWindow close{0, 0, 0, 0};
+  for (const RegionCurve& curve : curves)
+    for (const Complex z : curve.points)
+      close = {std::min(close.re_from, z.real()), std::max(close.re_to, z.real()),
+               std::min(close.im_from, z.imag()), std::max(close.im_to, z.imag())};
+  const double margin = 0.08 * std::max(close.re_to - close.re_from, close.im_to - close.im_from);
+  return {close.re_from - margin, close.re_to + 1.5 * margin, close.im_from - margin, close.im_to + margin};
+}
+
 PlaneWindow united(const std::vector<Formula>& formulas, const PlaneLook& look) {
-  PlaneWindow all = window_of(formulas.front(), look);
+  PlaneWindow all = close_window_of(formulas.front(), look);
   for (const Formula& formula : formulas) {
-    const PlaneWindow window = window_of(formula, look);
+    const PlaneWindow window = close_window_of(formula, look);
     all = {std::min(all.re_from, window.re_from), std::max(all.re_to, window.re_to),
            std::min(all.im_from, window.im_from), std::max(all.im_to, window.im_to)};
   }
@@ -111,7 +130,7 @@ std::string sentence(const std::vector<Formula>& formulas, const PlaneLook& look
 }
 
 std::string upto(double value) {
-  return std::isinf(value) ? "unbounded" : value == 0 ? "none" : short_number(value, 5);
+  return std::isinf(value) ? "unbounded" : value == 0 ? "none" : short_number(value, 4);
 }
 
 }  // namespace
@@ -155,7 +174,7 @@ Panel panel_of(const Formula& formula, const PlaneLook& look, int columns, int l
     panel = oscillation_panel({limit});
     if (height != nullptr) *height = std::clamp(330, least_height, most_height);
   } else {
-    const PlaneFrame frame = frame_of(window_of(formula, look), columns, least_height, most_height);
+    const PlaneFrame frame = frame_of(close_window_of(formula, look), columns, least_height, most_height);
     panel = look.view == PlaneView::field
                 ? field_of(formula, look, frame)
                 : region_panel(shape_of("", curves_of(formula, look, window_of(frame))), frame, axes_of(look),
@@ -202,7 +221,9 @@ std::vector<std::string> limits_in_words(const Formula& formula) {
   const StabilityLimits limits = stability_limits(*formula.amplification);
   std::vector<std::string> lines;
   if (steps_motion(formula))
-    lines.push_back(fmt::format("undamped up to ωh = {}", upto(limits.imaginary)));
+    lines.push_back(std::isinf(limits.imaginary)
+                        ? "undamped: every ωh"
+                        : fmt::format("undamped: up to ωh = {}", upto(limits.imaginary)));
   else if (upto(limits.imaginary_weak) != upto(limits.imaginary))
     lines.push_back(fmt::format("real axis {}, imaginary axis {} (weakly {})", upto(limits.real),
                                 upto(limits.imaginary), upto(limits.imaginary_weak)));
@@ -212,10 +233,10 @@ std::vector<std::string> limits_in_words(const Formula& formula) {
   std::string stable = limits.l_stable   ? "A- and L-stable"
                        : limits.a_stable ? "A-stable"
                        : limits.alpha_degrees && *limits.alpha_degrees > 0
-                           ? fmt::format("A({})-stable", short_number(*limits.alpha_degrees, 5) + "°")
+                           ? fmt::format("A({})-stable", short_number(*limits.alpha_degrees, 4) + "°")
                            : "";
   if (!stable.empty() && !limits.l_stable && limits.at_infinity && std::isfinite(*limits.at_infinity))
-    stable += fmt::format(", {} left of infinitely fast modes", short_number(*limits.at_infinity, 3));
+    stable += fmt::format(", {} at infinity", short_number(*limits.at_infinity, 3));
   lines.push_back(stable.empty() ? fmt::format("order {}", formula.order)
                                  : fmt::format("order {}, {}", formula.order, stable));
   return lines;

@@ -38,17 +38,6 @@ auto wrapped(const Array& values, int index) {
   return values[static_cast<std::size_t>(((index % size) + size) % size)];
 }
 
-/// A colour mixed with white.
-std::string shaded(int colour, double shade) {
-  const std::string full = wrapped(colours, colour);
-  std::string mixed = "#";
-  for (const std::size_t at : {1U, 3U, 5U}) {
-    const double part = std::stoi(full.substr(at, 2), nullptr, 16);
-    mixed += fmt::format("{:02x}", std::lround(255 - std::clamp(shade, 0.0, 1.0) * (255 - part)));
-  }
-  return mixed;
-}
-
 const char* colour_of(const Style& style) { return wrapped(style.light ? tints : colours, style.colour); }
 
 std::string line_of(const Style& style) {
@@ -136,7 +125,7 @@ std::vector<Entry> key_of(const Figure& figure) {
       add(area.label, {.colour = area.colour, .marker = 5, .size = 1.4, .light = true}, false);
   for (const Panel& panel : figure.panels)
     for (const Fill& fill : panel.fills)
-      add(fill.label, {.marker = 5, .size = 1.4}, false, shaded(fill.colour, fill.shade));
+      add(fill.label, {.marker = 5, .size = 1.4}, false, colour_name(fill.colour, fill.shade));
   return entries;
 }
 
@@ -408,7 +397,7 @@ void Writer::panel(const Panel& panel, std::size_t index) {
     if (rows.empty()) continue;
     drawn.push_back(source(block(fmt::format("{} | {}: area, x, y", panel.title, fill.label), rows, 2)) +
                     fmt::format(" using 1:2 with filledcurves closed fs solid 1 noborder fc rgb '{}'",
-                                shaded(fill.colour, fill.shade)));
+                                colour_name(fill.colour, fill.shade)));
   }
   if (!panel.arrows.x.empty()) {
     std::vector<std::array<double, 4>> rows;
@@ -518,6 +507,16 @@ void remove_creation_date(const std::filesystem::path& pdf) {
 }
 
 }  // namespace
+
+std::string colour_name(int colour, double shade) {
+  const std::string full = wrapped(colours, colour);
+  std::string mixed = "#";
+  for (const std::size_t at : {1U, 3U, 5U}) {
+    const double part = std::stoi(full.substr(at, 2), nullptr, 16);
+    mixed += fmt::format("{:02x}", std::lround(255 - std::clamp(shade, 0.0, 1.0) * (255 - part)));
+  }
+  return mixed;
+}
 
 Style family_style(int k, bool markers) {
   constexpr std::array shapes{7, 5, 9, 13, 6, 4, 8, 12};

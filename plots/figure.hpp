@@ -21,6 +21,9 @@ struct Style {
   bool light = false;  ///< a tint of the colour, as areas have it
 };
 
+/// A colour by its index, mixed with white, "#b8d6e8": shade 0 is white, 1 the full colour.
+std::string colour_name(int colour, double shade = 1);
+
 /// The style of the k-th member of a family of curves: another colour and another dash each.
 Style family_style(int k, bool markers = false);
 

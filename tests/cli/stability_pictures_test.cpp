@@ -20,7 +20,7 @@ TEST(StabilityPictures, OneMethodIsDrawnFilledSeveralAsOutlines) {
   region(shell, "rk4 --output pictures");
   const std::string one = read_text(shell / "pictures/region_rk4.gp");
   EXPECT_NE(one.find("filledcurves"), std::string::npos);
-  EXPECT_NE(one.find("real axis 2.7853, imaginary axis 2.8284'"), std::string::npos);
+  EXPECT_NE(one.find("real axis 2.785, imaginary axis 2.828'"), std::string::npos);
   region(shell, "explicit_euler,rk4,bdf_2 --output pictures");
   const std::string several = read_text(shell / "pictures/regions.gp");
   EXPECT_EQ(several.find("filledcurves"), std::string::npos);
@@ -81,11 +81,51 @@ TEST(StabilityPictures, MethodsOfPositionsAndVelocitiesAreChartedOverTheirDampin
   EXPECT_NE(read_text(shell / "pictures/region_stormer_verlet.dat").find("\n2 0\n"), std::string::npos);
 }
 
+TEST(StabilityPictures, TheGalleryIsOnePageWithAllMethodsThatAreAskedFor) {
+  const Shell shell;
+  const Told told = shell.hmax("stability gallery --methods bdf_2,newmark,rk4 --output gallery --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.json().at("methods"), 3);
+  EXPECT_EQ(told.json().at("page"), "gallery/index.html");
+  const std::string page = read_text(shell / "gallery/index.html");
+  for (const char* text : {"<td>bdf_2</td>", "<td>newmark</td>", "<td>rk4</td>", "<td>2.785294</td>",
+                           "data:image/svg+xml;base64,"})
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  // Nothing is fetched from elsewhere, nothing runs.
+  for (const char* text : {"<script", "http://", "https://", "<td>rk4_38</td>"})
+    EXPECT_EQ(page.find(text), std::string::npos) << text;
+}
+
+/// On the negative real axis RK4 ends at 2.785293563: the step at which the fastest mode of a liver gets
+/// there is the one that `predict` tells.
+TEST(StabilityPictures, TheSlidingSpectraTellTheStepsThatPredictTells) {
+  const Shell shell;
+  ASSERT_EQ(shell.hmax("stability gallery --methods rk4 --output gallery").exit_code, 0);
+  const std::string moving = read_text(shell / "gallery/sliding_rk4.svg");
+  EXPECT_LT(moving.size(), 100000U);
+  EXPECT_NE(moving.find("<animate "), std::string::npos);
+  EXPECT_EQ(moving.find("<script"), std::string::npos);
+  for (const std::string material : {"male_slim", "male_fat", "female_normal"}) {
+    const double h =
+        shell.hmax("stability predict --json --methods rk4 --problem liver_benchmark --materials " + material)
+            .json()
+            .at("rows")[0]
+            .at("h_max");
+    std::smatch match;
+    const std::regex line(material + "</text>\\s*<text[^>]*>([0-9.]+) s<");
+    ASSERT_TRUE(std::regex_search(moving, match, line)) << material;
+    EXPECT_NEAR(std::stod(match[1]), h, 6e-3 * h) << material;
+  }
+}
+
 TEST(StabilityPictures, RefusesWhatCannotBeDrawn) {
   const Shell shell;
   write_text(shell / "occupied", "a file");
   expect_refused(shell.hmax("stability region --method rk4 --output occupied/folder"), "folder");
   expect_refused(shell.hmax("stability region --method rk44 --output x"), "rk44");
+  expect_refused(shell.hmax("stability gallery --methods rk4 --output occupied/folder"), "folder");
+  expect_refused(shell.hmax("stability gallery --methods rk44 --output x"), "rk44");
+  expect_refused(shell.hmax("stability gallery"), "--output");
   expect_refused(shell.hmax("stability region --output x"), "no method is given");
   expect_refused(shell.hmax("stability region --method rk4 --window 1,0,0,1"), "no rectangle");
 }

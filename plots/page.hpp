@@ -1,0 +1,31 @@
+/// A page of HTML that holds its pictures in itself and needs nothing else.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hmax {
+
+/// A picture of a page.
+struct PagePicture {
+  std::string svg = {};      ///< the text of an SVG file; empty when it was not drawn
+  std::string caption = {};  ///< what is seen, also for those who cannot see it
+  std::string problem = {};  ///< why it was not drawn
+};
+
+struct PageSection {
+  std::string title = {}, text = {};
+  std::vector<PagePicture> pictures = {};
+  std::vector<std::vector<std::string>> table = {};  ///< rows of equal length, the first of them headings
+};
+
+/// Every text is shown as it is; none of it becomes markup.
+std::string page_text(const std::string& title, const std::string& introduction,
+                      const std::vector<PageSection>& sections);
+
+/// Writes `page_text`; the folder is made when missing.
+/// @throws InputError when it cannot be written
+void write_page(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace hmax
