@@ -16,5 +16,6 @@ std::vector<Formula> formulas_of(const std::string& names);
 void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas);
 void add_stability_predict(CLI::App& stability, Console& console);
 void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas);
+void add_stability_map(CLI::App& stability, Console& console);
 
 }  // namespace hmax

@@ -163,6 +163,35 @@ TEST(StabilityPredict, OfExplicitEulerIsTheClosedFormOfTheLinearModel) {
   }
 }
 
+TEST(StabilityMap, HasTheKeysOfTheContractAndDrawsItself) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "stability map --problem liver_linear --method rk4,newmark --x c=-1:10:12 --y k1=0.1:10:6 --output maps --json");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  const Json maps = told.json();
+  ASSERT_EQ(maps.size(), 2U);
+  for (const Json& map : maps) {
+    expect_keys(map, {"method", "x", "y", "h_max", "falling_share_x", "falling_share_y", "status", "figure"});
+    EXPECT_EQ(map.at("x").at("name"), "c");
+    EXPECT_EQ(map.at("x").at("values").size(), 12U);
+    ASSERT_EQ(map.at("h_max").size(), 6U);
+    for (const Json& row : map.at("h_max")) {
+      ASSERT_EQ(row.size(), 12U);
+      EXPECT_TRUE(row[0].is_null());
+    }
+  }
+  EXPECT_TRUE(maps[0].at("h_max")[0][1].is_number());
+  EXPECT_EQ(maps[1].at("h_max")[0][1], "unbounded");
+  EXPECT_TRUE(std::filesystem::exists(shell / "maps/map.gp"));
+
+  const Json one = stability(
+      "map --problem liver_linear --method rk4 --rayleigh --log-x --log-y --x "
+      "alpha=0.01:10:4 --y beta=0.01:10:3");
+  EXPECT_EQ(one.at("x").at("name"), "alpha");
+  EXPECT_NEAR(one.at("x").at("values")[1].get<double>(), 0.1, 1e-15);
+  EXPECT_FALSE(one.contains("status"));
+}
+
 TEST(Stability, RefusesBadInputInOneSentence) {
   const Shell shell;
   expect_refused(shell.hmax("stability limits --method rk5"), "rk5");
@@ -183,6 +212,12 @@ TEST(Stability, RefusesBadInputInOneSentence) {
   expect_refused(shell.hmax("stability predict --problem liver_benchmark --methods rk4 --materials steel"),
                  "steel");
   expect_refused(shell.hmax("stability predict --problem liver_benchmark"), "--methods");
+  const std::string map = "stability map --problem liver_linear --method rk4 ";
+  expect_refused(shell.hmax(map), "--x");
+  expect_refused(shell.hmax(map + "--x c=0:10 --y k1=1:2:3"), "c=0:10");
+  expect_refused(shell.hmax(map + "--x q=0:10:3 --y k1=1:2:3"), "'q'");
+  expect_refused(shell.hmax(map + "--x m=-1:1:3 --y k1=1:2:3"), "m");
+  expect_refused(shell.hmax(map + "--rayleigh --x c=0:10:3 --y beta=1:2:3"), "--rayleigh");
   expect_refused(shell.hmax("stability predict --problem no_such --methods rk4"), "no_such");
 }
 
