@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <type_traits>
 
 #include <fmt/format.h>
 
 #include "analysis/multistep_amplification.hpp"
 #include "analysis/stabilised_amplification.hpp"
+#include "integrators/tableaux.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -70,10 +73,19 @@ std::shared_ptr<const Amplification> explicit_half_of(const std::shared_ptr<cons
   return shared(std::move(half));
 }
 
+/// Evaluations of f in a step of a run: where the last stage is the first of the next step it costs nothing.
+int evaluations_of(const Method& method) {
+  int evaluations = method.stages;
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    ((evaluations -= method.id == T::id && is_fsal(T::tableau) ? 1 : 0), ...);
+  }(std::type_identity<tableaux::All>{});
+  return evaluations;
+}
+
 Formula of_method(const Method& method) {
   Formula formula{
       .id = method.id, .order = method.order, .amplification = method.amplification, .method = method};
-  if (method.is_explicit) formula.evaluations = method.stages;
+  if (method.is_explicit) formula.evaluations = evaluations_of(method);
   if (method.needs_split) formula.explicit_half = explicit_half_of(method.amplification);
   return formula;
 }

@@ -40,6 +40,10 @@ TEST(StabilityPictures, EqualWorkDividesThePlane) {
   const double whole = region(shell, "rk4").at("about")[0].at("area");
   const double shared = region(shell, "rk4 --per-evaluation").at("about")[0].at("area");
   EXPECT_NEAR(shared, whole / 16, 1e-6);
+  // The seventh stage of Dormand and Prince is the first of the next step.
+  const double pair = region(shell, "dormand_prince_54").at("about")[0].at("area");
+  const double pair_shared = region(shell, "dormand_prince_54 --per-evaluation").at("about")[0].at("area");
+  EXPECT_NEAR(pair_shared, pair / 36, 1e-6);
   expect_refused(shell.hmax("stability region --method rk4,bdf_2 --per-evaluation"), "bdf_2");
 }
 
