@@ -199,6 +199,7 @@ void add_stability(CLI::App& app, Console& console) {
   add_stability_predict(stability, console);
   add_stability_gallery(stability, console, formulas);
   add_stability_map(stability, console);
+  add_stability_frozen(stability, console);
 }
 
 }  // namespace hmax

@@ -17,5 +17,6 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
 void add_stability_predict(CLI::App& stability, Console& console);
 void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas);
 void add_stability_map(CLI::App& stability, Console& console);
+void add_stability_frozen(CLI::App& stability, Console& console);
 
 }  // namespace hmax

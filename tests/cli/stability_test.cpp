@@ -192,6 +192,20 @@ TEST(StabilityMap, HasTheKeysOfTheContractAndDrawsItself) {
   EXPECT_FALSE(one.contains("status"));
 }
 
+TEST(StabilityFrozen, TellsTheRatiosAndTheStepsBeyondThem) {
+  const Json euler = stability("frozen --method linearly_implicit_euler --ratios 1.5,2.5,4 --every 10");
+  expect_keys(euler, {"method", "decay", "spring", "ratios", "omega0_h", "every"});
+  EXPECT_NEAR(euler.at("decay").at("most").get<double>(), 2, 1e-9);
+  EXPECT_NEAR(euler.at("spring").at("most").get<double>(), 2, 1e-9);
+  EXPECT_EQ(euler.at("omega0_h")[0], "unbounded");
+  // h^2 = 4 m / (k - 2 k0)
+  EXPECT_NEAR(euler.at("omega0_h")[1].get<double>(), std::sqrt(8.0), 1e-9);
+  EXPECT_NEAR(euler.at("omega0_h")[2].get<double>(), std::sqrt(2.0), 1e-9);
+  EXPECT_EQ(euler.at("every").at("steps"), 10);
+  EXPECT_EQ(euler.at("every").at("omega0_h").size(), 3U);
+  EXPECT_EQ(stability("frozen --method rosenbrock").size(), 4U);
+}
+
 TEST(Stability, RefusesBadInputInOneSentence) {
   const Shell shell;
   expect_refused(shell.hmax("stability limits --method rk5"), "rk5");
@@ -212,6 +226,10 @@ TEST(Stability, RefusesBadInputInOneSentence) {
   expect_refused(shell.hmax("stability predict --problem liver_benchmark --methods rk4 --materials steel"),
                  "steel");
   expect_refused(shell.hmax("stability predict --problem liver_benchmark"), "--methods");
+  expect_refused(shell.hmax("stability frozen --method rk4"), "rosenbrock_23");
+  expect_refused(shell.hmax("stability frozen --method rosenbrock_23 --ratios 0"), "--ratios");
+  expect_refused(shell.hmax("stability frozen --method rosenbrock_23 --every 0"), "--every");
+  expect_refused(shell.hmax("stability frozen"), "--method");
   const std::string map = "stability map --problem liver_linear --method rk4 ";
   expect_refused(shell.hmax(map), "--x");
   expect_refused(shell.hmax(map + "--x c=0:10 --y k1=1:2:3"), "c=0:10");
