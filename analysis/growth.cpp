@@ -11,6 +11,9 @@ namespace {
 /// A run that grows by less is bounded: what is seen at the limit itself.
 constexpr double visible = 0.02;
 
+/// From one quarter to the other growth in proportion to time makes at most a factor of four.
+const double in_proportion = std::log(4.0) + visible;
+
 }  // namespace
 
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
@@ -31,14 +34,15 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 }
 
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
-                            double growth_above, double decay_beside) {
+                            const ExpectedGrowth& expected) {
   constexpr double least = 512, most = 2e6;
+  const double threshold = expected.linear ? in_proportion : visible;
   // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it to
   // fall by sixteen digits.
-  const double to_grow = 25 * visible / growth_above, to_decay = 4 * 37 / -decay_beside;
+  const double to_grow = 25 * threshold / expected.above, to_decay = 4 * 37 / -expected.beside;
   ObservedLimit limit;
   limit.steps = static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
-  const auto grows = [&](double h) { return observed_growth(run, distance, h, limit.steps) > visible; };
+  const auto grows = [&](double h) { return observed_growth(run, distance, h, limit.steps) > threshold; };
   limit.below_decays = !grows(0.999 * predicted);
   limit.above_grows = grows(1.001 * predicted);
   double low = 0.999 * predicted, high = 1.001 * predicted;
@@ -69,7 +73,7 @@ bool grows_at(const ShowSteps& run, const Distance& distance, double h) {
   // From one quarter to the other linear growth makes at most a factor of 4, so does not count.
   // What is left of a mode that every step annihilates is what equations are solved to.
   constexpr double noise = 1e-6;
-  return observed_growth(run, distance, h, 4096, noise) > std::log(4.0) + visible;
+  return observed_growth(run, distance, h, 4096, noise) > in_proportion;
 }
 
 }  // namespace hmax

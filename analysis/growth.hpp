@@ -34,16 +34,22 @@ struct ObservedLimit {
   bool above_grows = true;   ///< growth at 1.001 of it
 };
 
+/// What the model and the amplification say of runs close to a limit: how long they have to be.
+struct ExpectedGrowth {
+  double above = 0;   ///< ln of the factor by which a step at 1.001 of the limit multiplies the motion, > 0
+  double beside = 0;  ///< ln of the largest factor below one that a step at the limit multiplies anything by,
+                      ///< < 0; -infinity when there is none
+  bool linear =
+      false;  ///< a double eigenvalue with one eigenvector: growth in proportion to time at the limit
+};
+
 /// Integrates at 0.999 and at 1.001 of a predicted limit, then bisects between a step that does not grow and
 /// one that does; away from the prediction where both sides behave alike, so that a wrong prediction is
 /// reported with what is true.
-/// The runs are long enough to see a tenth of the growth that is predicted at 1.001 of the limit, and for the
+/// The runs are long enough to see a tenth of the growth that is expected at 1.001 of the limit, and for the
 /// rest to die away before the first quarter that is compared.
-/// @param growth_above  predicted growth of ln |amplitude| a step at 1.001 of the prediction, > 0
-/// @param decay_beside  ln of the largest factor below one by which a step multiplies anything else, < 0;
-///                      -infinity when there is nothing else
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
-                            double growth_above, double decay_beside);
+                            const ExpectedGrowth& expected);
 
 /// Whether a run of 4096 steps at a step far beyond every time scale of the model grows faster than in
 /// proportion to its length, which no stable method does.

@@ -1,6 +1,7 @@
 #include "bench/measured_amplification.hpp"
 
 #include <cmath>
+#include <mutex>
 
 namespace hmax {
 
@@ -46,7 +47,7 @@ Complex measured_step(const Method& method, Complex z) {
 }
 
 double measured_growth(const Method& method, Complex z) {
-  constexpr int steps = 200;
+  constexpr int steps = 1500;
   const Runner runner = method.bind(spiral(z));
   const auto size_after = [&](int count) {
     const RunRecord record = runner.run({.t_end = static_cast<double>(count), .h = 1}, {});
@@ -57,10 +58,6 @@ double measured_growth(const Method& method, Complex z) {
   return late < 1e-280 ? 0 : std::pow(late / early, 1.0 / steps);
 }
 
-namespace {
-
-/// Whether many steps make something else of y' = z y than one step many times. The first few are no evidence:
-/// a one-step method may take them for the start.
 bool remembers(const Method& method) {
   const Complex z(-0.1, 0.3);
   constexpr int steps = 16;
@@ -69,17 +66,19 @@ bool remembers(const Method& method) {
   return std::abs(Complex(many.y[0], many.y[1]) - expected) > 1e-10 * std::abs(expected);
 }
 
-}  // namespace
-
 Amplification measured_amplification(const Method& method) {
   Amplification amplification;
   amplification.measured = true;
   // Asked when first needed: a catalogue runs nothing.
   const auto bare = std::make_shared<Method>(method);
-  const auto looks_back = std::make_shared<std::optional<bool>>();
-  const auto radius = [bare, looks_back](Complex z) {
-    if (!*looks_back) *looks_back = remembers(*bare);
-    return **looks_back ? measured_growth(*bare, z) : std::abs(measured_step(*bare, z));
+  struct Memory {
+    std::once_flag asked;
+    bool looks_back = false;
+  };
+  const auto memory = std::make_shared<Memory>();
+  const auto radius = [bare, memory](Complex z) {
+    std::call_once(memory->asked, [&] { memory->looks_back = remembers(*bare); });
+    return memory->looks_back ? measured_growth(*bare, z) : std::abs(measured_step(*bare, z));
   };
   amplification.of_eigenmode = [radius](const Eigenmode& mode) {
     Growth growth;

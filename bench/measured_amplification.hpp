@@ -12,6 +12,10 @@ Problem spiral(Complex lambda);
 /// R(z) as one step of size 1 on y' = z y makes it.
 Complex measured_step(const Method& method, Complex z);
 
+/// Whether many steps make something else of y' = z y than one step many times. The first few are no
+/// evidence: the start of a method that looks back may be steps of another that does not.
+bool remembers(const Method& method);
+
 /// By what a long run multiplies |y| in a step in the end. For methods that look back over several steps, of
 /// which one alone says too little.
 double measured_growth(const Method& method, Complex z);

@@ -10,6 +10,8 @@
 #include "analysis/amplification.hpp"
 #include "analysis/equilibrium.hpp"
 #include "analysis/growth.hpp"
+#include "bench/measured_amplification.hpp"
+#include "bench/planar.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -209,7 +211,7 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
     started.y0 = start;
     return method.bind(started);
   };
-  const bool driven = !std::visit([](const auto& system) { return is_autonomous(system); }, problem.system);
+  const bool driven = is_driven(problem);
   const Runner displaced = from(rest + displacement), undisturbed = from(rest);
   return [=](double h, std::int64_t steps, const auto& show) {
     std::vector<double> path;
@@ -258,7 +260,12 @@ double decay_beside(const Method& method, const Prediction& row, const Linearise
   double slowest = 0;
   for (std::size_t i = 0; i < row.modes.size(); ++i) {
     const Growth growth = growth_of(method, row, near, i);
-    if (!growth.polynomial) continue;
+    if (!growth.polynomial) {
+      // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the
+      // start.
+      if (method.amplification->measured && remembers(method)) slowest = std::max(slowest, 0.995);
+      continue;
+    }
     for (const Complex root : growth.polynomial->roots(h))
       if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
   }
@@ -331,14 +338,20 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     const Growth of_limiting =
         growth_of(method, row, near, static_cast<std::size_t>(limiting - row.modes.begin()));
     const double growth = std::max(visible_growth(method, of_limiting, wanted, 1.001 * *row.h_max), 1e-12);
-    const ObservedLimit limit =
-        observe_limit(run, distance, *row.h_max, growth, decay_beside(method, row, near, *row.h_max));
+    const ObservedLimit limit = observe_limit(run, distance, *row.h_max,
+                                              {.above = growth,
+                                               .beside = decay_beside(method, row, near, *row.h_max),
+                                               .linear = vectors.defective});
     seen = {.h_max = limit.h,
             .gap = limit.h / *row.h_max - 1,
             .steps = limit.steps,
             .agrees = limit.below_decays && limit.above_grows};
   }
   row.observed = seen;
+  if (!is_linear(problem) && is_driven(problem) && !seen.agrees)
+    row.note =
+        "the force moves the model away from this state, so that small motions are those about another; the limit "
+        "along the motion says more";
 }
 
 }  // namespace hmax

@@ -1,4 +1,6 @@
 /// `hmax reproduce`: published studies done again, figure by figure.
+#include <array>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +11,8 @@
 #include "bench/sweep.hpp"
 #include "cli/commands.hpp"
 #include "cli/reproduce_oscillators.hpp"
+#include "cli/reproduce_stability.hpp"
+#include "results/fingerprint.hpp"
 
 namespace hmax {
 
@@ -49,11 +53,58 @@ std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& fi
   return store.rows();
 }
 
+/// Methods of the nonlinear table: one of each kind that has a limit.
+constexpr std::array nonlinear_methods{"explicit_euler",    "rk2_heun",         "rk4",
+                                       "dormand_prince_54", "dop_853",          "adams_bashforth_3",
+                                       "abm_pece_3",        "symplectic_euler", "stormer_verlet",
+                                       "central_difference"};
+
+void stability_study(const std::filesystem::path& folder, Console& console) {
+  const auto started = std::chrono::steady_clock::now();
+  const auto& interrupted = interrupt_flag();
+  const auto stop = [&] { return interrupted.load(); };
+  const std::vector<LimitCase> cases = limit_cases();
+  std::vector<LimitRow> rows;
+  std::vector<NonlinearRow> nonlinear;
+  {
+    Progress progress(console, "predicting and verifying");
+    rows = predicted_and_observed(
+        cases, methods(), [&](double share) { progress.update(share); }, stop);
+  }
+  {
+    std::vector<Method> chosen;
+    for (const char* id : nonlinear_methods) chosen.push_back(find_method(id));
+    Progress progress(console, "nonlinear models");
+    nonlinear = nonlinear_limits(
+        cases, chosen, [&](double share) { progress.update(share); }, stop);
+  }
+  if (interrupted) throw Interrupted{};
+  const std::filesystem::path report =
+      reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);
+  const LimitSummary found = summary_of(cases, rows);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  if (found.disagreeing > 0) console.exit_code = Exit::failed;
+  if (console.json)
+    return console.print_json({{"report", report.string()},
+                               {"rows", found.rows},
+                               {"with_number", found.with_number},
+                               {"unbounded", found.unbounded},
+                               {"disagreeing", found.disagreeing},
+                               {"worst_gap", found.worst_gap},
+                               {"worst", found.worst},
+                               {"seconds", seconds}});
+  console.print(fmt::format(
+      "{} pairs of method and model; {} limits within {:.4f} % of what integration shows, {} without limit, {} "
+      "disagree.\nOpen {}\n",
+      found.rows, found.with_number, 100 * found.worst_gap, found.unbounded, found.disagreeing,
+      report.string()));
+}
+
 }  // namespace
 
 void add_reproduce(CLI::App& app, Console& console) {
   CLI::App& reproduce = add_command(app, console, "reproduce", "Do a published study again, figure by figure",
-                                    {"hmax reproduce oscillators"});
+                                    {"hmax reproduce oscillators", "hmax reproduce stability"});
   reproduce.require_subcommand(1);
   CLI::App& oscillators = add_command(reproduce, console, "oscillators",
                                       "Every figure and table of the liver oscillator study, in one folder",
@@ -86,6 +137,14 @@ void add_reproduce(CLI::App& app, Console& console) {
       console.print(
           fmt::format("{} rows measured, the others were there already.\nOpen {}\n", count, report.string()));
   });
+
+  CLI::App& stability =
+      add_command(reproduce, console, "stability",
+                  "The step limits of every method on every model of the study, predicted and observed",
+                  {"hmax reproduce stability --output results/runs/stability"});
+  auto limits_folder = std::make_shared<std::string>("results/runs/stability");
+  stability.add_option("--output", *limits_folder, "Folder of the report")->capture_default_str();
+  stability.callback([&console, limits_folder] { stability_study(*limits_folder, console); });
 }
 
 }  // namespace hmax

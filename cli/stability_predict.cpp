@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/non_normality.hpp"
 #include "bench/predict.hpp"
+#include "bench/trajectory_limit.hpp"
 #include "cli/choices.hpp"
 #include "cli/stability.hpp"
 #include "problems/liver_materials.hpp"
@@ -21,7 +23,8 @@ using Json = nlohmann::ordered_json;
 struct PredictOptions {
   ProblemChoice problem;
   std::string materials, methods;
-  bool verify = false;
+  bool verify = false, along = false;
+  std::optional<double> t_end;
 };
 
 /// Ids of a list; all: both ends of the mass range of every material.
@@ -41,6 +44,34 @@ std::vector<std::string> materials_of(const PredictOptions& options) {
 
 Json to_json(const Mode& mode) {
   return {{"re", mode.lambda.real()}, {"im", mode.lambda.imag()}, {"omega", mode.omega}, {"zeta", mode.zeta}};
+}
+
+/// A row and what is asked besides.
+struct PredictedRow {
+  Prediction prediction;
+  std::optional<TrajectoryLimit> along;
+  std::optional<double> from_start;
+};
+
+/// What is known of the model alone.
+Json model_json(const Problem& problem, const Linearised& near) {
+  Json eigenvalues = Json::array();
+  for (const Complex lambda : near.spectrum.lambda) eigenvalues.push_back({lambda.real(), lambda.imag()});
+  const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.model);
+  const NonNormality normal = non_normality(J);
+  Json document{{"problem", problem.id},
+                {"material", problem.material},
+                {"state", near.state},
+                {"at_equilibrium", near.at_equilibrium},
+                {"eigenvalues", std::move(eigenvalues)},
+                {"departure_from_normality", normal.departure},
+                {"relative_departure", normal.relative_departure},
+                {"numerical_abscissa", normal.numerical_abscissa}};
+  // Some hundred spectra of twice the size: of small models only.
+  constexpr Eigen::Index small = 12;
+  if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
+  if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
+  return document;
 }
 
 Json to_json(const Prediction& row) {
@@ -69,15 +100,30 @@ Json to_json(const Prediction& row) {
   return document;
 }
 
+Json to_json(const PredictedRow& row) {
+  Json document = to_json(row.prediction);
+  if (row.along)
+    document["along"] = {{"h_min", number_or_word(row.along->least)},
+                         {"t", row.along->t_least},
+                         {"y", std::vector<double>(row.along->y_least.begin(), row.along->y_least.end())},
+                         {"growing_share", row.along->growing}};
+  if (row.from_start) document["observed_from_start"] = number_or_word(*row.from_start);
+  return document;
+}
+
 std::string words_of(const std::optional<double>& h) {
   return !h ? "-" : std::isinf(*h) ? "unbounded" : std::isnan(*h) ? "grows" : short_number(*h, 7);
 }
 
-std::string for_people(const std::vector<Prediction>& rows, bool verified, const Console& console) {
+std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptions& options,
+                       const Console& console) {
+  const bool verified = options.verify;
   std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
   if (verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
+  if (options.along) header.insert(header.end(), {"least along [s]", "at t [s]"});
+  if (options.along && verified) header.emplace_back("from the start [s]");
   TextTable table(std::move(header));
-  for (const Prediction& row : rows) {
+  for (const auto& [row, along, from_start] : rows) {
     std::vector<std::string> cells{row.method,
                                    row.material.empty() ? "-" : row.material,
                                    words_of(row.h_max),
@@ -89,6 +135,11 @@ std::string for_people(const std::vector<Prediction>& rows, bool verified, const
       cells.push_back(seen ? words_of(seen->h_max) : "-");
       cells.push_back(seen && std::isfinite(seen->gap) ? fmt::format("{:+.4f} %", 100 * seen->gap) : "-");
       cells.push_back(seen ? std::to_string(seen->steps) : "-");
+    }
+    if (options.along) {
+      cells.push_back(along ? words_of(along->least) : "-");
+      cells.push_back(along && std::isfinite(along->least) ? short_number(along->t_least, 4) : "-");
+      if (verified) cells.push_back(words_of(from_start));
     }
     table.add(std::move(cells));
   }
@@ -108,30 +159,41 @@ void predict_rows(const PredictOptions& options, Console& console) {
     problems.push_back(choice.make());
   }
   const std::vector<Method> chosen = choose_methods(parse_names("--methods", options.methods), problems);
-  std::vector<Prediction> rows;
+  std::vector<PredictedRow> rows;
+  Json models = Json::array();
+  std::string states;
   {
     Progress progress(console, "predict");
     const auto total = static_cast<double>(problems.size() * chosen.size());
     for (const Problem& problem : problems) {
       const Linearised near = linearised(problem);
+      if (console.json) models.push_back(model_json(problem, near));
+      if (states.empty()) states = fmt::format("\n{}: {}\n", problem.id, near.state);
       for (const Method& method : chosen) {
         if (interrupted) throw Interrupted{};
         progress.update(static_cast<double>(rows.size()) / total, method.id);
-        Prediction row = predict(method, problem, near);
-        if (options.verify) verify(row, method, problem, near);
-        if (row.observed && !row.observed->agrees) console.exit_code = Exit::failed;
+        PredictedRow row{predict(method, problem, near), {}, {}};
+        if (options.verify) verify(row.prediction, method, problem, near);
+        if (row.prediction.observed && !row.prediction.observed->agrees && row.prediction.note.empty())
+          console.exit_code = Exit::failed;
+        if (options.along) {
+          const double t_end = options.t_end.value_or(problem.t_end);
+          row.along = limit_along(method, problem, t_end);
+          if (options.verify && row.along && row.along->least > 0 && std::isfinite(row.along->least))
+            row.from_start = limit_from_start(method, problem, t_end, row.along->least);
+        }
         rows.push_back(std::move(row));
       }
     }
   }
   if (console.json) {
     Json list = Json::array();
-    for (const Prediction& row : rows) list.push_back(to_json(row));
-    return console.print_json({{"rows", std::move(list)}});
+    for (const PredictedRow& row : rows) list.push_back(to_json(row));
+    return console.print_json({{"rows", std::move(list)}, {"models", std::move(models)}});
   }
-  console.print(for_people(rows, options.verify, console));
-  std::string remarks = fmt::format("\n{}: {}\n", problems.front().id, rows.front().state);
-  for (const Prediction& row : rows)
+  console.print(for_people(rows, options, console));
+  std::string remarks = states;
+  for (const auto& [row, along, from_start] : rows)
     if (!row.note.empty() && row.bound != Bound::error_control)
       remarks +=
           fmt::format("{}{}: {}\n", row.method, row.material.empty() ? "" : ", " + row.material, row.note);
@@ -141,12 +203,13 @@ void predict_rows(const PredictOptions& options, Console& console) {
 }  // namespace
 
 void add_stability_predict(CLI::App& stability, Console& console) {
-  CLI::App& command =
-      add_command(stability, console, "predict",
-                  "The largest stable step of methods on a model, and the mode that sets it",
-                  {"hmax stability predict --problem liver_benchmark --materials all --methods rk4,ode45",
-                   "hmax stability predict --problem liver_benchmark --methods "
-                   "explicit_runge_kutta,structural --verify --json"});
+  CLI::App& command = add_command(
+      stability, console, "predict",
+      "The largest stable step of methods on a model, and the mode that sets it",
+      {"hmax stability predict --problem liver_benchmark --materials all --methods rk4,ode45",
+       "hmax stability predict --problem liver_benchmark --methods "
+       "explicit_runge_kutta,structural --verify --json",
+       "hmax stability predict --problem liver_forced --methods rk4,symplectic_euler --along --verify"});
   const auto options = std::make_shared<PredictOptions>();
   options->problem.add_to(command);
   command
@@ -160,6 +223,11 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   command.add_flag(
       "--verify", options->verify,
       "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong");
+  command.add_flag(
+      "--along", options->along,
+      "Also the least limit of the tangent along the motion from the initial state, and when; with "
+      "--verify also the largest step that stays near that motion");
+  add_number(command, "--t-end", options->t_end, "End of that motion [s]; the problem's own by default");
   command.callback([options, &console] { predict_rows(*options, console); });
 }
 

@@ -94,6 +94,14 @@ class BasicOscillator {
     J(1, 1) = -c_m_;
   }
 
+  /// The larger modulus of the eigenvalues of J [1/s], from lambda^2 + c/m lambda + (k1 + 3 k3 x^2)/m = 0.
+  Real spectral_radius(Real /*t*/, const State& y) const noexcept {
+    using std::abs, std::sqrt;
+    const Real stiffness = k1_m_ + Real(3) * k3_m_ * (y[0] * y[0]), half = c_m_ / 2;
+    const Real discriminant = half * half - stiffness;
+    return discriminant < 0 ? sqrt(stiffness) : abs(half) + sqrt(discriminant);
+  }
+
   /// The partial derivative df/dt = (0, -P w sin(w t) / m) that Rosenbrock methods ask for.
   [[gnu::always_inline]] void time_derivative(Real t, const State& /*y*/, State& dfdt) const noexcept {
     using std::sin;
