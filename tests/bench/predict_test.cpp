@@ -7,7 +7,6 @@
 #include <limits>
 #include <ostream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -61,13 +60,7 @@ TEST(Prediction, IsWhatEveryMethodDoesOnTheBenchmarkLivers) {
   for (const char* material : {"male_slim:light", "female_fat:heavy", "male_normal:heavy"}) {
     const Problem problem =
         make_problem("liver_benchmark", {.material = material, .parameters = {}, .y0 = {}});
-    std::vector<Method> all = choose_methods({"all"}, {problem});
-    // Stabilised methods choose their stages by an estimate of the fastest rate, which settles to a part in a
-    // hundred where two rates are a pair; and where the wedge between two numbers of stages is as narrow as
-    // for this lightest of livers, the limit hangs on it. Models that say how fast they are have no such
-    // doubt.
-    if (std::string_view(material) == "male_slim:light")
-      std::erase_if(all, [](const Method& method) { return method.family == "stabilised"; });
+    const std::vector<Method> all = choose_methods({"all"}, {problem});
     EXPECT_EQ(expect_observed(all, problem), std::ranges::count_if(all, &Method::fixed_step)) << material;
   }
 }
