@@ -159,7 +159,11 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
     // Both eigenvalues of an oscillation share its limit.
     const std::vector<MechanicalMode>& modes = near.spectrum.mechanical;
     limit = largest_stable_step(*method.amplification, modes);
-    for (const MechanicalMode& mode : modes) lambda.push_back(eigenvalues_of(mode)[0]);
+    // Named by the upper one, or by the faster of two real ones.
+    for (const MechanicalMode& mode : modes) {
+      const auto pair = eigenvalues_of(mode);
+      lambda.push_back(pair[0].imag() != 0 ? pair[0] : pair[1]);
+    }
   } else {
     lambda = without_conjugates(near.spectrum.lambda);
     std::vector<Eigenmode> modes(lambda.begin(), lambda.end());
