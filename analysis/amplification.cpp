@@ -337,15 +337,15 @@ UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
   }
   double before = 0;
   // Limits of high orders are small; behind the first hundred only large structures are left.
-  for (double x = 1e-5; x <= growth.farthest; x += std::min(std::max(5e-3, 2e-2 * (x - 100)), 0.05 * x)) {
+  for (double x = 1e-4; x <= growth.farthest; x += std::min(std::max(5e-3, 2e-2 * (x - 100)), 0.15 * x)) {
     const double h = x * growth.scale;
     const bool stable = is_stable(h);
     if (below_rounding && !stable) below_rounding = false;
     if (!below_rounding && stable != was_stable) {
       double low = before, high = h;
-      for (int halving = 0; halving < 200; ++halving) {
+      for (int halving = 0; halving < 100; ++halving) {
         const double middle = low + (high - low) / 2;
-        if (middle <= low || middle >= high) break;
+        if (high - low <= 1e-13 * high) break;
         (is_stable(middle) == was_stable ? low : high) = middle;
       }
       if (stable)

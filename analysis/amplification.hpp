@@ -125,6 +125,9 @@ struct Amplification {
   std::function<Complex(Complex z)> R;
   /// Whether z = h lambda is stable, for pictures; empty where the spectral radius is just as cheap.
   std::function<bool(Complex z)> stable_at;
+  /// The method solves for the diagonal of the damping matrix alone: what is beside it couples the modes, even
+  /// where damping is proportional.
+  bool lumps_damping = false;
   bool measured = false;  ///< from steps of the code, for want of a formula
 
   explicit operator bool() const { return static_cast<bool>(of_eigenmode); }

@@ -1,10 +1,10 @@
 #include "analysis/structural_amplification.hpp"
 
-#include "analysis/limits.hpp"
-
 #include <array>
 #include <cmath>
 #include <utility>
+
+#include "analysis/limits.hpp"
 
 namespace hmax {
 
@@ -61,8 +61,11 @@ Amplification symplectic_euler_amplification() {
 }
 
 Amplification kick_drift_kick_amplification(KickDamping damping) {
-  if (damping == KickDamping::lumped)
-    return of_map({.inertia = s_squared, .damper = {-0.5L, 0, 0.5L}, .spring = zeta});
+  if (damping == KickDamping::lumped) {
+    Amplification lumped = of_map({.inertia = s_squared, .damper = {-0.5L, 0, 0.5L}, .spring = zeta});
+    lumped.lumps_damping = true;
+    return lumped;
+  }
   const Polynomial W{0.5L, 0.5L};
   return of_map({.inertia = product(zeta, s_squared),
                  .damper = sum(product(W, s), s_squared),
@@ -80,12 +83,15 @@ Amplification generalized_alpha_amplification(const AlphaParameters& p) {
 bool is_unconditionally_stable(const Amplification& amplification) {
   // The conditions hold for every h or they do not; between damping ratios they vary slowly.
   for (const double zeta_of_mode : {0.0, 1e-3, 0.01, 0.1, 0.3, 0.6, 1.0, 2.0, 10.0})
-    if (!unstable_steps(amplification.of_oscillation({.kappa = 1, .gamma = 2 * zeta_of_mode})).intervals.empty()) return false;
+    if (!unstable_steps(amplification.of_oscillation({.kappa = 1, .gamma = 2 * zeta_of_mode}))
+             .intervals.empty())
+      return false;
   return true;
 }
 
 bool annihilates_fast_modes(const Amplification& amplification) {
-  return amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial->radius_at_infinity() < annihilated;
+  return amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial->radius_at_infinity() <
+         annihilated;
 }
 
 }  // namespace hmax

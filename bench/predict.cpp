@@ -38,6 +38,14 @@ std::string obstacle(const Method& method, const Linearised& near) {
     return "damping couples the modes of this model, and for methods of positions and velocities the "
            "analysis takes "
            "modes one by one";
+  if (method.amplification->lumps_damping && near.model.mechanical) {
+    Eigen::MatrixXd beside = dense(near.model.mechanical->C);
+    const double size = beside.norm();
+    beside.diagonal().setZero();
+    if (beside.norm() > 1e-12 * size)
+      return "the method solves for the diagonal of the damping matrix alone; what stands beside it couples the "
+             "modes, and the analysis takes them one by one";
+  }
   if (method.needs_split && !near.model.J_stiff) return "the problem declares no stiff part";
   return {};
 }
@@ -89,6 +97,13 @@ bool solves_nonlinear_equations(const Method& method) {
 bool is_linear(const Problem& problem) {
   const auto* oscillator = std::get_if<Oscillator>(&problem.system);
   return oscillator != nullptr && oscillator->parameters().k3 == 0;
+}
+
+/// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
+bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
+  const Eigen::VectorXd elsewhere = near.model.y + Eigen::VectorXd::Ones(near.model.y.size());
+  const Eigen::MatrixXd J = dense(near.model.J);
+  return (dense(linearised(problem, near.model.t, elsewhere).model.J) - J).norm() <= 1e-12 * J.norm();
 }
 
 }  // namespace
@@ -189,7 +204,8 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   }
   row.h_max = limit.h_max;
   if (std::isinf(limit.h_max)) {
-    row.bound = solves_nonlinear_equations(method) && !is_linear(problem) ? Bound::newton : Bound::accuracy;
+    row.bound = solves_nonlinear_equations(method) && !has_constant_jacobian(problem, near) ? Bound::newton
+                                                                                            : Bound::accuracy;
     return row;
   }
   row.limiting = mode_of(lambda[limit.limiting]);
