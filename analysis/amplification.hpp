@@ -125,8 +125,8 @@ struct Amplification {
   std::function<Complex(Complex z)> R;
   /// Whether z = h lambda is stable, for pictures; empty where the spectral radius is just as cheap.
   std::function<bool(Complex z)> stable_at;
-  /// The method solves for the diagonal of the damping matrix alone: what is beside it couples the modes, even
-  /// where damping is proportional.
+  /// The method solves for the diagonal of the damping matrix alone: what is beside it couples the modes,
+  /// even where damping is proportional.
   bool lumps_damping = false;
   bool measured = false;  ///< from steps of the code, for want of a formula
 

@@ -20,16 +20,19 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
                        double noise) {
   double start = 0, early = 0, late = 0;
   std::int64_t n = 0;
+  bool broken = false;
   const bool ended = run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+    const double here = distance(y);
+    broken = broken || !std::isfinite(here);
     if (n == 0)
-      start = distance(y);
+      start = here;
     else if (n > steps / 4 && n <= steps / 2)
-      early = std::max(early, distance(y));
+      early = std::max(early, here);
     else if (n > 3 * steps / 4)
-      late = std::max(late, distance(y));
+      late = std::max(late, here);
     ++n;
   });
-  if (!ended || !std::isfinite(late)) return std::numeric_limits<double>::infinity();
+  if (!ended || broken || n < steps) return std::numeric_limits<double>::infinity();
   return std::log(late) - std::log(std::max({early, noise * start, std::numeric_limits<double>::min()}));
 }
 
@@ -47,16 +50,23 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
   limit.above_grows = grows(1.001 * predicted);
   double low = 0.999 * predicted, high = 1.001 * predicted;
   // Where the prediction fails the truth is sought outwards from it.
-  for (int i = 0; i < 60 && !limit.below_decays && low > 1e-3 * predicted; ++i) {
-    high = low;
-    low /= 1.1;
-    if (!grows(low)) break;
+  constexpr double farthest = 1e3;
+  if (!limit.below_decays) {
+    do {
+      high = low;
+      low /= 1.1;
+    } while (low > predicted / farthest && grows(low));
+    if (low <= predicted / farthest) {
+      limit.h = 0;
+      return limit;
+    }
   }
-  for (int i = 0; i < 60 && limit.below_decays && !limit.above_grows; ++i) {
-    low = high;
-    high *= 1.1;
-    if (grows(high)) break;
-    if (high > 1e3 * predicted) {
+  if (limit.below_decays && !limit.above_grows) {
+    do {
+      low = high;
+      high *= 1.1;
+    } while (high < farthest * predicted && !grows(high));
+    if (high >= farthest * predicted) {
       limit.h = std::numeric_limits<double>::infinity();
       return limit;
     }

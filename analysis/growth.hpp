@@ -28,7 +28,7 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 
 /// What integration found.
 struct ObservedLimit {
-  double h = 0;              ///< [s]; infinity when even the largest step tried did not grow
+  double h = 0;  ///< [s]; infinity when a thousand times the prediction did not grow, 0 when a thousandth did
   std::int64_t steps = 0;    ///< of each of the runs
   bool below_decays = true;  ///< no growth at 0.999 of the prediction
   bool above_grows = true;   ///< growth at 1.001 of it

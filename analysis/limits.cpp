@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/structural_amplification.hpp"
+
 namespace hmax {
 
 namespace {
@@ -108,7 +110,8 @@ StabilityLimits stability_limits(const Amplification& amplification) {
   if (in_z)
     limits.at_infinity = in_z->radius_at_infinity();
   else if (amplification.of_oscillation)
-    limits.at_infinity = amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial->radius_at_infinity();
+    limits.at_infinity =
+        amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial->radius_at_infinity();
 
   const bool is_one_step = in_z && in_z->coefficients().size() == 2;
   if (std::isinf(limits.real)) {
@@ -118,7 +121,11 @@ StabilityLimits stability_limits(const Amplification& amplification) {
       limits.alpha_degrees = wedge_of_locus(*in_z);
     else
       limits.alpha_degrees = limits.a_stable ? 90 : wedge_of_rays(amplification);
-    if (amplification.of_oscillation) limits.a_stable = limits.alpha_degrees == 90;
+    // The maps of oscillations are not analytic in z: both axes do not speak for what is between them.
+    if (amplification.of_oscillation) {
+      limits.a_stable = is_unconditionally_stable(amplification);
+      if (!limits.a_stable && limits.alpha_degrees == 90) limits.alpha_degrees = wedge_of_rays(amplification);
+    }
   }
   limits.l_stable = limits.a_stable && limits.at_infinity && *limits.at_infinity < annihilated;
   return limits;

@@ -9,9 +9,10 @@ namespace hmax {
 ShownOscillation shown_oscillation(const Amplification& amplification, double omega, double zeta, double h) {
   const Complex lambda = omega * Complex(-zeta, std::sqrt(std::max(0.0, 1 - zeta * zeta)));
   Complex root;
-  const Growth growth = amplification.of_oscillation
-                            ? amplification.of_oscillation({.kappa = omega * omega, .gamma = 2 * zeta * omega})
-                            : amplification.of_eigenmode(Eigenmode(lambda));
+  const Growth growth =
+      amplification.of_oscillation
+          ? amplification.of_oscillation({.kappa = omega * omega, .gamma = 2 * zeta * omega})
+          : amplification.of_eigenmode(Eigenmode(lambda));
   if (growth.polynomial) {
     const Complex exact = std::exp(h * lambda);
     double closest = std::numeric_limits<double>::infinity();
@@ -21,7 +22,7 @@ ShownOscillation shown_oscillation(const Amplification& amplification, double om
         root = candidate;
       }
   } else {
-    root = amplification.R ? amplification.R(h * lambda) : Complex(growth.radius(h));
+    root = amplification.R ? amplification.R(h * lambda) : Complex(std::numeric_limits<double>::quiet_NaN());
   }
   const Complex shown = std::log(root) / h;
   ShownOscillation oscillation;

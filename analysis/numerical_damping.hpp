@@ -15,8 +15,8 @@ struct ShownOscillation {
 };
 
 /// From log(zeta) / h of the root closest to exp(h lambda), which for R(z) is R(h lambda)
-/// [hughes2000finite, 9.3].
-/// @param omega  [rad/s], > 0;  @param zeta  >= 0;  @param h  [s], > 0
+/// [hughes2000finite, 9.3]. All but the spectral radius are NaN where the map is known by its radius alone.
+/// @param omega  [rad/s], > 0;  @param zeta  in [0, 1);  @param h  [s], > 0
 ShownOscillation shown_oscillation(const Amplification& amplification, double omega, double zeta, double h);
 
 }  // namespace hmax

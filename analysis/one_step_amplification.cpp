@@ -1,5 +1,6 @@
 #include "analysis/one_step_amplification.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -167,8 +168,12 @@ Amplification rosenbrock_amplification(std::span<const long double> alpha, std::
   Amplification amplification = of_polynomial(polynomial(1, 1));
   amplification.of_eigenmode = [polynomial, exact = amplification.of_eigenmode](const Eigenmode& mode) {
     if (mode.frozen == mode.lambda) return exact(mode);
-    return Growth{.polynomial = polynomial(LongComplex(mode.lambda), LongComplex(mode.frozen)),
-                  .scale = scale_of(mode.lambda)};
+    // In units of the faster of the two, so that no coefficient is small for its unit.
+    const double size = std::max(std::abs(mode.lambda), std::abs(mode.frozen));
+    return Growth{
+        .polynomial =
+            polynomial(LongComplex(mode.lambda / size), LongComplex(mode.frozen / size)).along(size),
+        .scale = 1 / size};
   };
   return amplification;
 }
@@ -193,8 +198,11 @@ Amplification additive_amplification(std::span<const long double> a_nonstiff,
   Amplification amplification = of_polynomial(polynomial(0, 1));
   amplification.of_eigenmode = [polynomial, implicit = amplification.of_eigenmode](const Eigenmode& mode) {
     if (mode.stiff == mode.lambda) return implicit(mode);
-    return Growth{.polynomial = polynomial(LongComplex(mode.lambda - mode.stiff), LongComplex(mode.stiff)),
-                  .scale = scale_of(mode.lambda)};
+    const Complex nonstiff = mode.lambda - mode.stiff;
+    const double size = std::max(std::abs(nonstiff), std::abs(mode.stiff));
+    return Growth{
+        .polynomial = polynomial(LongComplex(nonstiff / size), LongComplex(mode.stiff / size)).along(size),
+        .scale = 1 / size};
   };
   return amplification;
 }

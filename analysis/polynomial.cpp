@@ -27,27 +27,40 @@ namespace {
 /// Splits an interval off its middle, so that a root at a round number is not hit.
 constexpr long double split = 0.49918273645L;
 
-/// @param noise  what is not larger counts as zero
-int changes_of_sign(const Polynomial& b, long double noise) {
+/// @param error  what rounding may have made of each coefficient: what is not larger counts as zero
+int changes_of_sign(const Polynomial& b, const Polynomial& error) {
   int changes = 0;
   long double last = 0;
-  for (const long double x : b) {
-    if (std::abs(x) <= noise) continue;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const long double x = b[i];
+    if (std::abs(x) <= error[i]) continue;
     if (last != 0 && (x < 0) != (last < 0)) ++changes;
     last = x;
   }
   return changes;
 }
 
+/// The halves of de Casteljau: the left one takes the first number of every row, the right one the last.
+std::pair<Polynomial, Polynomial> halves(Polynomial b) {
+  const std::size_t n = b.size();
+  Polynomial left(n), right(n);
+  for (std::size_t row = 0; row < n; ++row) {
+    left[row] = b[0];
+    right[n - 1 - row] = b[n - 1 - row];
+    for (std::size_t i = 0; i + 1 < n - row; ++i) b[i] += split * (b[i + 1] - b[i]);
+  }
+  return {std::move(left), std::move(right)};
+}
+
 /// The roots in (t0, t1) where the polynomial of Bernstein coefficients b changes its sign, in order.
+/// @param error  of b; its own halves bound that of the halves of b, so that where the polynomial only
+/// touches
+///               zero nothing but rounding is left
 /// @param value  the polynomial at t
-/// @param size   the sum of the sizes of its terms: rounding is a share of it, and where it only touches zero
-///               nothing but rounding is left
-template <class Value, class Size>
-void add_roots(Polynomial b, long double t0, long double t1, const Value& value, const Size& size,
-               std::vector<long double>& roots) {
-  constexpr long double rounding = 16 * std::numeric_limits<long double>::epsilon();
-  const int changes = changes_of_sign(b, rounding * size(t1));
+template <class Value>
+void add_roots(const Polynomial& b, const Polynomial& error, long double t0, long double t1,
+               const Value& value, std::vector<long double>& roots) {
+  const int changes = changes_of_sign(b, error);
   if (changes == 0) return;
   constexpr long double finest = 1e-17L;
   if (changes == 1) {
@@ -64,17 +77,11 @@ void add_roots(Polynomial b, long double t0, long double t1, const Value& value,
     if ((value(t0) < 0) != (value(t1) < 0)) roots.push_back(t0);
     return;
   }
-  // de Casteljau: the left half takes the first number of every row, the right half the last.
-  const std::size_t n = b.size();
-  Polynomial left(n), right(n);
-  for (std::size_t row = 0; row < n; ++row) {
-    left[row] = b[0];
-    right[n - 1 - row] = b[n - 1 - row];
-    for (std::size_t i = 0; i + 1 < n - row; ++i) b[i] += split * (b[i + 1] - b[i]);
-  }
+  const auto [left, right] = halves(b);
+  const auto [left_error, right_error] = halves(error);
   const long double middle = t0 + split * (t1 - t0);
-  add_roots(std::move(left), t0, middle, value, size, roots);
-  add_roots(std::move(right), middle, t1, value, size, roots);
+  add_roots(left, left_error, t0, middle, value, roots);
+  add_roots(right, right_error, middle, t1, value, roots);
 }
 
 }  // namespace
@@ -106,14 +113,11 @@ std::vector<Interval> negative_intervals(std::span<const long double> p, long do
     }
     return sum;
   };
-  Polynomial sizes(scaled);
-  for (long double& c : sizes) c = std::abs(c);
   const auto value = [&](long double t) { return at(scaled, t); };
-  const auto size = [&](long double t) {
-    return at(sizes, t) * std::pow(t < 0.5L ? 1 - t : t, static_cast<long double>(degree));
-  };
+  Polynomial error(b);
+  for (long double& e : error) e = 16 * std::numeric_limits<long double>::epsilon() * std::abs(e);
   std::vector<long double> roots;
-  add_roots(b, 0, 1, value, size, roots);
+  add_roots(b, error, 0, 1, value, roots);
 
   std::vector<Interval> negative;
   constexpr double infinity = std::numeric_limits<double>::infinity();

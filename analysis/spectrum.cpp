@@ -233,7 +233,11 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   Eigen::SelfAdjointEigenSolver<MatrixXd> solver(
       scaled.k, with_vectors ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
   require_convergence(solver.info());
-  const VectorXd& kappa = solver.eigenvalues();
+  // A free body has stiffnesses that are zero but for rounding, and their sign would be that of growth.
+  VectorXd kappa = solver.eigenvalues();
+  const double rounding = 1e-14 * static_cast<double>(n) * kappa.cwiseAbs().maxCoeff();
+  for (double& each : kappa)
+    if (std::abs(each) <= rounding) each = 0;
   if (rayleigh) {
     for (Index i = 0; i < n; ++i)
       result.modes[static_cast<std::size_t>(i)] = {kappa[i], rayleigh->first + rayleigh->second * kappa[i]};

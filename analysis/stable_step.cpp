@@ -27,7 +27,21 @@ StepLimit over_modes(std::size_t count, const Grows& grows, const FirstExit& fir
   return limit;
 }
 
-bool grows(Complex lambda) { return lambda.real() > eigenvalue_rounding * std::abs(lambda); }
+/// What is rounding in a spectrum of this radius: an eigenvalue that should be zero comes out as some of it.
+double noise_of(std::size_t count, double radius) {
+  return 4 * static_cast<double>(count + 1) * std::numeric_limits<double>::epsilon() * radius;
+}
+
+bool grows(Complex lambda, double noise) {
+  return std::abs(lambda) > noise && lambda.real() > eigenvalue_rounding * std::abs(lambda);
+}
+
+template <class Lambdas, class Value>
+double radius_of(const Lambdas& modes, const Value& value) {
+  double radius = 0;
+  for (const auto& mode : modes) radius = std::max(radius, value(mode));
+  return radius;
+}
 
 /// On the imaginary axis when it is there but for rounding; in the upper half-plane: methods are real.
 Complex cleaned(Complex lambda) {
@@ -35,18 +49,19 @@ Complex cleaned(Complex lambda) {
   return {undamped ? 0 : lambda.real(), std::abs(lambda.imag())};
 }
 
-double exit_of(const Amplification& amplification, Eigenmode mode) {
-  if (mode.lambda == Complex(0)) return infinity;
+double exit_of(const Amplification& amplification, Eigenmode mode, double noise) {
+  if (std::abs(mode.lambda) <= noise) return infinity;
   const Complex lambda = cleaned(mode.lambda);
   // What the method is told is turned with it.
   if (lambda != mode.lambda) {
-    if (mode.stiff == mode.lambda) mode.stiff = lambda;
-    if (mode.frozen == mode.lambda) mode.frozen = lambda;
+    const bool all_stiff = mode.stiff == mode.lambda, exact = mode.frozen == mode.lambda;
     if (mode.lambda.imag() < 0) {
-      mode.stiff = {mode.stiff.real(), std::abs(mode.stiff.imag())};
-      mode.frozen = {mode.frozen.real(), std::abs(mode.frozen.imag())};
+      mode.stiff = std::conj(mode.stiff);
+      mode.frozen = std::conj(mode.frozen);
     }
     mode.lambda = lambda;
+    if (all_stiff) mode.stiff = lambda;
+    if (exact) mode.frozen = lambda;
   }
   return first_exit(amplification.of_eigenmode(mode));
 }
@@ -54,31 +69,28 @@ double exit_of(const Amplification& amplification, Eigenmode mode) {
 }  // namespace
 
 StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes) {
+  const double noise =
+      noise_of(modes.size(), radius_of(modes, [](const Eigenmode& mode) { return std::abs(mode.lambda); }));
   return over_modes(
-      modes.size(), [&](std::size_t i) { return grows(modes[i].lambda); },
-      [&](std::size_t i) { return exit_of(amplification, modes[i]); });
+      modes.size(), [&](std::size_t i) { return grows(modes[i].lambda, noise); },
+      [&](std::size_t i) { return exit_of(amplification, modes[i], noise); });
 }
 
 StepLimit largest_stable_step(const Amplification& amplification, std::span<const Complex> spectrum) {
-  double radius = 0;
-  for (const Complex lambda : spectrum) radius = std::max(radius, std::abs(lambda));
-  return over_modes(
-      spectrum.size(), [&](std::size_t i) { return grows(spectrum[i]); },
-      [&](std::size_t i) {
-        Eigenmode mode(spectrum[i]);
-        mode.radius = radius;
-        return exit_of(amplification, mode);
-      });
+  std::vector<Eigenmode> modes(spectrum.begin(), spectrum.end());
+  const double radius = radius_of(spectrum, [](Complex lambda) { return std::abs(lambda); });
+  for (Eigenmode& mode : modes) mode.radius = radius;
+  return largest_stable_step(amplification, modes);
 }
 
 StepLimit largest_stable_step(const Amplification& amplification, std::span<const MechanicalMode> modes) {
-  double radius = 0;
-  for (const MechanicalMode& mode : modes) {
+  const double radius = radius_of(modes, [](const MechanicalMode& mode) {
     const auto [first, second] = eigenvalues_of(mode);
-    radius = std::max({radius, std::abs(first), std::abs(second)});
-  }
+    return std::max(std::abs(first), std::abs(second));
+  });
+  const double noise = noise_of(modes.size(), radius);
   return over_modes(
-      modes.size(), [&](std::size_t i) { return grows(eigenvalues_of(modes[i])[0]); },
+      modes.size(), [&](std::size_t i) { return grows(eigenvalues_of(modes[i])[0], noise); },
       [&](std::size_t i) {
         const MechanicalMode& mode = modes[i];
         if (amplification.of_oscillation) return first_exit(amplification.of_oscillation(mode));
@@ -87,7 +99,7 @@ StepLimit largest_stable_step(const Amplification& amplification, std::span<cons
         for (const Complex lambda : {first, second}) {
           Eigenmode eigenmode(lambda);
           eigenmode.radius = radius;
-          exit = std::min(exit, exit_of(amplification, eigenmode));
+          exit = std::min(exit, exit_of(amplification, eigenmode, noise));
           if (lambda.imag() != 0) break;  // the other is its conjugate
         }
         return exit;

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/families.hpp"
+#include "bench/formulas.hpp"
 #include "bench/measured_amplification.hpp"
 #include "bench/suggest.hpp"
 #include "results/errors.hpp"
@@ -170,7 +171,7 @@ std::vector<Method> choose_methods(const std::vector<std::string>& names,
                                    const std::vector<Problem>& problems) {
   const std::vector<std::string> families = method_families();
   std::vector<Method> chosen;
-  for (const std::string& name : names) {
+  for (const std::string& name : with_their_parameters(names)) {
     if (name != "all" && std::ranges::find(families, name) == families.end()) {
       chosen.push_back(find_method(name));
       continue;

@@ -92,6 +92,19 @@ Formula of_method(const Method& method) {
 
 }  // namespace
 
+std::vector<std::string> with_their_parameters(const std::vector<std::string>& parts) {
+  std::vector<std::string> names;
+  for (const std::string& part : parts) {
+    const bool continues = part.find('=') != std::string::npos && part.find(':') == std::string::npos &&
+                           !names.empty() && names.back().find(':') != std::string::npos;
+    if (continues)
+      names.back() += "," + part;
+    else
+      names.push_back(part);
+  }
+  return names;
+}
+
 std::vector<std::string> formula_patterns() {
   std::vector<std::string> names;
   for (const Pattern& pattern : patterns())
@@ -135,7 +148,7 @@ Formula find_formula(std::string_view name) {
 std::vector<Formula> choose_formulas(const std::vector<std::string>& names) {
   const std::vector<std::string> families = method_families();
   std::vector<Formula> chosen;
-  for (const std::string& name : names) {
+  for (const std::string& name : with_their_parameters(names)) {
     if (name != "all" && std::ranges::find(families, name) == families.end()) {
       chosen.push_back(find_formula(name));
       continue;

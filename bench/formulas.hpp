@@ -24,6 +24,10 @@ struct Formula {
   std::optional<Method> method{};                        ///< of the catalogue, where it is one
 };
 
+/// The names of a list that was cut at every comma: parameters are put back to the method they follow, so
+/// that "newmark:beta=0.25" and "gamma=0.5" are one name.
+std::vector<std::string> with_their_parameters(const std::vector<std::string>& parts);
+
 /// The patterns of formulas, for help and errors: "bdf_K", ...
 std::vector<std::string> formula_patterns();
 

@@ -53,9 +53,12 @@ double measured_growth(const Method& method, Complex z) {
     const RunRecord record = runner.run({.t_end = static_cast<double>(count), .h = 1}, {});
     return record.outcome == Outcome::reached_end ? record.y.norm() : std::numeric_limits<double>::infinity();
   };
-  const double late = size_after(2 * steps), early = size_after(steps);
-  if (!std::isfinite(late)) return std::numeric_limits<double>::infinity();
-  return late < 1e-280 ? 0 : std::pow(late / early, 1.0 / steps);
+  // What dies away fast is looked at before nothing is left of it.
+  for (int count = steps;; count /= 2) {
+    const double late = size_after(2 * count), early = size_after(count);
+    if (!std::isfinite(late)) return std::numeric_limits<double>::infinity();
+    if (late > 1e-250 || count < 20) return early > 0 ? std::pow(late / early, 1.0 / count) : 0;
+  }
 }
 
 bool remembers(const Method& method) {

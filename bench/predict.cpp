@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <random>
 
 #include <fmt/format.h>
@@ -225,7 +226,7 @@ RunRecord take_steps(const Runner& runner, double h, std::int64_t steps, const S
 /// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
 /// from rest is taken off: what is left moves as the free model does.
 ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
-                   const Eigen::VectorXd& displacement) {
+                   const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome) {
   const auto from = [&](const Eigen::VectorXd& start) {
     Problem started = problem;
     started.y0 = start;
@@ -239,6 +240,8 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
       take_steps(undisturbed, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
         path.insert(path.end(), y.begin(), y.end());
       });
+    const auto wanted = static_cast<std::size_t>(steps + 1) * static_cast<std::size_t>(rest.size());
+    if (driven && path.size() < wanted) return false;
     std::size_t at = 0;
     Eigen::VectorXd free(rest.size());
     const RunRecord record =
@@ -249,6 +252,7 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
           at += static_cast<std::size_t>(y.size());
           show(free);
         });
+    *outcome = record.outcome;
     return record.outcome == Outcome::reached_end;
   };
 }
@@ -323,6 +327,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   if (!method.fixed_step ||
       (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
     return;
+  if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.omega > 0; })) return;
   const Eigenvectors vectors = eigenvectors_of(near.model);
   // The limiting mode, or the slowest, and a hundredth of everything else.
   const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
@@ -337,7 +342,8 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   Problem free = problem;
   Eigen::VectorXd rest = near.model.y;
   take_off_drive(free, rest);
-  const ShowSteps run = steps_of(method, free, rest, size * start);
+  const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
+  const ShowSteps run = steps_of(method, free, rest, size * start, outcome);
 
   double slowest = infinity, fastest = 0;
   for (const ModeMargin& margin : row.modes) {
@@ -350,6 +356,13 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     const double h = 1e6 / slowest;
     seen.steps = 4096;
     seen.agrees = !grows_at(run, distance, h);
+    if (!seen.agrees && *outcome == Outcome::newton_failed) {
+      row.bound = Bound::newton;
+      row.note = fmt::format(
+          "no step is unstable, but at {} s, a million times the slowest time scale, Newton's "
+          "method does not solve the equations of a step: it is what limits the step",
+          to_text(h));
+    }
     seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
     seen.gap = std::numeric_limits<double>::quiet_NaN();
   } else {
@@ -367,6 +380,9 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
             .steps = limit.steps,
             .agrees = limit.below_decays && limit.above_grows};
   }
+  constexpr std::int64_t most_steps = 2'000'000;
+  if (!seen.agrees && seen.steps >= most_steps)
+    row.note = fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_steps);
   row.observed = seen;
   if (!is_linear(problem) && is_driven(problem) && !seen.agrees)
     row.note =

@@ -46,12 +46,16 @@ std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& 
                                            int points) {
   if (!method.amplification || !suits(method, problem)) return std::nullopt;
   const Motion motion = motion_of(problem, t_end, points);
-  TrajectoryLimit limit{.t = motion.t, .h_max = {}, .least = infinity, .y_least = motion.y.front()};
+  TrajectoryLimit limit{.t = motion.t,
+                        .h_max = {},
+                        .least = std::numeric_limits<double>::quiet_NaN(),
+                        .y_least = motion.y.front()};
   for (std::size_t i = 0; i < motion.t.size(); ++i) {
     const Prediction here = predict(method, problem, linearised(problem, motion.t[i], motion.y[i]));
     if (here.bound == Bound::model) limit.growing += 1;
     limit.h_max.push_back(here.h_max.value_or(std::numeric_limits<double>::quiet_NaN()));
-    if (limit.h_max.back() < limit.least) {
+    const double h = limit.h_max.back();
+    if (h < limit.least || (std::isnan(limit.least) && !std::isnan(h))) {
       limit.least = limit.h_max.back();
       limit.t_least = motion.t[i];
       limit.y_least = motion.y[i];
@@ -75,6 +79,8 @@ std::optional<double> limit_from_start(const Method& method, const Problem& prob
     return inside && record.outcome == Outcome::reached_end;
   };
   const double farthest = std::min(100 * guess, t_end / 10);
+  // Too short a run to tell a stable step from one that had no time to grow.
+  if (farthest < 2 * guess) return std::nullopt;
   double low = 0.1 * guess;
   if (!stays(low)) return std::nullopt;
   double high = low;

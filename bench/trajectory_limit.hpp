@@ -13,8 +13,8 @@ namespace hmax {
 /// where to expect the limit, and why it is not that of rest.
 struct TrajectoryLimit {
   std::vector<double> t,
-      h_max;                ///< [s]; NaN where the tangent itself grows, infinity where it limits no step
-  double least = 0;         ///< the smallest of them; infinity when nothing limits
+      h_max;         ///< [s]; NaN where the tangent itself grows, infinity where it limits no step
+  double least = 0;  ///< the smallest of them; infinity when nothing limits, NaN when no point has an answer
   double t_least = 0;       ///< where it occurs [s]
   Eigen::VectorXd y_least;  ///< the state there, shape (dim)
   double growing = 0;       ///< share of the points whose tangent grows
@@ -29,7 +29,7 @@ std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& 
 /// The largest step up to which every run at fixed step from y0 to t_end stays within three times the largest
 /// distance from the origin of the true motion, to one part in ten thousand: found upwards in strides of 2 %
 /// from a tenth of `guess`, then by bisection. Infinity when steps up to a hundred guesses, or a tenth of the
-/// run, do; nothing when the first one already does not.
+/// run, do; nothing when the first one already does not, or the run is shorter than twenty guesses.
 std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
                                        double guess);
 

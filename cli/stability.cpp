@@ -125,8 +125,11 @@ void numerical_damping(const DampingOptions& options, Console& console) {
   const double h = positive(options.h, "the step --h [s]", "--h 0.01");
   const double frequency = positive(options.frequency, "the frequency --frequency [Hz]", "--frequency 8");
   const double zeta = options.zeta.value_or(0);
-  if (!(zeta >= 0) || !std::isfinite(zeta))
-    throw InputError(fmt::format("the damping ratio --zeta is {} but must not be negative", to_text(zeta)));
+  if (!(zeta >= 0 && zeta < 1))
+    throw InputError(fmt::format(
+        "the damping ratio --zeta is {} but must lie between 0 and 1: a mode that does not oscillate shows no "
+        "damping; give for instance --zeta 0.1",
+        to_text(zeta)));
   const double omega = 2 * std::numbers::pi * frequency;
   Json documents = Json::array();
   TextTable table({"method", "damping ratio", "added", "seen at [Hz]", "period error", "growth a step"});

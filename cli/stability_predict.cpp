@@ -137,7 +137,7 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
       cells.push_back(seen ? std::to_string(seen->steps) : "-");
     }
     if (options.along) {
-      cells.push_back(along ? words_of(along->least) : "-");
+      cells.push_back(along && !std::isnan(along->least) ? words_of(along->least) : "-");
       cells.push_back(along && std::isfinite(along->least) ? short_number(along->t_least, 4) : "-");
       if (verified) cells.push_back(words_of(from_start));
     }

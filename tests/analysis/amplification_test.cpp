@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/stable_step.hpp"
 #include "bench/formulas.hpp"
 #include "bench/measured_amplification.hpp"
 
@@ -162,6 +163,41 @@ TEST(StepPolynomial, DecidesStabilityAsItsRootsDo) {
       all = all && (condition.empty() || evaluate(condition, 1.0L) >= 0);
     EXPECT_EQ(all, radius < 1) << degree << " " << radius;
   }
+}
+
+TEST(NegativeIntervals, AreFoundWhateverTheScale) {
+  Polynomial p{1, -1};
+  for (int i = 0; i < 5; ++i) p = product(p, {1, 1});
+  for (const long double scale : {1e-8L, 1e-4L, 1.0L, 1e4L, 1e8L}) {
+    const auto found = negative_intervals(p, scale);
+    ASSERT_EQ(found.size(), 1u) << scale;
+    EXPECT_NEAR(found[0].from, 1, 1e-8) << scale;
+  }
+}
+
+TEST(Amplification, DoesNotDependOnTheUnitOfTime) {
+  for (const char* name : {"imex_ark_436", "rodas_5p"}) {
+    const Method method = find_method(name);
+    const auto exit = [&](double size) {
+      Eigenmode mode(size * Complex(-3, 2));
+      mode.stiff = size * Complex(-1, 0);
+      mode.frozen = size * Complex(-1.5, 0.5);
+      return size * first_exit(method.amplification->of_eigenmode(mode));
+    };
+    EXPECT_TRUE(std::isfinite(exit(1))) << name;
+    for (const double size : {1e-6, 1e-3, 1e4})
+      EXPECT_NEAR(exit(size) / exit(1), 1, 1e-9) << name << " " << size;
+  }
+}
+
+TEST(LargestStableStep, TakesAnEigenvalueThatIsRoundingForZero) {
+  const Method euler = find_method("explicit_euler");
+  const std::vector<Complex> spectrum{-10, 1.5e-16, -2};
+  const StepLimit limit = largest_stable_step(*euler.amplification, spectrum);
+  EXPECT_TRUE(limit.growing.empty());
+  EXPECT_NEAR(limit.h_max, 0.2, 1e-12);
+  const std::vector<Complex> growing{-10, 1e-6};
+  EXPECT_EQ(largest_stable_step(*euler.amplification, growing).growing, std::vector<std::size_t>{1});
 }
 
 TEST(NegativeIntervals, AreFoundBetweenRootsOfAnySpacingAndNotAtDoubleOnes) {

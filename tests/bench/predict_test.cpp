@@ -107,6 +107,9 @@ TEST(Prediction, IsWhatMethodsDoOnAChainOfManyModes) {
       {problem});
   // It solves for the diagonal of the damping only, and that of a chain is not diagonal.
   std::erase_if(methods, [](const Method& method) { return method.id == "central_difference"; });
+  const Prediction lumped = predict(find_method("central_difference"), problem, linearised(problem));
+  EXPECT_EQ(lumped.bound, Bound::unknown);
+  EXPECT_NE(lumped.note.find("diagonal"), std::string::npos);
   EXPECT_EQ(expect_observed(methods, problem), static_cast<int>(methods.size()));
 
   const Problem undamped =
