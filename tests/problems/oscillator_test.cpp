@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "integrators/system.hpp"
@@ -21,6 +22,18 @@ static_assert(noexcept(std::declval<const Oscillator&>().rhs(0.0, std::declval<c
                                                              std::declval<Eigen::Vector2d&>())));
 
 using Quad = BasicOscillator<long double>;
+
+TEST(Oscillator, SpectralRadiusIsThatOfItsJacobian) {
+  for (const double c : {-0.4, 0.0, 0.5, 3.0, 40.0})
+    for (const double x : {0.0, 0.7, -2.0}) {
+      const Oscillator system({.m = 1.3, .c = c, .k1 = 0.9, .k3 = 0.6, .P = 0.4, .w = 1.7});
+      const Eigen::Vector2d y(x, 0.2);
+      Eigen::Matrix2d J;
+      system.jacobian(0, y, J);
+      const double radius = J.eigenvalues().cwiseAbs().maxCoeff();
+      EXPECT_NEAR(system.spectral_radius(0, y), radius, 1e-12 * radius) << c << " " << x;
+    }
+}
 
 TEST(Oscillator, RhsIsNewtonsLawOfTheSixTerms) {
   const OscillatorParameters p{.m = 2, .c = 3, .k1 = 5, .k3 = 7, .P = 11, .w = 0};
