@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <exception>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "problems/liver_materials.hpp"
 #include "problems/liver_problems.hpp"
@@ -24,21 +27,31 @@ Problem problem_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, dou
   return problem;
 }
 
-/// Calls work(i) for i < count from two threads; what one throws is thrown.
-void in_two_threads(std::size_t count, const std::function<void(std::size_t)>& work,
-                    const std::function<void(double)>& progress, const std::function<bool()>& interrupted) {
+/// work(which, method) of every method on every case of the kind that suits it, cases first; from two
+/// threads. What one of them throws is thrown. After an interruption the rows that are finished.
+template <class Row, class Work>
+std::vector<Row> over_pairs(const std::vector<LimitCase>& cases, bool linear,
+                            const std::vector<Method>& methods, const Work& work,
+                            const std::function<void(double)>& progress,
+                            const std::function<bool()>& interrupted) {
+  std::vector<std::pair<std::size_t, const Method*>> pairs;
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    for (const Method& method : methods)
+      if (cases[i].linear == linear && suits(method, cases[i].problem)) pairs.emplace_back(i, &method);
+
+  std::vector<std::optional<Row>> rows(pairs.size());
   std::atomic<std::size_t> next = 0, done = 0;
   std::array<std::exception_ptr, 2> failures;
   const auto labour = [&](std::size_t who) {
     try {
-      for (std::size_t i = next++; i < count && !interrupted(); i = next++) {
-        work(i);
+      for (std::size_t i = next++; i < pairs.size() && !interrupted(); i = next++) {
+        rows[i] = work(pairs[i].first, *pairs[i].second);
         ++done;
-        if (who == 0) progress(static_cast<double>(done) / static_cast<double>(count));
+        if (who == 0) progress(static_cast<double>(done) / static_cast<double>(pairs.size()));
       }
     } catch (...) {
       failures[who] = std::current_exception();
-      next = count;
+      next = pairs.size();
     }
   };
   {
@@ -47,6 +60,19 @@ void in_two_threads(std::size_t count, const std::function<void(std::size_t)>& w
   }
   for (const std::exception_ptr& failure : failures)
     if (failure) std::rethrow_exception(failure);
+
+  std::vector<Row> finished;
+  for (std::optional<Row>& row : rows)
+    if (row) finished.push_back(std::move(*row));
+  return finished;
+}
+
+/// What every method is asked about, once for each case.
+std::vector<Linearised> linearised(const std::vector<LimitCase>& cases) {
+  std::vector<Linearised> near;
+  near.reserve(cases.size());
+  for (const LimitCase& each : cases) near.push_back(linearised(each.problem));
+  return near;
 }
 
 }  // namespace
@@ -78,66 +104,35 @@ std::vector<LimitRow> predicted_and_observed(const std::vector<LimitCase>& cases
                                              const std::vector<Method>& methods,
                                              const std::function<void(double)>& progress,
                                              const std::function<bool()>& interrupted) {
-  struct Job {
-    std::size_t which;
-    const Method* method;
-  };
-  std::vector<Job> jobs;
-  std::vector<Linearised> near(cases.size());
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    if (!cases[i].linear) continue;
-    near[i] = linearised(cases[i].problem);
-    for (const Method& method : methods)
-      if (suits(method, cases[i].problem)) jobs.push_back({i, &method});
-  }
-  std::vector<std::optional<LimitRow>> rows(jobs.size());
-  in_two_threads(
-      jobs.size(),
-      [&](std::size_t j) {
-        const auto& [which, method] = jobs[j];
-        Prediction row = predict(*method, cases[which].problem, near[which]);
-        verify(row, *method, cases[which].problem, near[which]);
-        rows[j] = LimitRow{which, std::move(row)};
+  const std::vector<Linearised> near = linearised(cases);
+  return over_pairs<LimitRow>(
+      cases, true, methods,
+      [&](std::size_t which, const Method& method) {
+        LimitRow row{which, predict(method, cases[which].problem, near[which])};
+        verify(row.prediction, method, cases[which].problem, near[which]);
+        return row;
       },
       progress, interrupted);
-  std::vector<LimitRow> finished;
-  for (std::optional<LimitRow>& row : rows)
-    if (row) finished.push_back(std::move(*row));
-  return finished;
 }
 
 std::vector<NonlinearRow> nonlinear_limits(const std::vector<LimitCase>& cases,
                                            const std::vector<Method>& methods,
                                            const std::function<void(double)>& progress,
                                            const std::function<bool()>& interrupted) {
-  struct Job {
-    std::size_t which;
-    const Method* method;
-  };
-  std::vector<Job> jobs;
-  for (std::size_t i = 0; i < cases.size(); ++i)
-    for (const Method& method : methods)
-      if (!cases[i].linear && suits(method, cases[i].problem)) jobs.push_back({i, &method});
-  std::vector<std::optional<NonlinearRow>> rows(jobs.size());
-  in_two_threads(
-      jobs.size(),
-      [&](std::size_t j) {
-        const auto& [which, method] = jobs[j];
+  const std::vector<Linearised> near = linearised(cases);
+  return over_pairs<NonlinearRow>(
+      cases, false, methods,
+      [&](std::size_t which, const Method& method) {
         const Problem& problem = cases[which].problem;
-        const Linearised near = linearised(problem);
-        NonlinearRow row{which, method->id, predict(*method, problem, near), {}, {}};
-        verify(row.at_rest, *method, problem, near);
-        row.along = limit_along(*method, problem, problem.t_end);
+        NonlinearRow row{which, method.id, predict(method, problem, near[which]), {}, {}};
+        verify(row.at_rest, method, problem, near[which]);
+        row.along = limit_along(method, problem, problem.t_end);
         double guess = row.along ? row.along->least : 1;
         if (!(guess > 0 && std::isfinite(guess))) guess = 1;
-        row.from_start = limit_from_start(*method, problem, problem.t_end, guess);
-        rows[j] = std::move(row);
+        row.from_start = limit_from_start(method, problem, problem.t_end, guess);
+        return row;
       },
       progress, interrupted);
-  std::vector<NonlinearRow> finished;
-  for (std::optional<NonlinearRow>& row : rows)
-    if (row) finished.push_back(std::move(*row));
-  return finished;
 }
 
 }  // namespace hmax
