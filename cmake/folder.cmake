@@ -4,11 +4,12 @@
 # the project as base, so that "NAME/file.hpp" is found in the build tree and under include/hmax once installed.
 function(hmax_folder name)
   cmake_parse_arguments(FOLDER "" "" "LINKS;PRIVATE;SOURCES" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
-  list(APPEND sources ${FOLDER_SOURCES})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.hpp")
   # What has a library or a program of its own is no part of this one.
+  list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/(micro|odeint|sundials)/")
   list(FILTER headers EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/(micro|odeint|sundials)/")
+  list(APPEND sources ${FOLDER_SOURCES})
   set(target hmax_${name})
   if(sources)
     add_library(${target} STATIC ${sources})
