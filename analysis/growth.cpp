@@ -38,7 +38,7 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
-  constexpr double least = 512, most = 2e6;
+  constexpr double least = 512, most = most_observed_steps;
   const double threshold = expected.linear ? in_proportion : visible;
   // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it to
   // fall by sixteen digits.

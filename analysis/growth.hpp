@@ -26,6 +26,9 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise = 0);
 
+/// No run that looks for growth is longer.
+inline constexpr std::int64_t most_observed_steps = 2'000'000;
+
 /// What integration found.
 struct ObservedLimit {
   double h = 0;  ///< [s]; infinity when a thousand times the prediction did not grow, 0 when a thousandth did

@@ -36,9 +36,8 @@ std::string obstacle(const Method& method, const Linearised& near) {
   if (method.needs_second_order && !near.model.mechanical)
     return "the method steps positions and velocities, which the problem does not have";
   if (method.needs_second_order && !near.model.mechanical->decouples())
-    return "damping couples the modes of this model, and for methods of positions and velocities the "
-           "analysis takes "
-           "modes one by one";
+    return "damping couples the modes of this model, and for methods of positions and velocities the analysis "
+           "takes modes one by one";
   if (method.amplification->lumps_damping && near.model.mechanical) {
     Eigen::MatrixXd beside = dense(near.model.mechanical->C);
     const double size = beside.norm();
@@ -171,6 +170,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
 
   StepLimit limit;
   std::vector<Complex> lambda;
+  std::vector<Eigenmode> told;
   if (method.amplification->of_oscillation) {
     // Both eigenvalues of an oscillation share its limit.
     const std::vector<MechanicalMode>& modes = near.spectrum.mechanical;
@@ -180,22 +180,24 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
       const auto pair = eigenvalues_of(mode);
       lambda.push_back(pair[0].imag() != 0 ? pair[0] : pair[1]);
     }
+    told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
   } else {
     lambda = without_conjugates(near.spectrum.lambda);
-    std::vector<Eigenmode> modes(lambda.begin(), lambda.end());
-    for (Eigenmode& mode : modes) mode.radius = radius_told(problem, near);
+    told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
+    const double radius = radius_told(problem, near);
+    for (Eigenmode& mode : told) mode.radius = radius;
     if (method.needs_split) {
       const auto parts = stiff_parts(near, lambda);
       if (!parts) {
         row.note = "the stiff part and the rest of this model have no common modes";
         return row;
       }
-      for (std::size_t i = 0; i < modes.size(); ++i) modes[i].stiff = (*parts)[i];
+      for (std::size_t i = 0; i < told.size(); ++i) told[i].stiff = (*parts)[i];
     }
-    limit = largest_stable_step(*method.amplification, modes);
+    limit = largest_stable_step(*method.amplification, told);
   }
   for (std::size_t i = 0; i < lambda.size(); ++i)
-    row.modes.push_back({mode_of(lambda[i]), limit.of_modes[i]});
+    row.modes.push_back({mode_of(lambda[i]), limit.of_modes[i], told[i]});
 
   if (!limit.growing.empty()) {
     row.bound = Bound::model;
@@ -276,7 +278,7 @@ Distance distance_from(const Eigen::VectorXd& rest, const Eigenvectors& vectors,
 Growth growth_of(const Method& method, const Prediction& row, const Linearised& near, std::size_t i) {
   return method.amplification->of_oscillation
              ? method.amplification->of_oscillation(near.spectrum.mechanical.at(i))
-             : method.amplification->of_eigenmode(Eigenmode(row.modes.at(i).mode.lambda));
+             : method.amplification->of_eigenmode(row.modes.at(i).told);
 }
 
 /// The logarithm of the largest factor below one by which a step of size h multiplies part of the motion.
@@ -380,9 +382,9 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
             .steps = limit.steps,
             .agrees = limit.below_decays && limit.above_grows};
   }
-  constexpr std::int64_t most_steps = 2'000'000;
-  if (!seen.agrees && seen.steps >= most_steps)
-    row.note = fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_steps);
+  if (!seen.agrees && seen.steps >= most_observed_steps)
+    row.note =
+        fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
   row.observed = seen;
   if (!is_linear(problem) && is_driven(problem) && !seen.agrees)
     row.note =

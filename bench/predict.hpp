@@ -45,7 +45,8 @@ Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y
 /// The margin of one mode.
 struct ModeMargin {
   Mode mode;
-  double h_max = 0;  ///< of this mode alone [s]
+  double h_max = 0;            ///< of this mode alone [s]
+  Eigenmode told{Complex(0)};  ///< as the method is told of it: its stiff part, the spectral radius
 };
 
 /// What integration showed.
@@ -70,7 +71,7 @@ struct Prediction {
 };
 
 /// Predicts for one method.
-/// @param frozen  the Jacobian that a linearly implicit method keeps, where it is not that of the model
+/// @param near  the problem linearised, as by linearised(problem)
 Prediction predict(const Method& method, const Problem& problem, const Linearised& near);
 
 /// Integrates the problem with the code of the method on both sides of the prediction, from the limiting mode
