@@ -327,7 +327,6 @@ UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
     return growth.polynomial ? growth.polynomial->is_below(h, bound) : growth.radius(h) <= 1 + bound;
   };
   UnstableSteps unstable;
-  unstable.searched_to = growth.farthest * growth.scale;
   bool was_stable = true, below_rounding = false;
   if (tolerated == 0 && growth.grows_at_origin) {
     if (once) return {{{0, infinity}}};

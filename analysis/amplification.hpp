@@ -51,8 +51,10 @@ class StepPolynomial {
   /// Whether every |zeta| < 1 + growth, decided without roots (Schur and Cohn).
   [[nodiscard]] bool is_below(Complex h, double growth) const;
 
-  /// Real polynomials in h, all of which are >= 0 exactly where the spectral radius is at most 1 + growth;
-  /// nothing where there is no closed condition (more than one root, unless three at most and real).
+  /// Real polynomials in h, all of which are >= 0 where the spectral radius is at most 1 + growth, and only
+  /// there as long as the leading coefficient is positive and, of three roots, the product is below one;
+  /// nothing where there is no closed condition (more than one root, unless three at most and real)
+  /// [jury1964theory].
   [[nodiscard]] std::optional<std::vector<Polynomial>> conditions(double growth) const;
 
   /// Whether every |zeta| <= 1 but for rounding, in double: for pictures.
@@ -95,8 +97,7 @@ bool roots_are_at_most_one(Complex* c, std::size_t degree);
 
 /// Which steps are unstable.
 struct UnstableSteps {
-  std::vector<Interval> intervals;                               ///< [s], ascending, open
-  double searched_to = std::numeric_limits<double>::infinity();  ///< no exit was sought beyond
+  std::vector<Interval> intervals;  ///< [s], ascending, open
 
   /// The first exit from the origin: every step up to it is stable. 0 when arbitrarily small ones are not,
   /// infinity when there is none.
@@ -129,8 +130,6 @@ struct Amplification {
   /// even where damping is proportional.
   bool lumps_damping = false;
   bool measured = false;  ///< from steps of the code, for want of a formula
-
-  explicit operator bool() const { return static_cast<bool>(of_eigenmode); }
 
   /// The spectral radius at z = h lambda.
   [[nodiscard]] double spectral_radius(Complex z) const {
