@@ -11,41 +11,10 @@
 #include "bench/formulas.hpp"
 #include "bench/measured_amplification.hpp"
 #include "integrators/adams_coefficients.hpp"
+#include "tests/analysis/published_limits.hpp"
 
 namespace hmax {
 namespace {
-
-constexpr double unbounded = std::numeric_limits<double>::infinity();
-
-struct Published {
-  const char* method;
-  double real, imaginary, weak = NAN;
-};
-
-/// First exits from the origin in 128-bit arithmetic, docs/facts.md section 4; digits truncated.
-const Published published[]{
-    {"explicit_euler", 2, 0, 0.00141421},
-    {"rk2_heun", 2, 0, 0.05318297},
-    {"rk2_midpoint", 2, 0, 0.05318297},
-    {"rk3_kutta", 2.512745326618, 1.732050807569},
-    {"bogacki_shampine_32", 2.512745326618, 1.732050807569},
-    {"rk4", 2.785293563405, 2.828427124746},
-    {"dormand_prince_54", 3.306567892635, 0.997189008633},
-    {"adams_bashforth_2", 1, 0},
-    {"adams_bashforth_3", 6.0 / 11, 0.723627226987},
-    {"adams_bashforth_4", 0.3, 0.429987079909},
-    {"abm_pece_2", 2, 1.287188505811},
-    {"abm_pece_3", 1.728783568074, 0, 0.0705},
-    {"abm_pece_4", 1.284816263107, 0, 0.1362},
-    {"adams_pece:order=2", 2.4, 1.2},
-    {"adams_pece:order=3", 1.934608421157, 1.178471730604},
-    {"symplectic_euler", NAN, 2},
-    {"stormer_verlet", NAN, 2},
-    {"central_difference", NAN, 2},
-    {"newmark:beta=0.08333333333333333,gamma=0.5", NAN, 2.449489742783178},
-    {"newmark:beta=0.16666666666666666,gamma=0.5", NAN, 3.464101615137755},
-    {"trapezoidal", unbounded, unbounded},
-};
 
 StabilityLimits limits_of(std::string_view method) {
   return stability_limits(*find_formula(method).amplification);
@@ -60,7 +29,7 @@ void expect_limit(double found, double expected, const char* method, double tole
 }
 
 TEST(StabilityLimits, AreThePublishedOnes) {
-  for (const Published& row : published) {
+  for (const PublishedLimit& row : published_limits) {
     const StabilityLimits limits = limits_of(row.method);
     expect_limit(limits.real, row.real, row.method);
     expect_limit(limits.imaginary, row.imaginary, row.method);
@@ -141,12 +110,19 @@ TEST(StabilityLimits, AgreeWithWhatTheCatalogueSaysOfEveryMethod) {
   }
 }
 
-TEST(StabilityLimits, OfAnLStableRuleThatIsNotAStableAreAWedge) {
-  // SDIRK of order 3 with the other root of its gamma, stable in a wedge only [hairer1996solving, IV.6].
-  const long double gamma = 0.158983899988677L;
-  const std::vector<long double> a{gamma, 0, 1 - 2 * gamma, gamma}, b{0.5L, 0.5L};
-  const StabilityLimits limits = stability_limits(runge_kutta_amplification(a, b, 2));
+/// R(z) = 1 / (1 - z + z^2/2 - z^3/6), the (0, 3) Pade approximation: A(88.23 degrees)-stable
+/// [hairer1996solving, IV.4].
+TEST(StabilityLimits, OfAOneStepRuleThatIsNotAStableAreAWedge) {
+  const StepPolynomial in_z = StepPolynomial::real({{-1}, {1, -1, 0.5L, -1 / 6.0L}});
+  Amplification pade;
+  pade.in_z = in_z;
+  pade.of_eigenmode = [in_z](const Eigenmode& mode) { return Growth{.polynomial = in_z.along(mode.lambda)}; };
+  const StabilityLimits limits = stability_limits(pade);
   EXPECT_FALSE(limits.a_stable);
+  EXPECT_FALSE(limits.l_stable);
+  EXPECT_EQ(limits.real, unbounded);
+  EXPECT_LT(limits.at_infinity.value(), 1e-12);
+  EXPECT_NEAR(limits.alpha_degrees.value(), 88.23, 0.005);
 }
 
 TEST(Amplification, MeasuredAndDerivedAgreeForThePeersOfTheSameMethod) {

@@ -321,6 +321,14 @@ TEST(Prediction, OfADrivenProblemLooksAtTheFreeMotion) {
     const Prediction row = verified(find_method(method), problem, near);
     ASSERT_TRUE(row.observed) << method;
     EXPECT_TRUE(row.h_max && std::isfinite(*row.h_max)) << method;
+    // It does not stay where it was linearised, and the row says so.
+    EXPECT_TRUE(row.observed->agrees || row.note.find("force") != std::string::npos) << method;
+    // The force of a linear model moves it, and changes nothing.
+    const Problem linear = make_problem("liver_benchmark");
+    const Prediction same = verified(find_method(method), linear, linearised(linear));
+    ASSERT_TRUE(same.observed) << method;
+    EXPECT_TRUE(same.observed->agrees) << method;
+    EXPECT_LE(std::abs(same.observed->gap), 1e-3) << method;
   }
 }
 

@@ -1,5 +1,6 @@
 #include "cli/reproduce_stability.hpp"
 
+#include <atomic>
 #include <fstream>
 #include <sstream>
 
@@ -60,9 +61,13 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
 TEST(StabilityReport, StopsWhenInterruptedAndKeepsWhatIsFinished) {
   std::vector<LimitCase> cases = limit_cases();
   cases.resize(1);
-  EXPECT_TRUE(predicted_and_observed(
-                  cases, {find_method("rk4")}, [](double) {}, [] { return true; })
-                  .empty());
+  const std::vector<Method> chosen = choose_methods({"explicit_runge_kutta"}, {cases.front().problem});
+  std::atomic<int> asked = 0;
+  const auto rows = predicted_and_observed(
+      cases, chosen, [](double) {}, [&] { return ++asked > 3; });
+  EXPECT_EQ(rows.size(), 3u);
+  EXPECT_GT(chosen.size(), 3u);
+  for (const LimitRow& row : rows) EXPECT_TRUE(row.prediction.observed->agrees);
 }
 
 }  // namespace
