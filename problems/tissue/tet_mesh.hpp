@@ -9,8 +9,8 @@
 namespace hmax {
 
 /// Points in space and the tetrahedra between them. A mesh of the house is valid: indices are in range, no
-/// tetrahedron is degenerate and all are oriented alike, so that the volume det(x1 - x0, x2 - x0, x3 - x0) / 6
-/// of each is positive. Readers and generators see to that; models rely on it.
+/// tetrahedron is degenerate and all are oriented alike, so that the volume det(x1 - x0, x2 - x0, x3 - x0) /
+/// 6 of each is positive. Readers and generators see to that; models rely on it.
 struct TetMesh {
   using Index = std::int32_t;
   using Tetrahedra = Eigen::Matrix<Index, 4, Eigen::Dynamic>;
