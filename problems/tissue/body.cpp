@@ -1,0 +1,463 @@
+#include "problems/tissue/body.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Dense>
+
+#include "problems/digits.hpp"
+#include "problems/tissue/spring_sets.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Vector3d;
+
+std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+double volume_of(const Eigen::Matrix3Xd& x, const TetMesh::Tetrahedra& tetrahedra, Eigen::Index t) {
+  Eigen::Matrix3d edges;
+  for (Eigen::Index a = 1; a < 4; ++a) edges.col(a - 1) = x.col(tetrahedra(a, t)) - x.col(tetrahedra(0, t));
+  return edges.determinant() / 6;
+}
+
+void require(bool good, double value, const char* what, const char* rule) {
+  if (!good)
+    throw std::invalid_argument(std::string(what) + " is " + shortest_digits(value) + " but must be " + rule);
+}
+
+MeshEdges both(const MeshEdges& a, const MeshEdges& b) {
+  MeshEdges all(2, a.cols() + b.cols());
+  all << a, b;
+  return all;
+}
+
+void check_profile(const TimeProfile& profile) {
+  require(profile.kind != TimeProfile::Kind::ramp || profile.rise > 0, profile.rise, "the rise of a ramp",
+          "positive");
+  require(std::isfinite(profile.start) && std::isfinite(profile.omega), profile.omega,
+          "the frequency of a time profile", "finite, as must be its start");
+}
+
+}  // namespace
+
+TissueBody::TissueBody(const TetMesh& mesh, TissueSettings settings)
+    : mesh_(mesh), settings_(std::move(settings)) {
+  number_free_points();
+  distribute_mass();
+  build_elastic_parts();
+  build_rayleigh_damping();
+}
+
+void TissueBody::check_points(std::span<const Index> points, const char* what) const {
+  for (const Index i : points)
+    if (i < 0 || i >= mesh_.point_count())
+      throw std::invalid_argument(std::string(what) + " names the point " + std::to_string(i) +
+                                  ", but the mesh has the points 0 to " +
+                                  std::to_string(mesh_.point_count() - 1));
+}
+
+void TissueBody::number_free_points() {
+  std::vector<bool> held(at(mesh_.point_count()), false);
+  for (const Support& support : settings_.supports) {
+    check_points(support.points, "a support");
+    check_profile(support.profile);
+    for (const Index i : support.points) held[at(i)] = true;
+    if (support.profile.kind != TimeProfile::Kind::steady && !support.travel.isZero(0)) autonomous_ = false;
+  }
+  for (const PressingForce& load : settings_.forces) {
+    check_points(load.points, "a force");
+    check_profile(load.profile);
+    if (load.points.empty())
+      throw std::invalid_argument("a force acts on no point; name the points it presses");
+    if (!load.shares.empty() && load.shares.size() != load.points.size())
+      throw std::invalid_argument("a force has " + std::to_string(load.points.size()) + " points but " +
+                                  std::to_string(load.shares.size()) + " shares; give each point one");
+    if (load.profile.kind != TimeProfile::Kind::steady) autonomous_ = false;
+  }
+  for (const SphereTool& tool : settings_.tools) {
+    check_points(tool.points, "a tool");
+    check_profile(tool.profile);
+    require(tool.radius > 0, tool.radius, "the radius of a tool", "positive");
+    require(tool.stiffness >= 0, tool.stiffness, "the stiffness of a tool", "zero or more");
+    require(tool.damping >= 0, tool.damping, "the damping of a tool", "zero or more");
+    if (tool.profile.kind != TimeProfile::Kind::steady && !tool.travel.isZero(0)) autonomous_ = false;
+  }
+  // Loads carry the shares of their points as fractions of one.
+  for (PressingForce& load : settings_.forces) {
+    if (load.shares.empty()) load.shares.assign(load.points.size(), 1);
+    double sum = 0;
+    for (const double share : load.shares) sum += share;
+    require(sum > 0 && std::isfinite(sum), sum, "the sum of the shares of a force", "positive and finite");
+    for (double& share : load.shares) share /= sum;
+  }
+  for (Index i = 0; i < mesh_.point_count(); ++i)
+    if (!held[at(i)]) free_points_.push_back(i);
+  if (free_points_.empty())
+    throw std::invalid_argument("every point of the mesh is supported; leave some of them free");
+}
+
+void TissueBody::distribute_mass() {
+  auto& materials = settings_.materials;
+  const Index regions =
+      mesh_.regions.empty() ? 1 : *std::max_element(mesh_.regions.begin(), mesh_.regions.end()) + 1;
+  if (materials.size() == 1) materials.resize(at(regions), materials.front());
+  if (materials.size() < at(regions))
+    throw std::invalid_argument("the mesh has " + std::to_string(regions) + " regions but there are " +
+                                std::to_string(materials.size()) +
+                                " materials; give one for each, or one for all");
+  for (const TissueMaterial& material : materials) {
+    lame(material.young, material.poisson);
+    require(material.density > 0 && std::isfinite(material.density), material.density, "the density",
+            "positive and finite");
+  }
+
+  point_mass_ = Eigen::VectorXd::Zero(mesh_.point_count());
+  for (Eigen::Index t = 0; t < mesh_.tetrahedron_count(); ++t) {
+    const double mass = materials[at(mesh_.region(t))].density * volume_of(mesh_.points, mesh_.tetrahedra, t);
+    for (Eigen::Index a = 0; a < 4; ++a) point_mass_[mesh_.tetrahedra(a, t)] += mass / 4;
+  }
+  if (Eigen::Index lightest = 0; !(point_mass_.minCoeff(&lightest) > 0))
+    throw std::invalid_argument("point " + std::to_string(lightest) +
+                                " of the mesh has no mass; remove points that are in no tetrahedron");
+  if (settings_.equal_masses)
+    point_mass_.setConstant(point_mass_.sum() / static_cast<double>(point_mass_.size()));
+  if (settings_.total_mass) {
+    require(*settings_.total_mass > 0 && std::isfinite(*settings_.total_mass), *settings_.total_mass,
+            "the total mass", "positive and finite");
+    point_mass_ *= *settings_.total_mass / point_mass_.sum();
+  }
+  mass_.resize(3 * static_cast<Eigen::Index>(free_points_.size()));
+  for (std::size_t i = 0; i < free_points_.size(); ++i)
+    mass_.segment<3>(3 * static_cast<Eigen::Index>(i)).setConstant(point_mass_[free_points_[i]]);
+}
+
+void TissueBody::build_elastic_parts() {
+  const bool springs = settings_.model == TissueModel::mass_spring;
+  const EdgeTable edges = edge_table(mesh_);
+  const bool skin = settings_.skin.kind != SkinSettings::Kind::none;
+  const MeshSurface surface = springs || skin ? surface_of(mesh_) : MeshSurface{};
+  MeshEdges pairs = edges.edges;
+  if (springs && settings_.springs.surface_bending > 0) pairs = both(pairs, bending_pairs(surface));
+  if (springs && settings_.springs.second_ring > 0) pairs = both(pairs, second_ring_pairs(mesh_));
+
+  std::vector<Index> free(at(mesh_.point_count()), -1);
+  for (std::size_t i = 0; i < free_points_.size(); ++i) free[at(free_points_[i])] = static_cast<Index>(i);
+  pattern_ = BlockPattern(std::move(free), pairs);
+
+  std::vector<Lame> coefficients;
+  for (const TissueMaterial& material : settings_.materials)
+    coefficients.push_back(lame(material.young, material.poisson));
+  switch (settings_.model) {
+    case TissueModel::mass_spring:
+      springs_.emplace_back(mesh_.points, tissue_springs(mesh_, edges, surface, settings_),
+                            settings_.springs.law, pattern_);
+      break;
+    case TissueModel::fem_cauchy:
+      elements_.emplace<TetElements<SmallStrain>>(mesh_, coefficients, pattern_);
+      break;
+    case TissueModel::fem_green:
+      elements_.emplace<TetElements<GreenStrain>>(mesh_, coefficients, pattern_);
+      break;
+    case TissueModel::fem_corotational:
+      elements_.emplace<TetElements<Corotational>>(mesh_, coefficients, pattern_);
+      break;
+    case TissueModel::fem_neo_hookean:
+      elements_.emplace<TetElements<StableNeoHookean>>(mesh_, coefficients, pattern_);
+      break;
+  }
+  const SkinSettings& s = settings_.skin;
+  if (skin) {
+    lame(s.young, s.poisson);
+    require(s.thickness > 0, s.thickness, "the thickness of the skin", "positive");
+  }
+  if (s.kind == SkinSettings::Kind::membrane)
+    membrane_.emplace(mesh_.points, surface.triangles, s.young, s.poisson, s.thickness, pattern_);
+  if (s.kind == SkinSettings::Kind::springs)
+    springs_.emplace_back(mesh_.points, skin_springs(mesh_, surface, s), LinearSpring{}, pattern_);
+  for (const SpringSet& set : springs_) has_dampers_ = has_dampers_ || set.has_dampers();
+}
+
+void TissueBody::build_rayleigh_damping() {
+  const double alpha = settings_.alpha, beta = settings_.beta;
+  require(std::isfinite(alpha), alpha, "the Rayleigh coefficient alpha", "finite");
+  require(std::isfinite(beta), beta, "the Rayleigh coefficient beta", "finite");
+  if (beta != 0) {
+    pattern_.clear(rayleigh_);
+    NodeRows rest(at(mesh_.point_count()));
+    for (Eigen::Index i = 0; i < mesh_.point_count(); ++i) as_vector(rest[at(i)]) = mesh_.points.col(i);
+    add_elastic_stiffness(rest, rayleigh_.valuePtr());
+    rayleigh_ *= beta;
+    for (Eigen::Index i = 0; i < dofs(); ++i) rayleigh_.coeffRef(i, i) += alpha * mass_[i];
+  }
+  // A support that moves with velocity w drags its neighbours with -beta K0 w.
+  for (const Support& support : settings_.supports) {
+    Dofs drag = Dofs::Zero(dofs());
+    if (beta != 0 && !support.travel.isZero(0) && support.profile.kind != TimeProfile::Kind::steady) {
+      std::vector<bool> moved(at(mesh_.point_count()), false);
+      for (const Index i : support.points) moved[at(i)] = true;
+      visit_rest_stiffness([&](std::span<const Index> points, const Eigen::Ref<const Eigen::MatrixXd>& K) {
+        for (std::size_t a = 0; a < points.size(); ++a)
+          for (std::size_t b = 0; b < points.size(); ++b)
+            if (const Index row = pattern_.free()[at(points[a])]; row >= 0 && moved[at(points[b])])
+              drag.segment<3>(3 * row) +=
+                  beta * K.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b)) *
+                  support.travel;
+      });
+    }
+    support_drag_.push_back(std::move(drag));
+  }
+}
+
+TissueBody::Scratch& TissueBody::scratch() {
+  thread_local Scratch rows;
+  return rows;
+}
+
+void TissueBody::place(double t, Eigen::Ref<const Dofs> q, NodeRows& x) const {
+  x.resize(at(mesh_.point_count()));
+  for (const Support& support : settings_.supports) {
+    const Vector3d moved = support.profile.value(t) * support.travel;
+    for (const Index i : support.points) as_vector(x[at(i)]) = mesh_.points.col(i) + moved;
+  }
+  for (std::size_t i = 0; i < free_points_.size(); ++i) {
+    const Index point = free_points_[i];
+    as_vector(x[at(point)]) = mesh_.points.col(point) + q.segment<3>(3 * static_cast<Eigen::Index>(i));
+  }
+}
+
+void TissueBody::move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const {
+  rows.resize(at(mesh_.point_count()));
+  for (const Support& support : settings_.supports) {
+    const Vector3d velocity = support.profile.rate(t) * support.travel;
+    for (const Index i : support.points) as_vector(rows[at(i)]) = velocity;
+  }
+  for (std::size_t i = 0; i < free_points_.size(); ++i)
+    as_vector(rows[at(free_points_[i])]) = v.segment<3>(3 * static_cast<Eigen::Index>(i));
+}
+
+void TissueBody::total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<const Dofs> v,
+                             Eigen::Ref<Dofs> f) const {
+  Scratch& rows = scratch();
+  place(t, q, rows.x);
+  rows.f.assign(at(mesh_.point_count()), {});
+  if (needs_velocities()) move(t, v, rows.v);
+
+  std::visit(
+      [&]<class Model>(const Model& model) {
+        if constexpr (!std::is_same_v<Model, std::monostate>) model.add_force(rows.x, rows.f);
+      },
+      elements_);
+  for (const SpringSet& set : springs_) {
+    set.add_force(rows.x, rows.f);
+    if (set.has_dampers()) set.add_damper_force(rows.x, rows.v, rows.f);
+  }
+  if (membrane_) membrane_->add_force(rows.x, rows.f);
+  for (const PressingForce& load : settings_.forces) {
+    const Vector3d force = load.profile.value(t) * load.force;
+    for (std::size_t i = 0; i < load.points.size(); ++i)
+      as_vector(rows.f[at(load.points[i])]) += load.shares[i] * force;
+  }
+  for (const SphereTool& tool : settings_.tools) {
+    const SphereTool::Pose pose = tool.pose(t);
+    SphereTool::Touch touch;
+    for (const Index i : tool.points)
+      if (tool.touch(pose, as_vector(rows.x[at(i)]), as_vector(rows.v[at(i)]), touch))
+        as_vector(rows.f[at(i)]) += touch.force;
+  }
+
+  const bool proportional = settings_.beta != 0;
+  for (std::size_t i = 0; i < free_points_.size(); ++i) {
+    const Index point = free_points_[i];
+    const auto dof = 3 * static_cast<Eigen::Index>(i);
+    const double mass = point_mass_[point];
+    f.segment<3>(dof) = as_vector(rows.f[at(point)]) + mass * settings_.gravity;
+    if (!proportional) f.segment<3>(dof) -= settings_.alpha * mass * v.segment<3>(dof);
+  }
+  if (!proportional) return;
+  // The matrix is symmetric, so that its rows are its columns.
+  for (Eigen::Index j = 0; j < dofs(); ++j) {
+    double sum = 0;
+    for (DofMatrix::InnerIterator entry(rayleigh_, j); entry; ++entry) sum += entry.value() * v[entry.row()];
+    f[j] -= sum;
+  }
+  for (std::size_t s = 0; s < support_drag_.size(); ++s)
+    if (const double rate = settings_.supports[s].profile.rate(t); rate != 0) f -= rate * support_drag_[s];
+}
+
+void TissueBody::force(double t, const Dofs& q, const Dofs& v, Dofs& f) const { total_force(t, q, v, f); }
+
+void TissueBody::rhs(double t, const State& y, State& dydt) const {
+  const Eigen::Index n = dofs();
+  dydt.head(n) = y.tail(n);
+  total_force(t, y.head(n), y.tail(n), dydt.tail(n));
+  dydt.tail(n).array() /= mass_.array();
+}
+
+void TissueBody::add_elastic_stiffness(const NodeRows& x, double* values) const {
+  std::visit(
+      [&]<class Model>(const Model& model) {
+        if constexpr (!std::is_same_v<Model, std::monostate>) model.add_stiffness(x, pattern_, values);
+      },
+      elements_);
+  for (const SpringSet& set : springs_) set.add_stiffness(x, pattern_, values);
+  if (membrane_) membrane_->add_stiffness(x, pattern_, values);
+}
+
+void TissueBody::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
+  Scratch& rows = scratch();
+  place(t, q, rows.x);
+  pattern_.clear(K);
+  add_elastic_stiffness(rows.x, K.valuePtr());
+  if (!needs_velocities()) return;
+  move(t, v, rows.v);
+  for (const SpringSet& set : springs_)
+    if (set.has_dampers()) set.add_damper_stiffness(rows.x, rows.v, pattern_, K.valuePtr());
+  for (const SphereTool& tool : settings_.tools) {
+    const SphereTool::Pose pose = tool.pose(t);
+    SphereTool::Touch touch;
+    for (const Index i : tool.points)
+      if (tool.touch(pose, as_vector(rows.x[at(i)]), as_vector(rows.v[at(i)]), touch))
+        pattern_.add(K.valuePtr(), pattern_.slot(i, i), i, touch.stiffness);
+  }
+}
+
+void TissueBody::damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
+  pattern_.clear(C);
+  if (settings_.beta != 0)
+    std::copy_n(rayleigh_.valuePtr(), pattern_.entries(), C.valuePtr());
+  else
+    for (Eigen::Index i = 0; i < dofs(); ++i) C.coeffRef(i, i) = settings_.alpha * mass_[i];
+  if (!needs_velocities()) return;
+  Scratch& rows = scratch();
+  place(t, q, rows.x);
+  move(t, v, rows.v);
+  for (const SpringSet& set : springs_)
+    if (set.has_dampers()) set.add_damping(rows.x, pattern_, C.valuePtr());
+  for (const SphereTool& tool : settings_.tools) {
+    const SphereTool::Pose pose = tool.pose(t);
+    SphereTool::Touch touch;
+    for (const Index i : tool.points)
+      if (tool.touch(pose, as_vector(rows.x[at(i)]), as_vector(rows.v[at(i)]), touch))
+        pattern_.add(C.valuePtr(), pattern_.slot(i, i), i, touch.damping);
+  }
+}
+
+bool TissueBody::has_symmetric_stiffness() const {
+  return !has_dampers_ && std::all_of(settings_.tools.begin(), settings_.tools.end(),
+                                      [](const SphereTool& tool) { return tool.damping == 0; });
+}
+
+double TissueBody::energy(double t, const Dofs& q) const {
+  Scratch& rows = scratch();
+  place(t, q, rows.x);
+  double sum = std::visit(
+      [&]<class Model>(const Model& model) {
+        if constexpr (std::is_same_v<Model, std::monostate>)
+          return 0.0;
+        else
+          return model.energy(rows.x);
+      },
+      elements_);
+  for (const SpringSet& set : springs_) sum += set.energy(rows.x);
+  if (membrane_) sum += membrane_->energy(rows.x);
+  const auto moved = [&](Index i) { return Vector3d(as_vector(rows.x[at(i)]) - mesh_.points.col(i)); };
+  for (const Index i : free_points_) sum -= point_mass_[i] * settings_.gravity.dot(moved(i));
+  for (const PressingForce& load : settings_.forces)
+    for (std::size_t i = 0; i < load.points.size(); ++i)
+      sum -= load.profile.value(t) * load.shares[i] * load.force.dot(moved(load.points[i]));
+  for (const SphereTool& tool : settings_.tools) {
+    const SphereTool::Pose pose = tool.pose(t);
+    SphereTool::Touch touch;
+    for (const Index i : tool.points)
+      if (tool.touch(pose, as_vector(rows.x[at(i)]), pose.velocity, touch)) sum += touch.energy;
+  }
+  return sum;
+}
+
+double TissueBody::kinetic_energy(const Dofs& v) const { return mass_.dot(v.cwiseAbs2()) / 2; }
+
+double TissueBody::spectral_radius(double t, const State& y) const {
+  thread_local DofMatrix matrix;
+  thread_local Dofs q, v, columns, rows;
+  q = y.head(dofs());
+  v = y.tail(dofs());
+  // |x*Ax| <= |A| <= sqrt(|A|_1 |A|_inf) for A = M^(-1/2) K M^(-1/2).
+  const auto bound = [&] {
+    columns.setZero(dofs());
+    rows.setZero(dofs());
+    for (Eigen::Index j = 0; j < dofs(); ++j)
+      for (DofMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
+        const double a = std::abs(entry.value()) / std::sqrt(mass_[j] * mass_[entry.row()]);
+        columns[j] += a;
+        rows[entry.row()] += a;
+      }
+    return std::sqrt(columns.maxCoeff() * rows.maxCoeff());
+  };
+  stiffness(t, q, v, matrix);
+  const double k = bound();
+  damping(t, q, v, matrix);
+  const double c = bound();
+  return (c + std::sqrt(c * c + 4 * k)) / 2;
+}
+
+Eigen::Matrix3Xd TissueBody::positions(double t, const Dofs& q) const {
+  Scratch& rows = scratch();
+  place(t, q, rows.x);
+  Eigen::Matrix3Xd x(3, mesh_.point_count());
+  for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = as_vector(rows.x[at(i)]);
+  return x;
+}
+
+Eigen::VectorXd TissueBody::energy_densities(double t, const Dofs& q) const {
+  Scratch& rows = scratch();
+  place(t, q, rows.x);
+  return std::visit(
+      [&]<class Model>(const Model& model) -> Eigen::VectorXd {
+        if constexpr (std::is_same_v<Model, std::monostate>) {
+          throw std::invalid_argument(
+              "springs have no energy density in a tetrahedron; use a model of finite elements");
+        } else {
+          Eigen::VectorXd density(mesh_.tetrahedron_count());
+          for (Eigen::Index e = 0; e < density.size(); ++e) density[e] = model.energy_density(rows.x, at(e));
+          return density;
+        }
+      },
+      elements_);
+}
+
+std::pair<double, Eigen::Index> TissueBody::least_volume(double t, const Dofs& q) const {
+  const Eigen::Matrix3Xd x = positions(t, q);
+  std::pair<double, Eigen::Index> least{std::numeric_limits<double>::infinity(), -1};
+  for (Eigen::Index e = 0; e < mesh_.tetrahedron_count(); ++e)
+    if (const double ratio = volume_of(x, mesh_.tetrahedra, e) / volume_of(mesh_.points, mesh_.tetrahedra, e);
+        !(ratio >= least.first))
+      least = {ratio, e};
+  return least;
+}
+
+void TissueBody::visit_rest_stiffness(const ElementVisitor& visit) const {
+  NodeRows rest(at(mesh_.point_count()));
+  for (Eigen::Index i = 0; i < mesh_.point_count(); ++i) as_vector(rest[at(i)]) = mesh_.points.col(i);
+  std::visit(
+      [&]<class Model>(const Model& model) {
+        if constexpr (!std::is_same_v<Model, std::monostate>)
+          for (std::size_t e = 0; e < model.size(); ++e) visit(model.points(e), model.stiffness(rest, e));
+      },
+      elements_);
+  for (const SpringSet& set : springs_)
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const Eigen::Matrix3d B = set.stiffness(rest, i);
+      Eigen::Matrix<double, 6, 6> K;
+      K << B, -B, -B, B;
+      visit(set.spring(i).points, K);
+    }
+  if (membrane_)
+    for (std::size_t i = 0; i < membrane_->size(); ++i)
+      visit(membrane_->points(i), membrane_->stiffness(rest, i));
+}
+
+}  // namespace hmax

@@ -1,0 +1,130 @@
+/// A body of soft tissue as a mechanical system M q'' = F(t, q, v).
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "problems/tissue/block_pattern.hpp"
+#include "problems/tissue/membrane.hpp"
+#include "problems/tissue/node_rows.hpp"
+#include "problems/tissue/springs.hpp"
+#include "problems/tissue/tet_elements.hpp"
+#include "problems/tissue/tet_mesh.hpp"
+#include "problems/tissue/tissue_settings.hpp"
+
+namespace hmax {
+
+/// A tetrahedral mesh with one elastic model, damping, supports and loads.
+///
+/// q holds the displacements [m] of the free points, x, y, z of one after the other in the order of the mesh,
+/// shape (dofs), v their velocities [m/s], and y = (q, v) the first-order state, shape (2 dofs). Supported
+/// points are no unknowns. The forces are
+///   F = elastic(x) + skin(x) + m g + loads(t) + contact(t, x, v) - dampers(x) v - (alpha M + beta K0) v.
+/// Nothing is allocated once the system has been called in a thread.
+class TissueBody {
+ public:
+  using State = Eigen::VectorXd;
+  using Dofs = Eigen::VectorXd;
+  using DofMatrix = Eigen::SparseMatrix<double>;
+  using Index = TetMesh::Index;
+
+  /// @param mesh  valid, without unused points
+  /// @throws std::invalid_argument  when the settings do not fit the mesh or each other, or a number is out
+  /// of
+  ///         range
+  TissueBody(const TetMesh& mesh, TissueSettings settings);
+
+  [[nodiscard]] Eigen::Index dofs() const { return mass_.size(); }
+  [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
+  [[nodiscard]] bool is_autonomous() const { return autonomous_; }
+  /// The state at rest: the body as the mesh has it.
+  [[nodiscard]] State y0() const { return State::Zero(dim()); }
+
+  void rhs(double t, const State& y, State& dydt) const;
+  /// Lumped: a quarter of each tetrahedron at each of its points, shape (dofs) [kg].
+  [[nodiscard]] const Dofs& mass() const { return mass_; }
+  /// F(t, q, v), shape (dofs) [N].
+  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const;
+  /// K = -dF/dq [N/m] and C = -dF/dv [N s/m], shape (dofs, dofs), in one pattern of 3 x 3 blocks. A matrix
+  /// that has it is written in place.
+  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const;
+  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const;
+  /// False when a moving damper or a tool that damps may make K unsymmetric.
+  [[nodiscard]] bool has_symmetric_stiffness() const;
+
+  /// Elastic energy and the potentials of gravity, loads and contact [J], of which the forces at rest are the
+  /// gradient. Zero at q = 0 without contact.
+  [[nodiscard]] double energy(double t, const Dofs& q) const;
+  /// v^T M v / 2 [J].
+  [[nodiscard]] double kinetic_energy(const Dofs& v) const;
+
+  /// A bound of the absolute values of the eigenvalues of the Jacobian [1/s]. For an eigenvector with
+  /// positions x, |x| = 1 in the norm of M, l^2 + l x*Cx + x*Kx = 0; the two products are bounded by the
+  /// largest sums over a row and a column of the matrices scaled with M^(-1/2) (Gershgorin), c and k, and
+  ///   |l| <= (c + sqrt(c^2 + 4 k)) / 2.
+  [[nodiscard]] double spectral_radius(double t, const State& y) const;
+
+  [[nodiscard]] const TetMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const TissueSettings& settings() const { return settings_; }
+  /// The points that q moves, in its order.
+  [[nodiscard]] const std::vector<Index>& free_points() const { return free_points_; }
+  /// Mass of every point, supported ones included, shape (points) [kg].
+  [[nodiscard]] const Eigen::VectorXd& point_mass() const { return point_mass_; }
+  /// Positions of all points [m], shape (3, points).
+  [[nodiscard]] Eigen::Matrix3Xd positions(double t, const Dofs& q) const;
+  /// Elastic energy density of each tetrahedron [J/m^3], shape (tetrahedra); of finite elements alone.
+  /// @throws std::invalid_argument  for springs
+  [[nodiscard]] Eigen::VectorXd energy_densities(double t, const Dofs& q) const;
+  /// The least volume of a tetrahedron relative to that at rest, and the tetrahedron; below 0 it is inverted.
+  [[nodiscard]] std::pair<double, Eigen::Index> least_volume(double t, const Dofs& q) const;
+
+  /// Calls visit(points, K) with the stiffness at rest of each element, spring and triangle of the skin:
+  /// `points` of the mesh, K of shape (3 points, 3 points). Their sum over the free points is the stiffness
+  /// at q = 0 without contact.
+  using ElementVisitor =
+      std::function<void(std::span<const Index>, const Eigen::Ref<const Eigen::MatrixXd>&)>;
+  void visit_rest_stiffness(const ElementVisitor& visit) const;
+
+ private:
+  using Elements = std::variant<std::monostate, TetElements<SmallStrain>, TetElements<GreenStrain>,
+                                TetElements<Corotational>, TetElements<StableNeoHookean>>;
+  struct Scratch {
+    NodeRows x, v, f;
+  };
+  static Scratch& scratch();
+
+  void check_points(std::span<const Index> points, const char* what) const;
+  void number_free_points();
+  void distribute_mass();
+  void build_elastic_parts();
+  void build_rayleigh_damping();
+
+  /// Rows of all points from those of the free ones; the supported stand where their motion has them.
+  void place(double t, Eigen::Ref<const Dofs> q, NodeRows& x) const;
+  void move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const;
+  void total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<const Dofs> v, Eigen::Ref<Dofs> f) const;
+  void add_elastic_stiffness(const NodeRows& x, double* values) const;
+  [[nodiscard]] bool needs_velocities() const { return has_dampers_ || !settings_.tools.empty(); }
+
+  TetMesh mesh_;
+  TissueSettings settings_;
+  bool autonomous_ = true, has_dampers_ = false;
+  std::vector<Index> free_points_;
+  Eigen::VectorXd point_mass_;
+  Dofs mass_;
+  BlockPattern pattern_;
+  Elements elements_;
+  std::vector<SpringSet> springs_;
+  std::optional<Membrane> membrane_;
+  DofMatrix rayleigh_;              ///< alpha M + beta K0; empty without damping
+  std::vector<Dofs> support_drag_;  ///< of each support: beta K0 times its travel, on the free points
+};
+
+}  // namespace hmax
