@@ -52,7 +52,7 @@ def liver(seed=0, margin=30, upper=97):
     mesh = improve.tetgen(places, triangles, inner)
     skin = surface.Skin(shape, disc, sheet)
     smoother = improve.Smoother(mesh, size, skin.carry, skin.settle)
-    improve.improve(mesh, smoother, WANTED["liver"][1], rng, rounds=240, heat=5.0)
+    improve.improve(mesh, smoother, WANTED["liver"][1], rng, rounds=240, heat=5.0, log=40)
     mesh.points -= 0.5 * (mesh.points.min(axis=0) + mesh.points.max(axis=0))
     mesh.points *= np.cbrt(LIVER_VOLUME / volumes(mesh.corners()).sum())
     return mesh
