@@ -110,7 +110,7 @@ MeshSurface surface_of(const TetMesh& mesh) {
           it, end, [&](const Face& face) { return face.middle != it->middle || face.upper != it->upper; });
       ++surface.faces;
       if (other - it == 1) owners.push_back(it->owner);
-      if (other - it > 2) ++surface.crowded;
+      if (other - it > 2) surface.crowded.push_back(static_cast<Index>(it->owner / 4));
       it = other;
     }
   }
@@ -155,7 +155,7 @@ MeshTopology topology_of(const TetMesh& mesh) {
   topology.surface_edges = surface.edges.cols();
   topology.surface_triangles = surface.triangles.cols();
   topology.unused_points = static_cast<Eigen::Index>(unused_points(mesh).size());
-  topology.crowded_faces = surface.crowded;
+  topology.crowded_faces = static_cast<Eigen::Index>(surface.crowded.size());
 
   // Union-find over the points: every tetrahedron joins its four.
   std::vector<Index> parent(static_cast<std::size_t>(mesh.point_count()));

@@ -32,12 +32,12 @@ inline MeshEdges edges_of(const TetMesh& mesh) { return edge_table(mesh).edges; 
 
 /// What a mesh looks like from outside.
 struct MeshSurface {
-  MeshTriangles triangles;             ///< faces of one tetrahedron only, outward, in the order of these
-  MeshEdges edges;                     ///< of the triangles, as in EdgeTable
-  std::vector<TetMesh::Index> points;  ///< of the triangles, sorted
-  std::vector<TetMesh::Index> inside;  ///< of each triangle: its tetrahedron
-  Eigen::Index faces = 0;              ///< different faces of the mesh, inner ones counted
-  Eigen::Index crowded = 0;            ///< faces of more than two tetrahedra: no solid has them
+  MeshTriangles triangles;              ///< faces of one tetrahedron only, outward, in the order of these
+  MeshEdges edges;                      ///< of the triangles, as in EdgeTable
+  std::vector<TetMesh::Index> points;   ///< of the triangles, sorted
+  std::vector<TetMesh::Index> inside;   ///< of each triangle: its tetrahedron
+  Eigen::Index faces = 0;               ///< different faces of the mesh, inner ones counted
+  std::vector<TetMesh::Index> crowded;  ///< a tetrahedron of each face of more than two: no solid has them
 };
 
 MeshSurface surface_of(const TetMesh& mesh);

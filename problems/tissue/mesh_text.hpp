@@ -1,0 +1,95 @@
+/// A cursor over the bytes of a mesh file, for words and for raw values, which knows the line or byte it is
+/// at.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace hmax {
+
+/// A value from `bytes`, reversed if these have the other byte order.
+template <class T>
+T value_from(const char* bytes, bool swapped) {
+  static_assert(std::is_arithmetic_v<T>);
+  char buffer[sizeof(T)];
+  std::memcpy(buffer, bytes, sizeof(T));
+  if (swapped)
+    for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(buffer[i], buffer[sizeof(T) - 1 - i]);
+  return std::bit_cast<T>(buffer);
+}
+
+/// Reads forward. Every error is one sentence that names file and place, as std::invalid_argument.
+class MeshText {
+ public:
+  /// @param name     of the file, as messages tell it
+  /// @param comment  the character after which a line says nothing, or 0
+  MeshText(std::string name, std::string_view text, char comment = 0)
+      : name_(std::move(name)), text_(text), comment_(comment) {}
+
+  /// The part of a whole file from `begin` to `end`, read on its own.
+  [[nodiscard]] MeshText part(std::size_t begin, std::size_t end) const;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::size_t position() const { return at_; }
+  [[nodiscard]] std::size_t left() const { return text_.size() - at_; }
+  /// The line, from 1, or the byte, from 0, if raw values have been read.
+  [[nodiscard]] std::int64_t place() const;
+  [[nodiscard]] bool counts_bytes() const { return raw_; }
+
+  /// True when nothing but blanks is left.
+  bool at_end();
+  /// The next word between blanks, which must be there. @param what  what it should be, for the error
+  std::string_view word(const char* what);
+  /// The next word without going beyond it; empty at the end.
+  std::string_view peek();
+  /// A finite number.
+  double number(const char* what);
+  std::int64_t integer(const char* what);
+  /// How many of something follow, each of at least `bytes` bytes: more than the rest can hold is an error,
+  /// so that a header alone makes nobody reserve memory.
+  std::size_t count(const char* what, std::size_t bytes);
+  /// Refuses `count` of something that the rest cannot hold.
+  void require_room(std::size_t count, const char* what, std::size_t bytes) const;
+  /// The rest of this line, without its end; the cursor stands at the next line.
+  std::string_view line();
+  /// Goes behind the next occurrence of `word`, which must be there.
+  void skip_behind(std::string_view word);
+
+  /// Errors from now on are about this place, which was read before.
+  void about(std::int64_t place) { about_ = place; }
+
+  /// From now on places are bytes.
+  void go_raw() { raw_ = true; }
+  template <class T>
+  T raw(const char* what, bool swapped) {
+    return value_from<T>(bytes(sizeof(T), what).data(), swapped);
+  }
+  std::string_view bytes(std::size_t size, const char* what);
+
+  /// Throws "NAME, line N: `text`".
+  [[noreturn]] void fail(const std::string& text) const;
+
+ private:
+  void skip_blanks();
+  [[noreturn]] void fail_at_end(const char* what) const;
+
+  std::string name_;
+  std::string_view text_;
+  std::size_t at_ = 0;
+  std::size_t last_ = 0;  ///< where the last raw value began
+  std::int64_t line_ = 1, about_ = -1;
+  char comment_;
+  bool raw_ = false;
+};
+
+/// "NAME, line N: " or "NAME, byte N: "
+std::string place_in_words(const std::string& name, std::int64_t place, bool byte);
+
+/// A piece of a file as messages can show it: short, and without what a terminal cannot print.
+std::string in_quotes(std::string_view text);
+
+}  // namespace hmax

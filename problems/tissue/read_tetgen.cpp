@@ -1,0 +1,49 @@
+/// TetGen's pair of .node and .ele [si2015tetgen]; both count from 0 or both from 1.
+#include <cmath>
+
+#include "problems/tissue/mesh_readers.hpp"
+
+namespace hmax {
+
+MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, const std::string& ele_name,
+                     std::string_view ele_text) {
+  MeshBuilder builder;
+  MeshText nodes(node_name, node_text, '#');
+  const std::size_t points = nodes.count("points", 8);
+  if (const std::int64_t dimension = nodes.integer("the dimension"); dimension != 3)
+    nodes.fail("the points have " + std::to_string(dimension) + " coordinates; a body needs 3");
+  const std::size_t attributes = nodes.count("attributes of points", 1);
+  const std::size_t markers = nodes.count("markers of points", 1);
+  builder.reserve_points(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    const std::int64_t number = nodes.integer("the number of a point");
+    const double x = nodes.number("the x coordinate"), y = nodes.number("the y coordinate");
+    builder.add_point(number, x, y, nodes.number("the z coordinate"));
+    for (std::size_t k = 0; k < attributes + markers; ++k) nodes.number("an attribute of a point");
+  }
+  builder.number_points(nodes);
+
+  MeshText elements(ele_name, ele_text, '#');
+  const std::size_t tetrahedra = elements.count("tetrahedra", 10);
+  const std::int64_t corners = elements.integer("the number of points of a tetrahedron");
+  const std::size_t values = elements.count("attributes of tetrahedra", 1);
+  if (tetrahedra > 0 && corners != 4)
+    elements.fail("the tetrahedra have " + std::to_string(corners) +
+                  " points; save the mesh with elements of order 1, which have 4 (tetgen without -o2)");
+  builder.reserve_tetrahedra(tetrahedra);
+  for (std::size_t t = 0; t < tetrahedra; ++t) {
+    const std::int64_t number = elements.integer("the number of a tetrahedron"), place = elements.place();
+    std::array<TetMesh::Index, 4> points_of{};
+    for (TetMesh::Index& point : points_of)
+      point = builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
+    std::int64_t region = 0;
+    for (std::size_t k = 0; k < values; ++k) {
+      const double value = elements.number("an attribute of a tetrahedron");
+      if (k == 0 && std::abs(value) < 1e9) region = std::llround(value);
+    }
+    builder.add_tetrahedron(points_of, number, place, region, elements);
+  }
+  return builder.finish(elements, "TetGen");
+}
+
+}  // namespace hmax

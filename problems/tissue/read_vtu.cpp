@@ -1,0 +1,263 @@
+/// VTK XML files of unstructured grids, .vtu: numbers as ASCII, as base64, or appended at the end, raw or as
+/// base64 [schroeder2006visualization]. Compressed ones are refused with the remedy.
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "problems/tissue/base64.hpp"
+#include "problems/tissue/vtk_cells.hpp"
+#include "problems/tissue/xml_tags.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// A type of numbers as VTK names it.
+struct NumberType {
+  std::string_view name;
+  std::size_t size;
+};
+constexpr std::array<NumberType, 10> number_types{{{"Int8", 1},
+                                                   {"UInt8", 1},
+                                                   {"Int16", 2},
+                                                   {"UInt16", 2},
+                                                   {"Int32", 4},
+                                                   {"UInt32", 4},
+                                                   {"Int64", 8},
+                                                   {"UInt64", 8},
+                                                   {"Float32", 4},
+                                                   {"Float64", 8}}};
+
+/// One value of a named type as `To`.
+template <class To>
+To converted(std::string_view type, const char* bytes, bool swapped) {
+  const auto as = [&]<class From>(From) { return static_cast<To>(value_from<From>(bytes, swapped)); };
+  if (type == "Int8") return as(std::int8_t{});
+  if (type == "UInt8") return as(std::uint8_t{});
+  if (type == "Int16") return as(std::int16_t{});
+  if (type == "UInt16") return as(std::uint16_t{});
+  if (type == "Int32") return as(std::int32_t{});
+  if (type == "UInt32") return as(std::uint32_t{});
+  if (type == "Int64") return as(std::int64_t{});
+  return as(std::uint64_t{});
+}
+
+struct Grid {
+  std::size_t points = 0, cells = 0;
+  std::optional<XmlTag> coordinates, connectivity, offsets, types, regions;
+};
+
+class VtuReader {
+ public:
+  VtuReader(const std::string& name, std::string_view whole) : text_(name, whole), whole_(whole) {}
+
+  MeshFile read() {
+    const Grid grid = find_arrays();
+    MeshBuilder builder;
+    const std::vector<double> xyz = numbers<double>(*grid.coordinates, 3 * grid.points, "coordinates");
+    builder.reserve_points(grid.points);
+    for (std::size_t i = 0; i < grid.points; ++i) {
+      for (std::size_t k = 0; k < 3; ++k)
+        if (!(xyz[3 * i + k] - xyz[3 * i + k] == 0))
+          at(*grid.coordinates)
+              .fail("point " + std::to_string(i) +
+                    " has a coordinate that is not finite; correct it or export the mesh again");
+      builder.add_point(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
+    }
+    VtkCells cells;
+    cells.types = numbers<std::int64_t>(*grid.types, grid.cells, "types of cells");
+    cells.offsets = numbers<std::int64_t>(*grid.offsets, grid.cells, "offsets");
+    cells.offsets.insert(cells.offsets.begin(), 0);
+    const std::int64_t corners = cells.offsets.back();
+    if (corners < 0) at(*grid.offsets).fail("the last offset is negative; export the mesh again");
+    cells.connectivity =
+        numbers<std::int64_t>(*grid.connectivity, static_cast<std::size_t>(corners), "points of cells");
+    std::vector<std::int64_t> regions;
+    if (grid.regions) regions = numbers<std::int64_t>(*grid.regions, grid.cells, "regions");
+    MeshText place = at(*grid.connectivity);
+    const std::array<std::int64_t, 1> places{place.place()};
+    add_vtk_cells(builder, cells, places, regions, place);
+    return builder.finish(text_, "VTK XML");
+  }
+
+ private:
+  /// For errors about what stands behind a tag.
+  [[nodiscard]] MeshText at(const XmlTag& tag) const { return text_.part(tag.begin, whole_.size()); }
+
+  [[nodiscard]] std::size_t count_of(const XmlTag& tag, std::string_view name, std::size_t bytes) const {
+    const std::string_view value = tag.attribute(name);
+    if (value.empty()) at(tag).fail(std::string(name) + " is missing; export the mesh again");
+    MeshText reader = text_.part(tag.begin, whole_.size());
+    const std::size_t count = whole_.size() / bytes;
+    const std::int64_t number = MeshText(text_.name(), value).integer("a count");
+    if (number < 0 || static_cast<std::size_t>(number) > count)
+      reader.fail(std::string(name) + " is " + in_quotes(value) +
+                  ", more than the file can hold; it is cut off or "
+                  "its header is wrong, so export it again");
+    return static_cast<std::size_t>(number);
+  }
+
+  Grid find_arrays() {
+    Grid grid;
+    std::string_view section;
+    std::size_t from = 0, pieces = 0;
+    bool is_vtk = false;
+    while (const auto tag = next_tag(text_, whole_, from)) {
+      from = tag->end;
+      if (tag->name == "VTKFile") {
+        is_vtk = true;
+        read_head(*tag);
+      } else if (!is_vtk) {
+        at(*tag).fail("a .vtu file begins with <VTKFile> and not with " + in_quotes(tag->name) +
+                      "; export the mesh again or correct the extension");
+      } else if (tag->name == "Piece") {
+        if (++pieces > 1)
+          at(*tag).fail(
+              "the grid comes in several pieces; merge them first (in ParaView: Merge Blocks, then save)");
+        grid.points = count_of(*tag, "NumberOfPoints", 3);
+        grid.cells = count_of(*tag, "NumberOfCells", 1);
+      } else if (tag->name == "Points" || tag->name == "Cells" || tag->name == "CellData" ||
+                 tag->name == "PointData" || tag->name == "FieldData") {
+        section = tag->name;
+      } else if (tag->name == "DataArray") {
+        const std::string_view name = tag->attribute("Name");
+        if (section == "Points" && !grid.coordinates) grid.coordinates = *tag;
+        if (section == "Cells" && name == "connectivity") grid.connectivity = *tag;
+        if (section == "Cells" && name == "offsets") grid.offsets = *tag;
+        if (section == "Cells" && name == "types") grid.types = *tag;
+        if (section == "CellData" && names_vtk_regions(name)) grid.regions = *tag;
+      } else if (tag->name == "AppendedData") {
+        appended_base64_ = tag->attribute("encoding", "base64") == "base64";
+        const std::size_t mark = whole_.find('_', tag->end);
+        if (mark == std::string_view::npos)
+          at(*tag).fail(
+              "the mark '_' of the appended data is missing; the file is cut off, so export it again");
+        appended_ = mark + 1;
+        break;  // what follows are no tags
+      }
+    }
+    if (!is_vtk)
+      text_.fail("a .vtu file begins with <VTKFile>; export the mesh again or correct the extension");
+    for (const auto& [array, name] : {std::pair(&grid.coordinates, "Points"),
+                                      {&grid.connectivity, "connectivity"},
+                                      {&grid.offsets, "offsets"},
+                                      {&grid.types, "types"}})
+      if (!*array)
+        text_.fail(std::string("the array ") + name +
+                   " is missing; the file is cut off or holds no grid, so "
+                   "export it again");
+    return grid;
+  }
+
+  void read_head(const XmlTag& tag) {
+    if (tag.attribute("type") != "UnstructuredGrid")
+      at(tag).fail("the file holds " + in_quotes(tag.attribute("type")) +
+                   " and no UnstructuredGrid; save an unstructured grid");
+    if (const std::string_view compressor = tag.attribute("compressor"); !compressor.empty())
+      at(tag).fail("the numbers are compressed with " + in_quotes(compressor) +
+                   "; save the mesh uncompressed (in ParaView: Save Data, Compressor Type None; in meshio: "
+                   "compression=None)");
+    const bool file_is_little = tag.attribute("byte_order", "LittleEndian") == "LittleEndian";
+    swapped_ = file_is_little != (std::endian::native == std::endian::little);
+    const std::string_view header = tag.attribute("header_type", "UInt32");
+    if (header != "UInt32" && header != "UInt64")
+      at(tag).fail("the type of headers " + in_quotes(header) +
+                   " is not read; export the mesh again with UInt64");
+    header_size_ = header == "UInt64" ? 8 : 4;
+  }
+
+  /// The size of the array that a header announces.
+  [[nodiscard]] std::size_t announced(std::string_view header) const {
+    if (header_size_ == 4) return value_from<std::uint32_t>(header.data(), swapped_);
+    return static_cast<std::size_t>(value_from<std::uint64_t>(header.data(), swapped_));
+  }
+
+  /// The bytes of an array of exactly `size` bytes. @param storage  holds what had to be decoded
+  std::string_view bytes_of(const XmlTag& tag, std::size_t size, std::string& storage) const {
+    const std::string_view format = tag.attribute("format");
+    std::size_t begin = tag.end, end = whole_.size();
+    bool base64 = true;
+    if (format == "appended") {
+      if (appended_ == 0)
+        at(tag).fail("the appended data are missing; the file is cut off, so export it again");
+      const std::int64_t offset =
+          MeshText(text_.name(), tag.attribute("offset", "none")).integer("an offset");
+      if (offset < 0 || static_cast<std::size_t>(offset) > whole_.size() - appended_)
+        at(tag).fail(
+            "the offset of an array lies behind the end of the file; it is cut off, so export it again");
+      begin = appended_ + static_cast<std::size_t>(offset);
+      base64 = appended_base64_;
+    } else if (format == "binary") {
+      end = std::min(whole_.find('<', begin), whole_.size());
+    } else {
+      at(tag).fail("the format " + in_quotes(format) +
+                   " of an array is not read; it is ascii, binary or appended");
+    }
+    std::string_view content = whole_.substr(begin, end - begin);
+    if (base64) {
+      const auto decoded = decode_base64(content, header_size_ + size);
+      if (!decoded) at(tag).fail("an array is no base64; the file was damaged, so export it again");
+      storage = *decoded;
+      content = storage;
+    }
+    if (content.size() < header_size_ || announced(content) > content.size() - header_size_)
+      at(tag).fail("an array is shorter than it says; the file is cut off, so export it again");
+    if (announced(content) != size)
+      at(tag).fail("an array has " + std::to_string(announced(content)) + " bytes instead of " +
+                   std::to_string(size) + "; export the mesh again");
+    return content.substr(header_size_, size);
+  }
+
+  template <class T>
+  std::vector<T> numbers(const XmlTag& tag, std::size_t count, const char* what) const {
+    std::vector<T> values;
+    const std::string_view type = tag.attribute("type");
+    const auto known = std::find_if(number_types.begin(), number_types.end(),
+                                    [&](const NumberType& each) { return each.name == type; });
+    if (known == number_types.end())
+      at(tag).fail("the type " + in_quotes(type) +
+                   " of an array is not read; save the mesh with Float64 and Int64");
+    if (tag.attribute("format", "ascii") == "ascii") {
+      MeshText text = text_.part(tag.end, std::min(whole_.find('<', tag.end), whole_.size()));
+      text.require_room(count, what, 2);
+      values.reserve(count);
+      for (std::size_t i = 0; i < count; ++i) {
+        if constexpr (std::is_same_v<T, double>)
+          values.push_back(text.number("a coordinate"));
+        else
+          values.push_back(text.integer("a whole number of an array"));
+      }
+      return values;
+    }
+    if (count > whole_.size())
+      at(tag).fail("the file announces " + std::to_string(count) + " " + what +
+                   ", more than it can hold; it is cut off or its header is wrong, so export it again");
+    std::string storage;
+    const std::string_view bytes = bytes_of(tag, count * known->size, storage);
+    values.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) values.push_back(value<T>(tag, bytes.data() + i * known->size));
+    return values;
+  }
+
+  template <class T>
+  T value(const XmlTag& tag, const char* bytes) const {
+    const std::string_view type = tag.attribute("type");
+    if (!type.starts_with("Float")) return converted<T>(type, bytes, swapped_);
+    const double real =
+        type == "Float32" ? value_from<float>(bytes, swapped_) : value_from<double>(bytes, swapped_);
+    if constexpr (!std::is_same_v<T, double>)
+      if (!(real > -9e18 && real < 9e18)) return std::numeric_limits<T>::min();
+    return static_cast<T>(real);
+  }
+
+  MeshText text_;
+  std::string_view whole_;
+  std::size_t appended_ = 0, header_size_ = 4;
+  bool appended_base64_ = true, swapped_ = false;
+};
+
+}  // namespace
+
+MeshFile read_vtu(const std::string& name, std::string_view text) { return VtuReader(name, text).read(); }
+
+}  // namespace hmax

@@ -1,0 +1,205 @@
+#include "problems/tissue/mesh_file.hpp"
+
+#include <clocale>
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "problems/tissue/base64.hpp"
+#include "tests/problems/tissue/mesh_goldens.hpp"
+#include "tests/problems/tissue/meshes.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+/// The sentence with which reading is refused.
+std::string refusal(const std::string& name, const std::string& text) {
+  try {
+    read_mesh(name, text);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "read without complaint: " << text;
+  return "";
+}
+
+void expect_refused(const std::string& name, const std::string& text, const std::string& named) {
+  const std::string sentence = refusal(name, text);
+  EXPECT_EQ(sentence.rfind(name, 0), 0U) << sentence;
+  EXPECT_NE(sentence.find(named), std::string::npos) << "'" << named << "' is not in: " << sentence;
+  EXPECT_NE(sentence.find("; "), std::string::npos) << "no remedy in: " << sentence;
+}
+
+std::string replaced(std::string text, const std::string& old, const std::string& by) {
+  const std::size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), by);
+}
+
+const std::string& golden_text(const std::string& name) {
+  static const std::vector<GoldenMesh> all = golden_meshes();
+  return std::ranges::find(all, name, &GoldenMesh::name)->text;
+}
+
+TEST(MeshFiles, EveryFormatTellsTheSameMesh) {
+  const TetMesh expected = golden_mesh();
+  for (const GoldenMesh& golden : golden_meshes()) {
+    SCOPED_TRACE(golden.name);
+    const MeshFile file = golden.read();
+    EXPECT_EQ(file.mesh.points, expected.points);
+    EXPECT_EQ(file.mesh.tetrahedra, expected.tetrahedra);
+    EXPECT_EQ(file.mesh.regions, golden.has_regions ? expected.regions : std::vector<TetMesh::Index>{});
+  }
+}
+
+TEST(MeshFiles, NumbersDoNotDependOnTheLocale) {
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "C.UTF-8"}) std::setlocale(LC_ALL, name);
+  for (const GoldenMesh& golden : golden_meshes())
+    EXPECT_EQ(golden.read().mesh.points(0, 1), 0.5) << golden.name;
+  std::setlocale(LC_ALL, before.c_str());
+}
+
+TEST(MeshFiles, ElementsAreNamedAsTheFileNamesThem) {
+  EXPECT_EQ(read_mesh("v1.msh", golden_text("v1.msh")).where(1), "v1.msh, line 14: tetrahedron 4");
+  EXPECT_EQ(read_mesh("v2.msh", golden_text("v2.msh")).where(0), "v2.msh, line 18: tetrahedron 2");
+  EXPECT_EQ(read_mesh("old.vtk", golden_text("old.vtk")).where(1), "old.vtk, line 10: tetrahedron 2");
+  const std::string binary = golden_text("v2_little.msh");
+  const MeshFile file = read_mesh("v2_little.msh", binary);
+  const auto place = static_cast<std::size_t>(file.places[1]);
+  EXPECT_EQ(binary.substr(place, 8), Bytes().ints({3, 9}).str());
+  EXPECT_EQ(file.where(1), "v2_little.msh, byte " + std::to_string(place) + ": tetrahedron 3");
+}
+
+TEST(MeshFiles, SurfacesAreLeftAsideAndCounted) {
+  EXPECT_EQ(read_mesh("v1.msh", golden_text("v1.msh")).triangles, 1);
+  EXPECT_EQ(read_mesh("ghs3d.mesh", golden_text("ghs3d.mesh")).triangles, 1);
+}
+
+TEST(MeshFiles, ASurfaceAloneIsRefusedWithAWayToFillIt) {
+  expect_refused("s.msh", "$NOD\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$ENDNOD\n$ELM\n1\n1 2 0 0 3 1 2 3\n$ENDELM\n",
+                 "1 triangles and no tetrahedra, a surface only; fill it");
+  expect_refused("s.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices 1\n0 0 0 0\nEnd\n",
+                 "no tetrahedra");
+}
+
+TEST(MeshFiles, ANodeThatIsMissingIsNamedWithLineAndElement) {
+  expect_refused("v1.msh", replaced(golden_text("v1.msh"), "4 4 9 1 4 4 6 8 10", "4 4 9 1 4 4 6 8 11"),
+                 "v1.msh, line 14: tetrahedron 4 needs node 11, which the file does not have");
+  expect_refused("old.vtk", replaced(golden_text("old.vtk"), "4 1 2 3 4", "4 1 2 3 5"),
+                 "old.vtk, line 10: tetrahedron 2 needs point 5, but the points are 0 to 4");
+  expect_refused("m.mesh", replaced(golden_text("ghs3d.mesh"), "1 2 3 4 7", "0 2 3 4 7"),
+                 "m.mesh, line 23: tetrahedron 1 needs point 0, but the points are 1 to 5");
+  EXPECT_THROW(read_tetgen("a.node", "1 3 0 0\n1 0 0 0\n", "a.ele", "1 4 0\n1 1 2 3 4\n"),
+               std::invalid_argument);
+}
+
+TEST(MeshFiles, TheSameNumberTwiceIsRefused) {
+  expect_refused("v1.msh", replaced(golden_text("v1.msh"), "10 0.5", "8 0.5"), "node 8 is given twice");
+}
+
+TEST(MeshFiles, WhatIsNoNumberOrNotFiniteIsNamedWithItsLine) {
+  const std::string& text = golden_text("v2.msh");
+  expect_refused("v2.msh", replaced(text, "4 0.5 0 0", "4 0,5 0 0"),
+                 "v2.msh, line 11: the x coordinate should be a number and is '0,5'");
+  expect_refused("v2.msh", replaced(text, "4 0.5 0 0", "4 nan 0 0"),
+                 "line 11: the x coordinate is 'nan', which is not finite");
+  expect_refused("v2.msh", replaced(text, "4 0.5 0 0", "4 inf 0 0"), "not finite");
+  expect_refused("v2.msh", replaced(text, "4 0.5 0 0", "4 1e999 0 0"), "beyond the range");
+  expect_refused("v2.msh", replaced(text, "4 0.5 0 0", "4 0x1p3 0 0"), "should be a number");
+  expect_refused(
+      "b.msh",
+      [] {
+        Bytes file;
+        file.text("$MeshFormat\n2.2 1 8\n").ints({1}).text("\n$EndMeshFormat\n$Nodes\n1\n");
+        return file.ints({1}).reals({0, std::nan(""), 0}).text("\n$EndNodes\n").str();
+      }(),
+      "byte 61: the y coordinate is not finite");
+}
+
+TEST(MeshFiles, CountsThatCannotBeTrueReserveNothing) {
+  expect_refused("v2.msh", replaced(golden_text("v2.msh"), "$Nodes\n5", "$Nodes\n2000000000"),
+                 "the file announces 2000000000 nodes, but only");
+  expect_refused("v2.msh", replaced(golden_text("v2.msh"), "$Elements\n3", "$Elements\n99999999999999"),
+                 "2147483647");
+  expect_refused("v2.msh", replaced(golden_text("v2.msh"), "$Nodes\n5", "$Nodes\n-5"), "announces -5 nodes");
+  expect_refused("v2.msh", replaced(golden_text("v2.msh"), "$Nodes\n5", "$Nodes\n4"),
+                 "$EndNodes should be here");
+  expect_refused("v2.msh", replaced(golden_text("v2.msh"), "$Elements\n3", "$Elements\n4"),
+                 "should be a whole number");
+  expect_refused("a.vtu",
+                 replaced(golden_text("ascii.vtu"), "NumberOfCells='2'", "NumberOfCells='2000000000'"),
+                 "NumberOfCells");
+  expect_refused("a.vtk", replaced(golden_text("old.vtk"), "CELLS 3 14", "CELLS 3 1400000"),
+                 "announces 1400000 numbers of cells");
+  expect_refused("m.mesh", replaced(golden_text("ghs3d.mesh"), "Tetrahedra\n2", "Tetrahedra\n2000000"),
+                 "announces 2000000 tetrahedra");
+}
+
+TEST(MeshFiles, ACutOffFileSaysWhatIsMissing) {
+  const std::string& text = golden_text("v2.msh");
+  expect_refused("v2.msh", text.substr(0, text.find("$EndElements") - 4), "the file ends where");
+  expect_refused("v2.msh", text.substr(0, text.find("$Elements")), "no tetrahedra");
+  const std::string& raw = golden_text("appended_raw.vtu");
+  expect_refused("a.vtu", raw.substr(0, raw.find("  _") + 100), "cut off");
+}
+
+TEST(MeshFiles, OtherElementsAreRefusedWithTheRemedy) {
+  expect_refused(
+      "h.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 5 2 0 0 1 1 1 1 1 1 1 1\n$EndElements\n",
+      "element 1 is of type 5, a volume that is no tetrahedron; mesh the body with tetrahedra only");
+  expect_refused(
+      "q.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 11 0 1 1 1 1 1 1 1 1 1 1\n$EndElements\n",
+      "order 1");
+  expect_refused("h.vtk", replaced(golden_text("old.vtk"), "5 10 10", "5 10 12"), "of type 12");
+  expect_refused("h.mesh", replaced(golden_text("ghs3d.mesh"), "RequiredVertices", "Hexahedra"), "Hexahedra");
+}
+
+TEST(MeshFiles, VersionsAndVariantsThatAreNotReadSayHowToSave) {
+  expect_refused("v4.msh", "$MeshFormat\n4 0 8\n$EndMeshFormat\n", "save the mesh as 4.1 or 2.2");
+  expect_refused(
+      "z.vtu",
+      replaced(golden_text("ascii.vtu"), "byte_order", "compressor=\"vtkZLibDataCompressor\" byte_order"),
+      "Compressor Type None");
+  expect_refused(
+      "p.vtu",
+      replaced(golden_text("ascii.vtu"), "</Piece>", "</Piece><Piece NumberOfPoints='0' NumberOfCells='0'>"),
+      "several pieces");
+  expect_refused("p.vtk", replaced(golden_text("old.vtk"), "UNSTRUCTURED_GRID", "POLYDATA"),
+                 "save an unstructured grid");
+  expect_refused("x.msh", "solid stl\n", "begins with $MeshFormat or $NOD");
+  expect_refused("x.vtu", "solid stl\n", "<VTKFile>");
+  expect_refused("x.mesh", "\x01\x02", "MeshVersionFormatted");
+  EXPECT_THROW(read_mesh("x.stl", ""), std::invalid_argument);
+}
+
+TEST(MeshFiles, PairsOfTetgenAreFoundFromEitherFile) {
+  const Scratch folder;
+  const std::vector<GoldenMesh> goldens = golden_meshes();
+  for (const GoldenMesh& golden : goldens) {
+    write_text(folder / golden.name, golden.text);
+    if (!golden.ele_name.empty()) write_text(folder / golden.ele_name, golden.ele_text);
+  }
+  for (const char* name : {"zero.node", "zero.ele", "v2.msh", "base64.vtu"})
+    EXPECT_EQ(read_mesh_file(folder / name).mesh.points, golden_mesh().points) << name;
+  EXPECT_THROW(read_mesh_file(folder / "none.msh"), std::invalid_argument);
+  EXPECT_THROW(read_mesh_file(folder.folder()), std::invalid_argument);
+  std::filesystem::remove(folder / "zero.ele");
+  EXPECT_THROW(read_mesh_file(folder / "zero.node"), std::invalid_argument);
+}
+
+TEST(Base64, KnownTextsAndTheirWayBack) {
+  EXPECT_EQ(encode_base64("Man"), "TWFu");
+  EXPECT_EQ(encode_base64("Ma"), "TWE=");
+  EXPECT_EQ(encode_base64("M"), "TQ==");
+  EXPECT_EQ(decode_base64("TQ==TWE=TWFu", 100), "MMaMan");
+  EXPECT_EQ(decode_base64(" TW\nFu", 100), "Man");
+  EXPECT_EQ(decode_base64("TW*u", 100), std::nullopt);
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,133 @@
+#include "problems/tissue/mesh_writers.hpp"
+
+#include <numeric>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "problems/tissue/mesh_file.hpp"
+#include "problems/tissue/sofa_scene.hpp"
+#include "tests/problems/tissue/mesh_goldens.hpp"
+#include "tests/problems/tissue/meshes.hpp"
+
+namespace hmax {
+namespace {
+
+/// Coordinates with all their digits, and regions.
+TetMesh awkward_mesh() {
+  TetMesh mesh = ball_mesh(1. / 3, 2);
+  mesh.points.array() += 1e-9;
+  mesh.points(0, 0) = -5e-324;
+  mesh.regions.resize(static_cast<std::size_t>(mesh.tetrahedron_count()));
+  std::iota(mesh.regions.begin(), mesh.regions.end(), -3);
+  return mesh;
+}
+
+void expect_same(const TetMesh& read, const TetMesh& written) {
+  EXPECT_EQ(read.points, written.points);
+  EXPECT_EQ(read.tetrahedra, written.tetrahedra);
+  EXPECT_EQ(read.regions, written.regions);
+}
+
+TEST(MeshWriters, GmshReadsBackBitForBit) {
+  expect_same(read_mesh("a.msh", msh_text(awkward_mesh())).mesh, awkward_mesh());
+  EXPECT_TRUE(read_mesh("a.msh", msh_text(cube_mesh(1, 2))).mesh.regions.empty());
+}
+
+TEST(MeshWriters, VtkReadsBackBitForBitInEveryEncoding) {
+  const TetMesh mesh = awkward_mesh();
+  MeshFields fields;
+  fields.points.push_back({"displacement <m>", Eigen::MatrixXd::Random(3, mesh.point_count())});
+  fields.tetrahedra.push_back({"energy", Eigen::MatrixXd::Random(1, mesh.tetrahedron_count())});
+  for (const VtuEncoding encoding : {VtuEncoding::ascii, VtuEncoding::base64, VtuEncoding::raw}) {
+    const std::string text = vtu_text(mesh, fields, encoding);
+    expect_same(read_mesh("a.vtu", text).mesh, mesh);
+    EXPECT_NE(text.find("Name=\"displacement &lt;m&gt;\" NumberOfComponents=\"3\""), std::string::npos);
+  }
+}
+
+TEST(MeshWriters, EveryGoldenGoesThroughBothWriters) {
+  for (const GoldenMesh& golden : golden_meshes()) {
+    const TetMesh mesh = golden.read().mesh;
+    expect_same(read_mesh("a.msh", msh_text(mesh)).mesh, mesh);
+    expect_same(read_mesh("a.vtu", vtu_text(mesh)).mesh, mesh);
+  }
+}
+
+/// The values of a field stand where its offset points: eight bytes of length, then the doubles.
+TEST(MeshWriters, FieldsStandBehindTheirOffsets) {
+  const TetMesh mesh = unit_tetrahedron();
+  MeshFields fields;
+  fields.points.push_back({"u", Eigen::MatrixXd(2, 4)});
+  fields.points[0].values << 1, 3, 5, 7, 2, 4, 6, 8;
+  const std::string text = vtu_text(mesh, fields);
+  const std::string tag = "Name=\"u\" NumberOfComponents=\"2\" format=\"appended\" offset=\"";
+  const std::size_t offset = std::stoul(text.substr(text.find(tag) + tag.size()));
+  EXPECT_EQ(text.substr(text.find("\n_") + 2 + offset, 72),
+            Bytes().longs({64}).reals({1, 2, 3, 4, 5, 6, 7, 8}).str());
+}
+
+TEST(MeshWriters, AFieldOfAnotherMeshIsRefused) {
+  MeshFields fields;
+  fields.points.push_back({"u", Eigen::MatrixXd::Zero(3, 5)});
+  EXPECT_THROW(vtu_text(unit_tetrahedron(), fields), std::invalid_argument);
+}
+
+TEST(MeshWriters, ASeriesNamesItsFramesWithTheirTimes) {
+  const std::vector<std::pair<double, std::string>> frames{{0, "liver_0000.vtu"}, {0.1, "a&b.vtu"}};
+  const std::string text = pvd_text(frames);
+  EXPECT_NE(text.find("<DataSet timestep=\"0\" file=\"liver_0000.vtu\"/>"), std::string::npos);
+  EXPECT_NE(text.find("<DataSet timestep=\"0.1\" file=\"a&amp;b.vtu\"/>"), std::string::npos);
+  EXPECT_NE(text.find("type=\"Collection\""), std::string::npos);
+}
+
+SofaScene scene() {
+  SofaScene scene;
+  scene.mesh = unit_tetrahedron();
+  scene.young = 2600;
+  scene.poisson = 0.3;
+  scene.density = 1000;
+  scene.gravity = {0, 0, -9.81};
+  scene.fixed = {0, 2};
+  return scene;
+}
+
+TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
+  const std::string text = sofa_text(scene());
+  for (const char* part :
+       {"dt=\"0.01\" gravity=\"0 0 -9.81\"", "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"",
+        "youngModulus=\"2600\" poissonRatio=\"0.3\" method=\"polar\"", "massDensity=\"1000\"",
+        "indices=\"0 2\""})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '<'), std::count(text.begin(), text.end(), '>'));
+}
+
+/// E = 2600, nu = 0.3: mu = 1000, lambda = 1500, bulk modulus 2166.67.
+TEST(SofaScenes, TranslateTheMaterial) {
+  SofaScene green = scene();
+  green.material = SofaMaterial::green;
+  EXPECT_NE(sofa_text(green).find("ParameterSet=\"1000 1500"), std::string::npos) << sofa_text(green);
+  EXPECT_NE(sofa_text(green).find("StVenantKirchhoff"), std::string::npos);
+  green.material = SofaMaterial::neo_hookean;
+  EXPECT_NE(sofa_text(green).find("ParameterSet=\"1000 2166.6666666666"), std::string::npos)
+      << sofa_text(green);
+  green.material = SofaMaterial::cauchy;
+  EXPECT_NE(sofa_text(green).find("method=\"small\""), std::string::npos);
+}
+
+TEST(SofaScenes, RefuseWhatIsNoMaterial) {
+  const auto refused = [](auto change) {
+    SofaScene changed = scene();
+    change(changed);
+    EXPECT_THROW(sofa_text(changed), std::invalid_argument);
+  };
+  refused([](SofaScene& s) { s.young = 0; });
+  refused([](SofaScene& s) { s.poisson = 0.5; });
+  refused([](SofaScene& s) { s.density = -1; });
+  refused([](SofaScene& s) { s.step = 0; });
+  refused([](SofaScene& s) { s.beta = -1; });
+  refused([](SofaScene& s) { s.fixed = {4}; });
+}
+
+}  // namespace
+}  // namespace hmax
