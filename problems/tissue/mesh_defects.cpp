@@ -74,6 +74,19 @@ Eigen::Index fix_orientation(TetMesh& mesh) {
   return fixed;
 }
 
+std::vector<TetMesh::Index> number_regions(TetMesh& mesh) {
+  std::vector<Index> names = mesh.regions;
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  if (names.size() < 2) {
+    mesh.regions.clear();
+    return names.empty() ? std::vector<Index>{0} : names;
+  }
+  for (Index& region : mesh.regions)
+    region = static_cast<Index>(std::ranges::lower_bound(names, region) - names.begin());
+  return names;
+}
+
 void require_valid(const MeshFile& file) {
   const MeshDefects defects = defects_of(file.mesh);
   const auto all = [](std::size_t count) {
@@ -123,6 +136,7 @@ MeshImport import_mesh(const MeshFile& file, double unit) {
   result.file_tetrahedra = order.tetrahedra;
   result.mesh.points.conservativeResize(3, result.file_point_count - idle);
   result.mesh.points *= unit;
+  result.file_regions = number_regions(result.mesh);
   return result;
 }
 

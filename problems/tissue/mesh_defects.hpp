@@ -28,10 +28,15 @@ Eigen::Index fix_orientation(TetMesh& mesh);
 /// @throws std::invalid_argument with a sentence about the first defect: file, place, element, remedy
 void require_valid(const MeshFile& file);
 
+/// Numbers regions 0, 1, ... in the order of what they were called; none where there is one region only.
+/// @returns what each was called
+std::vector<TetMesh::Index> number_regions(TetMesh& mesh);
+
 /// A mesh as models take it, and the way back to the order of its file.
 struct MeshImport {
-  TetMesh mesh;  ///< valid, in metres, without idle points, in local_order()
+  TetMesh mesh;  ///< valid, in metres, without idle points, in local_order(), regions from 0
   std::vector<TetMesh::Index> file_points, file_tetrahedra;  ///< where each stood in the file, from 0
+  std::vector<TetMesh::Index> file_regions;                  ///< what the file calls regions 0, 1, ...
   Eigen::Index file_point_count = 0;                         ///< idle points counted
 
   /// Values of points in the order of the file; 0 at idle points. @param now  one column each

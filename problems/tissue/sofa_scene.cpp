@@ -1,5 +1,6 @@
 #include "problems/tissue/sofa_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -15,21 +16,39 @@ void require(bool holds, const char* what, double value, const char* remedy) {
                                 "; " + remedy);
 }
 
-void check(const SofaScene& scene) {
+void require_none(bool none, const char* what) {
+  if (!none)
+    throw std::invalid_argument(std::string("a SOFA scene is written without ") + what + "; leave them out");
+}
+
+void check(const TetMesh& mesh, const TissueSettings& settings, double step) {
+  if (settings.model == TissueModel::mass_spring)
+    throw std::invalid_argument("a SOFA scene is written for finite elements only; choose a model fem_...");
+  if (settings.materials.size() != 1)
+    throw std::invalid_argument("a SOFA scene is written for one material and the body has " +
+                                std::to_string(settings.materials.size()) + "; give it one");
+  require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
+  require_none(settings.tools.empty(), "tools");
+  require_none(settings.forces.empty(), "pressing forces");
+  const TissueMaterial& material = settings.materials[0];
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
   const auto not_negative = [](double value) { return value >= 0 && std::isfinite(value); };
-  require(positive(scene.young), "Young's modulus", scene.young, "give a positive one in Pa");
-  require(scene.poisson > -1 && scene.poisson < 0.5, "Poisson ratio", scene.poisson,
+  require(positive(material.young), "Young's modulus", material.young, "give a positive one in Pa");
+  require(material.poisson > -1 && material.poisson < 0.5, "Poisson ratio", material.poisson,
           "give one between -1 and 0.5");
-  require(positive(scene.density), "density", scene.density, "give a positive one in kg/m3");
-  require(positive(scene.step), "step", scene.step, "give a positive one in seconds");
-  require(not_negative(scene.alpha), "damping alpha", scene.alpha, "give 0 or more");
-  require(not_negative(scene.beta), "damping beta", scene.beta, "give 0 or more");
+  require(positive(material.density), "density", material.density, "give a positive one in kg/m3");
+  if (settings.total_mass)
+    require(positive(*settings.total_mass), "mass", *settings.total_mass, "give a positive one");
+  require(positive(step), "step", step, "give a positive one in seconds");
+  require(not_negative(settings.alpha), "damping alpha", settings.alpha, "give 0 or more");
+  require(not_negative(settings.beta), "damping beta", settings.beta, "give 0 or more");
   for (int k = 0; k < 3; ++k)
-    require(std::isfinite(scene.gravity(k)), "gravity", scene.gravity(k), "give a finite one");
-  for (const TetMesh::Index point : scene.fixed)
-    require(point >= 0 && point < scene.mesh.point_count(), "fixed point", point,
-            "the mesh does not have it");
+    require(std::isfinite(settings.gravity(k)), "gravity", settings.gravity(k), "give a finite one");
+  for (const Support& support : settings.supports) {
+    require_none(support.travel.isZero(), "moving supports");
+    for (const TetMesh::Index point : support.points)
+      require(point >= 0 && point < mesh.point_count(), "fixed point", point, "the mesh does not have it");
+  }
 }
 
 /// Each number behind a blank.
@@ -41,57 +60,65 @@ std::string listed(const Numbers& numbers) {
   return text;
 }
 
-std::string force_field(const SofaScene& scene) {
-  const double mu = scene.young / (2 * (1 + scene.poisson));
-  const double lambda = scene.young * scene.poisson / ((1 + scene.poisson) * (1 - 2 * scene.poisson));
-  const std::string linear = "    <TetrahedronFEMForceField template=\"Vec3d\" youngModulus=\"" +
-                             shortest_digits(scene.young) + "\" poissonRatio=\"" +
-                             shortest_digits(scene.poisson) + "\" method=\"";
+std::string force_field(const TissueSettings& settings) {
+  const auto& [young, poisson, density] = settings.materials[0];
+  const double mu = young / (2 * (1 + poisson));
+  const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const std::string linear = "<TetrahedronFEMForceField template=\"Vec3d\" youngModulus=\"" +
+                             shortest_digits(young) + "\" poissonRatio=\"" + shortest_digits(poisson) +
+                             "\" method=\"";
   const std::string hyperelastic =
-      "    <TetrahedronHyperelasticityFEMForceField template=\"Vec3d\" ParameterSet=\"" +
-      shortest_digits(mu) + " ";
-  switch (scene.material) {
-    case SofaMaterial::cauchy:
-      return linear + "small\"/>\n";
-    case SofaMaterial::corotational:
-      return linear + "polar\"/>\n";
-    case SofaMaterial::green:
-      return hyperelastic + shortest_digits(lambda) + "\" materialName=\"StVenantKirchhoff\"/>\n";
-    case SofaMaterial::neo_hookean:
-      return hyperelastic + shortest_digits(lambda + 2 * mu / 3) + "\" materialName=\"NeoHookean\"/>\n";
+      "<TetrahedronHyperelasticityFEMForceField template=\"Vec3d\" ParameterSet=\"" + shortest_digits(mu) +
+      " ";
+  switch (settings.model) {
+    case TissueModel::fem_cauchy:
+      return linear + "small\"/>";
+    case TissueModel::fem_corotational:
+      return linear + "polar\"/>";
+    case TissueModel::fem_green:
+      return hyperelastic + shortest_digits(lambda) + "\" materialName=\"StVenantKirchhoff\"/>";
+    default:
+      return hyperelastic + shortest_digits(lambda + 2 * mu / 3) + "\" materialName=\"NeoHookean\"/>";
   }
-  throw std::invalid_argument("a SOFA scene has no such material");
+}
+
+std::string mass(const TissueSettings& settings) {
+  if (settings.total_mass)
+    return "<DiagonalMass totalMass=\"" + shortest_digits(*settings.total_mass) + "\"/>";
+  return "<DiagonalMass massDensity=\"" + shortest_digits(settings.materials[0].density) + "\"/>";
 }
 
 }  // namespace
 
-std::string sofa_text(const SofaScene& scene) {
-  check(scene);
-  const bool linear = scene.material == SofaMaterial::cauchy || scene.material == SofaMaterial::corotational;
-  std::string text = "<?xml version=\"1.0\"?>\n<Node name=\"root\" dt=\"" + shortest_digits(scene.step) +
-                     "\" gravity=\"" + listed(scene.gravity) + "\">\n";
-  for (const std::string& plugin :
-       {std::string("Constraint.Projective"), std::string("LinearSolver.Iterative"), std::string("Mass"),
-        std::string("ODESolver.Backward"),
-        std::string(linear ? "SolidMechanics.FEM.Elastic" : "SolidMechanics.FEM.HyperElastic"),
-        std::string("StateContainer"), std::string("Topology.Container.Dynamic"), std::string("Visual")})
-    text += "  <RequiredPlugin name=\"Sofa.Component." + plugin + "\"/>\n";
-  text +=
-      "  <DefaultAnimationLoop/>\n"
-      "  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n"
-      "  <Node name=\"tissue\">\n"
-      "    <EulerImplicitSolver rayleighMass=\"" +
-      shortest_digits(scene.alpha) + "\" rayleighStiffness=\"" + shortest_digits(scene.beta) +
-      "\"/>\n"
-      "    <CGLinearSolver iterations=\"1000\" tolerance=\"1e-10\" threshold=\"1e-20\"/>\n"
-      "    <TetrahedronSetTopologyContainer name=\"mesh\" position=\"" +
-      listed(scene.mesh.points.reshaped()) + "\" tetrahedra=\"" + listed(scene.mesh.tetrahedra.reshaped()) +
-      "\"/>\n"
-      "    <TetrahedronSetGeometryAlgorithms template=\"Vec3d\"/>\n"
-      "    <MechanicalObject template=\"Vec3d\" name=\"points\"/>\n" +
-      force_field(scene) + "    <DiagonalMass massDensity=\"" + shortest_digits(scene.density) + "\"/>\n";
-  if (!scene.fixed.empty())
-    text += "    <FixedProjectiveConstraint indices=\"" + listed(scene.fixed) + "\"/>\n";
+std::string sofa_text(const TetMesh& mesh, const TissueSettings& settings, double step) {
+  check(mesh, settings, step);
+  const bool linear =
+      settings.model == TissueModel::fem_cauchy || settings.model == TissueModel::fem_corotational;
+  std::vector<TetMesh::Index> fixed;
+  for (const Support& support : settings.supports)
+    fixed.insert(fixed.end(), support.points.begin(), support.points.end());
+  std::ranges::sort(fixed);
+  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+
+  std::string text = "<?xml version=\"1.0\"?>\n<Node name=\"root\" dt=\"" + shortest_digits(step) +
+                     "\" gravity=\"" + listed(settings.gravity) + "\">\n";
+  for (const char* plugin : {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
+                             linear ? "SolidMechanics.FEM.Elastic" : "SolidMechanics.FEM.HyperElastic",
+                             "StateContainer", "Topology.Container.Dynamic", "Visual"})
+    text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + plugin + "\"/>\n";
+  text += "  <DefaultAnimationLoop/>\n  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n";
+  text += "  <Node name=\"tissue\">\n";
+  const auto add = [&](const std::string& component) { text += "    " + component + "\n"; };
+  add("<EulerImplicitSolver rayleighMass=\"" + shortest_digits(settings.alpha) + "\" rayleighStiffness=\"" +
+      shortest_digits(settings.beta) + "\"/>");
+  add("<CGLinearSolver iterations=\"1000\" tolerance=\"1e-10\" threshold=\"1e-20\"/>");
+  add("<TetrahedronSetTopologyContainer name=\"mesh\" position=\"" + listed(mesh.points.reshaped()) +
+      "\" tetrahedra=\"" + listed(mesh.tetrahedra.reshaped()) + "\"/>");
+  add("<TetrahedronSetGeometryAlgorithms template=\"Vec3d\"/>");
+  add("<MechanicalObject template=\"Vec3d\" name=\"points\"/>");
+  add(force_field(settings));
+  add(mass(settings));
+  if (!fixed.empty()) add("<FixedProjectiveConstraint indices=\"" + listed(fixed) + "\"/>");
   return text + "  </Node>\n</Node>\n";
 }
 

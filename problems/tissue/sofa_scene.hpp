@@ -1,31 +1,23 @@
-/// The same body as a scene of the simulator SOFA, so that what hmax computes can be looked at there.
+/// A body as a scene of the simulator SOFA, so that what hmax computes can be looked at there.
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "problems/tissue/tet_mesh.hpp"
+#include "problems/tissue/tissue_settings.hpp"
 
 namespace hmax {
 
-/// How SOFA computes the elastic force; each is one of its force fields.
-enum class SofaMaterial { cauchy, corotational, green, neo_hookean };
-
-struct SofaScene {
-  TetMesh mesh;
-  SofaMaterial material = SofaMaterial::corotational;
-  double young = 0, poisson = 0;           ///< [Pa], [1]
-  double density = 0;                      ///< [kg/m^3]
-  double alpha = 0, beta = 0;              ///< Rayleigh damping: alpha M [1/s], beta K [s]
-  Eigen::Vector3d gravity{0, 0, 0};        ///< [m/s^2]
-  double step = 0.01;                      ///< of SOFA's implicit Euler [s]
-  std::vector<TetMesh::Index> fixed = {};  ///< points that do not move
-};
-
-/// The text of a .scn: linearly implicit Euler with conjugate gradients, mass lumped on the points. SOFA's
-/// materials take mu and lambda (green) or mu and the bulk modulus (neo_hookean).
-/// @throws std::invalid_argument for constants that are no material, steps that are not positive, points
-///         that the mesh does not have
-std::string sofa_text(const SofaScene& scene);
+/// The text of a .scn with the mesh, material, damping, gravity, supports and step: linearly implicit Euler
+/// with conjugate gradients, mass lumped on the points. fem_cauchy and fem_corotational become SOFA's methods
+/// `small` and `polar`, fem_green its StVenantKirchhoff (mu, lambda), fem_neo_hookean its NeoHookean (mu,
+/// bulk modulus), whose energy differs from ours away from rest. SOFA's Rayleigh damping uses the tangent,
+/// ours the stiffness at rest.
+/// @param step  of SOFA's solver [s]
+/// @throws std::invalid_argument for what SOFA's scenes are not written with here: springs, several
+/// materials, a
+///         skin, tools, forces, moving supports; for constants that are no material, and steps that are not
+///         positive
+std::string sofa_text(const TetMesh& mesh, const TissueSettings& settings, double step);
 
 }  // namespace hmax

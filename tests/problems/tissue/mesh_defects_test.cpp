@@ -115,6 +115,19 @@ TEST(MeshImport, LeavesIdlePointsOutAndFindsTheWayBack) {
   EXPECT_THROW(import.points_in_file_order(Eigen::MatrixXd(3, 2)), std::invalid_argument);
 }
 
+TEST(MeshImport, RegionsAreNumberedFromZero) {
+  MeshFile file = file_of(cube_mesh(1, 1));
+  file.mesh.regions = {2000000000, 7, 7, -3, 7, 2000000000};
+  const MeshImport import = import_mesh(file, 1);
+  EXPECT_EQ(import.file_regions, (std::vector<TetMesh::Index>{-3, 7, 2000000000}));
+  for (Eigen::Index t = 0; t < 6; ++t)
+    EXPECT_EQ(import.file_regions[static_cast<std::size_t>(import.mesh.region(t))],
+              file.mesh.region(import.file_tetrahedra[static_cast<std::size_t>(t)]));
+  file.mesh.regions.assign(6, 7);
+  EXPECT_TRUE(import_mesh(file, 1).mesh.regions.empty());
+  EXPECT_EQ(import_mesh(file, 1).file_regions, std::vector<TetMesh::Index>{7});
+}
+
 TEST(MeshImport, AUnitIsAPositiveLength) {
   const MeshFile file = file_of(cube_mesh(1, 1));
   for (const double unit : {0.0, -1.0, 1.0 / 0.0})

@@ -81,52 +81,58 @@ TEST(MeshWriters, ASeriesNamesItsFramesWithTheirTimes) {
   EXPECT_NE(text.find("type=\"Collection\""), std::string::npos);
 }
 
-SofaScene scene() {
-  SofaScene scene;
-  scene.mesh = unit_tetrahedron();
-  scene.young = 2600;
-  scene.poisson = 0.3;
-  scene.density = 1000;
-  scene.gravity = {0, 0, -9.81};
-  scene.fixed = {0, 2};
-  return scene;
+TissueSettings liver() {
+  TissueSettings settings;
+  settings.model = TissueModel::fem_corotational;
+  settings.materials[0] = {.young = 2600, .poisson = 0.3, .density = 1000};
+  settings.gravity = {0, 0, -9.81};
+  settings.supports = {{.points = {2, 0}}, {.points = {2}}};
+  return settings;
 }
 
 TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
-  const std::string text = sofa_text(scene());
+  TissueSettings settings = liver();
+  const std::string text = sofa_text(unit_tetrahedron(), settings, 0.02);
   for (const char* part :
-       {"dt=\"0.01\" gravity=\"0 0 -9.81\"", "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"",
+       {"dt=\"0.02\" gravity=\"0 0 -9.81\"", "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"",
         "youngModulus=\"2600\" poissonRatio=\"0.3\" method=\"polar\"", "massDensity=\"1000\"",
         "indices=\"0 2\""})
     EXPECT_NE(text.find(part), std::string::npos) << part;
   EXPECT_EQ(std::count(text.begin(), text.end(), '<'), std::count(text.begin(), text.end(), '>'));
+  settings.total_mass = 1.5;
+  EXPECT_NE(sofa_text(unit_tetrahedron(), settings, 0.02).find("totalMass=\"1.5\""), std::string::npos);
 }
 
 /// E = 2600, nu = 0.3: mu = 1000, lambda = 1500, bulk modulus 2166.67.
 TEST(SofaScenes, TranslateTheMaterial) {
-  SofaScene green = scene();
-  green.material = SofaMaterial::green;
-  EXPECT_NE(sofa_text(green).find("ParameterSet=\"1000 1500"), std::string::npos) << sofa_text(green);
-  EXPECT_NE(sofa_text(green).find("StVenantKirchhoff"), std::string::npos);
-  green.material = SofaMaterial::neo_hookean;
-  EXPECT_NE(sofa_text(green).find("ParameterSet=\"1000 2166.6666666666"), std::string::npos)
-      << sofa_text(green);
-  green.material = SofaMaterial::cauchy;
-  EXPECT_NE(sofa_text(green).find("method=\"small\""), std::string::npos);
+  const auto scene = [](TissueModel model) {
+    TissueSettings settings = liver();
+    settings.model = model;
+    return sofa_text(unit_tetrahedron(), settings, 0.01);
+  };
+  EXPECT_NE(scene(TissueModel::fem_green).find("ParameterSet=\"1000 1500"), std::string::npos);
+  EXPECT_NE(scene(TissueModel::fem_green).find("StVenantKirchhoff"), std::string::npos);
+  EXPECT_NE(scene(TissueModel::fem_neo_hookean).find("ParameterSet=\"1000 2166.6666666666"),
+            std::string::npos);
+  EXPECT_NE(scene(TissueModel::fem_cauchy).find("method=\"small\""), std::string::npos);
 }
 
-TEST(SofaScenes, RefuseWhatIsNoMaterial) {
-  const auto refused = [](auto change) {
-    SofaScene changed = scene();
-    change(changed);
-    EXPECT_THROW(sofa_text(changed), std::invalid_argument);
+TEST(SofaScenes, RefuseWhatTheyCannotSay) {
+  const auto refused = [](auto change, double step = 0.01) {
+    TissueSettings settings = liver();
+    change(settings);
+    EXPECT_THROW(sofa_text(unit_tetrahedron(), settings, step), std::invalid_argument);
   };
-  refused([](SofaScene& s) { s.young = 0; });
-  refused([](SofaScene& s) { s.poisson = 0.5; });
-  refused([](SofaScene& s) { s.density = -1; });
-  refused([](SofaScene& s) { s.step = 0; });
-  refused([](SofaScene& s) { s.beta = -1; });
-  refused([](SofaScene& s) { s.fixed = {4}; });
+  refused([](TissueSettings& s) { s.materials[0].young = 0; });
+  refused([](TissueSettings& s) { s.materials[0].poisson = 0.5; });
+  refused([](TissueSettings& s) { s.materials[0].density = -1; });
+  refused([](TissueSettings& s) { s.materials.resize(2); });
+  refused([](TissueSettings& s) { s.model = TissueModel::mass_spring; });
+  refused([](TissueSettings& s) { s.beta = -1; });
+  refused([](TissueSettings& s) { s.supports[0].points = {4}; });
+  refused([](TissueSettings& s) { s.supports[0].travel = {0, 0, 0.1}; });
+  refused([](TissueSettings& s) { s.skin.kind = SkinSettings::Kind::membrane; });
+  refused([](TissueSettings&) {}, 0);
 }
 
 }  // namespace

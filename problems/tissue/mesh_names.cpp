@@ -1,0 +1,128 @@
+#include "problems/tissue/mesh_names.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "problems/digits.hpp"
+#include "problems/tissue/mesh_defects.hpp"
+#include "problems/tissue/mesh_generators.hpp"
+#include "problems/tissue/refine.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Parameters = std::vector<std::pair<std::string, double>>;
+
+const double* find(const Parameters& parameters, std::string_view name) {
+  const auto found = std::ranges::find(parameters, name, &std::pair<std::string, double>::first);
+  return found == parameters.end() ? nullptr : &found->second;
+}
+
+int whole(std::string_view name, double value, int least) {
+  constexpr double most = 1e6;
+  if (value != std::floor(value) || value < least || value > most)
+    throw std::invalid_argument("the parameter " + std::string(name) + " of a mesh is " +
+                                shortest_digits(value) + "; give a whole number from " +
+                                std::to_string(least) + " on");
+  return static_cast<int>(value);
+}
+
+bool is_key(std::string_view text) {
+  return !text.empty() &&
+         std::ranges::all_of(text, [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
+}
+
+TetMesh generated(const std::string& name, const Parameters& values) {
+  const auto value = [&](std::string_view parameter) { return *find(values, parameter); };
+  const int n = whole("n", value("n"), 1);
+  if (name == "beam") return beam_mesh(value("length"), value("width"), value("height"), n);
+  if (name == "cube") return cube_mesh(value("edge"), n);
+  return ball_mesh(value("radius"), n);
+}
+
+}  // namespace
+
+const std::vector<NamedMesh>& named_meshes() {
+  static const std::vector<NamedMesh> meshes = [] {
+    std::vector<NamedMesh> all;
+    for (const MeshTextFile& file : mesh_texts())
+      all.push_back({std::string(file.name),
+                     {},
+                     file.name == "liver"     ? "a liver of 1.5 kg with the counts of the study"
+                     : file.name == "phantom" ? "a cube of gel with the counts of the study"
+                                              : ""});
+    all.push_back({"beam",
+                   {{"n", 4}, {"length", 0.2}, {"width", 0.05}, {"height", 0.05}},
+                   "4 n cells along x, n x n across"});
+    all.push_back({"cube", {{"n", 4}, {"edge", 0.1}}, "n cells along each edge"});
+    all.push_back({"ball", {{"n", 4}, {"radius", 0.05}}, "n shells around the origin"});
+    return all;
+  }();
+  return meshes;
+}
+
+MeshRequest parse_mesh_request(std::string_view text) {
+  MeshRequest request;
+  while (true) {
+    const std::size_t colon = text.rfind(':');
+    if (colon == std::string_view::npos) break;
+    const std::string_view last = text.substr(colon + 1);
+    const std::size_t equals = last.find('=');
+    // A path may hold colons too.
+    if (equals == std::string_view::npos || !is_key(last.substr(0, equals)) ||
+        last.find('/') != std::string_view::npos)
+      break;
+    const std::string key(last.substr(0, equals));
+    const std::string_view digits = last.substr(equals + 1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
+      throw std::invalid_argument("the parameter " + key + " of a mesh is '" + std::string(digits) +
+                                  "', which is no number; write it like ball:n=6");
+    if (find(request.parameters, key))
+      throw std::invalid_argument("the parameter " + key +
+                                  " of a mesh is given twice; leave one of them out");
+    request.parameters.emplace(request.parameters.begin(), key, value);
+    text = text.substr(0, colon);
+  }
+  request.name = text;
+  return request;
+}
+
+int refinements_of(const MeshRequest& request) {
+  const double* times = find(request.parameters, "refine");
+  return times ? whole("refine", *times, 0) : 0;
+}
+
+TetMesh mesh_by_name(const MeshRequest& request) {
+  const auto known = std::ranges::find(named_meshes(), request.name, &NamedMesh::name);
+  if (known == named_meshes().end()) {
+    std::string names;
+    for (const NamedMesh& mesh : named_meshes()) names += (names.empty() ? "" : ", ") + mesh.name;
+    throw std::invalid_argument("there is no mesh '" + request.name + "'; known are " + names);
+  }
+  Parameters values = known->parameters;
+  for (const auto& [name, value] : request.parameters) {
+    if (name == "refine") continue;
+    const auto place = std::ranges::find(values, name, &std::pair<std::string, double>::first);
+    if (place == values.end()) {
+      std::string names = "refine";
+      for (const auto& each : known->parameters) names += ", " + each.first;
+      throw std::invalid_argument("the mesh " + request.name + " has no parameter '" + name + "'; it takes " +
+                                  names);
+    }
+    place->second = value;
+  }
+  const int times = refinements_of(request);
+  const auto text = std::ranges::find(mesh_texts(), request.name, &MeshTextFile::name);
+  if (text == mesh_texts().end()) return refined(generated(request.name, values), times);
+  MeshFile file = read_mesh(request.name + ".msh", text->msh);
+  require_valid(file);
+  number_regions(file.mesh);
+  return refined(file.mesh, times);
+}
+
+}  // namespace hmax
