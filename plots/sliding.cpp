@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "plots/gnuplot.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 
@@ -18,13 +19,6 @@ constexpr const char* red = "#d00000";
 // Of the house's colours, those that nobody takes for red; a second row repeats them with a square.
 constexpr std::array palette{0, 2, 6, 3, 4, 5};
 constexpr double seconds = 12, moving = 0.9;  // the rest of a round it stands still
-
-std::string escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : one_line(text))
-    safe += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
-  return safe;
-}
 
 std::string colour_at(std::size_t k) { return colour_name(palette[k % palette.size()]); }
 
@@ -43,18 +37,6 @@ struct View {
   [[nodiscard]] double x(double value) const { return left + (value - re.low) / (re.high - re.low) * width; }
   [[nodiscard]] double y(double value) const { return top + (im.high - value) / (im.high - im.low) * height; }
 };
-
-/// The distance of labelled ticks: 1, 2 or 5 times a power of ten, at most `most` of them.
-double tick_of(Range range, int most) {
-  double step = std::pow(10, std::floor(std::log10((range.high - range.low) / most)));
-  for (const double factor : {2.0, 2.5, 2.0})
-    if ((range.high - range.low) / step > most) step *= factor;
-  return step;
-}
-
-std::string text(double x, double y, const std::string& what, const std::string& more = "") {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more, escaped(what));
-}
 
 /// Region, axes, ticks and the rays that the eigenvalues go along, clipped to the view.
 std::string plane(const SlidingPicture& picture, const View& view, const std::string& id, int ticks) {
@@ -88,11 +70,11 @@ std::string plane(const SlidingPicture& picture, const View& view, const std::st
   svg += "</g>\n";
   const double step_re = tick_of(view.re, ticks), step_im = tick_of(view.im, ticks);
   for (double at = std::ceil(view.re.low / step_re); at * step_re <= view.re.high; ++at)
-    svg += text(view.x(at * step_re), view.top + view.height + 16, fmt::format("{:g}", at * step_re + 0.0),
-                "text-anchor=\"middle\" class=\"tick\"");
+    svg += svg_text(view.x(at * step_re), view.top + view.height + 16,
+                    fmt::format("{:g}", at * step_re + 0.0), "text-anchor=\"middle\" class=\"tick\"");
   for (double at = std::ceil(view.im.low / step_im); at * step_im <= view.im.high; ++at)
-    svg += text(view.left - 6, view.y(at * step_im) + 4, fmt::format("{:g}", at * step_im + 0.0),
-                "text-anchor=\"end\" class=\"tick\"");
+    svg += svg_text(view.left - 6, view.y(at * step_im) + 4, fmt::format("{:g}", at * step_im + 0.0),
+                    "text-anchor=\"end\" class=\"tick\"");
   return svg + fmt::format(
                    "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"none\" "
                    "stroke=\"#b0b0b0\"/>\n",
@@ -106,7 +88,7 @@ std::string opening(double height, const std::string& title) {
              "<style>.tick{{font-size:11px;fill:#606060}}.head{{font-size:16px}}</style>\n"
              "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
              width, height) +
-         text(16, 26, title, "class=\"head\"");
+         svg_text(16, 26, title, "class=\"head\"");
 }
 
 /// The share of a round at which the step is h.
@@ -152,7 +134,7 @@ std::string sliding_svg(const SlidingPicture& picture) {
   const View view(50, top, 590, plane_height, picture.re, picture.im);
   const double still = 0.4 * picture.end;
   std::string svg = opening(bar + 44, picture.title) + plane(picture, view, "plane", 9);
-  svg += text(view.left + view.width / 2, top + plane_height + 34, "Re hλ", "text-anchor=\"middle\"");
+  svg += svg_text(view.left + view.width / 2, top + plane_height + 34, "Re hλ", "text-anchor=\"middle\"");
   svg += fmt::format(
       "<text transform=\"translate(16 {:.1f}) rotate(-90)\" text-anchor=\"middle\">Im hλ</text>\n",
       top + plane_height / 2);
@@ -171,19 +153,20 @@ std::string sliding_svg(const SlidingPicture& picture) {
 
   // The models and their largest stable steps, red from there on.
   const double right = view.left + view.width + 24;
-  svg += text(right, top + 12, "largest stable step", "fill=\"#606060\"");
+  svg += svg_text(right, top + 12, "largest stable step", "fill=\"#606060\"");
   for (std::size_t k = 0; k < picture.spectra.size(); ++k) {
     const SlidingSpectrum& spectrum = picture.spectra[k];
     const double y = top + 40 + 26 * static_cast<double>(k), exit = spectrum.largest_step();
     svg += circle(right + 7, y - 4, 6, colour_at(k), still > exit,
                   change(picture, "fill", colour_at(k), red, exit) +
                       change(picture, "stroke", "#ffffff", "#000000", exit));
-    svg += text(right + 22, y, spectrum.label);
-    svg += text(width - 20, y, std::isfinite(exit) ? seconds_text(exit) : "unbounded", "text-anchor=\"end\"");
+    svg += svg_text(right + 22, y, spectrum.label);
+    svg += svg_text(width - 20, y, std::isfinite(exit) ? seconds_text(exit) : "unbounded",
+                    "text-anchor=\"end\"");
   }
   const double below = top + 40 + 26 * static_cast<double>(picture.spectra.size()) + 10;
   svg += circle(right + 7, below - 4, 6, red, true) +
-         text(right + 22, below, "outside: the step amplifies it", "fill=\"#606060\"");
+         svg_text(right + 22, below, "outside: the step amplifies it", "fill=\"#606060\"");
 
   // The step as a bar that fills.
   const double length = view.width;
@@ -200,8 +183,8 @@ std::string sliding_svg(const SlidingPicture& picture) {
   }
   const double step = tick_of({0, picture.end}, 8);
   for (double at = 0; at * step <= picture.end; ++at)
-    svg += text(view.left + length * at * step / picture.end, bar + 26, fmt::format("{:g}", at * step),
-                "text-anchor=\"middle\" class=\"tick\"");
+    svg += svg_text(view.left + length * at * step / picture.end, bar + 26, fmt::format("{:g}", at * step),
+                    "text-anchor=\"middle\" class=\"tick\"");
   constexpr int shown = 48;
   for (int i = 0; i <= shown; ++i) {
     const double h = picture.end * i / shown;
@@ -230,7 +213,7 @@ std::string sliding_frames_svg(const SlidingPicture& picture, const std::vector<
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const View view(20 + share * static_cast<double>(i) + 20, top, size, height, picture.re, picture.im);
     const std::string id = fmt::format("frame{}", i);
-    svg += text(view.left, top - 10, fmt::format("h = {:.2f} s", steps[i])) + plane(picture, view, id, 4);
+    svg += svg_text(view.left, top - 10, fmt::format("h = {:.2f} s", steps[i])) + plane(picture, view, id, 4);
     svg += fmt::format("<g clip-path=\"url(#{})\">\n", id);
     for (std::size_t k = 0; k < picture.spectra.size(); ++k)
       for (const SlidingPoint& p : picture.spectra[k].points)
@@ -240,11 +223,11 @@ std::string sliding_frames_svg(const SlidingPicture& picture, const std::vector<
   double x = 40;
   for (std::size_t k = 0; k < picture.spectra.size(); ++k) {
     svg += circle(x, top + height + 42, 5, colour_at(k), false) +
-           text(x + 11, top + height + 46, picture.spectra[k].label, "font-size=\"12\"");
+           svg_text(x + 11, top + height + 46, picture.spectra[k].label, "font-size=\"12\"");
     x += 34 + 7 * static_cast<double>(length_of(picture.spectra[k].label));
   }
   svg += circle(x, top + height + 42, 5, red, true) +
-         text(x + 11, top + height + 46, "outside", "font-size=\"12\"");
+         svg_text(x + 11, top + height + 46, "outside", "font-size=\"12\"");
   return svg + "</svg>\n";
 }
 

@@ -1,0 +1,29 @@
+#include "plots/svg.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "plots/gnuplot.hpp"
+
+namespace hmax {
+
+std::string svg_escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : one_line(text))
+    safe += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+  return safe;
+}
+
+std::string svg_text(double x, double y, const std::string& what, const std::string& more) {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more, svg_escaped(what));
+}
+
+double tick_of(Range range, int most) {
+  double step = std::pow(10, std::floor(std::log10((range.high - range.low) / most)));
+  for (const double factor : {2.0, 2.5, 2.0})
+    if ((range.high - range.low) / step > most) step *= factor;
+  return step;
+}
+
+}  // namespace hmax
