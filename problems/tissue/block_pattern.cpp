@@ -55,6 +55,34 @@ BlockPattern::Index BlockPattern::slot(Index i, Index j) const {
   return 9 * first_[at(column)] + 3 * static_cast<Index>(place - from);
 }
 
+void BlockPattern::complete(double* values) const {
+  // Columns are taken from the left: when column j is reached, its blocks above the diagonal are there,
+  // filled from the top.
+  thread_local std::vector<Index> filled;
+  const std::size_t columns = first_.size() - 1;
+  filled.assign(columns, 0);
+  for (std::size_t j = 0; j < columns; ++j) {
+    const Index from = first_[j], count = first_[j + 1] - from, step = 3 * count, diagonal = filled[j];
+    double* const column = values + 9 * static_cast<std::ptrdiff_t>(from);
+    for (Index k = diagonal + 1; k < count; ++k) {
+      const auto i = at(rows_[at(from + k)]);
+      const Index other = 3 * (first_[i + 1] - first_[i]);
+      double* const mirror = values + 9 * static_cast<std::ptrdiff_t>(first_[i]) + 3 * filled[i]++;
+      const double* const block = column + 3 * k;
+      for (Index c = 0; c < 3; ++c)
+        for (Index r = 0; r < 3; ++r) mirror[r * other + c] = block[c * step + r];
+    }
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (Index c = 0; c < 3; ++c)
+      for (Index k = 0; k < count; ++k) sum.col(c) += Eigen::Map<Eigen::Vector3d>(column + c * step + 3 * k);
+    Eigen::Map<Eigen::Matrix3d, 0, Eigen::OuterStride<>> own(column + 3 * diagonal,
+                                                             Eigen::OuterStride<>(step));
+    // The sum contains the diagonal block once; rounding alone keeps the rest from being symmetric.
+    sum = 2 * Eigen::Matrix3d(own) - sum;
+    own = (sum + sum.transpose()) / 2;
+  }
+}
+
 void BlockPattern::clear(Matrix& A) const {
   const Index n = dofs(), columns = n / 3;
   bool same = A.rows() == n && A.cols() == n && A.isCompressed() && A.nonZeros() == entries();

@@ -51,6 +51,11 @@ class BlockPattern {
     for (int c = 0; c < 3; ++c) Eigen::Map<Eigen::Vector3d>(values + slot + c * stride(j)) += block.col(c);
   }
 
+  /// Completes the matrix of forces that act between points alone, of which the blocks below the diagonal are
+  /// there: each is mirrored to its place above, and subtracted from the diagonal blocks of its two points.
+  /// The diagonal blocks come holding what pairs with a supported point add to them.
+  void complete(double* values) const;
+
   /// Gives A this pattern with all values 0. A matrix that has it already keeps its memory: columns as long
   /// and blocks that begin in the same rows.
   void clear(Matrix& A) const;

@@ -160,7 +160,7 @@ void TissueBody::build_elastic_parts() {
       elements_.emplace<TetElements<SmallStrain>>(mesh_, coefficients, pattern_);
       break;
     case TissueModel::fem_green:
-      elements_.emplace<TetElements<GreenStrain>>(mesh_, coefficients, pattern_);
+      elements_.emplace<GreenElements>(mesh_, coefficients, pattern_);
       break;
     case TissueModel::fem_corotational:
       elements_.emplace<TetElements<Corotational>>(mesh_, coefficients, pattern_);
@@ -300,7 +300,12 @@ void TissueBody::rhs(double t, const State& y, State& dydt) const {
 void TissueBody::add_elastic_stiffness(const NodeRows& x, double* values) const {
   std::visit(
       [&]<class Model>(const Model& model) {
-        if constexpr (!std::is_same_v<Model, std::monostate>) model.add_stiffness(x, pattern_, values);
+        if constexpr (std::is_same_v<Model, GreenElements>) {
+          model.add_lower_stiffness(x, values);
+          pattern_.complete(values);
+        } else if constexpr (!std::is_same_v<Model, std::monostate>) {
+          model.add_stiffness(x, pattern_, values);
+        }
       },
       elements_);
   for (const SpringSet& set : springs_) set.add_stiffness(x, pattern_, values);

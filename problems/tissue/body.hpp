@@ -12,6 +12,7 @@
 #include <Eigen/SparseCore>
 
 #include "problems/tissue/block_pattern.hpp"
+#include "problems/tissue/green_elements.hpp"
 #include "problems/tissue/membrane.hpp"
 #include "problems/tissue/node_rows.hpp"
 #include "problems/tissue/springs.hpp"
@@ -93,7 +94,7 @@ class TissueBody {
   void visit_rest_stiffness(const ElementVisitor& visit) const;
 
  private:
-  using Elements = std::variant<std::monostate, TetElements<SmallStrain>, TetElements<GreenStrain>,
+  using Elements = std::variant<std::monostate, TetElements<SmallStrain>, GreenElements,
                                 TetElements<Corotational>, TetElements<StableNeoHookean>>;
   struct Scratch {
     NodeRows x, v, f;

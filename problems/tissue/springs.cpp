@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -53,6 +54,13 @@ template <class Law>
 Matrix3d tangent(const Law& law, const Span& at, double stiffness, double length) {
   const double s = (at.length - length) / length, across = stiffness * length * law.phi(s) / at.length;
   return across * Matrix3d::Identity() + (stiffness * law.slope(s) - across) * at.e * at.e.transpose();
+}
+
+/// b of phi = s + b s^3, the laws that the kernels know.
+std::optional<double> cubic_coefficient(const SpringLaw& law) {
+  if (std::holds_alternative<LinearSpring>(law)) return 0;
+  if (const auto* cubic = std::get_if<CubicSpring>(&law)) return cubic->b;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -121,8 +129,8 @@ std::vector<double> edge_stiffness(const TetMesh& mesh, const EdgeTable& edges,
 }
 
 SpringSet::SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, SpringLaw law,
-                     const BlockPattern& pattern)
-    : springs_(std::move(springs)), law_(std::move(law)) {
+                     const BlockPattern& pattern, const TissueKernels& kernels)
+    : springs_(std::move(springs)), law_(std::move(law)), kernels_(&kernels) {
   for (const Spring& spring : springs_) {
     const auto [a, b] = spring.points;
     const std::string name = "the spring between points " + std::to_string(a) + " and " + std::to_string(b);
@@ -136,6 +144,20 @@ SpringSet::SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, 
                                   " N s/m; neither may be negative");
     slots_.push_back(pattern.slots(spring.points));
     has_dampers_ = has_dampers_ || spring.damper > 0;
+  }
+  if (!cubic_coefficient(law_) || springs_.empty()) return;
+  // Springs are dealt to blocks as tetrahedra are, see GreenElements.
+  constexpr std::size_t lanes = SpringBlock::lanes, window = 16;
+  blocks_.resize((springs_.size() + lanes - 1) / lanes);
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    const std::size_t start = n / window * window, width = std::min(window, blocks_.size() - start);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t wanted = start * lanes + lane * width + (n - start);
+      const std::size_t i = std::min(wanted, springs_.size() - 1);
+      for (std::size_t a = 0; a < 2; ++a) blocks_[n].points[a][lane] = springs_[i].points[a];
+      blocks_[n].per_length[lane] = 1 / length_[i];
+      blocks_[n].tension[lane] = wanted < springs_.size() ? springs_[i].stiffness * length_[i] : 0;
+    }
   }
 }
 
@@ -153,6 +175,10 @@ double SpringSet::energy(const NodeRows& x) const {
 }
 
 void SpringSet::add_force(const NodeRows& x, NodeRows& f) const {
+  if (const auto cubic = cubic_coefficient(law_)) {
+    kernels_->spring_force(blocks_.data(), blocks_.size(), *cubic, &x.front().x, &f.front().x);
+    return;
+  }
   std::visit(
       [&](const auto& law) {
         for (std::size_t i = 0; i < springs_.size(); ++i) {

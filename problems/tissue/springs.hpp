@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "problems/tissue/block_pattern.hpp"
+#include "problems/tissue/kernels.hpp"
 #include "problems/tissue/node_rows.hpp"
 #include "problems/tissue/topology.hpp"
 
@@ -87,7 +88,7 @@ class SpringSet {
   /// @param pattern  holds the pair of points of every spring
   /// @throws std::invalid_argument  when a spring has no length, or pushes more the longer it is
   SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, SpringLaw law,
-            const BlockPattern& pattern);
+            const BlockPattern& pattern, const TissueKernels& kernels = tissue_kernels());
 
   [[nodiscard]] double energy(const NodeRows& x) const;
   /// f += the elastic forces [N] at the positions x.
@@ -110,9 +111,11 @@ class SpringSet {
 
  private:
   std::vector<Spring> springs_;
-  std::vector<double> length_;  // L [m]
+  std::vector<double> length_;       // L [m]
+  std::vector<SpringBlock> blocks_;  // the same once more, for laws that the kernels know
   std::vector<std::array<Index, 4>> slots_;
   SpringLaw law_;
+  const TissueKernels* kernels_;
   bool has_dampers_ = false;
 };
 

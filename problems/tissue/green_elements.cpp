@@ -1,0 +1,179 @@
+#include "problems/tissue/green_elements.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Dense>
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix3d;
+constexpr std::size_t lanes = TetBlock::lanes;
+
+std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+std::array<TetMesh::Index, 4> corners(const TetMesh& mesh, Eigen::Index tetrahedron) {
+  std::array<TetMesh::Index, 4> p;
+  for (Eigen::Index a = 0; a < 4; ++a) p[at(a)] = mesh.tetrahedra(a, tetrahedron);
+  std::sort(p.begin(), p.end());
+  return p;
+}
+
+}  // namespace
+
+struct GreenElements::Element {
+  Matrix3d Ds, K;
+  double half_lambda, mu;
+  [[nodiscard]] double volume() const { return 1 / (6 * std::sqrt(K.determinant())); }
+  /// V (lambda/2 tr(E)^2 + mu E:E), where N = G K - I is similar to 2 E.
+  [[nodiscard]] double energy() const {
+    const Matrix3d N = Ds.transpose() * Ds * K - Matrix3d::Identity();
+    return half_lambda * N.trace() * N.trace() / 4 + mu * (N * N).trace() / 4;
+  }
+};
+
+GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
+                             const TissueKernels& kernels)
+    : kernels_(&kernels) {
+  const auto count = at(mesh.tetrahedron_count());
+  std::vector<std::array<Index, 5>> order(count);  // corners, then the tetrahedron
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto p = corners(mesh, static_cast<Eigen::Index>(t));
+    order[t] = {p[0], p[1], p[2], p[3], static_cast<Index>(t)};
+  }
+  std::sort(order.begin(), order.end());
+
+  blocks_.resize((count + lanes - 1) / lanes);
+  slots_.resize(blocks_.size());
+  place_.resize(count);
+  constexpr std::size_t window = 16;  // blocks that are dealt to at once
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    const std::size_t start = n / window * window, width = std::min(window, blocks_.size() - start);
+    TetBlock& block = blocks_[n];
+    TetSlots& slots = slots_[n];
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t wanted = start * lanes + lane * width + (n - start), i = std::min(wanted, count - 1);
+      const Index tetrahedron = order[i][4];
+      const bool used = wanted < count;
+      if (used) place_[at(tetrahedron)] = static_cast<Index>(n * lanes + lane);
+      Matrix3d rest;
+      for (std::size_t a = 0; a < 4; ++a) block.points[a][lane] = order[i][a];
+      for (std::size_t a = 1; a < 4; ++a)
+        rest.col(static_cast<Eigen::Index>(a) - 1) =
+            mesh.points.col(order[i][a]) - mesh.points.col(order[i][0]);
+      const Matrix3d gradients = rest.inverse(), K = gradients * gradients.transpose();
+      const double gram[6] = {K(0, 0), K(1, 1), K(2, 2), K(0, 1), K(0, 2), K(1, 2)};
+      for (std::size_t k = 0; k < 6; ++k) block.gram[k][lane] = gram[k];
+      const Lame& material = lame[at(mesh.region(tetrahedron))];
+      const double volume = used ? std::abs(rest.determinant()) / 6 : 0;
+      block.half_lambda[lane] = volume * material.lambda / 2;
+      block.mu[lane] = volume * material.mu;
+      for (std::size_t a = 0, pair = 0; a < 4; ++a)
+        for (std::size_t b = a + 1; b < 4; ++b, ++pair) {
+          slots.slot[pair][lane] = used ? pattern.slot(order[i][b], order[i][a]) : -1;
+          slots.stride[pair][lane] = pattern.stride(order[i][a]);
+        }
+    }
+  }
+  place_rim(pattern);
+}
+
+void GreenElements::place_rim(const BlockPattern& pattern) {
+  // Pairs of one free and one supported point, each once; what has no place in the matrix at all shares the
+  // first.
+  std::vector<std::array<Index, 2>> pairs;
+  const auto each_missing = [&](const auto& visit) {
+    for (std::size_t n = 0; n < blocks_.size(); ++n)
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+        for (std::size_t a = 0, pair = 0; a < 4; ++a)
+          for (std::size_t b = a + 1; b < 4; ++b, ++pair)
+            if (slots_[n].slot[pair][lane] < 0)
+              visit(std::array{blocks_[n].points[a][lane], blocks_[n].points[b][lane]},
+                    slots_[n].slot[pair][lane], slots_[n].stride[pair][lane]);
+  };
+  const auto is_free = [&](Index i) { return pattern.stride(i) > 0; };
+  each_missing([&](const std::array<Index, 2>& pair, Index, Index) {
+    if (is_free(pair[0]) != is_free(pair[1])) pairs.push_back(pair);
+  });
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  rim_.push_back({-1, 0});
+  for (const auto& pair : pairs) {
+    const Index own = is_free(pair[0]) ? pair[0] : pair[1];
+    rim_.push_back({pattern.slot(own, own), pattern.stride(own)});
+  }
+  each_missing([&](const std::array<Index, 2>& pair, Index& slot, Index& stride) {
+    const auto found = std::lower_bound(pairs.begin(), pairs.end(), pair);
+    const bool there = found != pairs.end() && *found == pair;
+    slot = ~(there ? 9 * static_cast<Index>(found - pairs.begin() + 1) : 0);
+    stride = 3;
+  });
+}
+
+GreenElements::Element GreenElements::element(const NodeRows& x, std::size_t place) const {
+  const TetBlock& block = blocks_[place / lanes];
+  const std::size_t lane = place % lanes;
+  Element e;
+  for (std::size_t a = 1; a < 4; ++a)
+    e.Ds.col(static_cast<Eigen::Index>(a) - 1) =
+        as_vector(x[at(block.points[a][lane])]) - as_vector(x[at(block.points[0][lane])]);
+  const auto g = [&](std::size_t k) { return block.gram[k][lane]; };
+  e.K << g(0), g(3), g(4), g(3), g(1), g(5), g(4), g(5), g(2);
+  e.half_lambda = block.half_lambda[lane];
+  e.mu = block.mu[lane];
+  return e;
+}
+
+double GreenElements::energy(const NodeRows& x) const {
+  double sum = 0;
+  for (const Index place : place_) sum += element(x, at(place)).energy();
+  return sum;
+}
+
+double GreenElements::energy_density(const NodeRows& x, std::size_t i) const {
+  const Element e = element(x, at(place_[i]));
+  return e.energy() / e.volume();
+}
+
+void GreenElements::add_force(const NodeRows& x, NodeRows& f) const {
+  kernels_->green_force(blocks_.data(), blocks_.size(), &x.front().x, &f.front().x);
+}
+
+void GreenElements::add_lower_stiffness(const NodeRows& x, double* values) const {
+  thread_local std::vector<double> rim;
+  rim.assign(9 * rim_.size(), 0);
+  kernels_->green_stiffness(blocks_.data(), slots_.data(), blocks_.size(), &x.front().x, values, rim.data());
+  for (std::size_t i = 1; i < rim_.size(); ++i)
+    for (Index c = 0; c < 3; ++c)
+      for (Index r = 0; r < 3; ++r)
+        values[rim_[i].slot + c * rim_[i].stride + r] -= rim[9 * i + static_cast<std::size_t>(3 * c + r)];
+}
+
+std::array<GreenElements::Index, 4> GreenElements::points(std::size_t i) const {
+  const auto place = at(place_[i]);
+  std::array<Index, 4> p;
+  for (std::size_t a = 0; a < 4; ++a) p[a] = blocks_[place / lanes].points[a][place % lanes];
+  return p;
+}
+
+GreenElements::Stiffness GreenElements::stiffness(const NodeRows& x, std::size_t i) const {
+  // As TissueKernels::green_stiffness has it.
+  const Element e = element(x, at(place_[i]));
+  const Matrix3d H = e.Ds * e.K, B = H * e.Ds.transpose();
+  const double c = e.half_lambda * (B.trace() - 3) - e.mu;
+  Stiffness K;
+  for (Eigen::Index a = 0; a < 3; ++a)
+    for (Eigen::Index b = 0; b < 3; ++b)
+      K.block<3, 3>(3 + 3 * a, 3 + 3 * b) =
+          2 * e.half_lambda * H.col(a) * H.col(b).transpose() + e.mu * H.col(b) * H.col(a).transpose() +
+          e.mu * e.K(a, b) * B + (c * e.K(a, b) + e.mu * H.col(a).dot(H.col(b))) * Matrix3d::Identity();
+  for (Eigen::Index c0 = 3; c0 < 12; ++c0)
+    for (Eigen::Index r = 0; r < 3; ++r) K(r, c0) = K(c0, r) = -(K(3 + r, c0) + K(6 + r, c0) + K(9 + r, c0));
+  for (Eigen::Index c0 = 0; c0 < 3; ++c0)
+    for (Eigen::Index r = 0; r < 3; ++r) K(r, c0) = -(K(r, 3 + c0) + K(r, 6 + c0) + K(r, 9 + c0));
+  return K;
+}
+
+}  // namespace hmax

@@ -1,0 +1,60 @@
+/// Tetrahedra of Green's strain in blocks of eight: the fast form of TetElements<GreenStrain>.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "problems/tissue/block_pattern.hpp"
+#include "problems/tissue/elasticity.hpp"
+#include "problems/tissue/kernels.hpp"
+#include "problems/tissue/node_rows.hpp"
+#include "problems/tissue/tet_mesh.hpp"
+
+namespace hmax {
+
+/// St. Venant-Kirchhoff elements in Gram form, see TissueKernels. They are taken in the order of their lowest
+/// points, and neighbours in it are dealt to different blocks, so that a sum is not waited for by the next.
+/// The order is fixed by the mesh: the same mesh gives the same bits.
+class GreenElements {
+ public:
+  using Index = TetMesh::Index;
+  using Stiffness = Eigen::Matrix<double, 12, 12>;  ///< -dF/dx of one element, points after one another
+
+  /// @param lame     of each region of the mesh
+  /// @param pattern  holds the pairs of points of every tetrahedron
+  GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
+                const TissueKernels& kernels = tissue_kernels());
+
+  [[nodiscard]] double energy(const NodeRows& x) const;
+  void add_force(const NodeRows& x, NodeRows& f) const;
+  /// values += K below the diagonal, for BlockPattern::complete.
+  void add_lower_stiffness(const NodeRows& x, double* values) const;
+
+  [[nodiscard]] std::size_t size() const { return place_.size(); }
+  /// Corners of a tetrahedron of the mesh, in ascending order.
+  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const;
+  [[nodiscard]] double energy_density(const NodeRows& x, std::size_t element) const;
+  [[nodiscard]] Stiffness stiffness(const NodeRows& x, std::size_t element) const;
+
+ private:
+  /// One tetrahedron taken out of its block.
+  struct Element;
+  [[nodiscard]] Element element(const NodeRows& x, std::size_t place) const;
+
+  void place_rim(const BlockPattern& pattern);
+
+  /// A pair of a free and a supported point: its block belongs to the diagonal block of the free one.
+  struct Rim {
+    Index slot, stride;
+  };
+  const TissueKernels* kernels_;
+  std::vector<TetBlock> blocks_;
+  std::vector<TetSlots> slots_;
+  std::vector<Rim> rim_;      ///< the first is that of nothing
+  std::vector<Index> place_;  ///< of each tetrahedron of the mesh: 8 block + lane
+};
+
+}  // namespace hmax
