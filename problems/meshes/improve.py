@@ -5,8 +5,9 @@ import subprocess
 import tempfile
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from tetrahedra import Mesh, dihedral_angles, energy
+from tetrahedra import Mesh, cross, dihedral_angles, energy
 
 
 def inside(points, places, triangles):
@@ -25,8 +26,7 @@ def inner_points(places, triangles, count, distance, rng):
     trial = low + (high - low) * rng.random((20000, 3))
     split = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4.0
     skin = np.einsum("kc,tcx->tkx", split, places[triangles]).reshape(-1, 3)
-    gap = np.concatenate([np.linalg.norm(part[:, None] - skin[None], axis=2).min(axis=1)
-                          for part in np.array_split(trial, 40)])
+    gap = cKDTree(skin).query(trial)[0]
     trial, gap = trial[gap > distance], gap[gap > distance]
     keep = inside(trial, places, triangles)
     trial, gap = trial[keep], gap[keep]
@@ -38,14 +38,14 @@ def inner_points(places, triangles, count, distance, rng):
         near = np.minimum(near, np.linalg.norm(trial - trial[k], axis=1))
     chosen = np.array(chosen)
     for _ in range(30):  # each point to the middle of what lies nearest to it
-        owner = np.argmin(((trial[:, None] - chosen[None]) ** 2).sum(axis=2), axis=1)
+        owner = cKDTree(chosen).query(trial)[1]
         sums = np.stack([np.bincount(owner, trial[:, k], count) for k in range(3)], axis=1)
         chosen = sums / np.bincount(owner, minlength=count)[:, None]
     return chosen
 
 
 def tetgen(places, triangles, inner):
-    """Delaunay tetrahedra with the surface kept; the points in the order given. None if TetGen adds points."""
+    """Delaunay tetrahedra with the surface kept; the points in the order given."""
     with tempfile.TemporaryDirectory() as folder:
         base = pathlib.Path(folder) / "body"
         rows = [f"{len(places)} 3 0 0"]
@@ -55,12 +55,13 @@ def tetgen(places, triangles, inner):
         rows = [f"{len(inner)} 3 0 0"]
         rows += [f"{i} {p[0]:.17g} {p[1]:.17g} {p[2]:.17g}" for i, p in enumerate(inner)]
         base.with_suffix(".a.node").write_text("\n".join(rows) + "\n")
-        subprocess.run(["tetgen", "-pYiQ", "body.smesh"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+        if subprocess.run(["tetgen", "-pYiQ", "body.smesh"], cwd=folder, stdout=subprocess.DEVNULL).returncode:
+            raise SystemExit("TetGen fails: does the surface cross itself?")
         read = [np.array([line.split() for line in (pathlib.Path(folder) / f"body.1.{end}").read_text().splitlines()[1:]
                           if line and not line.startswith("#")], float) for end in ("node", "ele")]
     points, tets = read[0][:, 1:4], read[1][:, 1:5].astype(int)
     if len(points) != len(places) + len(inner):
-        return None
+        raise SystemExit("TetGen needs more points than those given")
     x = points[tets]
     wrong = np.linalg.det(x[:, 1:] - x[:, :1]) < 0
     tets[wrong] = tets[wrong][:, [0, 2, 1, 3]]
@@ -70,16 +71,17 @@ def tetgen(places, triangles, inner):
 class Smoother:
     """Moves one point after the other to where the energy of its tetrahedra is lowest of some trials.
 
-    `carry(i, steps)` gives the places of surface point i after small steps in space (and keeps the choice when
-    called through `settle`); without it surface points rest.
+    `carry(i, steps)` gives the places of surface point i after small steps in space, `settle(i, k)` is told which
+    was taken. `size` is the edge aimed at; `skin_weight` is what even surface triangles count beside tetrahedra.
     """
 
-    def __init__(self, mesh, size, carry=None, settle=None, skin_weight=0.3):
+    def __init__(self, mesh, size, carry, settle, skin_weight=1.0):
         self.mesh, self.carry, self.settle, self.skin_weight = mesh, carry, settle, skin_weight
         self.reach = np.full(len(mesh.points), 0.1 * size)
         self.size = size
 
     def sweep(self, rng, trials=16):
+        """Each point once; a point that finds nothing better tries smaller steps the next time."""
         mesh = self.mesh
         tets = np.array(mesh.tets)
         star = [[] for _ in mesh.points]
@@ -91,8 +93,6 @@ class Smoother:
             for k, i in enumerate(face):
                 skin[i].append((face[(k + 1) % 3], face[(k + 2) % 3]))
         for i in range(len(mesh.points)):
-            if skin[i] and self.carry is None:
-                continue
             step = rng.standard_normal((trials, 3)) * self.reach[i]
             step[0] = 0
             places = self.carry(i, step) if skin[i] else mesh.points[i] + step
@@ -113,20 +113,21 @@ class Smoother:
 
     def _skin_energy(self, a, b):
         """Of triangles with edges a, b: 1 for the even one of the mean size, more for others."""
-        n = np.cross(a, b)
+        n = cross(a, b)
         area = np.maximum(0.5 * np.sqrt((n * n).sum(axis=-1)), 1e-12 * self.size**2)
         shape = ((a * a).sum(-1) + (b * b).sum(-1) + ((a - b) ** 2).sum(-1)) / (4 * np.sqrt(3) * area)
         ideal = np.sqrt(3) / 4 * self.size**2
-        return shape * shape + 0.5 * (area / ideal + ideal / area - 2)
+        return shape * shape + 1.5 * (area / ideal + ideal / area - 2)
 
 
 def quality(mesh):
+    """Smallest and largest dihedral angle [degrees]."""
     angles = dihedral_angles(mesh.corners())
     return float(angles.min()), float(angles.max())
 
 
 def improve(mesh, smoother, wanted, rng, rounds, heat, log=None):
-    """Flips and smooths in turn while cooling; a price on each tetrahedron steers their number to `wanted`.
+    """Flips and smooths in turn while cooling; a price on each tetrahedron (a reward where negative) steers their number to `wanted`.
 
     The mesh ends as the best of that number that came by. Prints every `log` rounds.
     """

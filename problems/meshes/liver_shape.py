@@ -1,4 +1,4 @@
-"""The shape of the liver: a dome and a hollow over one outline, and even triangles on it.
+"""The shape of the liver: a dome and a hollow over one outline, in two sheets.
 
 Patient axes: x to the left, y to the back, z up (right lobe at negative x). Lengths are in centimetres here;
 make.py scales the whole to the volume asked for.
@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 CENTRE = np.array([-4.0, 0.0])
 OUTLINE = np.array([
     (-11.2, -0.5, 0.15), (-10.9, -4.5, 0.6), (-8.6, -8.2, 1.0), (-4.6, -7.4, 1.0), (-1.2, -5.4, 1.0),
-    (0.6, -3.7, 1.0), (3.2, -4.1, 1.0), (6.4, -2.4, 1.0), (9.3, 0.8, 1.0), (9.8, 3.2, 1.0),
+    (0.6, -4.1, 1.0), (3.4, -4.0, 1.0), (6.4, -2.4, 1.0), (9.3, 0.8, 1.0), (9.8, 3.2, 1.0),
     (7.6, 4.3, 0.8), (4.0, 4.1, 0.5), (0.5, 4.6, 0.25), (-3.5, 6.6, 0.0), (-7.5, 6.6, 0.0), (-10.3, 3.6, 0.0)])
 TILT = math.radians(25)  # the dome looks up and to the front, the hollow down and to the back
 
@@ -28,6 +28,8 @@ def _bump(u, v, at, width):
 
 
 class Liver:
+    """A shape for surface.py."""
+
     def __init__(self):
         rows = np.vstack([OUTLINE, OUTLINE[:1]])
         chord = np.hypot(*np.diff(rows[:, :2], axis=0).T)
@@ -37,7 +39,10 @@ class Liver:
         ray = fine[:, :2] - CENTRE
         angle = np.unwrap(np.arctan2(ray[:, 1], ray[:, 0]))
         order = np.argsort(np.mod(angle, 2 * np.pi))
-        self._angle = np.mod(angle, 2 * np.pi)[order]
+        last, first = order[-1:], order[:1]  # repeated a turn away, so that tables need no period
+        self._angle = np.concatenate([np.mod(angle[last], 2 * np.pi) - 2 * np.pi, np.mod(angle, 2 * np.pi)[order],
+                                      np.mod(angle[first], 2 * np.pi) + 2 * np.pi])
+        order = np.concatenate([last, order, first])
         self._radius = np.hypot(ray[:, 0], ray[:, 1])[order]
         self._sharp = np.clip(fine[order, 2], 0, 1)
         assert np.all(np.diff(np.unwrap(angle)) > 0), "the outline is not star-shaped about its centre"
@@ -47,16 +52,16 @@ class Liver:
         a, b = disc[..., 0], disc[..., 1]
         t = np.minimum(np.hypot(a, b), 1.0)
         angle = np.mod(np.arctan2(b, a), 2 * np.pi)
-        radius = np.interp(angle, self._angle, self._radius, period=2 * np.pi)
-        sharp = np.interp(angle, self._angle, self._sharp, period=2 * np.pi)
+        radius = np.interp(angle, self._angle, self._radius)
+        sharp = np.interp(angle, self._angle, self._sharp)
         sharp = sharp * t * t  # near the centre all rays agree
         reach = (1 - sharp) * np.sin(t * np.pi / 2) + sharp * t
         height = (1 - sharp) * np.cos(t * np.pi / 2) + sharp * (1 - t * t)
         u = CENTRE[0] + reach * radius * np.cos(angle)
         v = CENTRE[1] + reach * radius * np.sin(angle)
-        dome = (7.6 - 0.2 * u) * height
+        dome = (8.0 - 0.12 * u) * height
         groove = 0.5 * _bump(u, 0, (1.0, 0), (1.4, 1)) * height          # the falciform ligament
-        hollow = 4.4 * _bump(u, v, (0.5, -2.5), (7.5, 4.5)) * height      # porta, gall bladder and stomach
+        hollow = 5.2 * _bump(u, v, (0.5, -2.0), (7.5, 4.5)) * height**2      # porta, gall bladder and stomach
         bulge = 5.2 * _bump(u, v, (-6.5, 2.5), (7.0, 6.0)) * height       # the round back of the right lobe
         n = np.where(sheet > 0, dome - groove, np.where(sheet < 0, hollow - bulge - 0.4 * height, 0.0))
         n = n - 0.012 * (u + 2) ** 2  # the organ bends round the spine

@@ -4,7 +4,7 @@
     python3 problems/meshes/make.py            both files, into the folder of this script
     python3 problems/meshes/make.py --to DIR   elsewhere, to compare
 
-Needs the Debian packages python3-numpy, python3-scipy and tetgen; takes some minutes. README.md says what the
+Needs the Debian packages python3-numpy, python3-scipy and tetgen; takes about two minutes. README.md says what the
 meshes are and what they reach.
 """
 
@@ -31,14 +31,14 @@ def phantom(seed=1):
     points, free = phantom_shape.grid(1.0, 3)
     mesh = improve.tetgen(points, phantom_shape.triangles(points, 1.0, rng), np.array([[0.5, 0.5, 0.5]]))
     slide = phantom_shape.Slide(mesh, free)
-    smoother = improve.Smoother(mesh, 1 / 3, slide.carry, slide.settle)
+    smoother = improve.Smoother(mesh, 1 / 3, slide.carry, slide.settle, skin_weight=0.3)
     improve.improve(mesh, smoother, WANTED["phantom"][1], rng, rounds=200, heat=5.0)
     mesh.points[:, :2] -= 0.5  # it stands on z = 0, in the middle
     mesh.points *= PHANTOM_SIDE
     return mesh
 
 
-def liver(seed=0, margin=30, upper=97):
+def liver(seed=0, margin=30, upper=101):
     rng = np.random.default_rng(seed)
     shape = Liver()
     count, surface_count = WANTED["liver"][0], WANTED["liver"][3]
@@ -52,7 +52,7 @@ def liver(seed=0, margin=30, upper=97):
     mesh = improve.tetgen(places, triangles, inner)
     skin = surface.Skin(shape, disc, sheet)
     smoother = improve.Smoother(mesh, size, skin.carry, skin.settle)
-    improve.improve(mesh, smoother, WANTED["liver"][1], rng, rounds=240, heat=5.0, log=40)
+    improve.improve(mesh, smoother, WANTED["liver"][1], rng, rounds=180, heat=5.0, log=20)
     mesh.points -= 0.5 * (mesh.points.min(axis=0) + mesh.points.max(axis=0))
     mesh.points *= np.cbrt(LIVER_VOLUME / volumes(mesh.corners()).sum())
     return mesh
@@ -126,8 +126,8 @@ def main():
         print(f"{name}: points, tetrahedra, edges, surface points, triangles {mesh.counts()}\n"
               f"  dihedral angles {smallest:.2f} to {largest:.2f} degrees, edges {1000 * length.min():.1f} to "
               f"{1000 * length.max():.1f} mm\n"
-              f"  volume {1e6 * each.sum():.2f} cm^3, of a tetrahedron {1e6 * each.min():.3f} to {1e6 * each.max():.3f}, "
-              f"extent {extent[0]:.1f} x {extent[1]:.1f} x {extent[2]:.1f} mm")
+              f"  volume {1e6 * each.sum():.2f} cm^3, of a tetrahedron {1e6 * each.min():.3f} to "
+              f"{1e6 * each.max():.3f}, extent {extent[0]:.1f} x {extent[1]:.1f} x {extent[2]:.1f} mm")
 
 
 if __name__ == "__main__":

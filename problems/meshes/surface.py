@@ -10,30 +10,37 @@ from scipy.spatial import Delaunay
 STEP = 1e-5  # of the differences that give tangents, in the disc
 
 
-def tangents(shape, disc, sheet):
-    """Derivatives of the place by the disc coordinates, shape (n, 3, 2)."""
-    columns = [(shape.points(disc + s, sheet) - shape.points(disc - s, sheet)) / (2 * STEP)
-               for s in (np.array([STEP, 0]), np.array([0, STEP]))]
-    return np.stack(columns, axis=-1)
+def _dot(a, b):
+    return (a * b).sum(axis=-1)
+
+
+def _slide_inside(shape, disc, sheet, wish):
+    """Disc places after steps `wish` (n, 3) in space from disc (n, 2) or (1, 2), off the margin."""
+    along = [(shape.points(disc + s, sheet) - shape.points(disc - s, sheet)) / (2 * STEP)
+             for s in (np.array([STEP, 0]), np.array([0, STEP]))]
+    aa, ab, bb = _dot(along[0], along[0]), _dot(along[0], along[1]), _dot(along[1], along[1])
+    wa, wb = _dot(along[0], wish), _dot(along[1], wish)
+    det = aa * bb - ab * ab + 1e-9 * (aa + bb)
+    moved = disc + np.stack([(bb * wa - ab * wb) / det, (aa * wb - ab * wa) / det], axis=-1)
+    return moved * np.minimum(1, 0.985 / np.hypot(moved[:, :1], moved[:, 1:]))
+
+
+def _slide_margin(shape, disc, wish):
+    """The same on the margin, where only the angle moves."""
+    def on_circle(c):
+        return c / np.hypot(c[:, :1], c[:, 1:])
+    turn = np.stack([-disc[:, 1], disc[:, 0]], axis=-1)
+    sheet = np.zeros(len(disc), int)
+    along = (shape.points(on_circle(disc + STEP * turn), sheet)
+             - shape.points(on_circle(disc - STEP * turn), sheet)) / (2 * STEP)
+    return on_circle(disc + turn * (_dot(along, wish) / _dot(along, along))[:, None])
 
 
 def slide(shape, disc, sheet, wish):
     """Disc places after a step `wish` (n, 3) in space, along the surface only; margin points stay on it."""
-    jacobian = tangents(shape, disc * np.where(sheet == 0, 1 - 2 * STEP, 1)[:, None], np.where(sheet == 0, 1, sheet))
-    inner = sheet != 0
-    moved = disc.copy()
-    normal = np.einsum("nki,nkj->nij", jacobian, jacobian) + 1e-9 * np.eye(2)
-    moved[inner] += np.linalg.solve(normal, np.einsum("nki,nk->ni", jacobian, wish)[..., None])[inner, :, 0]
-    radius = np.hypot(moved[:, 0], moved[:, 1])
-    moved[inner] *= np.minimum(1, 0.985 / radius[inner])[:, None]
-    # on the margin only the angle moves; its tangent by differences round the circle
-    m = np.flatnonzero(~inner)
-    turn = np.stack([-disc[m, 1], disc[m, 0]], axis=-1)
-    back, forth = (shape.points(c / np.hypot(c[:, :1], c[:, 1:]), sheet[m])
-                   for c in (disc[m] - STEP * turn, disc[m] + STEP * turn))
-    along = (forth - back) / (2 * STEP)
-    c = disc[m] + turn * (np.sum(along * wish[m], axis=1) / np.sum(along * along, axis=1))[:, None]
-    moved[m] = c / np.hypot(c[:, :1], c[:, 1:])
+    moved, on = np.empty_like(disc), sheet == 0
+    moved[~on] = _slide_inside(shape, disc[~on], sheet[~on], wish[~on])
+    moved[on] = _slide_margin(shape, disc[on], wish[on])
     return moved
 
 
@@ -54,9 +61,14 @@ def _turn(p):
             - (p[..., 1, 1] - p[..., 0, 1]) * (p[..., 2, 0] - p[..., 0, 0]))
 
 
-def _cotangent(at, p, q):
-    u, v = p - at, q - at
-    return np.dot(u, v) / np.linalg.norm(np.cross(u, v))
+def _cotangents(places, triangles):
+    """Of the angles at the three corners of each triangle, shape (n, 3)."""
+    p = places[triangles]
+    found = []
+    for k in range(3):
+        u, v = p[:, (k + 1) % 3] - p[:, k], p[:, (k + 2) % 3] - p[:, k]
+        found.append(_dot(u, v) / np.linalg.norm(np.cross(u, v), axis=1))
+    return np.stack(found, axis=1)
 
 
 def flip_to_delaunay(places, disc, sheet, triangles):
@@ -64,18 +76,15 @@ def flip_to_delaunay(places, disc, sheet, triangles):
     tri = [tuple(int(i) for i in t) for t in triangles]
     for _ in range(20):
         owner = {}
-        for k, (a, b, c) in enumerate(tri):
-            for e in ((a, b, c), (b, c, a), (c, a, b)):
-                owner[e[:2]] = (k, e[2])
+        for k, ((a, b, c), (at_a, at_b, at_c)) in enumerate(zip(tri, _cotangents(places, np.array(tri)).tolist())):
+            owner[a, b], owner[b, c], owner[c, a] = (k, c, at_c), (k, a, at_a), (k, b, at_b)
         touched, flipped = set(), 0
-        for (a, b), (k, c) in sorted(owner.items()):
-            l, d = owner[(b, a)]
-            if a > b or k in touched or l in touched or (sheet[a] == 0 and sheet[b] == 0) or (c, d) in owner \
-                    or (d, c) in owner:
+        for (a, b), (k, c, at_c) in sorted(owner.items()):
+            l, d, at_d = owner[b, a]
+            if a > b or at_c + at_d > -1e-6 or k in touched or l in touched or (c, d) in owner or (d, c) in owner \
+                    or (sheet[a] == 0 and sheet[b] == 0):
                 continue
             sign = 1 if (sheet[a] or sheet[b]) > 0 else -1
-            if _cotangent(places[c], places[a], places[b]) + _cotangent(places[d], places[a], places[b]) > -1e-6:
-                continue
             new = [(a, d, c), (d, b, c)]
             if min(sign * _turn(disc[np.array(new)])) <= 1e-6:
                 continue
@@ -98,8 +107,8 @@ def even(shape, disc, sheet, rounds):
         area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
         weight, centre = np.zeros(len(places)), np.zeros_like(places)
         for k in range(3):
-            np.add.at(weight, triangles[:, k], area)
-            np.add.at(centre, triangles[:, k], area[:, None] * p.mean(axis=1))
+            np.add.at(weight, triangles[:, k], area**2)  # squared: points flow to where triangles are large
+            np.add.at(centre, triangles[:, k], (area**2)[:, None] * p.mean(axis=1))
         wish = 0.6 * (centre / weight[:, None] - places)
         order = margin[np.argsort(np.arctan2(disc[margin, 1], disc[margin, 0]))]
         wish[order] = 0.3 * (places[np.roll(order, 1)] + places[np.roll(order, -1)] - 2 * places[order])
@@ -147,11 +156,11 @@ class Skin:
 
     def carry(self, i, steps):
         """Places (n, 3) of point i after the steps (n, 3); a step of zero leaves it where it is."""
-        n = len(steps)
-        sheet = np.full(n, self.sheet[i])
-        self._trial = slide(self.shape, np.broadcast_to(self.disc[i], (n, 2)), sheet, steps)
-        self._trial[0] = self.disc[i]
-        return self.shape.points(self._trial, sheet)
+        here, sheet = self.disc[i : i + 1], self.sheet[i : i + 1]
+        self._trial = _slide_inside(self.shape, here, sheet, steps) if sheet[0] else \
+            _slide_margin(self.shape, here, steps)
+        self._trial[0] = here[0]
+        return self.shape.points(self._trial, np.full(len(steps), sheet[0]))
 
     def settle(self, i, k):
         """Point i stays where step k of the last `carry` took it."""

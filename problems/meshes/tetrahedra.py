@@ -13,7 +13,7 @@ FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # outward when the tetrahe
 EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 
 
-def _cross(a, b):
+def cross(a, b):
     return np.stack([a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1], a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2],
                      a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]], axis=-1)
 
@@ -26,7 +26,7 @@ def _measures(x):
     """Six-fold volume, squared double face areas (opposite each corner) and squared edges of x (..., 4, 3)."""
     e01, e02, e03 = x[..., 1, :] - x[..., 0, :], x[..., 2, :] - x[..., 0, :], x[..., 3, :] - x[..., 0, :]
     e12, e13 = e02 - e01, e03 - e01
-    n3, n2, n1, n0 = _cross(e01, e02), _cross(e01, e03), _cross(e02, e03), _cross(e12, e13)
+    n3, n2, n1, n0 = cross(e01, e02), cross(e01, e03), cross(e02, e03), cross(e12, e13)
     det = _dot(n3, e03)
     areas = [_dot(n, n) for n in (n0, n1, n2, n3)]
     edges = [_dot(e, e) for e in (e01, e02, e03, e12, e13, e03 - e02)]
@@ -47,7 +47,7 @@ def energy(x):
 
 def dihedral_angles(x):
     """Six dihedral angles of each tetrahedron in degrees, shape (..., 6)."""
-    normals = [_cross(x[..., f[1], :] - x[..., f[0], :], x[..., f[2], :] - x[..., f[0], :]) for f in FACES]
+    normals = [cross(x[..., f[1], :] - x[..., f[0], :], x[..., f[2], :] - x[..., f[0], :]) for f in FACES]
     normals = [n / np.sqrt(_dot(n, n))[..., None] for n in normals]
     return np.stack([180 - np.degrees(np.arccos(np.clip(_dot(normals[k], normals[l]), -1, 1)))
                      for k, l in itertools.combinations(range(4), 2)], axis=-1)
@@ -113,7 +113,7 @@ class Mesh:
         """Whether the edge (a, b) of the surface between corners c and d may turn there: all in one plane."""
         u, v, w = (self.points[i] - self.points[a] for i in (b, c, d))
         scale = np.sqrt(_dot(u, u) * _dot(v, v) * _dot(w, w))
-        return abs(_dot(_cross(u, v), w)) < 1e-9 * scale
+        return abs(_dot(cross(u, v), w)) < 1e-9 * scale
 
     def flips(self):
         """Every replacement of tetrahedra inside the mesh by others: (change of energy, old, new)."""

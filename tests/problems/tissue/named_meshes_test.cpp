@@ -82,8 +82,8 @@ TEST(NamedMeshes, HaveTheVolumeTheyAreScaledTo) {
 TEST(NamedMeshes, HoldNoSliver) {
   for (const Counts& wanted : study) {
     const MeshQuality quality = quality_of(named_mesh(wanted.name));
-    EXPECT_GT(quality.smallest_angle * 180 / std::numbers::pi, 25) << wanted.name;
-    EXPECT_LT(quality.largest_angle * 180 / std::numbers::pi, 145) << wanted.name;
+    EXPECT_GT(quality.smallest_angle * 180 / std::numbers::pi, 30) << wanted.name;
+    EXPECT_LT(quality.largest_angle * 180 / std::numbers::pi, 135) << wanted.name;
   }
 }
 
