@@ -2,22 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 
 #if HMAX_HAVE_SPECTRA
 #include <Spectra/GenEigsSolver.h>
 #include <Spectra/MatOp/SparseGenMatProd.h>
-#include <Spectra/MatOp/SparseSymMatProd.h>
-#include <Spectra/MatOp/SparseSymShiftSolve.h>
-#include <Spectra/SymEigsShiftSolver.h>
-#include <Spectra/SymEigsSolver.h>
 #endif
 
+#include "analysis/block_product.hpp"
+#include "analysis/lanczos.hpp"
 #include "analysis/spectrum.hpp"
 #include "results/errors.hpp"
 
@@ -31,19 +29,24 @@ using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 constexpr double tolerance = 1e-10;
 
-/// Whether dense methods are to be used.
 /// @throws InputError  when the question has no answer
-bool goes_dense(Index n, Index count, Index dense_to) {
+void require_sensible(Index n, Index count) {
   if (count < 1 || count > n)
     throw InputError(
         fmt::format("{} eigenvalues of {} unknowns were asked for; ask for 1 to {}", count, n, n));
+}
+
+/// Whether dense methods are to be used for a Jacobian.
+/// @throws InputError  when the question has no answer
+bool goes_dense(Index n, Index count, Index dense_to) {
+  require_sensible(n, count);
   // The iterations need room beside what they look for.
   if (n <= dense_to || count + 3 > n) return true;
   if (has_krylov()) return false;
   if (n > most_dense_rows)
     throw InputError(
-        fmt::format("the extreme eigenvalues of {} unknowns need Spectra: install the Debian package "
-                    "libspectra-dev and build again, or take at most {} unknowns",
+        fmt::format("the extreme eigenvalues of a Jacobian of {} unknowns need Spectra: install the Debian "
+                    "package libspectra-dev and build again, or take at most {} unknowns",
                     n, most_dense_rows));
   return true;
 }
@@ -116,48 +119,59 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
   return result;
 }
 
-#if HMAX_HAVE_SPECTRA
-
-/// A vector that is orthogonal to no mode of a regular structure, and the same in every run: the numbers of a
-/// linear congruential generator in (-1/2, 1/2).
-VectorXd start_vector(Index n) {
-  VectorXd start(n);
-  std::uint64_t state = 20;
-  for (double& value : start) {
-    state = state * 6364136223846793005U + 1442695040888963407U;
-    value = static_cast<double>(state >> 11U) * 0x1p-53 - 0.5;
-  }
-  return start;
-}
-
-/// Vectors kept between restarts: more than are wanted, so that neighbours of the last one do not hold it up.
-Index krylov_dimension(Index n, Index count) { return std::min(n, std::max<Index>(2 * count + 20, 60)); }
-
-template <class Solver>
-bool run(Solver& solver, Index n, Spectra::SortRule rule, Index restarts) {
-  const VectorXd start = start_vector(n);
-  solver.init(start.data());
-  solver.compute(rule, restarts, tolerance, rule);
-  return solver.info() == Spectra::CompInfo::Successful;
-}
-
-/// What a solver has found, the nearest to `end` first.
-template <class Solver>
-ExtremeStiffnesses stiffnesses_of(const Solver& solver, double end, bool converged, const Scaled& scaled) {
-  const VectorXd kappa = solver.eigenvalues();
-  const MatrixXd vectors = solver.eigenvectors();
-  std::vector<Index> order(static_cast<std::size_t>(kappa.size()));
-  std::iota(order.begin(), order.end(), Index(0));
-  std::ranges::sort(order, {}, [&](Index i) { return std::abs(kappa[i] - end); });
-  ExtremeStiffnesses result{
-      .kappa = {}, .shapes = MatrixXd(vectors.rows(), kappa.size()), .converged = converged};
-  for (const Index from : order) {
-    result.shapes.col(static_cast<Index>(result.kappa.size())) =
-        scaled.inverse_root.cwiseProduct(vectors.col(from));
-    result.kappa.push_back(kappa[from]);
+/// The eigenvalues nearest to a shift, of which the shifted matrix can be factored without pivoting: always
+/// where the shift is beyond one end of the spectrum.
+ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
+  const Index n = scaled.k.rows();
+  Sparse shifted = scaled.k;
+  Sparse identity(n, n);
+  identity.setIdentity();
+  shifted -= shift * identity;
+  const Eigen::SimplicialLDLT<Sparse> factor(shifted);
+  ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, 0), .converged = false};
+  if (factor.info() != Eigen::Success) return result;
+  const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) { y = factor.solve(x); };
+  const LanczosPairs pairs = first_eigenpairs(inverse, n, count, Rank::largest_modulus, tolerance);
+  result.converged = pairs.converged;
+  result.shapes = scaled.inverse_root.asDiagonal() * pairs.vectors;
+  for (Index i = 0; i < pairs.vectors.cols(); ++i) {
+    const auto u = pairs.vectors.col(i);
+    // What the factor gave is held against the matrix itself.
+    const VectorXd image = scaled.k * u;
+    result.kappa.push_back(shift + 1 / pairs.values[static_cast<std::size_t>(i)]);
+    if (!((image - result.kappa.back() * u).norm() <= 1e-8 * scaled.gershgorin())) result.converged = false;
   }
   return result;
 }
+
+/// Beyond this a factor of a mesh takes minutes and gigabytes.
+constexpr Index most_factored = 200'000;
+
+ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest) {
+  const double bound = scaled.gershgorin();
+  const Index n = scaled.k.rows();
+  // Outside the spectrum by more than rounding: the shifted matrix stays regular.
+  if (!largest) return nearest_stiffnesses(scaled, count, -1e-8 * bound);
+  const SymmetricProduct rows(scaled.k, VectorXd::Ones(n));
+  const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
+  ExtremeStiffnesses result;
+  if (count == 1) {
+    const LanczosPair pair = largest_eigenpair(
+        product, n, {.tolerance = tolerance, .most_products = n > most_factored ? 5000 : 600});
+    result = {.kappa = {pair.value},
+              .shapes = scaled.inverse_root.cwiseProduct(pair.vector),
+              .converged = pair.converged};
+  } else {
+    const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, tolerance);
+    result = {.kappa = pairs.values,
+              .shapes = scaled.inverse_root.asDiagonal() * pairs.vectors,
+              .converged = pairs.converged};
+  }
+  return result.converged || n > most_factored ? result
+                                               : nearest_stiffnesses(scaled, count, (1 + 1e-8) * bound);
+}
+
+#if HMAX_HAVE_SPECTRA
 
 /// Powers of two that bring row and column i of D^-1 J D to about one size, shape (n): positions and
 /// velocities for instance have none in common, and iterations see a matrix as far from normal as its units
@@ -179,14 +193,8 @@ VectorXd balance(const Sparse& J) {
   return log_d.unaryExpr([](double value) { return std::exp2(std::round(value)); });
 }
 
-/// The eigenvalues nearest to a shift beyond one end of the spectrum.
-ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
-  Spectra::SparseSymShiftSolve<double> inverse(scaled.k);
-  Spectra::SymEigsShiftSolver<Spectra::SparseSymShiftSolve<double>> solver(
-      inverse, count, krylov_dimension(scaled.k.rows(), count), shift);
-  const bool converged = run(solver, scaled.k.rows(), Spectra::SortRule::LargestMagn, 300);
-  return stiffnesses_of(solver, shift, converged, scaled);
-}
+/// Vectors kept between restarts: more than are wanted, so that neighbours of the last one do not hold it up.
+Index krylov_dimension(Index n, Index count) { return std::min(n, std::max<Index>(2 * count + 20, 60)); }
 
 LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
   const VectorXd d = balance(J);
@@ -194,7 +202,10 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
   Spectra::SparseGenMatProd<double> product(balanced);
   Spectra::GenEigsSolver<Spectra::SparseGenMatProd<double>> solver(product, count + 1,
                                                                    krylov_dimension(J.rows(), count + 1));
-  const bool converged = run(solver, J.rows(), Spectra::SortRule::LargestMagn, 2000);
+  const VectorXd start = start_vector(J.rows());
+  solver.init(start.data());
+  solver.compute(Spectra::SortRule::LargestMagn, 2000, tolerance, Spectra::SortRule::LargestMagn);
+  const bool converged = solver.info() == Spectra::CompInfo::Successful;
   const Eigen::VectorXcd lambda = solver.eigenvalues();
   LargestEigenvalues result{.lambda = {lambda.begin(), lambda.end()},
                             .vectors = d.asDiagonal() * solver.eigenvectors(),
@@ -203,31 +214,18 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
   return result;
 }
 
-ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest) {
-  const double bound = scaled.gershgorin();
-  // Outside the spectrum by more than rounding: the shifted matrix stays regular.
-  if (!largest) return nearest_stiffnesses(scaled, count, -1e-8 * bound);
-  Spectra::SparseSymMatProd<double> product(scaled.k);
-  Spectra::SymEigsSolver<Spectra::SparseSymMatProd<double>> solver(product, count,
-                                                                   krylov_dimension(scaled.k.rows(), count));
-  if (run(solver, scaled.k.rows(), Spectra::SortRule::LargestAlge, 100))
-    return stiffnesses_of(solver, bound, true, scaled);
-  return nearest_stiffnesses(scaled, count, (1 + 1e-8) * bound);
-}
-
 #else
 
 LargestEigenvalues krylov_largest(const Sparse& J, Index count) { return dense_largest(MatrixXd(J), count); }
-ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest) {
-  return dense_stiffnesses(scaled, count, largest);
-}
 
 #endif
 
 ExtremeStiffnesses stiffnesses(const MechanicalPart& part, Index count, Index dense_to, bool largest) {
-  const bool by_dense = goes_dense(part.mass.size(), count, dense_to);
+  const Index n = part.mass.size();
+  require_sensible(n, count);
   const Scaled scaled(part);
-  if (by_dense || scaled.gershgorin() == 0) return dense_stiffnesses(scaled, count, largest);
+  if (n <= dense_to || count + 3 > n || scaled.gershgorin() == 0)
+    return dense_stiffnesses(scaled, count, largest);
   return krylov_stiffnesses(scaled, count, largest);
 }
 
@@ -254,6 +252,14 @@ ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Index count, 
 
 ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Index count, Index dense_to) {
   return stiffnesses(part, count, dense_to, false);
+}
+
+ExtremeStiffnesses stiffnesses_near(const MechanicalPart& part, double kappa, Index count) {
+  require_sensible(part.mass.size(), count);
+  const Scaled scaled(part);
+  // An eigenvalue itself would leave nothing to divide by.
+  const double shift = kappa + 1e-9 * (kappa != 0 ? std::abs(kappa) : scaled.gershgorin());
+  return nearest_stiffnesses(scaled, count, shift);
 }
 
 }  // namespace hmax

@@ -11,8 +11,9 @@
 
 namespace hmax {
 
-/// Whether this build has Krylov methods (Debian package libspectra-dev). Without them all eigenvalues are
-/// computed, as long as there are no more than most_dense_rows.
+/// Whether this build has Krylov methods for Jacobians that are not symmetric (Debian package
+/// libspectra-dev). Without them all their eigenvalues are computed, up to most_dense_rows. Symmetric
+/// problems need nothing that is not here.
 bool has_krylov();
 
 /// Matrices up to this size are not worth a Krylov method.
@@ -41,17 +42,22 @@ struct ExtremeStiffnesses {
   bool converged = true;      ///< false: fewer than were asked for
 };
 
-/// The `count` largest kappa of a symmetric K, the largest first, by implicitly restarted Lanczos iteration;
-/// where they lie too close together for it, by shift and invert at Gershgorin's upper bound.
-/// @throws InputError  as largest_eigenvalues
+/// The `count` largest kappa of a symmetric K, the largest first, by Lanczos iteration; where they lie too
+/// close together for it, by shift and invert at Gershgorin's upper bound. Residuals are at most 1e-10 of the
+/// largest.
+/// @throws InputError  when count is not in [1, n]
 ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Eigen::Index count = 1,
                                        Eigen::Index dense_to = small_enough_for_dense);
 
 /// The `count` smallest kappa of a symmetric K without negative ones, the smallest first, by shift and invert
 /// just below zero, so that a system which is free to move (kappa = 0) is served too. Of an indefinite K
-/// those nearest to zero.
-/// @throws InputError  as largest_eigenvalues
+/// those nearest to zero. A factor of K is needed, which meshes have up to some 100,000 degrees of freedom.
+/// @throws InputError  when count is not in [1, n]
 ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Eigen::Index count = 1,
                                         Eigen::Index dense_to = small_enough_for_dense);
+
+/// The `count` kappa nearest to a given one, the nearest first, by shift and invert.
+/// @throws InputError  when count is not in [1, n]
+ExtremeStiffnesses stiffnesses_near(const MechanicalPart& part, double kappa, Eigen::Index count = 1);
 
 }  // namespace hmax

@@ -49,7 +49,7 @@ hmax_optional(SUNDIALS HMAX_HAVE_SUNDIALS "${SUNDIALS_VERSION}" libsundials-dev 
 
 find_package(Spectra 1.0 QUIET)
 set(HMAX_HAVE_SPECTRA ${Spectra_FOUND})
-hmax_optional(Spectra HMAX_HAVE_SPECTRA "${Spectra_VERSION}" libspectra-dev "extreme eigenvalues of more than 4000 unknowns")
+hmax_optional(Spectra HMAX_HAVE_SPECTRA "${Spectra_VERSION}" libspectra-dev "extreme eigenvalues of Jacobians of more than 4000 unknowns that are not symmetric")
 
 find_program(HMAX_GNUPLOT gnuplot)
 if(HMAX_GNUPLOT)

@@ -46,7 +46,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^sqlite3", "^(results/sqlite\\.hpp|(results|tests)/.*\\.cpp)$"},
     {"^results/sqlite\\.hpp$", "^(results|tests)/.*\\.cpp$"},  // the wrapper: SQLite stays behind the store
     {"^CLI/", "^cli/"},
-    {"^Spectra/", "^analysis/extreme_eigenvalues\\.cpp$"},
+    {"^Spectra/", "^(analysis/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},
 };
 

@@ -1,0 +1,33 @@
+/// Products of a symmetric sparse matrix with many vectors.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace hmax {
+
+/// S A S of a symmetric sparse A and a diagonal S, stored for products: as blocks of 3 x 3 where A consists
+/// of such, one index for nine numbers, else as it is.
+class SymmetricProduct {
+ public:
+  /// @param A      both triangles, shape (n, n)
+  /// @param scale  the diagonal of S, shape (n)
+  SymmetricProduct(const Eigen::SparseMatrix<double>& A, const Eigen::VectorXd& scale);
+
+  [[nodiscard]] Eigen::Index rows() const { return n_; }
+  [[nodiscard]] bool has_blocks() const { return blocks_; }
+  /// y = S A S x.
+  void operator()(const Eigen::VectorXd& x, Eigen::VectorXd& y) const { apply(x.data(), y.data()); }
+  /// The same of numbers that stand anywhere.
+  void apply(const double* x, double* y) const;
+
+ private:
+  Eigen::Index n_ = 0;
+  bool blocks_ = false;
+  std::vector<int> first_, column_;  // of each row, or row of blocks
+  std::vector<double> values_;
+};
+
+}  // namespace hmax

@@ -1,0 +1,60 @@
+/// Extreme eigenvalues of symmetric operators of which only products with vectors are known.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace hmax {
+
+/// y = A x of a symmetric A, both of shape (n).
+using SymmetricOperator = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
+
+struct LanczosSettings {
+  double tolerance = 1e-6;  ///< of the residual, relative to the eigenvalue
+  Eigen::Index most_products = 2000;
+  bool with_vector = true;
+};
+
+/// An eigenvalue and what is known of it.
+struct LanczosPair {
+  double value = 0;
+  /// |A u - value u| with |u| = 1: an eigenvalue of A is as near as that. Measured by one more product where
+  /// the vector is wanted; else what the recurrence says of it.
+  double residual = 0;
+  Eigen::VectorXd vector;  ///< u, shape (n); empty unless wanted
+  Eigen::Index products = 0;
+  bool converged = false;
+};
+
+/// The largest eigenvalue of A, by Lanczos iteration without restarts and without orthogonalising anew
+/// [paige1980accuracy]: rounding makes copies of eigenvalues that have converged, and the largest is the
+/// first to do so. It begins with the same vector in every run, which has a part in every eigenvector of any
+/// matrix that one meets; there is no proof that a larger eigenvalue was not missed.
+/// @cost  a product and three vector operations a step; basis vectors are kept up to 400 MB, beyond that all
+///        steps are made a second time for the vector
+LanczosPair largest_eigenpair(const SymmetricOperator& A, Eigen::Index n,
+                              const LanczosSettings& settings = {});
+
+/// What comes first.
+enum class Rank { largest, largest_modulus };
+
+struct LanczosPairs {
+  std::vector<double> values;  ///< shape (count), in order of rank
+  Eigen::MatrixXd vectors;     ///< orthonormal columns, shape (n, count)
+  Eigen::Index products = 0;
+  bool converged = false;  ///< false: fewer than were asked for
+};
+
+/// The first `count` eigenvalues, with their multiplicities: orthogonalised in full, and what was found is
+/// taken out until nothing is left that comes before the last.
+/// @cost  products and k^2 n operations for k of them, which should stay below some hundreds
+LanczosPairs first_eigenpairs(const SymmetricOperator& A, Eigen::Index n, Eigen::Index count, Rank rank,
+                              double tolerance = 1e-10, Eigen::Index most_products = 400);
+
+/// A vector that is orthogonal to no mode of a regular structure, and the same in every run: the numbers of a
+/// linear congruential generator in (-1/2, 1/2).
+Eigen::VectorXd start_vector(Eigen::Index n);
+
+}  // namespace hmax
