@@ -23,6 +23,7 @@ void add_precision(CLI::App& app, Console& console);
 void add_check(CLI::App& app, Console& console);
 void add_phase(CLI::App& app, Console& console);
 void add_stability(CLI::App& app, Console& console);
+void add_mesh(CLI::App& app, Console& console);
 void add_reproduce(CLI::App& app, Console& console);
 void add_export(CLI::App& app, Console& console);
 void add_compare(CLI::App& app, Console& console);

@@ -11,6 +11,7 @@
 #include "bench/sweep_file.hpp"
 #include "cli/commands.hpp"
 #include "problems/liver_materials.hpp"
+#include "problems/tissue/mesh_names.hpp"
 #include "results/exports.hpp"
 
 namespace hmax {
@@ -20,6 +21,12 @@ namespace {
 using Words = std::vector<std::string>;
 
 constexpr std::array<std::string_view, 3> shells{"bash", "zsh", "fish"};
+
+Words mesh_names() {
+  Words names;
+  for (const NamedMesh& mesh : named_meshes()) names.push_back(mesh.name);
+  return names;
+}
 
 /// The values an option takes, by its name; an option that is not here and takes a value takes a file or a
 /// number.
@@ -39,7 +46,9 @@ std::map<std::string, Words> values_of_options() {
           {"--materials", materials},
           {"--control", Words(controller_names.begin(), controller_names.end())},
           {"--readings", Words(reading_names.begin(), reading_names.end())},
-          {"--format", formats}};
+          {"--format", formats},
+          {"--mesh", mesh_names()},
+          {"--unit", {"m", "cm", "mm"}}};
 }
 
 /// What stands without dashes after a command, where that is known.
@@ -47,6 +56,7 @@ Words operands_of(const CLI::App& command) {
   if (command.get_name() == "list") return Words(list_topics.begin(), list_topics.end());
   if (command.get_name() == "completion") return Words(shells.begin(), shells.end());
   Words words;
+  if (command.get_name() == "mesh") words = mesh_names();
   for (const CLI::App* each : command.get_subcommands({})) words.push_back(each->get_name());
   return words;
 }

@@ -89,6 +89,7 @@ Exit run(int argc, char** argv) {
   add_check(app, console);
   add_phase(app, console);
   add_stability(app, console);
+  add_mesh(app, console);
   add_reproduce(app, console);
   add_export(app, console);
   add_compare(app, console);

@@ -1,0 +1,149 @@
+#include <cmath>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Two tetrahedra, of which the second is inverted where asked for, and an idle node.
+std::string two_tetrahedra(bool inverted) {
+  return std::string(
+             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n6 9 9 9\n"
+             "$EndNodes\n$Elements\n2\n11 4 2 1 1 1 2 3 4\n12 4 2 2 1 ") +
+         (inverted ? "3 2 4 5" : "2 3 4 5") + "\n$EndElements\n";
+}
+
+TEST(Mesh, InfoHasTheCountsOfTheStudy) {
+  const Shell shell;
+  const Json liver = shell.hmax("mesh info liver --json").json();
+  EXPECT_EQ(liver.at("points"), 299);
+  EXPECT_EQ(liver.at("edges"), 1634);
+  EXPECT_EQ(liver.at("tetrahedra"), 1151);
+  EXPECT_EQ(liver.at("surface_points"), 187);
+  EXPECT_EQ(liver.at("surface_triangles"), 370);
+  EXPECT_EQ(liver.at("surface_edges"), 555);
+  EXPECT_EQ(liver.at("faces"), 2487);
+  EXPECT_EQ(liver.at("components"), 1);
+  EXPECT_EQ(liver.at("unused_points"), 0);
+  EXPECT_EQ(liver.at("inverted"), 0);
+  EXPECT_EQ(liver.at("unit"), 1);
+  EXPECT_GT(liver.at("smallest_angle_degrees"), 8);
+  EXPECT_GT(liver.at("quality").at("mean"), liver.at("quality").at("min"));
+  const Told told = shell.hmax("mesh info phantom");
+  EXPECT_NE(told.out.find("unit: metres"), std::string::npos);
+  EXPECT_NE(told.out.find("volume           0.001 m³"), std::string::npos) << told.out;
+}
+
+TEST(Mesh, InfoSaysThatTheUnitOfAFileIsNotStated) {
+  const Shell shell;
+  write_text(shell / "two.msh", two_tetrahedra(false));
+  EXPECT_NE(shell.hmax("mesh info two.msh").out.find("not stated in the file; taken as metres here"),
+            std::string::npos);
+  const Json without = shell.hmax("mesh info two.msh --json").json();
+  EXPECT_TRUE(without.at("unit").is_null());
+  EXPECT_TRUE(without.at("status").is_string());
+  EXPECT_DOUBLE_EQ(without.at("volume").get<double>(), 0.5);
+  const Json stated = shell.hmax("mesh info two.msh --unit cm --json").json();
+  EXPECT_NEAR(stated.at("volume").get<double>(), 0.5e-6, 1e-18);
+  EXPECT_EQ(stated.at("unused_points"), 1);
+  EXPECT_EQ(stated.at("regions").size(), 2U);
+  EXPECT_NEAR(stated.at("regions")[1].at("volume").get<double>(), 1e-6 / 3, 1e-18);
+  EXPECT_EQ(stated.at("box")[1][0], 0.09);
+  expect_refused(shell.hmax("mesh info liver --unit cm"), "the mesh liver is in metres");
+  expect_refused(shell.hmax("mesh info two.msh --unit inch"), "'inch' is no unit of length");
+}
+
+TEST(Mesh, CheckNamesWhatIsWrongWithLineAndElement) {
+  const Shell shell;
+  write_text(shell / "bad.msh", two_tetrahedra(true));
+  const Told told = shell.hmax("mesh check bad.msh");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.out.find("bad.msh, line 16: tetrahedron 12 is inverted"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("1 points are in no tetrahedron"), std::string::npos);
+  const Json json = shell.hmax("mesh check bad.msh --json").json();
+  EXPECT_EQ(json.at("good"), false);
+  EXPECT_EQ(json.at("inverted"), Json({12}));
+  EXPECT_EQ(shell.hmax("mesh info bad.msh --json").json().at("inverted"), 1);
+  EXPECT_EQ(shell.hmax("mesh check liver").exit_code, 0);
+}
+
+TEST(Mesh, CheckNamesSlivers) {
+  const Shell shell;
+  const Told told = shell.hmax("mesh check liver --slivers 60 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  const Json slivers = told.json().at("slivers");
+  ASSERT_GT(slivers.size(), 100U);
+  EXPECT_LE(slivers[0].at("angle_degrees"), slivers[1].at("angle_degrees"));
+  EXPECT_NE(shell.hmax("mesh check liver --slivers 60").out.find("is a sliver: dihedral angle"),
+            std::string::npos);
+  expect_refused(shell.hmax("mesh check liver --slivers 80"), "--slivers");
+}
+
+TEST(Mesh, ConvertTurnsWhatIsInvertedOnlyWhenAsked) {
+  const Shell shell;
+  write_text(shell / "bad.msh", two_tetrahedra(true));
+  expect_refused(shell.hmax("mesh convert bad.msh good.msh"),
+                 "line 16: tetrahedron 12 is inverted; turn it with");
+  const Told told = shell.hmax("mesh convert bad.msh good.vtu --fix");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.out.find("1 turned"), std::string::npos) << told.out;
+  const Json info = shell.hmax("mesh info good.vtu --json").json();
+  EXPECT_EQ(info.at("inverted"), 0);
+  EXPECT_EQ(info.at("points"), 6);
+  EXPECT_DOUBLE_EQ(info.at("volume").get<double>(), 0.5);
+  EXPECT_EQ(shell.hmax("mesh convert good.vtu small.msh --unit mm --json").json().at("fixed"), 0);
+  EXPECT_NEAR(shell.hmax("mesh info small.msh --json").json().at("volume").get<double>(), 0.5e-9, 1e-21);
+}
+
+TEST(Mesh, MakeAndRefineWriteWhatOtherProgramsRead) {
+  const Shell shell;
+  EXPECT_EQ(shell.hmax("mesh make ball:n=3 --output ball.msh").exit_code, 0);
+  EXPECT_EQ(shell.hmax("mesh refine ball.msh --times 2 --output fine.vtu").exit_code, 0);
+  EXPECT_EQ(shell.hmax("mesh info fine.vtu --json").json().at("tetrahedra"), 64 * 540);
+  EXPECT_EQ(shell.hmax("mesh info ball.msh:refine=2 --json").json().at("edges"),
+            shell.hmax("mesh info fine.vtu --json").json().at("edges"));
+  expect_refused(shell.hmax("mesh make ball.msh --output a.msh"), "is a file");
+  expect_refused(shell.hmax("mesh make ball --output a.stl"), ".msh, .vtu or .scn");
+  expect_refused(shell.hmax("mesh make ball"), "--output");
+  expect_refused(shell.hmax("mesh refine ball --times 30 --output a.msh"), "refine less often");
+  expect_refused(shell.hmax("mesh refine ball --times -1 --output a.msh"), "--times");
+}
+
+TEST(Mesh, AScenePutsTheTissueOnTheMesh) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "mesh convert phantom gel.scn --material liver:male_normal --model fem_green --gravity 0,0,-9.81 --h 0.005 "
+      "--support -1,1,-1,1,-0.001,0.001");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  const std::string scene = read_text(shell / "gel.scn");
+  EXPECT_NE(scene.find("dt=\"0.005\" gravity=\"0 0 -9.81\""), std::string::npos);
+  EXPECT_NE(scene.find("StVenantKirchhoff"), std::string::npos);
+  EXPECT_NE(scene.find("totalMass"), std::string::npos);
+  EXPECT_NE(scene.find("FixedProjectiveConstraint"), std::string::npos);
+  write_text(shell / "two.msh", two_tetrahedra(false));
+  expect_refused(shell.hmax("mesh convert two.msh two.scn"), "state it with --unit");
+  expect_refused(shell.hmax("mesh convert phantom a.vtu --h 0.1"), "belong to a SOFA scene");
+  expect_refused(shell.hmax("mesh convert phantom a.scn --model mass_spring"), "finite elements only");
+  expect_refused(shell.hmax("mesh convert phantom a.scn --support 1,2"), "six");
+  expect_refused(shell.hmax("mesh convert phantom a.scn --support 5,6,5,6,5,6"), "no point lies in the box");
+  expect_refused(shell.hmax("mesh convert phantom a.scn --h 0"), "step of a SOFA scene is 0");
+  expect_refused(shell.hmax("mesh convert phantom a.scn --material steel"), "steel");
+}
+
+TEST(Mesh, RefusesWhatIsNoMesh) {
+  const Shell shell;
+  expect_refused(shell.hmax("mesh info livr"), "did you mean 'liver'?");
+  expect_refused(shell.hmax("mesh info none.msh"), "there is no file 'none.msh'");
+  expect_refused(shell.hmax("mesh info ball:n=0"), "whole number");
+  write_text(shell / "surface.msh",
+             "$NOD\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$ENDNOD\n$ELM\n1\n1 2 0 0 3 1 2 3\n$ENDELM\n");
+  expect_refused(shell.hmax("mesh info surface.msh"), "a surface only; fill it first");
+  write_text(shell / "cut.msh", two_tetrahedra(false).substr(0, 120));
+  expect_refused(shell.hmax("mesh info cut.msh"), "cut.msh, line");
+  expect_refused(shell.hmax("mesh"), "mesh");
+}
+
+}  // namespace
+}  // namespace hmax
