@@ -31,7 +31,11 @@ MeshText MeshText::part(std::size_t begin, std::size_t end) const {
   return result;
 }
 
-std::int64_t MeshText::place() const { return raw_ ? static_cast<std::int64_t>(at_) : line_; }
+std::int64_t MeshText::place() {
+  if (raw_) return static_cast<std::int64_t>(at_);
+  skip_blanks();
+  return line_;
+}
 
 void MeshText::fail(const std::string& text) const {
   const std::int64_t here = raw_ ? static_cast<std::int64_t>(last_) : line_;

@@ -36,8 +36,8 @@ class MeshText {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::size_t position() const { return at_; }
   [[nodiscard]] std::size_t left() const { return text_.size() - at_; }
-  /// The line, from 1, or the byte, from 0, if raw values have been read.
-  [[nodiscard]] std::int64_t place() const;
+  /// The line, from 1, of the next word, or the byte, from 0, if values are raw.
+  std::int64_t place();
   [[nodiscard]] bool counts_bytes() const { return raw_; }
 
   /// True when nothing but blanks is left.

@@ -37,7 +37,7 @@ MeshFile read_version_1(MeshText& text) {
     } else if (section == "$ELM") {
       const std::size_t count = text.count("elements", 12);
       for (std::size_t i = 0; i < count; ++i) {
-        const std::int64_t number = text.integer("the number of an element"), place = text.place();
+        const std::int64_t place = text.place(), number = text.integer("the number of an element");
         const std::int64_t type = text.integer("the type of an element");
         const std::int64_t region = text.integer("the physical region");
         text.integer("the elementary region");

@@ -44,10 +44,9 @@ MeshFile read_medit(const std::string& name, std::string_view bytes) {
       for (std::size_t i = 0; i < count; ++i) {
         const auto number = static_cast<std::int64_t>(builder.tetrahedron_count()) + 1;
         std::array<TetMesh::Index, 4> corners{};
-        std::int64_t place = 0;
+        const std::int64_t place = text.place();
         for (TetMesh::Index& corner : corners) {
           const std::int64_t vertex = text.integer("a corner of a tetrahedron");
-          if (&corner == corners.data()) place = text.place();
           corner = builder.counted_point(vertex, 1, text, number);
         }
         builder.add_tetrahedron(corners, number, place, text.integer("the reference of a tetrahedron"), text);

@@ -32,7 +32,7 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
                   " points; save the mesh with elements of order 1, which have 4 (tetgen without -o2)");
   builder.reserve_tetrahedra(tetrahedra);
   for (std::size_t t = 0; t < tetrahedra; ++t) {
-    const std::int64_t number = elements.integer("the number of a tetrahedron"), place = elements.place();
+    const std::int64_t place = elements.place(), number = elements.integer("the number of a tetrahedron");
     std::array<TetMesh::Index, 4> points_of{};
     for (TetMesh::Index& point : points_of)
       point = builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);

@@ -124,8 +124,8 @@ void read_cells(MeshText& text, LegacyValues& values, VtkCells& cells, std::vect
     cells.offsets = read_integers(text, values, type, first, "offsets");
     if (text.word("CONNECTIVITY") != "CONNECTIVITY")
       text.fail("CONNECTIVITY should be here; export the mesh again");
-    const std::string other(text.word("the type of the connectivity"));
     places.assign(1, text.place());
+    const std::string other(text.word("the type of the connectivity"));
     cells.connectivity = read_integers(text, values, other, second, "points of cells");
     return;
   }

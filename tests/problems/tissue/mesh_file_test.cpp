@@ -64,8 +64,8 @@ TEST(MeshFiles, NumbersDoNotDependOnTheLocale) {
 
 TEST(MeshFiles, ElementsAreNamedAsTheFileNamesThem) {
   EXPECT_EQ(read_mesh("v1.msh", golden_text("v1.msh")).where(1), "v1.msh, line 14: tetrahedron 4");
-  EXPECT_EQ(read_mesh("v2.msh", golden_text("v2.msh")).where(0), "v2.msh, line 18: tetrahedron 2");
-  EXPECT_EQ(read_mesh("old.vtk", golden_text("old.vtk")).where(1), "old.vtk, line 10: tetrahedron 2");
+  EXPECT_EQ(read_mesh("v2.msh", golden_text("v2.msh")).where(0), "v2.msh, line 19: tetrahedron 2");
+  EXPECT_EQ(read_mesh("old.vtk", golden_text("old.vtk")).where(1), "old.vtk, line 11: tetrahedron 2");
   const std::string binary = golden_text("v2_little.msh");
   const MeshFile file = read_mesh("v2_little.msh", binary);
   const auto place = static_cast<std::size_t>(file.places[1]);
@@ -89,7 +89,7 @@ TEST(MeshFiles, ANodeThatIsMissingIsNamedWithLineAndElement) {
   expect_refused("v1.msh", replaced(golden_text("v1.msh"), "4 4 9 1 4 4 6 8 10", "4 4 9 1 4 4 6 8 11"),
                  "v1.msh, line 14: tetrahedron 4 needs node 11, which the file does not have");
   expect_refused("old.vtk", replaced(golden_text("old.vtk"), "4 1 2 3 4", "4 1 2 3 5"),
-                 "old.vtk, line 10: tetrahedron 2 needs point 5, but the points are 0 to 4");
+                 "old.vtk, line 11: tetrahedron 2 needs point 5, but the points are 0 to 4");
   expect_refused("m.mesh", replaced(golden_text("ghs3d.mesh"), "1 2 3 4 7", "0 2 3 4 7"),
                  "m.mesh, line 23: tetrahedron 1 needs point 0, but the points are 1 to 5");
   EXPECT_THROW(read_tetgen("a.node", "1 3 0 0\n1 0 0 0\n", "a.ele", "1 4 0\n1 1 2 3 4\n"),
