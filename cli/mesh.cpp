@@ -386,7 +386,7 @@ void add_mesh(CLI::App& app, Console& console) {
 
   CLI::App& make_command = add_command(
       group, console, "make", "Write a mesh that has a name",
-      {"hmax mesh make ball:n=6:radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"});
+      {"hmax mesh make ball:n=6,radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"});
   add_mesh_argument(make_command, *options);
   add_output(make_command, *options);
   make_command.callback(with_sentences(make, options, console));

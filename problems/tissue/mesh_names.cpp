@@ -35,6 +35,18 @@ bool is_key(std::string_view text) {
          std::ranges::all_of(text, [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
 }
 
+/// "n=6"
+std::pair<std::string, double> parameter_of(std::string_view text) {
+  const std::size_t equals = std::min(text.find('='), text.size());
+  const std::string_view digits = text.substr(std::min(equals + 1, text.size()));
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
+    throw std::invalid_argument("the parameter '" + std::string(text) +
+                                "' of a mesh has no number; write it like ball:n=6,radius=0.04");
+  return {std::string(text.substr(0, equals)), value};
+}
+
 TetMesh generated(const std::string& name, const Parameters& values) {
   const auto value = [&](std::string_view parameter) { return *find(values, parameter); };
   const int n = whole("n", value("n"), 1);
@@ -69,25 +81,25 @@ MeshRequest parse_mesh_request(std::string_view text) {
   while (true) {
     const std::size_t colon = text.rfind(':');
     if (colon == std::string_view::npos) break;
-    const std::string_view last = text.substr(colon + 1);
-    const std::size_t equals = last.find('=');
+    std::string_view list = text.substr(colon + 1);
+    const std::size_t equals = list.find('=');
     // A path may hold colons too.
-    if (equals == std::string_view::npos || !is_key(last.substr(0, equals)) ||
-        last.find('/') != std::string_view::npos)
+    if (equals == std::string_view::npos || !is_key(list.substr(0, equals)) ||
+        list.find('/') != std::string_view::npos)
       break;
-    const std::string key(last.substr(0, equals));
-    const std::string_view digits = last.substr(equals + 1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
-      throw std::invalid_argument("the parameter " + key + " of a mesh is '" + std::string(digits) +
-                                  "', which is no number; write it like ball:n=6");
-    if (find(request.parameters, key))
-      throw std::invalid_argument("the parameter " + key +
-                                  " of a mesh is given twice; leave one of them out");
-    request.parameters.emplace(request.parameters.begin(), key, value);
+    Parameters parameters;
+    while (!list.empty()) {
+      const std::string_view one = list.substr(0, list.find(','));
+      list.remove_prefix(std::min(one.size() + 1, list.size()));
+      parameters.push_back(parameter_of(one));
+    }
+    request.parameters.insert(request.parameters.begin(), parameters.begin(), parameters.end());
     text = text.substr(0, colon);
   }
+  for (const auto& parameter : request.parameters)
+    if (std::ranges::count(request.parameters, parameter.first, &std::pair<std::string, double>::first) > 1)
+      throw std::invalid_argument("the parameter " + parameter.first +
+                                  " of a mesh is given twice; leave one of them out");
   request.name = text;
   return request;
 }

@@ -20,13 +20,14 @@ struct MeshTextFile {
 /// Sorted by name.
 std::span<const MeshTextFile> mesh_texts();
 
-/// A mesh as it is asked for: "ball:n=6:refine=1" is `ball` with n = 6, refine = 1.
+/// A mesh as it is asked for: "ball:n=6,radius=0.04:refine=1" is `ball` with n = 6, radius = 0.04, refine
+/// = 1.
 struct MeshRequest {
   std::string name;  ///< of a mesh or a file
   std::vector<std::pair<std::string, double>> parameters;
 };
 
-/// Takes what looks like :key=number from the end, from left to right; a name may hold other colons.
+/// Takes what looks like :key=number,key=number from the end; a name may hold other colons.
 /// @throws std::invalid_argument when a parameter is no number or is given twice
 MeshRequest parse_mesh_request(std::string_view text);
 

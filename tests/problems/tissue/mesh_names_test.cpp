@@ -43,7 +43,7 @@ TEST(MeshNames, GeneratorsTakeTheirParameters) {
   EXPECT_EQ(mesh_by_name("ball:n=1:refine=1").tetrahedron_count(), 160);
   EXPECT_EQ(mesh_by_name("beam").tetrahedron_count(), 24 * 64);
   EXPECT_NEAR(quality_of(mesh_by_name("cube:edge=2:n=1")).volume, 8, 1e-12);
-  EXPECT_EQ(quality_of(mesh_by_name("beam:n=1:length=3:height=0.5")).upper, Eigen::Vector3d(3, 0.05, 0.5));
+  EXPECT_EQ(quality_of(mesh_by_name("beam:n=1,length=3:height=0.5")).upper, Eigen::Vector3d(3, 0.05, 0.5));
 }
 
 TEST(MeshNames, WhatIsUnknownIsRefusedWithWhatIsKnown) {
@@ -51,10 +51,11 @@ TEST(MeshNames, WhatIsUnknownIsRefusedWithWhatIsKnown) {
       << refusal("kidney");
   EXPECT_NE(refusal("ball:m=3").find("no parameter 'm'; it takes refine, n, radius"), std::string::npos);
   EXPECT_NE(refusal("liver:n=3").find("it takes refine"), std::string::npos);
-  EXPECT_NE(refusal("ball:n=x").find("no number"), std::string::npos);
+  EXPECT_NE(refusal("ball:n=2,radius=x").find("no number"), std::string::npos);
   EXPECT_NE(refusal("ball:n=2:n=3").find("twice"), std::string::npos);
-  for (const char* text : {"ball:n=0", "ball:n=1.5", "ball:n=-1", "ball:n=1e9", "ball:n=inf",
-                           "liver:refine=-1", "liver:refine=30", "cube:edge=0", ":refine=1", ""})
+  for (const char* text :
+       {"ball:n=0", "ball:n=1.5", "ball:n=-1", "ball:n=1e9", "ball:n=inf", "ball:n=", "ball:n=2,,",
+        "ball:n=2,radius", "liver:refine=-1", "liver:refine=30", "cube:edge=0", ":refine=1", ""})
     EXPECT_NE(refusal(text), "") << text;
 }
 
