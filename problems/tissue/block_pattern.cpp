@@ -41,6 +41,8 @@ BlockPattern::BlockPattern(std::vector<Index> free, const MeshEdges& pairs)
       throw std::invalid_argument("the stiffness matrix has more than " +
                                   std::to_string(std::numeric_limits<Index>::max()) +
                                   " entries, more than its indices can count; use a smaller mesh");
+    const auto own = std::lower_bound(rows_.begin() + first_.back(), rows_.end(), static_cast<Index>(j));
+    lower_.push_back(lower_.back() + static_cast<Index>(rows_.end() - own) - 1);
     first_.push_back(static_cast<Index>(rows_.size()));
   }
   for (std::size_t point = 0; point < free_.size(); ++point)
@@ -55,35 +57,51 @@ BlockPattern::Index BlockPattern::slot(Index i, Index j) const {
   return 9 * first_[at(column)] + 3 * static_cast<Index>(place - from);
 }
 
-void BlockPattern::complete(double* values) const {
+BlockPattern::Index BlockPattern::pair(Index i, Index j) const {
+  const Index a = free_[at(i)], b = free_[at(j)], low = std::min(a, b), high = std::max(a, b);
+  if (low < 0) return -1;
+  const auto to = rows_.begin() + first_[at(low) + 1];
+  const auto from = to - (lower_[at(low) + 1] - lower_[at(low)]);
+  return lower_[at(low)] + static_cast<Index>(std::lower_bound(from, to, high) - from);
+}
+
+void BlockPattern::write(const NodeRows& pairs, std::vector<double>& diagonal, double* values) const {
   // Columns are taken from the left: when column j is reached, its blocks above the diagonal are there,
   // filled from the top.
   thread_local std::vector<Index> filled;
   const std::size_t columns = first_.size() - 1;
   filled.assign(columns, 0);
+  const double* pair = &pairs.front().x;
   for (std::size_t j = 0; j < columns; ++j) {
-    const Index from = first_[j], count = first_[j + 1] - from, step = 3 * count, diagonal = filled[j];
+    const Index from = first_[j], count = first_[j + 1] - from, step = 3 * count, own = filled[j];
     double* const column = values + 9 * static_cast<std::ptrdiff_t>(from);
-    for (Index k = diagonal + 1; k < count; ++k) {
+    double* const sum = diagonal.data() + 9 * j;
+    for (Index k = own + 1; k < count; ++k, pair += 12) {
       const auto i = at(rows_[at(from + k)]);
-      const Index other = 3 * (first_[i + 1] - first_[i]);
+      const std::ptrdiff_t other = 3 * (first_[i + 1] - first_[i]);
       double* const mirror = values + 9 * static_cast<std::ptrdiff_t>(first_[i]) + 3 * filled[i]++;
-      const double* const block = column + 3 * k;
+      double* const sum_i = diagonal.data() + 9 * i;
       for (Index c = 0; c < 3; ++c)
-        for (Index r = 0; r < 3; ++r) mirror[r * other + c] = block[c * step + r];
+        for (Index r = 0; r < 3; ++r) {
+          const double entry = pair[4 * c + r];
+          column[c * step + 3 * k + r] = entry;
+          mirror[r * other + c] = entry;
+          sum[3 * c + r] -= entry;
+          sum_i[3 * r + c] -= entry;
+        }
     }
-    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    // Symmetric but for rounding.
     for (Index c = 0; c < 3; ++c)
-      for (Index k = 0; k < count; ++k) sum.col(c) += Eigen::Map<Eigen::Vector3d>(column + c * step + 3 * k);
-    Eigen::Map<Eigen::Matrix3d, 0, Eigen::OuterStride<>> own(column + 3 * diagonal,
-                                                             Eigen::OuterStride<>(step));
-    // The sum contains the diagonal block once; rounding alone keeps the rest from being symmetric.
-    sum = 2 * Eigen::Matrix3d(own) - sum;
-    own = (sum + sum.transpose()) / 2;
+      for (Index r = 0; r < 3; ++r) column[c * step + 3 * own + r] = (sum[3 * c + r] + sum[3 * r + c]) / 2;
   }
 }
 
 void BlockPattern::clear(Matrix& A) const {
+  shape(A);
+  std::fill_n(A.valuePtr(), entries(), 0.0);
+}
+
+void BlockPattern::shape(Matrix& A) const {
   const Index n = dofs(), columns = n / 3;
   bool same = A.rows() == n && A.cols() == n && A.isCompressed() && A.nonZeros() == entries();
   for (Index j = 0; same && j < columns; ++j) {
@@ -107,7 +125,6 @@ void BlockPattern::clear(Matrix& A) const {
     }
     A.outerIndexPtr()[n] = entries();
   }
-  std::fill_n(A.valuePtr(), entries(), 0.0);
 }
 
 }  // namespace hmax

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "problems/tissue/node_rows.hpp"
 #include "problems/tissue/topology.hpp"
 
 namespace hmax {
@@ -51,17 +52,27 @@ class BlockPattern {
     for (int c = 0; c < 3; ++c) Eigen::Map<Eigen::Vector3d>(values + slot + c * stride(j)) += block.col(c);
   }
 
-  /// Completes the matrix of forces that act between points alone, of which the blocks below the diagonal are
-  /// there: each is mirrored to its place above, and subtracted from the diagonal blocks of its two points.
-  /// The diagonal blocks come holding what pairs with a supported point add to them.
-  void complete(double* values) const;
+  /// The number of the block of a pair i != j among those below the diagonal, of which there are
+  /// pair_count(); -1 when a point is supported.
+  [[nodiscard]] Index pair(Index i, Index j) const;
+  [[nodiscard]] Index pair_count() const { return lower_.back(); }
 
-  /// Gives A this pattern with all values 0. A matrix that has it already keeps its memory: columns as long
-  /// and blocks that begin in the same rows.
+  /// Writes all values of the matrix of forces that act between points alone, each row of which sums to zero.
+  /// @param pairs     three columns of each block (i, j), i > j, one a row; shape (3 pair_count())
+  /// @param diagonal  what pairs with a supported point add to the diagonal block of each free one, columns
+  /// one
+  ///                  after the other, shape (9, free); overwritten
+  void write(const NodeRows& pairs, std::vector<double>& diagonal, double* values) const;
+
+  /// Gives A this pattern. A matrix that has it already keeps its memory and its values: columns as long and
+  /// blocks that begin in the same rows.
+  void shape(Matrix& A) const;
+  /// The same, with all values 0.
   void clear(Matrix& A) const;
 
  private:
   std::vector<Index> free_, stride_;  // by point of the mesh
+  std::vector<Index> lower_{0};       // of each free column of blocks: its first block below the diagonal
   std::vector<Index> first_{0};       // of each free column of blocks: its first block
   std::vector<Index> rows_;           // of each block: its row among the free points, ascending in a column
 };

@@ -186,10 +186,10 @@ void TissueBody::build_rayleigh_damping() {
   require(std::isfinite(alpha), alpha, "the Rayleigh coefficient alpha", "finite");
   require(std::isfinite(beta), beta, "the Rayleigh coefficient beta", "finite");
   if (beta != 0) {
-    pattern_.clear(rayleigh_);
+    pattern_.shape(rayleigh_);
     NodeRows rest(at(mesh_.point_count()));
     for (Eigen::Index i = 0; i < mesh_.point_count(); ++i) as_vector(rest[at(i)]) = mesh_.points.col(i);
-    add_elastic_stiffness(rest, rayleigh_.valuePtr());
+    write_elastic_stiffness(rest, rayleigh_.valuePtr());
     rayleigh_ *= beta;
     for (Eigen::Index i = 0; i < dofs(); ++i) rayleigh_.coeffRef(i, i) += alpha * mass_[i];
   }
@@ -297,14 +297,14 @@ void TissueBody::rhs(double t, const State& y, State& dydt) const {
   dydt.tail(n).array() /= mass_.array();
 }
 
-void TissueBody::add_elastic_stiffness(const NodeRows& x, double* values) const {
+void TissueBody::write_elastic_stiffness(const NodeRows& x, double* values) const {
   std::visit(
       [&]<class Model>(const Model& model) {
         if constexpr (std::is_same_v<Model, GreenElements>) {
-          model.add_lower_stiffness(x, values);
-          pattern_.complete(values);
-        } else if constexpr (!std::is_same_v<Model, std::monostate>) {
-          model.add_stiffness(x, pattern_, values);
+          model.write_stiffness(x, pattern_, values);
+        } else {
+          std::fill_n(values, pattern_.entries(), 0.0);
+          if constexpr (!std::is_same_v<Model, std::monostate>) model.add_stiffness(x, pattern_, values);
         }
       },
       elements_);
@@ -315,8 +315,8 @@ void TissueBody::add_elastic_stiffness(const NodeRows& x, double* values) const 
 void TissueBody::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
   Scratch& rows = scratch();
   place(t, q, rows.x);
-  pattern_.clear(K);
-  add_elastic_stiffness(rows.x, K.valuePtr());
+  pattern_.shape(K);
+  write_elastic_stiffness(rows.x, K.valuePtr());
   if (!needs_velocities()) return;
   move(t, v, rows.v);
   for (const SpringSet& set : springs_)
@@ -331,11 +331,13 @@ void TissueBody::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K)
 }
 
 void TissueBody::damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
-  pattern_.clear(C);
-  if (settings_.beta != 0)
+  pattern_.shape(C);
+  if (settings_.beta != 0) {
     std::copy_n(rayleigh_.valuePtr(), pattern_.entries(), C.valuePtr());
-  else
+  } else {
+    std::fill_n(C.valuePtr(), pattern_.entries(), 0.0);
     for (Eigen::Index i = 0; i < dofs(); ++i) C.coeffRef(i, i) = settings_.alpha * mass_[i];
+  }
   if (!needs_velocities()) return;
   Scratch& rows = scratch();
   place(t, q, rows.x);

@@ -111,7 +111,7 @@ class TissueBody {
   void place(double t, Eigen::Ref<const Dofs> q, NodeRows& x) const;
   void move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const;
   void total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<const Dofs> v, Eigen::Ref<Dofs> f) const;
-  void add_elastic_stiffness(const NodeRows& x, double* values) const;
+  void write_elastic_stiffness(const NodeRows& x, double* values) const;
   [[nodiscard]] bool needs_velocities() const { return has_dampers_ || !settings_.tools.empty(); }
 
   TetMesh mesh_;

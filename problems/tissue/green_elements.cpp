@@ -72,8 +72,7 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
       block.mu[lane] = volume * material.mu;
       for (std::size_t a = 0, pair = 0; a < 4; ++a)
         for (std::size_t b = a + 1; b < 4; ++b, ++pair) {
-          slots.slot[pair][lane] = used ? pattern.slot(order[i][b], order[i][a]) : -1;
-          slots.stride[pair][lane] = pattern.stride(order[i][a]);
+          slots.block[pair][lane] = pattern.pair(order[i][a], order[i][b]);
         }
     }
   }
@@ -81,34 +80,29 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
 }
 
 void GreenElements::place_rim(const BlockPattern& pattern) {
-  // Pairs of one free and one supported point, each once; what has no place in the matrix at all shares the
-  // first.
+  // Pairs of one free and one supported point, each once; pairs of two supported ones share a block after
+  // them.
   std::vector<std::array<Index, 2>> pairs;
   const auto each_missing = [&](const auto& visit) {
     for (std::size_t n = 0; n < blocks_.size(); ++n)
       for (std::size_t lane = 0; lane < lanes; ++lane)
         for (std::size_t a = 0, pair = 0; a < 4; ++a)
           for (std::size_t b = a + 1; b < 4; ++b, ++pair)
-            if (slots_[n].slot[pair][lane] < 0)
+            if (slots_[n].block[pair][lane] < 0)
               visit(std::array{blocks_[n].points[a][lane], blocks_[n].points[b][lane]},
-                    slots_[n].slot[pair][lane], slots_[n].stride[pair][lane]);
+                    slots_[n].block[pair][lane]);
   };
   const auto is_free = [&](Index i) { return pattern.stride(i) > 0; };
-  each_missing([&](const std::array<Index, 2>& pair, Index, Index) {
+  each_missing([&](const std::array<Index, 2>& pair, Index) {
     if (is_free(pair[0]) != is_free(pair[1])) pairs.push_back(pair);
   });
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  rim_.push_back({-1, 0});
-  for (const auto& pair : pairs) {
-    const Index own = is_free(pair[0]) ? pair[0] : pair[1];
-    rim_.push_back({pattern.slot(own, own), pattern.stride(own)});
-  }
-  each_missing([&](const std::array<Index, 2>& pair, Index& slot, Index& stride) {
+  for (const auto& [a, b] : pairs) rim_.push_back(pattern.free()[at(is_free(a) ? a : b)]);
+  each_missing([&](const std::array<Index, 2>& pair, Index& block) {
     const auto found = std::lower_bound(pairs.begin(), pairs.end(), pair);
     const bool there = found != pairs.end() && *found == pair;
-    slot = ~(there ? 9 * static_cast<Index>(found - pairs.begin() + 1) : 0);
-    stride = 3;
+    block = pattern.pair_count() + static_cast<Index>((there ? found : pairs.end()) - pairs.begin());
   });
 }
 
@@ -141,14 +135,18 @@ void GreenElements::add_force(const NodeRows& x, NodeRows& f) const {
   kernels_->green_force(blocks_.data(), blocks_.size(), &x.front().x, &f.front().x);
 }
 
-void GreenElements::add_lower_stiffness(const NodeRows& x, double* values) const {
-  thread_local std::vector<double> rim;
-  rim.assign(9 * rim_.size(), 0);
-  kernels_->green_stiffness(blocks_.data(), slots_.data(), blocks_.size(), &x.front().x, values, rim.data());
-  for (std::size_t i = 1; i < rim_.size(); ++i)
-    for (Index c = 0; c < 3; ++c)
-      for (Index r = 0; r < 3; ++r)
-        values[rim_[i].slot + c * rim_[i].stride + r] -= rim[9 * i + static_cast<std::size_t>(3 * c + r)];
+void GreenElements::write_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const {
+  thread_local NodeRows pairs;
+  thread_local std::vector<double> diagonal;
+  const auto inside = at(pattern.pair_count());
+  pairs.assign(3 * (inside + rim_.size() + 1), {});
+  kernels_->green_stiffness(blocks_.data(), slots_.data(), blocks_.size(), &x.front().x, &pairs.front().x);
+  diagonal.assign(3 * at(pattern.dofs()), 0);
+  for (std::size_t i = 0; i < rim_.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      Eigen::Map<Eigen::Vector3d>(&diagonal[9 * at(rim_[i]) + 3 * c]) -=
+          as_vector(pairs[3 * (inside + i) + c]);
+  pattern.write(pairs, diagonal, values);
 }
 
 std::array<GreenElements::Index, 4> GreenElements::points(std::size_t i) const {

@@ -30,8 +30,8 @@ class GreenElements {
 
   [[nodiscard]] double energy(const NodeRows& x) const;
   void add_force(const NodeRows& x, NodeRows& f) const;
-  /// values += K below the diagonal, for BlockPattern::complete.
-  void add_lower_stiffness(const NodeRows& x, double* values) const;
+  /// values = K, in the pattern that the elements were made with.
+  void write_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const;
 
   [[nodiscard]] std::size_t size() const { return place_.size(); }
   /// Corners of a tetrahedron of the mesh, in ascending order.
@@ -46,14 +46,11 @@ class GreenElements {
 
   void place_rim(const BlockPattern& pattern);
 
-  /// A pair of a free and a supported point: its block belongs to the diagonal block of the free one.
-  struct Rim {
-    Index slot, stride;
-  };
   const TissueKernels* kernels_;
   std::vector<TetBlock> blocks_;
   std::vector<TetSlots> slots_;
-  std::vector<Rim> rim_;      ///< the first is that of nothing
+  std::vector<Index>
+      rim_;  ///< free points of pairs with a supported one, whose blocks follow those of the pattern
   std::vector<Index> place_;  ///< of each tetrahedron of the mesh: 8 block + lane
 };
 

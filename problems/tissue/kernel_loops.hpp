@@ -13,7 +13,6 @@
 ///   back(x, y, z)            and from them, the fourth entry 0
 ///   row(rows, lane)          one row, a type Row
 ///   add(p, row), subtract(p, row)  to four numbers in memory, aligned
-///   add3(p, row)             to three numbers in memory
 #pragma once
 
 #include "problems/tissue/kernels.hpp"
@@ -82,23 +81,25 @@ void green_force(const TetBlock* blocks, std::size_t count, const double* x, dou
     }
 }
 
-/// Adds column c of the blocks of one pair of corners.
+/// Adds the blocks of one pair of corners, column j at entries + 3 j.
 template <class Lanes>
-inline void scatter_column(const TetSlots& slots, int pair, std::size_t lane, int c,
-                           const typename Lanes::Rows& column, double* values, double* rim) {
+inline void scatter_block(const TetSlots& slots, int pair, std::size_t lane, const typename Lanes::V* entries,
+                          double* pairs) {
+  const typename Lanes::Rows columns[3] = {Lanes::back(entries[0], entries[1], entries[2]),
+                                           Lanes::back(entries[3], entries[4], entries[5]),
+                                           Lanes::back(entries[6], entries[7], entries[8])};
   for (std::size_t i = 0; i < Lanes::width; ++i) {
-    const std::int32_t slot = slots.slot[pair][lane + i], stride = slots.stride[pair][lane + i];
-    double* const block = slot >= 0 ? values + slot : rim + ~slot;
-    Lanes::add3(block + c * stride, Lanes::row(column, i));
+    double* const to = pairs + 12 * static_cast<std::ptrdiff_t>(slots.block[pair][lane + i]);
+    Lanes::add(to, Lanes::row(columns[0], i));
+    Lanes::add(to + 4, Lanes::row(columns[1], i));
+    Lanes::add(to + 8, Lanes::row(columns[2], i));
   }
 }
 
 template <class Lanes>
 void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t count, const double* x,
-                     double* values, double* rim) {
+                     double* pairs) {
   using V = typename Lanes::V;
-  // Pairs of the corners 1, 2, 3 as entries of a symmetric matrix, and as rows of TetSlots.
-  constexpr int pair_of[3][3] = {{-1, 3, 4}, {3, -1, 5}, {4, 5, -1}};
   for (std::size_t n = 0; n < count; ++n)
     for (std::size_t lane = 0; lane < TetBlock::lanes; lane += Lanes::width) {
       const TetBlock& block = blocks[n];
@@ -123,25 +124,31 @@ void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t 
           s[symmetric[a][b]] = c * K[symmetric[a][b]] + (mh[3 * a] * h[3 * b] + mh[3 * a + 1] * h[3 * b + 1] +
                                                          mh[3 * a + 2] * h[3 * b + 2]);
 
-      // Column j of block (b, a): lambda h_b h_a[j] + mu h_a h_b[j] + mu K_ab B_j + s_ab e_j.
-      for (int j = 0; j < 3; ++j)
-        for (int b = 0; b < 3; ++b) {
-          V sum[3];
-          for (int a = 0; a < 3; ++a) {
-            const V k = K[symmetric[a][b]];
-            V column[3];
-            for (int i = 0; i < 3; ++i) {
-              column[i] =
-                  lh[3 * b + i] * h[3 * a + j] + mh[3 * a + i] * h[3 * b + j] + k * B[symmetric[i][j]];
-              if (i == j) column[i] += s[symmetric[a][b]];
-              sum[i] = a == 0 ? column[i] : sum[i] + column[i];
-            }
-            if (a < b)
-              scatter_column<Lanes>(slots[n], pair_of[a][b], lane, j,
-                                    Lanes::back(column[0], column[1], column[2]), values, rim);
+      // Entry (i, j) of block (b, a): lambda h_b[i] h_a[j] + mu h_a[i] h_b[j] + mu K_ab B_ij + s_ab e_ij. The
+      // block of b and the first corner is minus the sum over a, to which (a, b) is the transposed of (b, a).
+      V sum[3][9];
+      for (int a = 0; a < 3; ++a)
+        for (int i = 0; i < 3; ++i)
+          for (int j = i; j < 3; ++j) {
+            V entry = (lh[3 * a + i] + mh[3 * a + i]) * h[3 * a + j] + K[a] * B[symmetric[i][j]];
+            if (i == j) entry += s[a];
+            sum[a][3 * i + j] = sum[a][3 * j + i] = -entry;
           }
-          scatter_column<Lanes>(slots[n], b, lane, j, Lanes::back(-sum[0], -sum[1], -sum[2]), values, rim);
+      for (int a = 0, pair = 3; a < 3; ++a)
+        for (int b = a + 1; b < 3; ++b, ++pair) {
+          const V k = K[symmetric[a][b]];
+          V block_ba[9];
+          for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < 3; ++i) {
+              V entry = lh[3 * b + i] * h[3 * a + j] + mh[3 * a + i] * h[3 * b + j] + k * B[symmetric[i][j]];
+              if (i == j) entry += s[symmetric[a][b]];
+              block_ba[3 * j + i] = entry;
+              sum[b][3 * j + i] -= entry;
+              sum[a][3 * i + j] -= entry;
+            }
+          scatter_block<Lanes>(slots[n], pair, lane, block_ba, pairs);
         }
+      for (int b = 0; b < 3; ++b) scatter_block<Lanes>(slots[n], b, lane, sum[b], pairs);
     }
 }
 

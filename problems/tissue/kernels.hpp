@@ -18,11 +18,9 @@ struct alignas(64) TetBlock {
 };
 
 /// Where the stiffness of eight tetrahedra goes: for each pair of corners a < b, in the order 01 02 03 12 13
-/// 23, the block (b, a) of the lower triangle in a value array, see BlockPattern. A pair that is not in the
-/// matrix, since one of its points is supported, has a block in a second array, `rim`, and the complement of
-/// its place as slot.
+/// 23, the number of its block (b, a) in an array of blocks, see PairBlocks.
 struct TetSlots {
-  std::int32_t slot[6][TetBlock::lanes], stride[6][TetBlock::lanes];
+  std::int32_t block[6][TetBlock::lanes];
 };
 
 /// Eight springs with phi = s + b s^3.
@@ -46,13 +44,13 @@ struct TissueKernels {
   ///   (f1, f2, f3) = -Ds (V lambda / 2 tr(N) K + V mu K N),   f0 = -(f1 + f2 + f3)
   /// 198 operations, 80 bytes a tetrahedron.
   void (*green_force)(const TetBlock* blocks, std::size_t count, const double* x, double* f);
-  /// values and rim += their stiffness, lower triangle only. With H = Ds K = (h1, h2, h3) and B = H Ds^T = F
-  /// F^T, the block of corners a, b = 1, 2, 3 is
+  /// pairs += their stiffness: a block (b, a) has its three columns in rows of four. With H = Ds K = (h1, h2,
+  /// h3) and B = H Ds^T = F F^T, the block of corners a, b = 1, 2, 3 is
   ///   V (lambda h_a h_b^T + mu h_b h_a^T) + V mu K_ab B + (c K_ab + V mu h_a.h_b) I,
   ///   c = V lambda / 2 (tr(B) - 3) - V mu,
   /// and that of a corner and the first is minus the sum of its others.
   void (*green_stiffness)(const TetBlock* blocks, const TetSlots* slots, std::size_t count, const double* x,
-                          double* values, double* rim);
+                          double* pairs);
   /// f += forces of springs with the cubic coefficient b.
   void (*spring_force)(const SpringBlock* blocks, std::size_t count, double b, const double* x, double* f);
 };

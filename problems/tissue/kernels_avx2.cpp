@@ -45,11 +45,6 @@ struct Lanes {
   static Row row(const Rows& a, std::size_t i) { return a.r[i]; }
   static void add(double* p, Row v) { _mm256_store_pd(p, _mm256_load_pd(p) + v); }
   static void subtract(double* p, Row v) { _mm256_store_pd(p, _mm256_load_pd(p) - v); }
-  // Two numbers and one: masked stores are slow on many processors.
-  static void add3(double* p, Row v) {
-    _mm_storeu_pd(p, _mm_loadu_pd(p) + _mm256_castpd256_pd128(v));
-    p[2] += _mm_cvtsd_f64(_mm256_extractf128_pd(v, 1));
-  }
 };
 
 }  // namespace

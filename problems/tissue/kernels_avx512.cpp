@@ -53,7 +53,6 @@ struct Lanes {
   }
   static void add(double* p, Row v) { _mm256_store_pd(p, _mm256_load_pd(p) + v); }
   static void subtract(double* p, Row v) { _mm256_store_pd(p, _mm256_load_pd(p) - v); }
-  static void add3(double* p, Row v) { _mm256_mask_storeu_pd(p, 7, _mm256_maskz_loadu_pd(7, p) + v); }
 };
 
 }  // namespace

@@ -43,11 +43,6 @@ struct Lanes {
     *reinterpret_cast<InMemory*>(p) -= v.xy;
     *reinterpret_cast<InMemory*>(p + 2) -= v.z;
   }
-  static void add3(double* p, const Row& v) {
-    p[0] += v.xy[0];
-    p[1] += v.xy[1];
-    p[2] += v.z[0];
-  }
 };
 
 }  // namespace

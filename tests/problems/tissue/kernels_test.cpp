@@ -86,9 +86,8 @@ TEST(TissueKernels, GreenStiffnessAgreesWithThePlainElementsForEveryNumberOfTetr
     plain.add_stiffness(parts.x, parts.pattern, expected.valuePtr());
     for (const TissueKernels* kernels : available_tissue_kernels()) {
       const GreenElements fast(parts.mesh, parts.materials, parts.pattern, *kernels);
-      parts.pattern.clear(K);
-      fast.add_lower_stiffness(parts.x, K.valuePtr());
-      parts.pattern.complete(K.valuePtr());
+      parts.pattern.shape(K);
+      fast.write_stiffness(parts.x, parts.pattern, K.valuePtr());
       EXPECT_LT(Eigen::MatrixXd(K - expected).cwiseAbs().maxCoeff(),
                 1e-13 * Eigen::MatrixXd(expected).cwiseAbs().maxCoeff())
           << kernels->name << ", " << count;
@@ -137,8 +136,8 @@ TEST(TissueKernels, EveryInstructionSetGivesForcesOfTheSameBitsAndTheStiffnessUp
   };
   const auto stiffness = [&](const TissueKernels& kernels) {
     Eigen::SparseMatrix<double> K;
-    parts.pattern.clear(K);
-    with(kernels).add_lower_stiffness(parts.x, K.valuePtr());
+    parts.pattern.shape(K);
+    with(kernels).write_stiffness(parts.x, parts.pattern, K.valuePtr());
     return Eigen::VectorXd(Eigen::Map<Eigen::VectorXd>(K.valuePtr(), K.nonZeros()));
   };
   for (const TissueKernels* kernels : all) {

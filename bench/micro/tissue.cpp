@@ -1,0 +1,361 @@
+// Measures the forces and stiffness of tissue models beside plain scalar forms of them.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <benchmark/benchmark.h>
+
+#include "problems/tissue/body.hpp"
+#include "problems/tissue/mesh_generators.hpp"
+#include "problems/tissue/renumber.hpp"
+#include "problems/tissue/topology.hpp"
+
+namespace hmax {
+namespace {
+
+using Index = TetMesh::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Map = Eigen::Map<const Vector3d>;
+
+std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+/// St. Venant-Kirchhoff elements as they stand in a textbook, with Eigen and three numbers a point.
+class PlainGreen {
+ public:
+  PlainGreen(const TetMesh& mesh, const Lame& lame) : lame_(lame) {
+    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+      Element e;
+      Matrix3d rest;
+      for (Eigen::Index a = 0; a < 4; ++a) e.points[at(a)] = mesh.tetrahedra(a, t);
+      for (Eigen::Index a = 1; a < 4; ++a)
+        rest.col(a - 1) = mesh.points.col(mesh.tetrahedra(a, t)) - mesh.points.col(mesh.tetrahedra(0, t));
+      e.Bm = rest.inverse();
+      e.volume = rest.determinant() / 6;
+      elements_.push_back(e);
+    }
+  }
+
+  void force(const double* x, double* f) const {
+    for (const Element& e : elements_) {
+      const Matrix3d F = deformation(x, e);
+      const Matrix3d E = 0.5 * (F.transpose() * F - Matrix3d::Identity());
+      const Matrix3d S = 2 * lame_.mu * E + lame_.lambda * E.trace() * Matrix3d::Identity();
+      const Matrix3d H = -e.volume * F * S * e.Bm.transpose();
+      for (std::size_t a = 1; a < 4; ++a)
+        Eigen::Map<Vector3d>(f + 3 * e.points[a]) += H.col(static_cast<Eigen::Index>(a) - 1);
+      Eigen::Map<Vector3d>(f + 3 * e.points[0]) -= H.col(0) + H.col(1) + H.col(2);
+    }
+  }
+
+  /// All sixteen blocks where the pattern has them, with
+  ///   K_ab = V ((g_a.S g_b) I + lambda (F g_a)(F g_b)^T + mu ((F g_b)(F g_a)^T + (g_a.g_b) F F^T)).
+  void place(const BlockPattern& pattern) {
+    for (const Element& e : elements_) slots_.push_back(pattern.slots(e.points));
+  }
+  void stiffness(const double* x, const BlockPattern& pattern, double* values) const {
+    for (std::size_t n = 0; n < elements_.size(); ++n) {
+      const Element& e = elements_[n];
+      const Matrix3d F = deformation(x, e), E = 0.5 * (F.transpose() * F - Matrix3d::Identity());
+      const double vl = e.volume * lame_.lambda, vm = e.volume * lame_.mu;
+      const Matrix3d S = 2 * vm * E + vl * E.trace() * Matrix3d::Identity(), B = vm * F * F.transpose();
+      Eigen::Matrix<double, 3, 4> g;
+      g.rightCols<3>() = e.Bm.transpose();
+      g.col(0) = -g.rightCols<3>().rowwise().sum();
+      const Eigen::Matrix<double, 3, 4> h = F * g, s = S * g;
+      for (Eigen::Index a = 0; a < 4; ++a)
+        for (Eigen::Index b = 0; b <= a; ++b) {
+          // In plain loops: half the time that products of Eigen take here.
+          const double gg = g.col(a).dot(g.col(b)), sg = g.col(a).dot(s.col(b));
+          const Index slot = slots_[n][at(4 * a + b)], mirror = slots_[n][at(4 * b + a)];
+          const Index stride = pattern.stride(e.points[at(b)]), other = pattern.stride(e.points[at(a)]);
+          for (Eigen::Index j = 0; j < 3; ++j)
+            for (Eigen::Index i = 0; i < 3; ++i) {
+              const double k =
+                  vl * h(i, a) * h(j, b) + vm * h(i, b) * h(j, a) + gg * B(i, j) + (i == j ? sg : 0);
+              if (slot >= 0) values[slot + j * stride + i] += k;
+              if (mirror >= 0 && a != b) values[mirror + i * other + j] += k;
+            }
+        }
+    }
+  }
+
+ private:
+  struct Element {
+    std::array<Index, 4> points;
+    Matrix3d Bm;
+    double volume;
+  };
+  static Matrix3d deformation(const double* x, const Element& e) {
+    const Vector3d origin = Map(x + 3 * e.points[0]);
+    Matrix3d Ds;
+    Ds << Map(x + 3 * e.points[1]) - origin, Map(x + 3 * e.points[2]) - origin,
+        Map(x + 3 * e.points[3]) - origin;
+    return Ds * e.Bm;
+  }
+  Lame lame_;
+  std::vector<Element> elements_;
+  std::vector<std::array<Index, 16>> slots_;
+};
+
+/// Linear springs, one after the other.
+struct PlainSprings {
+  struct Spring {
+    Index a, b;
+    double length, stiffness;
+  };
+  std::vector<Spring> springs;
+
+  void force(const double* x, double* f) const {
+    for (const Spring& s : springs) {
+      const Vector3d d = Map(x + 3 * s.b) - Map(x + 3 * s.a);
+      const Vector3d pull = s.stiffness * (1 - s.length / d.norm()) * d;
+      Eigen::Map<Vector3d>(f + 3 * s.a) += pull;
+      Eigen::Map<Vector3d>(f + 3 * s.b) -= pull;
+    }
+  }
+};
+
+/// A box of about so many tetrahedra, numbered for locality or at random as a mesh generator may leave it.
+TetMesh mesh_of(int tetrahedra, bool shuffled) {
+  static const std::map<int, Eigen::Vector3i> cells{
+      {1152, {8, 6, 4}}, {10368, {12, 12, 12}}, {101400, {26, 26, 25}}, {998250, {55, 55, 55}}};
+  const Eigen::Vector3i n = cells.at(tetrahedra);
+  TetMesh mesh = box_mesh(0.2 / n[0] * n.cast<double>(), n);
+  std::mt19937_64 random(7);
+  Renumbering order;
+  for (Index i = 0; i < mesh.point_count(); ++i) order.points.push_back(i);
+  for (Index i = 0; i < mesh.tetrahedron_count(); ++i) order.tetrahedra.push_back(i);
+  std::shuffle(order.points.begin(), order.points.end(), random);
+  std::shuffle(order.tetrahedra.begin(), order.tetrahedra.end(), random);
+  mesh = renumbered(mesh, order);
+  return shuffled ? mesh : renumbered(mesh, local_order(mesh));
+}
+
+/// Everything that is measured on one mesh.
+struct Case {
+  TetMesh mesh;
+  MeshEdges edges;
+  BlockPattern pattern;
+  PlainGreen plain_green;
+  PlainSprings plain_springs;
+  GreenElements green;
+  SpringSet springs;
+  std::vector<double> x, f;
+  NodeRows x_rows, f_rows;
+  BlockPattern::Matrix K;
+
+  Case(int tetrahedra, bool shuffled)
+      : mesh(mesh_of(tetrahedra, shuffled)),
+        edges(edges_of(mesh)),
+        pattern(numbers(), edges),
+        plain_green(mesh, lame(5300, 0.45)),
+        green(mesh, std::vector{lame(5300, 0.45)}, pattern),
+        springs(mesh.points, springs_of(), LinearSpring{}, pattern),
+        x(at(mesh.points.size())),
+        f(x.size()),
+        x_rows(at(mesh.point_count())),
+        f_rows(x_rows.size()) {
+    plain_green.place(pattern);
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> by(-1e-4, 1e-4);
+    for (Eigen::Index i = 0; i < mesh.points.size(); ++i) x[at(i)] = mesh.points.data()[i] + by(random);
+    for (std::size_t i = 0; i < x_rows.size(); ++i) as_vector(x_rows[i]) = Map(x.data() + 3 * i);
+    pattern.clear(K);
+  }
+  [[nodiscard]] std::vector<Index> numbers() const {
+    std::vector<Index> all(at(mesh.point_count()));
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
+    return all;
+  }
+  std::vector<SpringSet::Spring> springs_of() {
+    std::vector<SpringSet::Spring> all;
+    for (const auto& edge : edges.colwise()) {
+      all.push_back({{edge[0], edge[1]}, 10});
+      plain_springs.springs.push_back(
+          {edge[0], edge[1], (mesh.points.col(edge[1]) - mesh.points.col(edge[0])).norm(), 10});
+    }
+    return all;
+  }
+};
+
+enum class Task { force, springs, stiffness };
+constexpr std::array tasks{Task::force, Task::springs, Task::stiffness};
+constexpr std::array sizes{1152, 10368, 101400, 998250};
+
+const char* name_of(Task task) {
+  return task == Task::force ? "Green force" : task == Task::springs ? "springs" : "Green stiffness";
+}
+
+/// One evaluation into cleared memory. @param plain  the scalar form, else the one of the library
+void evaluate(Case& c, Task task, bool plain) {
+  if (task == Task::stiffness) {
+    if (plain) {
+      c.pattern.clear(c.K);
+      c.plain_green.stiffness(c.x.data(), c.pattern, c.K.valuePtr());
+    } else {
+      c.pattern.shape(c.K);
+      c.green.write_stiffness(c.x_rows, c.pattern, c.K.valuePtr());
+    }
+  } else if (plain) {
+    std::fill(c.f.begin(), c.f.end(), 0.0);
+    task == Task::force ? c.plain_green.force(c.x.data(), c.f.data())
+                        : c.plain_springs.force(c.x.data(), c.f.data());
+  } else {
+    std::fill(c.f_rows.begin(), c.f_rows.end(), NodeRow{});
+    task == Task::force ? c.green.add_force(c.x_rows, c.f_rows) : c.springs.add_force(c.x_rows, c.f_rows);
+  }
+}
+
+/// What one element costs at least: operations, and bytes when its record and its share of the points are
+/// read and written once.
+struct Cost {
+  double operations, bytes;
+};
+Cost cost_of(const Case& c, Task task) {
+  const double points = static_cast<double>(c.mesh.point_count());
+  const double tetrahedra = static_cast<double>(c.mesh.tetrahedron_count()),
+               edges = static_cast<double>(c.edges.cols());
+  if (task == Task::force) return {198, 80 + 96 * points / tetrahedra};
+  if (task == Task::springs) return {31, 24 + 96 * points / edges};
+  return {475, 104 + 32 * points / tetrahedra + 2 * 96 * edges / tetrahedra +
+                   8 * static_cast<double>(c.K.nonZeros()) / tetrahedra};
+}
+
+struct Measurement {
+  Task task;
+  int size;
+  bool shuffled, plain;
+  double elements;
+  Cost cost;
+  std::vector<double> seconds = {};
+};
+
+double median(std::vector<double> v) {
+  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Bytes per second that one core reads and writes in a = b + s c over arrays beyond the caches.
+double peak_bytes() {
+  constexpr std::size_t n = 12000000;
+  std::vector<double> a(n, 1), b(n, 2), c(n, 3);
+  std::vector<double> seconds;
+  for (int i = 0; i < 5; ++i) {
+    const double start = cpu_seconds();
+    for (std::size_t k = 0; k < n; ++k) a[k] = b[k] + 3 * c[k];
+    benchmark::DoNotOptimize(a.data());
+    seconds.push_back(cpu_seconds() - start);
+  }
+  return 24. * static_cast<double>(n) / median(seconds);
+}
+
+/// Collects the CPU time of every repetition, and prints it as Google Benchmark does unless only the table is
+/// wanted.
+class Collector : public benchmark::ConsoleReporter {
+ public:
+  Collector(std::map<std::string, Measurement>& measurements, bool quiet)
+      : measurements_(measurements), quiet_(quiet) {}
+  bool ReportContext(const Context& context) override {
+    return quiet_ || ConsoleReporter::ReportContext(context);
+  }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs)
+      if (const auto found = measurements_.find(run.run_name.function_name);
+          found != measurements_.end() && run.run_type == Run::RT_Iteration)
+        found->second.seconds.push_back(run.cpu_accumulated_time / static_cast<double>(run.iterations));
+    if (!quiet_) ConsoleReporter::ReportRuns(runs);
+  }
+
+ private:
+  std::map<std::string, Measurement>& measurements_;
+  bool quiet_;
+};
+
+void print_table(const std::map<std::string, Measurement>& measurements, double bytes) {
+  std::printf(
+      "| task | tetrahedra | numbering | plain | eight at a time | ratio | GFLOP/s | of the memory bandwidth |\n"
+      "| --- | ---: | --- | ---: | ---: | ---: | ---: | ---: |\n");
+  for (const Task task : tasks)
+    for (const int size : sizes)
+      for (const bool shuffled : {false, true}) {
+        const Measurement *plain = nullptr, *fast = nullptr;
+        for (const auto& [name, m] : measurements)
+          if (m.task == task && m.size == size && m.shuffled == shuffled && !m.seconds.empty())
+            (m.plain ? plain : fast) = &m;
+        if (!plain || !fast) continue;
+        const double slow = median(plain->seconds) / plain->elements,
+                     quick = median(fast->seconds) / fast->elements;
+        std::printf("| %s | %d | %s | %.1f ns | %.1f ns | **%.2f** | %.1f | %.0f %% |\n", name_of(task), size,
+                    shuffled ? "at random" : "local", slow * 1e9, quick * 1e9, slow / quick,
+                    fast->cost.operations / quick * 1e-9, 100 * fast->cost.bytes / quick / bytes);
+      }
+  std::printf("\nMedians of CPU time per element, instruction set %s. One core: %.1f GB/s in a = b + s c.\n",
+              tissue_kernels().name, bytes * 1e-9);
+}
+
+int main_of(int argc, char** argv) {
+  std::vector<std::string> arguments{argv[0], "--benchmark_enable_random_interleaving=true",
+                                     "--benchmark_repetitions=9", "--benchmark_min_time=0.02"};
+  bool quiet = false;
+  for (int i = 1; i < argc; ++i)
+    if (std::strcmp(argv[i], "--ratios") == 0)
+      quiet = true;
+    else
+      arguments.emplace_back(argv[i]);
+  std::vector<char*> raw;
+  for (std::string& argument : arguments) raw.push_back(argument.data());
+  int count = static_cast<int>(raw.size());
+  raw.push_back(nullptr);
+  benchmark::Initialize(&count, raw.data());
+  if (benchmark::ReportUnrecognizedArguments(count, raw.data())) return 2;
+
+  std::map<std::string, Measurement> measurements;
+  // One mesh in memory at a time: they are built on demand and leave with their measurements.
+  for (const int size : sizes)
+    for (const bool shuffled : {false, true}) {
+      benchmark::ClearRegisteredBenchmarks();
+      const auto c = std::make_shared<std::unique_ptr<Case>>();
+      for (const Task task : tasks)
+        for (const bool plain : {true, false}) {
+          const std::string name = std::string(name_of(task)) + (plain ? "/plain/" : "/eight/") +
+                                   (shuffled ? "random/" : "local/") + std::to_string(size);
+          Measurement& m = measurements[name];
+          m = {task, size, shuffled, plain, 0, {}};
+          benchmark::RegisterBenchmark(name.c_str(), [c, &m](benchmark::State& state) {
+            if (!*c) *c = std::make_unique<Case>(m.size, m.shuffled);
+            Case& here = **c;
+            m.elements = static_cast<double>(m.task == Task::springs ? here.edges.cols()
+                                                                     : here.mesh.tetrahedron_count());
+            evaluate(here, m.task, m.plain);
+            m.cost = cost_of(here, m.task);
+            for (auto _ : state) evaluate(here, m.task, m.plain);
+          })->Unit(benchmark::kMicrosecond);
+        }
+      Collector collector(measurements, quiet);
+      benchmark::RunSpecifiedBenchmarks(&collector);
+    }
+  benchmark::Shutdown();
+  print_table(measurements, peak_bytes());
+  return 0;
+}
+
+}  // namespace
+}  // namespace hmax
+
+int main(int argc, char** argv) { return hmax::main_of(argc, argv); }
