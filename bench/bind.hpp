@@ -89,6 +89,8 @@ struct StepperEngine {
       StepperT fresh = stepper;
       if constexpr (requires { fresh.set_jacobian_update(spec.jacobian); })
         fresh.set_jacobian_update(spec.jacobian);
+      if constexpr (requires { fresh.set_linear_solve(spec.linear_solve); })
+        fresh.set_linear_solve(spec.linear_solve);
       return integrate(std::move(fresh), system, span, y, control, observer, spec.max_steps);
     });
   }
@@ -215,8 +217,9 @@ Runner bind_problem(const Problem& problem, int error_order, const Make& make) {
         Runner runner =
             make_runner(detail::StepperEngine<std::remove_const_t<decltype(stepper)>>{stepper, error_order},
                         system, typename Sys::State(problem.y0));
-        runner.end_state_extended =
-            extended_run(make(std::type_identity<ExtendedSystem>{}), problem.extended, problem.y0);
+        if (problem.extended)
+          runner.end_state_extended =
+              extended_run(make(std::type_identity<ExtendedSystem>{}), *problem.extended, problem.y0);
         return runner;
       },
       problem.system);

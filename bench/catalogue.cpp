@@ -131,6 +131,42 @@ JacobianUpdate jacobian_update_from(std::string_view word) {
   throw InputError(fmt::format("unknown Jacobian policy '{}'; {}", word, suggestion(word, policies)));
 }
 
+std::string to_string(LinearSolve choice) {
+  if (choice.by == LinearSolve::By::automatic) return "auto";
+  if (choice.by == LinearSolve::By::direct) return "direct";
+  std::string text = "cg:" + to_text(choice.tolerance);
+  if (choice.iterations > 0) text += fmt::format(",{}", choice.iterations);
+  return text;
+}
+
+LinearSolve linear_solve_from(std::string_view word) {
+  using By = LinearSolve::By;
+  if (word == "auto") return {};
+  if (word == "direct") return {.by = By::direct};
+  LinearSolve choice{.by = By::conjugate_gradients};
+  if (word == "cg") return choice;
+  constexpr std::string_view prefix = "cg:";
+  if (!word.starts_with(prefix)) {
+    constexpr std::array<std::string_view, 3> known{"auto", "direct", "cg"};
+    throw InputError(fmt::format("unknown linear solver '{}'; {}", word, suggestion(word, known)));
+  }
+  const std::string_view rest = word.substr(prefix.size());
+  const std::size_t comma = rest.find(',');
+  const std::optional<double> tolerance = to_number(rest.substr(0, comma));
+  const std::optional<double> most =
+      comma == std::string_view::npos ? std::optional(0.0) : to_number(rest.substr(comma + 1));
+  const bool counts =
+      most && *most == std::floor(*most) && *most <= 1e9 && (comma == std::string_view::npos || *most >= 1);
+  if (!tolerance || !(*tolerance > 0 && *tolerance < 1) || !counts)
+    throw InputError(fmt::format(
+        "'{}' does not say how far conjugate gradients go; write cg:TOLERANCE with a number above "
+        "0 and below 1, or cg:TOLERANCE,ITERATIONS, for instance cg:1e-6 or cg:1e-3,20",
+        word));
+  choice.tolerance = *tolerance;
+  choice.iterations = static_cast<int>(*most);
+  return choice;
+}
+
 const std::vector<Method>& methods() {
   static const std::vector<Method> all = all_methods();
   return all;
@@ -263,12 +299,16 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
         typename std::remove_cvref_t<decltype(system)>::State y = problem.y0, dydt = problem.y0;
         system.rhs(0, y, dydt);
         for (Eigen::Index i = 0; i < dydt.size(); ++i)
-          if (!std::isfinite(dydt[i]))
+          if (!std::isfinite(dydt[i])) {
+            if (problem.states.empty())
+              throw InputError(fmt::format(
+                  "the forces on {} are not finite at the start; change its parameters", problem.id));
             throw InputError(
                 fmt::format("the derivative of {} in {} is {} at t = 0 and y = ({}); change the initial "
                             "state or the parameters",
                             problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
                             describe(problem.y0)));
+          }
       },
       problem.system);
 }

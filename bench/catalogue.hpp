@@ -36,6 +36,8 @@ struct Reference {
 /// A problem in the highest precision it is written in, for orders that double is too coarse to see.
 using ExtendedSystem = BasicAnySystem<long double>;
 
+class TissueBody;  // problems/tissue/body.hpp
+
 /// A problem with all its numbers fixed.
 struct Problem {
   std::string id;                                          ///< catalogue id, or the name of a user's file
@@ -52,7 +54,9 @@ struct Problem {
   std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> exact = nullptr;
   /// Two numbers on the stack are worth a type of their own; everything else is called through a pointer.
   std::variant<Oscillator, AnySystem> system;
-  ExtendedSystem extended{BasicOscillator<long double>()};  ///< the same system in long double
+  /// The same system in long double, where it is written in it: tissue is not.
+  std::optional<ExtendedSystem> extended = std::nullopt;
+  std::shared_ptr<const TissueBody> body = nullptr;  ///< of tissue, whose states have no names
 };
 
 /// What a user may change of a problem.
@@ -60,20 +64,23 @@ struct ProblemSettings {
   std::string material;                                    ///< empty: the problem's own
   std::vector<std::pair<std::string, double>> parameters;  ///< --set name=value
   std::vector<double> y0;                                  ///< empty: the problem's own
+  std::optional<double> unit = std::nullopt;               ///< of a mesh file: metres in one of its units
 };
 
 /// Ids of the problems of the catalogue, in the order in which they are listed.
 std::vector<std::string> problem_ids();
 
-/// A problem by id, or by the path of a TOML file of formulas (a name that ends in .toml).
+/// A problem by id, by the path of a TOML file of formulas (a name that ends in .toml), or tissue on a mesh,
+/// MODEL@MESH (bench/tissue_problem.hpp).
 /// @throws InputError  for an unknown name, material or parameter (with a suggestion), a wrong number of
 /// initial
 ///                     values, numbers that are not finite, or a file that is no problem
 Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings = {});
 
-/// A reference on [0, t_end]: the Taylor series of the oscillator; the exact solution of the test set, or
-/// extrapolation in long double where there is none; for formulas Boost.Odeint's extrapolation method at
-/// tight tolerance, or dop_853 where Boost is missing (`name` says which).
+/// A reference on [0, t_end]: the Taylor series of the oscillator; the exact solution of the test set and of
+/// linear tissue, or extrapolation in long double where there is none; for formulas and other tissue
+/// Boost.Odeint's extrapolation method at tight tolerance, or dop_853 where Boost is missing (`name` says
+/// which).
 Reference make_reference(const Problem& problem, double t_end);
 
 struct Amplification;  // analysis/amplification.hpp

@@ -39,7 +39,7 @@ Method diagonally_implicit() {
   for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
   method.bind = [](const Problem& problem) {
     return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
-      return Dirk<T, typename Sys::State, jacobian_type<Sys>>{};
+      return Dirk<T, typename Sys::State, equations_type<Sys>>{};
     });
   };
   return method;

@@ -98,8 +98,8 @@ Method line(const Facts& facts) {
         },
         problem.system);
     if constexpr (!std::same_as<Fixed<ExtendedSystem>, None<ExtendedSystem>>)
-      if (extends)
-        runner.end_state_extended = [system = problem.extended, y0 = problem.y0](double h, double t_end) {
+      if (extends && problem.extended)
+        runner.end_state_extended = [system = *problem.extended, y0 = problem.y0](double h, double t_end) {
           ExtendedSystem::State y = y0.template cast<long double>();
           odeint::integrate_fixed<Fixed<ExtendedSystem>>(
               system, Span<long double>{0, static_cast<long double>(t_end)}, y, static_cast<long double>(h),

@@ -24,7 +24,7 @@ void add_radau(std::vector<Method>& all) {
                  .bind =
                      [](const Problem& problem) {
                        return bind_problem(problem, 4, []<class Sys>(std::type_identity<Sys>) {
-                         return RadauIIA5<typename Sys::State, jacobian_type<Sys>>{};
+                         return RadauIIA5<typename Sys::State, equations_type<Sys>>{};
                        });
                      },
                  .amplification = shared(full_runge_kutta_amplification(detail::flattened(radau::tableau.a),

@@ -34,7 +34,7 @@ Method rosenbrock() {
   for (const std::string_view alias : T::aliases) method.aliases.emplace_back(alias);
   method.bind = [](const Problem& problem) {
     return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
-      return Rosenbrock<T, typename Sys::State, jacobian_type<Sys>>{};
+      return Rosenbrock<T, typename Sys::State, equations_type<Sys>>{};
     });
   };
   return method;

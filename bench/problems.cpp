@@ -10,6 +10,7 @@
 #include "bench/catalogue.hpp"
 #include "bench/problem_file.hpp"
 #include "bench/suggest.hpp"
+#include "bench/tissue_problem.hpp"
 #include "problems/formula_system.hpp"
 #include "problems/liver_materials.hpp"
 #include "problems/liver_problems.hpp"
@@ -185,6 +186,7 @@ std::vector<std::string> problem_ids() {
 
 Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings) {
   try {
+    if (is_tissue_id(id_or_file)) return make_tissue_problem(id_or_file, settings);
     if (id_or_file.ends_with(".toml")) return formula_problem(id_or_file, settings);
     for (const LiverProblem& problem : liver_problems())
       if (problem.id == id_or_file) return oscillator_problem(problem, settings);
@@ -196,7 +198,8 @@ Problem make_problem(const std::string& id_or_file, const ProblemSettings& setti
   } catch (const std::invalid_argument& error) {
     throw InputError(error.what());
   }
-  unknown("problem", id_or_file, problem_ids(), " (a file of formulas ends in .toml)");
+  unknown("problem", id_or_file, problem_ids(),
+          " (a file of formulas ends in .toml, tissue on a mesh is MODEL@MESH)");
 }
 
 }  // namespace hmax

@@ -34,10 +34,10 @@ Reference extrapolated_reference(const Problem& problem, double t_end) {
   using enum ExtrapolatedRule;
   const ExtendedSystem::State y0 = problem.y0.cast<long double>();
   const auto by = [&](ExtrapolatedRule rule) {
-    return std::make_shared<const ExtrapolationReference>(problem.extended, y0, t_end, rule);
+    return std::make_shared<const ExtrapolationReference>(*problem.extended, y0, t_end, rule);
   };
   auto reference = by(problem.stiff ? implicit_euler : explicit_midpoint);
-  if (reference->valid_until() < t_end && !problem.stiff && problem.extended.has_jacobian())
+  if (reference->valid_until() < t_end && !problem.stiff && problem.extended->has_jacobian())
     if (auto other = by(implicit_euler); other->valid_until() > reference->valid_until()) reference = other;
   return {.at = [reference](double t) { return reference->at(t); },
           .valid_until = reference->valid_until(),
@@ -64,7 +64,7 @@ Reference make_reference(const Problem& problem, double t_end) {
             }};
   }
   if (problem.exact) return exact_reference(problem, t_end);
-  if (problem.extended.has_jacobian()) return extrapolated_reference(problem, t_end);
+  if (problem.extended && problem.extended->has_jacobian()) return extrapolated_reference(problem, t_end);
   auto formula = std::make_shared<FormulaReference>(std::get<AnySystem>(problem.system), problem.y0, t_end);
   return {.at = [formula](double t) { return formula->at(t); },
           .valid_until = formula->valid_until(),

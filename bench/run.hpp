@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "integrators/jacobian.hpp"
+#include "integrators/sparse_solver.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
 
@@ -32,6 +33,12 @@ std::string to_string(JacobianUpdate update);
 /// @throws InputError with a suggestion when the word is none of these
 JacobianUpdate jacobian_update_from(std::string_view word);
 
+/// How symmetric sparse equations are solved, as users write it: auto, direct, cg, cg:TOLERANCE or
+/// cg:TOLERANCE,ITERATIONS.
+std::string to_string(LinearSolve choice);
+/// @throws InputError with a suggestion when the word is none of these
+LinearSolve linear_solve_from(std::string_view word);
+
 /// What is asked of one run.
 struct RunSpec {
   double t_end = 0;  ///< from t = 0 [s]
@@ -39,8 +46,9 @@ struct RunSpec {
   double h = 0;               ///< fixed step [s]; not read when adaptive
   double rtol = 0, atol = 0;  ///< not read when fixed
   Controllers control = Controllers::deadband;
-  JacobianUpdate jacobian{};  ///< read by methods that linearise
-  double every = 0;           ///< output interval [s]; 0: none, the sink then sees every accepted step
+  JacobianUpdate jacobian{};   ///< read by methods that linearise
+  LinearSolve linear_solve{};  ///< of symmetric sparse equations, which second-order systems lead to
+  double every = 0;            ///< output interval [s]; 0: none, the sink then sees every accepted step
   std::int64_t max_steps = 1'000'000'000;
 };
 
@@ -67,7 +75,7 @@ struct Runner {
   /// @returns the last accepted state of the last run, shape (dim); valid until the next call
   std::function<const Eigen::VectorXd&(const RunSpec&, std::int64_t runs)> repeat;
 
-  /// End state of a fixed-step run in the highest precision the problem is written in, shape (dim).
+  /// End state of a fixed-step run in long double, shape (dim); null where that does not exist.
   std::function<Eigen::Vector<long double, Eigen::Dynamic>(double h, double t_end)> end_state_extended;
 };
 

@@ -4,13 +4,30 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/mesh_choice.hpp"
 #include "bench/tableau_file.hpp"
+#include "bench/tissue_problem.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
 
 void ProblemChoice::add_to(CLI::App& command) {
   command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
+      ->type_name("ID");
+  command
+      .add_option("--mesh", mesh,
+                  "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file")
+      ->type_name("NAME");
+  command.add_option("--unit", unit, "Of a mesh file: m, cm, mm or a number of metres")->type_name("UNIT");
+  command
+      .add_option("--model", model,
+                  fmt::format("Of what the mesh is made: {}; {} by default", fmt::join(tissue_models(), ", "),
+                              tissue_models().front()))
+      ->type_name("ID");
+  command
+      .add_option("--load", load,
+                  fmt::format("What moves the tissue: {}; {} by default", fmt::join(tissue_loads(), ", "),
+                              tissue_loads().front()))
       ->type_name("ID");
   command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
       ->type_name("NAME=VALUE")
@@ -25,13 +42,22 @@ void ProblemChoice::add_to(CLI::App& command) {
 }
 
 Problem ProblemChoice::make() const {
-  if (problem.empty())
-    throw InputError("no problem is given; name one with --problem, `hmax list problems` shows all of them");
+  if (problem.empty() && mesh.empty())
+    throw InputError(
+        "no problem is given; name one with --problem, `hmax list problems` shows all of them, or a mesh with "
+        "--mesh");
+  if (!problem.empty() && !mesh.empty())
+    throw InputError("--problem and --mesh are both given; choose one of them");
+  if (mesh.empty())
+    for (const auto& [option, value] : {std::pair("--model", &model), {"--load", &load}})
+      if (!value->empty())
+        throw InputError(fmt::format("{} belongs to a mesh; name one with --mesh", option));
   ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}};
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
+  if (!unit.empty()) settings.unit = unit_in_metres(unit);
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);
-  return make_problem(problem, settings);
+  return make_problem(mesh.empty() ? problem : tissue_id(model, mesh, load), settings);
 }
 
 void MethodChoice::add_to(CLI::App& command) {

@@ -10,9 +10,9 @@
 
 namespace hmax {
 
-/// --problem --set --material --y0
+/// --problem, or --mesh with --model and --load; --set --material --y0
 struct ProblemChoice {
-  std::string problem, material, y0;
+  std::string problem, mesh, model, load, unit, material, y0;
   std::vector<std::string> set;
 
   void add_to(CLI::App& command);

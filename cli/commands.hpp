@@ -17,6 +17,7 @@ inline constexpr std::array<std::string_view, 3> list_topics{"methods", "problem
 
 void add_list(CLI::App& app, Console& console);
 void add_run(CLI::App& app, Console& console);
+void add_static(CLI::App& app, Console& console);
 void add_order(CLI::App& app, Console& console);
 void add_sweep(CLI::App& app, Console& console);
 void add_precision(CLI::App& app, Console& console);

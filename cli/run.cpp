@@ -7,9 +7,11 @@
 
 #include "bench/catalogue.hpp"
 #include "bench/timing.hpp"
+#include "bench/tissue_problem.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "integrators/control.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 #include "results/table.hpp"
@@ -27,7 +29,8 @@ struct RunOptions {
   ProblemChoice problem;
   MethodChoice method;
   std::optional<double> h, rtol, atol, t_end, every;
-  std::string control, jacobian, output, max_steps;
+  std::string control, jacobian, linear, output, max_steps;
+  bool full = false;
 };
 
 RunSpec spec_of(const RunOptions& options, const Problem& problem) {
@@ -48,6 +51,7 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
                .atol = options.atol.value_or(0)};
   if (!options.control.empty()) spec.control = controllers_from(options.control);
   if (!options.jacobian.empty()) spec.jacobian = jacobian_update_from(options.jacobian);
+  if (!options.linear.empty()) spec.linear_solve = linear_solve_from(options.linear);
   if (spec.adaptive) spec.max_steps = adaptive_attempts;
   if (!options.max_steps.empty()) spec.max_steps = parse_count("--max-steps", options.max_steps, 1);
   return spec;
@@ -99,6 +103,17 @@ TimedRun reported_run(const Runner& runner, const RunSpec& spec, const Console& 
     if (interrupted) throw Interrupted{};
     progress.update(t / spec.t_end);
   });
+}
+
+/// Where a body has got to.
+struct BodyEnd {
+  double max_displacement;  ///< of a free point [m]
+  double energy;            ///< potential and kinetic [J]
+};
+BodyEnd end_of(const TissueBody& body, double t, const Eigen::VectorXd& y) {
+  const Eigen::Index n = body.dofs();
+  const Eigen::VectorXd q = y.head(n), v = y.tail(n);
+  return {.max_displacement = largest_displacement(q), .energy = body.energy(t, q) + body.kinetic_energy(v)};
 }
 
 bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
@@ -169,7 +184,8 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
   return "ended at " + at;
 }
 
-Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run) {
+Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run,
+             bool full) {
   const auto& [record, cpu_seconds] = run;
   Json parameters = Json::object();
   for (const auto& [name, value] : problem.parameters) parameters[name] = value;
@@ -204,6 +220,16 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     document["h"] = spec.h;
   }
   if (method.needs_jacobian) document["jacobian"] = to_string(spec.jacobian);
+  if (problem.body) {
+    const BodyEnd end = end_of(*problem.body, record.t, record.y);
+    document["max_displacement"] = end.max_displacement;
+    document["energy"] = end.energy;
+    document["dofs"] = problem.body->dofs();
+    document["realtime_factor"] = record.t / cpu_seconds;
+    if (method.needs_jacobian) document["linear"] = to_string(spec.linear_solve);
+    for (const char* name : {"y", "y0", "states"})
+      if (!full || document[name].empty()) document.erase(name);
+  }
   return document;
 }
 
@@ -213,6 +239,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   const bool done = record.outcome == Outcome::reached_end;
   std::string text = fmt::format("{} with {}\n", problem.id,
                                  problem.parameters.empty() ? "no parameters" : describe(problem.parameters));
+  if (problem.body) text += problem.note + "\n";
   text += fmt::format("{}, {}", method.id,
                       spec.adaptive ? fmt::format("rtol {}, atol {}, control {}", to_text(spec.rtol),
                                                   to_text(spec.atol), control_of(method, spec))
@@ -228,6 +255,13 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   for (std::size_t i = 0; i < problem.states.size(); ++i)
     text += fmt::format("  {:<{}}  {:> .16g} {}\n", problem.states[i], width,
                         record.y[static_cast<Eigen::Index>(i)], unit_of(problem, i));
+  if (problem.body) {
+    const BodyEnd end = end_of(*problem.body, record.t, record.y);
+    text += fmt::format(
+        "  largest displacement  {} mm\n  energy                {} J\n  real-time factor      {}\n",
+        short_number(1000 * end.max_displacement, 6), short_number(end.energy, 6),
+        short_number(record.t / cpu_seconds, 3));
+  }
   const Stats& stats = record.stats;
   text += fmt::format("\nsteps {}   rejected {}   rhs {}", stats.steps, stats.rejected, stats.rhs);
   if (method.needs_jacobian)
@@ -246,6 +280,8 @@ void run(const RunOptions& options, Console& console) {
     throw InputError(fmt::format("{} steers its steps by rules of its own; leave --control out", method.id));
   if (!options.jacobian.empty() && !method.needs_jacobian)
     throw InputError(fmt::format("{} uses no Jacobian; leave --jacobian out", method.id));
+  if (!options.linear.empty() && !method.needs_jacobian)
+    throw InputError(fmt::format("{} solves no equations; leave --linear out", method.id));
   check_output(options, spec);
 
   const Runner runner = method.bind(problem);
@@ -254,7 +290,7 @@ void run(const RunOptions& options, Console& console) {
   if (!options.output.empty()) points = write_points(options, spec, problem, method, runner);
 
   if (console.json) {
-    Json document = to_json(problem, method, spec, result);
+    Json document = to_json(problem, method, spec, result, options.full);
     if (points) {
       document["output"] = options.output;
       document["points"] = *points;
@@ -274,6 +310,7 @@ void add_run(CLI::App& app, Console& console) {
       app, console, "run", "Integrate one problem with one method",
       {"hmax run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10",
        "hmax run --problem liver_benchmark --material female_fat:heavy --method rk4 --h 0.05",
+       "hmax run --mesh phantom --model fem_green --method linearly_implicit_euler --h 0.01 --t-end 0.2",
        "hmax run --problem liver_linear --set c=6 --y0 0.1,0 --method ode45 --rtol 1e-3 --atol 1e-6 "
        "--control matlab --output motion.csv --every 0.1"});
   auto options = std::make_shared<RunOptions>();
@@ -288,6 +325,13 @@ void add_run(CLI::App& app, Console& console) {
           "--jacobian", options->jacobian,
           "When an implicit method takes a new Jacobian: auto (default), exact, every:K steps or frozen")
       ->type_name("POLICY");
+  command
+      .add_option("--linear", options->linear,
+                  "How implicit methods solve the equations of sparse mechanical systems: auto (default), "
+                  "direct, cg, cg:TOLERANCE or cg:TOLERANCE,ITERATIONS")
+      ->type_name("SOLVER");
+  command.add_flag("--full", options->full,
+                   "With --json and a mesh: the whole end state, not its largest displacement alone");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   command.add_option("--output", options->output, "Write the motion to a CSV file, outside the clock")
       ->type_name("FILE");

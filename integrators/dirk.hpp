@@ -23,7 +23,7 @@ namespace hmax {
 /// at the computed Y_i, which would multiply the error of Y_i by the stiffness.
 /// @tparam Method  a struct of dirk_tableaux.hpp
 /// @tparam StateT  Eigen column vector of any real or complex scalar, shape (n)
-/// @tparam Matrix  jacobian_type of the system
+/// @tparam Matrix  equations_type of the system
 /// @cost   one f and one solution an iteration, one factorisation when h or J has changed; no allocation
 /// after
 ///         init() for dense J
@@ -48,6 +48,8 @@ class Dirk {
   static constexpr bool is_explicit = false;
 
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
+  /// How symmetric sparse equations are solved.
+  void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
   /// Without them equations are solved to rounding.
   void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }

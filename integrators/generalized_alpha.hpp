@@ -91,6 +91,10 @@ class GeneralizedAlpha {
         gamma_(static_cast<Real>(p.gamma)) {}
 
   void set_jacobian_update(JacobianUpdate update) { update_ = update; }
+  /// How symmetric sparse equations are solved.
+  void set_linear_solve(LinearSolve choice) {
+    if constexpr (requires { solver_.set(choice); }) solver_.set(choice);
+  }
 
   template <SecondOrderSystem Sys>
   void init(const Sys& system, Real t, const State& y) {

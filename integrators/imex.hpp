@@ -60,6 +60,8 @@ class ImexRk {
   static constexpr bool is_explicit = false;
 
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
+  /// How symmetric sparse equations are solved.
+  void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
   /// Without them equations are solved to rounding.
   void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }

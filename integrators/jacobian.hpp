@@ -90,9 +90,34 @@ class ColumnGroups {
   std::vector<std::vector<Eigen::Index>> members_;
 };
 
+namespace detail {
+template <class Matrix>
+inline constexpr bool may_be_mechanical = is_mechanical<Matrix>;
+template <class... Matrices>
+inline constexpr bool may_be_mechanical<std::variant<Matrices...>> = (is_mechanical<Matrices> || ...);
+
+/// Has `write` fill a matrix of the type Own that a system knows, and leaves the result in J, which may be of
+/// more kinds. What J held of these kinds goes in, so that patterns are kept.
+template <class Own, class Matrix, class Write>
+void write_as(Matrix& J, const Write& write) {
+  if constexpr (std::is_same_v<Matrix, Own>) {
+    write(J);
+  } else {
+    Own own;
+    std::visit(
+        [&]<class Held>(Held& held) {
+          if constexpr (!is_mechanical<Held>) own.template emplace<Held>().swap(held);
+        },
+        J);
+    write(own);
+    std::visit([&]<class Held>(Held& held) { alternative<Held>(J).swap(held); }, own);
+  }
+}
+}  // namespace detail
+
 /// df/dy of a system, from its verb `jacobian` or by forward differences: column by column, or by groups of
-/// columns where the system declares its pattern.
-/// @tparam Matrix  jacobian_type of the system
+/// columns where the system declares its pattern. Of second-order systems with sparse matrices: these.
+/// @tparam Matrix  jacobian_type or equations_type of the system
 template <class State, class Matrix>
 class JacobianSource {
  public:
@@ -121,15 +146,22 @@ class JacobianSource {
   /// @param f0  f(t, y) if it is known
   template <System Sys>
   void evaluate(const Sys& system, Real t, const State& y, Matrix& J, const State* f0 = nullptr) {
-    if constexpr (DifferentiableSystem<Sys>)
-      if (has_jacobian(system)) return system.jacobian(t, y, J);
-    if (f0 == nullptr) {
-      system.rhs(t, y, f0_);
-      f0 = &f0_;
+    if constexpr (detail::is_mechanical<Matrix>) {
+      write_parts(system, t, y, J);
+    } else {
+      if constexpr (detail::may_be_mechanical<Matrix>)
+        if (writes_parts_ && system.dofs() > 0 && write_parts(system, t, y, J)) return;
+      if constexpr (DifferentiableSystem<Sys>)
+        if (has_jacobian(system))
+          return detail::write_as<jacobian_type<Sys>>(J, [&](auto& own) { system.jacobian(t, y, own); });
+      if (f0 == nullptr) {
+        system.rhs(t, y, f0_);
+        f0 = &f0_;
+      }
+      moved_ = y;
+      if (pattern_.size() > 0) return grouped_differences(system, t, y, *f0, J);
+      if constexpr (!is_sparse) differences(system, t, y, *f0, J);
     }
-    moved_ = y;
-    if (pattern_.size() > 0) return grouped_differences(system, t, y, *f0, J);
-    if constexpr (!is_sparse) differences(system, t, y, *f0, J);
   }
 
  private:
@@ -144,6 +176,35 @@ class JacobianSource {
       return detail::alternative<Wanted>(J);
     else
       return J;
+  }
+
+  /// M, K and C in the place of J.
+  /// @returns false when the system turns out to have dense ones
+  template <System Sys>
+  bool write_parts(const Sys& system, Real t, const State& y, Matrix& J) {
+    using Parts = MechanicalJacobian<Real>;
+    const Eigen::Index n = system.dofs();
+    Parts& parts = as<Parts>(J);
+    if (parts.mass.size() != n) parts.mass = system.mass();
+    positions_ = y.head(n);
+    velocities_ = y.tail(n);
+    if constexpr (detail::is_variant<typename Sys::DofMatrix>) {
+      const auto write = [&](auto&& verb, Eigen::SparseMatrix<Real>& into) {
+        typename Sys::DofMatrix matrix;
+        matrix.template emplace<Eigen::SparseMatrix<Real>>().swap(into);
+        verb(matrix);
+        auto* sparse = std::get_if<Eigen::SparseMatrix<Real>>(&matrix);
+        if (sparse != nullptr) into.swap(*sparse);
+        return sparse != nullptr;
+      };
+      writes_parts_ =
+          write([&](auto& K) { system.stiffness(t, positions_, velocities_, K); }, parts.stiffness) &&
+          write([&](auto& C) { system.damping(t, positions_, velocities_, C); }, parts.damping);
+    } else {
+      system.stiffness(t, positions_, velocities_, parts.stiffness);
+      system.damping(t, positions_, velocities_, parts.damping);
+    }
+    return writes_parts_;
   }
 
   /// Components far below the others are moved by what the others would be.
@@ -201,6 +262,8 @@ class JacobianSource {
   }
 
   State f0_ = blank_state<State>(), f1_ = f0_, moved_ = f0_;
+  Eigen::Vector<Real, Eigen::Dynamic> positions_, velocities_;
+  bool writes_parts_ = true;           // a system with sparse K and C: until it shows dense ones
   Eigen::SparseMatrix<Real> pattern_;  // empty: unknown, so every entry
   ColumnGroups groups_;
   Vector increments_;  // of the columns, in grouped differences

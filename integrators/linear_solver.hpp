@@ -12,7 +12,9 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
+
+#include "integrators/mechanical.hpp"
+#include "integrators/sparse_solver.hpp"
 
 namespace hmax {
 
@@ -24,6 +26,10 @@ struct WithScalar {
 template <class From, int Options, class Index, class Scalar>
 struct WithScalar<Eigen::SparseMatrix<From, Options, Index>, Scalar> {
   using type = Eigen::SparseMatrix<Scalar, Options, Index>;
+};
+template <class Real, class Scalar>
+struct WithScalar<MechanicalJacobian<Real>, Scalar> {
+  using type = ShiftedMechanical<Scalar>;
 };
 template <class... Matrices, class Scalar>
 struct WithScalar<std::variant<Matrices...>, Scalar> {
@@ -43,12 +49,12 @@ Wanted& alternative(std::variant<T...>& target) {
 }
 }  // namespace detail
 
-/// The same kind of matrix with another scalar: complex where a method needs complex shifts.
+/// The type of I - s J for a J of type Matrix and an s of type Scalar, which may be complex where J is real.
 template <class Matrix, class Scalar>
 using with_scalar = typename detail::WithScalar<Matrix, Scalar>::type;
 
 /// A = I - s J. Its scalar may be complex where that of J is real.
-/// @param J  shape (n, n), dense, sparse or a variant of both
+/// @param J  shape (n, n): dense, sparse, or a variant of these and of a MechanicalJacobian
 template <class Matrix, class Scalar>
 void set_shifted(const Matrix& J, Scalar s, with_scalar<Matrix, Scalar>& A) {
   if constexpr (detail::is_variant<Matrix>) {
@@ -77,10 +83,7 @@ void set_combination(const Vector& m, Real c, const Matrix& C, Real k, const Mat
         },
         K);
   } else if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>) {
-    Matrix mass(m.size(), m.size());
-    mass.setIdentity();
-    mass.diagonal() = m;
-    A = mass + c * C + k * K;
+    set_sparse_combination<Real, typename Matrix::Scalar>(m, c, C, k, K, A);
   } else {
     A = c * C + k * K;
     A.diagonal() += m;
@@ -225,51 +228,57 @@ class DenseLu {
   [[no_unique_address]] std::conditional_t<may_be_large, Large, Nothing> large_;
 };
 
-/// An LU factorisation of A, shape (n, n): dense with partial pivoting, sparse with a fill-reducing ordering
-/// that is analysed once and again only when the number of entries changes.
+/// Solves A x = b, shape (n, n): dense by LU with partial pivoting, sparse by what fits the matrix.
 template <class Matrix>
 class LinearSolver {
  public:
-  using Scalar = typename Matrix::Scalar;
   static constexpr bool is_sparse = std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>;
 
   LinearSolver() = default;
   /// A copy is a solver without a factorisation: factors belong to one run.
-  LinearSolver(const LinearSolver&) {}
-  LinearSolver& operator=(const LinearSolver&) { return *this; }
+  LinearSolver(const LinearSolver& other) : choice_(other.choice_) {}
+  LinearSolver& operator=(const LinearSolver& other) {
+    choice_ = other.choice_;
+    return *this;
+  }
   LinearSolver(LinearSolver&&) noexcept = default;
   LinearSolver& operator=(LinearSolver&&) noexcept = default;
   ~LinearSolver() = default;
 
+  /// How symmetric sparse equations are solved.
+  void set(LinearSolve choice) { choice_ = choice; }
+
   /// Makes room for dense equations of n unknowns, so that factor() allocates nothing.
   void resize(Eigen::Index n) {
-    if constexpr (!is_sparse) lu_.resize(n);
+    if constexpr (!is_sparse) solver_.resize(n);
   }
 
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
     if constexpr (is_sparse) {
-      if (!lu_) lu_ = std::make_unique<Factors>();
-      if (analysed_ != A.nonZeros()) {
-        lu_->analyzePattern(A);
-        analysed_ = A.nonZeros();
-      }
-      for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
-        if (!std::isfinite(std::abs(A.valuePtr()[i]))) return false;
-      lu_->factorize(A);
-      return lu_->info() == Eigen::Success;
+      if (!solver_) solver_ = std::make_unique<SparseSolver<typename Matrix::Scalar>>();
+      solver_->set(choice_);
+      return solver_->factor(A);
     } else {
-      return lu_.factor(A);
+      return solver_.factor(A);
     }
+  }
+
+  /// Whether the A that was factored is sparse and symmetric, and solved as such.
+  [[nodiscard]] bool is_symmetric() const {
+    if constexpr (is_sparse)
+      return solver_ && solver_->is_symmetric();
+    else
+      return false;
   }
 
   /// x = A^-1 x, shape (n). Dense: allocates nothing.
   template <class Vector>
   void solve(Vector& x) {
     if constexpr (is_sparse)
-      x = lu_->solve(x).eval();
+      solver_->solve(x);
     else
-      lu_.solve(x);
+      solver_.solve(x);
   }
 
  private:
@@ -279,21 +288,65 @@ class LinearSolver {
   };
   template <class M>
   struct Choose<true, M> {
-    using type = Eigen::SparseLU<M, Eigen::COLAMDOrdering<typename M::StorageIndex>>;
+    using type = std::unique_ptr<SparseSolver<typename M::Scalar>>;
   };
-  using Factors = typename Choose<is_sparse, Matrix>::type;
-  std::conditional_t<is_sparse, std::unique_ptr<Factors>, Factors> lu_;
-  Eigen::Index analysed_ = -1;
+  typename Choose<is_sparse, Matrix>::type solver_;
+  LinearSolve choice_;
 };
 
-/// The same for a matrix that is dense or sparse by choice at run time.
+/// (I - s J) x = b of a mechanical system, by its n velocities.
+template <class Scalar>
+class LinearSolver<ShiftedMechanical<Scalar>> {
+ public:
+  using Vector = Eigen::Vector<Scalar, Eigen::Dynamic>;
+
+  void set(LinearSolve choice) { solver_.set(choice); }
+
+  bool factor(const ShiftedMechanical<Scalar>& A) {
+    // K is needed until the last solve: copied, since a matrix may move between factor() and solve().
+    s_ = A.s;
+    mass_ = A.mass;
+    if (!detail::copy_sparse(A.stiffness, stiffness_)) in_space_ = blocks_.read(stiffness_);
+    return solver_.factor(A.reduced);
+  }
+
+  /// x = (b, d) in, (I - s J)^-1 (b, d) out, shape (2 n).
+  template <class X>
+  void solve(X& x) {
+    const Eigen::Index n = mass_.size();
+    moved_ = x.head(n);
+    velocity_.resize(n);
+    if (in_space_ && solver_.is_symmetric())  // K then is, as M and C are
+      blocks_.multiply(stiffness_, moved_, velocity_);
+    else
+      velocity_.noalias() = stiffness_ * moved_;
+    velocity_ = mass_.template cast<Scalar>().cwiseProduct(x.tail(n)) - s_ * velocity_;
+    solver_.solve(velocity_);
+    x.tail(n) = velocity_;
+    x.head(n) = moved_ + s_ * velocity_;
+  }
+
+ private:
+  Scalar s_{};
+  Eigen::Vector<typename Eigen::NumTraits<Scalar>::Real, Eigen::Dynamic> mass_;
+  Eigen::SparseMatrix<typename Eigen::NumTraits<Scalar>::Real> stiffness_;
+  BlockStructure<3> blocks_;  // of K, if that is made of them
+  bool in_space_ = false;
+  LinearSolver<Eigen::SparseMatrix<Scalar>> solver_;
+  Vector moved_, velocity_;
+};
+
+/// The same for a matrix whose kind is chosen at run time.
 template <class... Matrices>
 class LinearSolver<std::variant<Matrices...>> {
  public:
+  void set(LinearSolve choice) { choice_ = choice; }
   bool factor(const std::variant<Matrices...>& A) {
     return std::visit(
         [&]<class Matrix>(const Matrix& held) {
-          return detail::alternative<LinearSolver<Matrix>>(solver_).factor(held);
+          LinearSolver<Matrix>& solver = detail::alternative<LinearSolver<Matrix>>(solver_);
+          solver.set(choice_);
+          return solver.factor(held);
         },
         A);
   }
@@ -304,6 +357,7 @@ class LinearSolver<std::variant<Matrices...>> {
 
  private:
   std::variant<LinearSolver<Matrices>...> solver_;
+  LinearSolve choice_;
 };
 
 }  // namespace hmax

@@ -104,9 +104,9 @@ enum class NewtonEnd { converged, too_slow, diverged, not_finite };
 
 /// Iterates until the error of the equations is at most 1 in the norm of the corrections.
 ///   theta_k = |d_k| / |d_(k-1)|,   solved when  theta / (1 - theta) |d_k| <= 1;
-/// it diverges when theta >= 1, and is too slow when theta^(k_max - k) / (1 - theta) |d_k| > 1. The first
-/// correction is judged by the rate of the iteration before, which is trusted a little less each time:
-/// eta <- eta^(3/4).
+/// it diverges when theta >= 1 unless rounding is all that is left, and is too slow when theta^(k_max - k) /
+/// (1 - theta) |d_k| > 1. The first correction is judged by the rate of the iteration before, which is
+/// trusted a little less each time: eta <- eta^(3/4).
 /// @param iterations  limit k_max
 /// @param stall       corrections that no longer shrink are taken for rounding up to this norm
 /// @param correct     correct() makes one correction and returns the square of its norm
@@ -118,7 +118,9 @@ NewtonEnd iterate_newton(int iterations, Real stall, NewtonMemory<Real>& memory,
   using std::sqrt, std::pow;
   Real eta = std::max(memory.eta, std::numeric_limits<Real>::epsilon());
   eta = sqrt(eta * sqrt(eta));
-  Real last = 0, theta = 0, last_rate = 0;
+  // Forces of a body in space are differences of positions: beside a small motion they know few digits.
+  constexpr Real noise = Real(1e-6);
+  Real first = 0, last = 0, theta = 0, last_rate = 0;
   for (int k = 1; k <= iterations; ++k) {
     ++count;
     const Real norm = sqrt(correct());
@@ -131,7 +133,10 @@ NewtonEnd iterate_newton(int iterations, Real stall, NewtonMemory<Real>& memory,
       if (theta < 1) eta = theta / (1 - theta);
     }
     const bool shrinks = theta < 1;
-    if (norm == 0 || (shrinks && eta * norm <= 1) || (!shrinks && norm <= stall)) {
+    if (k == 1) first = norm;
+    // A correction that no longer shrinks, far below the first one, is what f rounds to.
+    const bool rounds = !shrinks && norm <= std::max(stall, noise * first);
+    if (norm == 0 || (shrinks && eta * norm <= 1) || rounds) {
       if (shrinks) {
         memory.eta = eta;
         memory.theta = std::max(memory.theta, theta);
@@ -214,7 +219,7 @@ class Linearisation {
 
   /// A matrix whose kind is known arrives at the system in its shape, (n, n).
   static void make_room(Matrix& J, Eigen::Index n) {
-    if constexpr (!detail::is_variant<Matrix>) {
+    if constexpr (!detail::is_variant<Matrix> && !detail::is_mechanical<Matrix>) {
       J.resize(n, n);
       J.setZero();
     }
@@ -234,8 +239,9 @@ class ShiftedSolver {
  public:
   ShiftedSolver() = default;
   /// A copy starts without a factorisation.
-  ShiftedSolver(const ShiftedSolver&) {}
-  ShiftedSolver& operator=(const ShiftedSolver&) {
+  ShiftedSolver(const ShiftedSolver& other) : solver_(other.solver_) {}
+  ShiftedSolver& operator=(const ShiftedSolver& other) {
+    solver_ = other.solver_;
     id_ = 0;
     return *this;
   }
@@ -243,10 +249,15 @@ class ShiftedSolver {
   ShiftedSolver& operator=(ShiftedSolver&&) noexcept = default;
   ~ShiftedSolver() = default;
 
+  /// How symmetric sparse equations are solved.
+  void set(LinearSolve choice) {
+    if constexpr (requires { solver_.set(choice); }) solver_.set(choice);
+  }
+
   /// Forgets its factors. Dense equations of n unknowns are then factored and solved without allocations.
   void init(Eigen::Index n) {
     id_ = 0;
-    if constexpr (!detail::is_variant<Matrix> &&
+    if constexpr (!detail::is_variant<Matrix> && !detail::is_mechanical<Matrix> &&
                   !std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>) {
       A_.setIdentity(n, n);
       solver_.factor(A_);

@@ -24,7 +24,7 @@ namespace hmax {
 ///   (I - h/(alpha + i beta) J)(dw_2 + i dw_3) = h/(alpha + i beta) (g_2 + i g_3) - (w_2 + i w_3),   g = T^-1
 ///   f(z).
 /// @tparam StateT  Eigen column vector of a real scalar, shape (n)
-/// @tparam Matrix  jacobian_type of the system
+/// @tparam Matrix  equations_type of the system
 /// @cost   three f and both solutions an iteration, two factorisations when h or J has changed; no allocation
 ///         after init() for dense J
 /// @source [hairer1996solving] IV.8
@@ -42,6 +42,8 @@ class RadauIIA5 {
   static constexpr bool is_explicit = false;
 
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
+  /// How symmetric sparse equations are solved.
+  void set_linear_solve(LinearSolve choice) { real_.set(choice); }
   /// Without them equations are solved to rounding.
   void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }

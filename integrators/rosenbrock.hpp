@@ -65,7 +65,7 @@ struct RosenbrockRows {
 /// with J and df/dt at (t, y). The Jacobian is exact unless set_jacobian_update() says otherwise; one that is
 /// older leaves a method the order `w_order` of its tableau and no more.
 /// @tparam StateT    Eigen column vector of any real or complex scalar, shape (n)
-/// @tparam Jacobian  jacobian_type of the system: dense, sparse or a variant of both
+/// @tparam Jacobian  equations_type of the system
 /// @cost   s evaluations of f a step (s - 1 when the last stage is the first of the next, or after a
 ///         rejection), one of df/dy where it is due and one of df/dt (one more of f where the system does not
 ///         know it), one factorisation where J or h has changed, s solves; dense: no allocation after init()
@@ -86,6 +86,8 @@ class Rosenbrock {
 
   /// automatic: exact, a new one every step.
   void set_jacobian_update(JacobianUpdate update) { update_ = update; }
+  /// How symmetric sparse equations are solved.
+  void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
 
   template <System Sys>
   void init(const Sys& system, Real, const State& y) {

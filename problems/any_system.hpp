@@ -183,7 +183,9 @@ class BasicAnySystem {
       }
     }
     bool is_autonomous() const override {
-      if constexpr (requires { S::autonomous; })
+      if constexpr (requires { system_.is_autonomous(); })
+        return system_.is_autonomous();
+      else if constexpr (requires { S::autonomous; })
         return S::autonomous;
       else
         return false;

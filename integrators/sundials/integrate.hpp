@@ -55,7 +55,8 @@ template <System Sys>
 class Binding {
  public:
   using State = typename Sys::State;
-  using Matrix = jacobian_type<Sys>;
+  using Matrix = equations_type<Sys>;
+  using Shifted = with_scalar<Matrix, double>;
 
   /// @param split  the Jacobian is that of the declared stiff part
   Binding(const Sys& system, bool split, JacobianUpdate update)
@@ -96,7 +97,7 @@ class Binding {
         return {std::move(matrix), std::move(solver)};
       }
     }
-    return {make_matrix<Matrix>(context), make_linear_solver<State, Matrix>(context)};
+    return {make_matrix<Shifted>(context), make_linear_solver<State, Shifted>(context)};
   }
 
   void rethrow() const {
@@ -134,7 +135,9 @@ class Binding {
   void evaluate(double t, const State& y) {
     evaluated_ = true;
     if constexpr (SplitSystem<Sys>)
-      if (split_) return system_.jacobian_stiff(t, y, J_);
+      if (split_)
+        return hmax::detail::write_as<jacobian_type<Sys>>(
+            J_, [&](auto& own) { system_.jacobian_stiff(t, y, own); });
     source_.evaluate(system_, t, y, J_);
   }
 
@@ -154,7 +157,7 @@ class Binding {
           return done;
         }
       }
-      set_shifted(J_, gamma, matrix_of<Matrix>(A));
+      set_shifted(J_, gamma, matrix_of<Shifted>(A));
       return done;
     } catch (...) {
       thrown_ = std::current_exception();

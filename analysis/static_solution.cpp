@@ -1,0 +1,277 @@
+#include "analysis/static_solution.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "integrators/sparse_solver.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::VectorXd;
+using Matrix = StaticModel::Matrix;
+
+/// d = K^-1 r by sweeps of successive over-relaxation over the rows of the symmetric K, from d = 0:
+///   d_i <- d_i + omega (r_i - sum_j K_ij d_j) / K_ii.
+/// @returns the number of sweeps; negative when it was not enough
+int relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, double tolerance, int most) {
+  d.setZero(r.size());
+  const double goal = tolerance * r.norm();
+  VectorXd left(r.size());
+  for (int sweep = 1; sweep <= most; ++sweep) {
+    for (Eigen::Index i = 0; i < K.cols(); ++i) {
+      double rest = r[i], diagonal = 0;
+      for (Matrix::InnerIterator entry(K, i); entry; ++entry) {
+        if (entry.row() == i) diagonal = entry.value();
+        rest -= entry.value() * d[entry.row()];
+      }
+      d[i] += omega * rest / diagonal;
+    }
+    // The residual costs as much as a sweep.
+    if (sweep % 8 != 0 && sweep != most) continue;
+    left.noalias() = r - K * d;
+    const double size = left.norm();
+    if (!std::isfinite(size)) return -sweep;
+    if (size <= goal) return sweep;
+  }
+  return -most;
+}
+
+/// Solves K d = r by the chosen solver, whatever K is kept for.
+class Inner {
+ public:
+  explicit Inner(const StaticSettings& settings) : settings_(settings) {
+    LinearSolve choice{.by = LinearSolve::By::direct};
+    if (settings.inner == InnerSolver::conjugate_gradients)
+      choice = {.by = LinearSolve::By::conjugate_gradients, .tolerance = settings.inner_tolerance};
+    solver_.set(choice);
+  }
+
+  /// @returns false when K is singular
+  bool take(const Matrix& K) {
+    if (settings_.inner != InnerSolver::sor) return solver_.factor(K);
+    K_ = K;
+    return K.diagonal().cwiseAbs().minCoeff() > 0;
+  }
+
+  /// @returns false when the solver gave up
+  bool solve(const VectorXd& r, VectorXd& d) {
+    if (settings_.inner == InnerSolver::sor) {
+      const int sweeps =
+          relax(K_, r, d, settings_.relaxation, settings_.inner_tolerance, settings_.inner_iterations);
+      iterations_ += std::abs(sweeps);
+      return sweeps > 0;
+    }
+    d = r;
+    solver_.solve(d);
+    if (settings_.inner == InnerSolver::conjugate_gradients) iterations_ += solver_.iterations();
+    return d.allFinite();
+  }
+
+  [[nodiscard]] std::int64_t iterations() const { return iterations_; }
+
+ private:
+  const StaticSettings& settings_;
+  SparseSolver<double> solver_;
+  Matrix K_;
+  std::int64_t iterations_ = 0;
+};
+
+/// The iteration towards F(q) = (1 - share) F(0), that is towards equilibrium under a share of the load.
+class Iteration {
+ public:
+  Iteration(const StaticModel& model, const StaticSettings& settings, const Clock& clock)
+      : model_(model), settings_(settings), clock_(clock), inner_(settings), start_(clock()) {
+    q_.setZero(model.dofs);
+    trial_ = d_ = residual_ = load_ = q_;
+    model.force(q_, load_);
+    scale_ = load_.norm();
+  }
+
+  [[nodiscard]] bool has_load() const { return scale_ > 0; }
+  [[nodiscard]] const VectorXd& q() const { return q_; }
+  [[nodiscard]] double residual() const { return size_; }
+  [[nodiscard]] int solved() const { return solved_; }
+  [[nodiscard]] const std::string& note() const { return note_; }
+  [[nodiscard]] StaticIterate iterate(int step) const {
+    return {step, size_, clock_() - start_, inner_.iterations()};
+  }
+
+  /// Takes up another share of the load.
+  void set_share(double share) {
+    share_ = share;
+    size_ = residual_at(q_);
+  }
+
+  /// One linear system and the step it gives.
+  /// @returns false when no step could be made; note() then says why
+  bool advance() {
+    const bool constant = settings_.method != StaticMethod::newton;
+    if (!constant || !taken_) {
+      model_.stiffness(constant ? VectorXd::Zero(model_.dofs) : q_, K_);
+      if (!inner_.take(K_))
+        return give_up("the stiffness matrix is singular: the supports do not hold the body");
+      taken_ = true;
+    }
+    residual_at(q_);
+    if (!inner_.solve(residual_, d_))
+      return give_up(
+          fmt::format("{} did not solve a linear system in {} iterations; take direct, or more "
+                      "iterations",
+                      name_of(settings_.inner), settings_.inner_iterations));
+    ++solved_;
+    double length = 1;
+    trial_ = q_ + d_;
+    double next = residual_at(trial_);
+    if (settings_.line_search && settings_.method != StaticMethod::linear)
+      while (!(next < size_) && length > 1e-4) {
+        length /= 2;
+        trial_ = q_ + length * d_;
+        next = residual_at(trial_);
+      }
+    if (!std::isfinite(next)) return give_up("the forces are no longer finite; take more load steps");
+    if (settings_.line_search && settings_.method != StaticMethod::linear && !(next < size_) &&
+        size_ > settings_.tolerance)
+      return give_up("no step along the last direction makes the residual smaller; take more load steps");
+    q_ = trial_;
+    size_ = next;
+    return true;
+  }
+
+ private:
+  /// |F(q) - (1 - share) F(0)| / |F(0)|, with the vector in residual_.
+  double residual_at(const VectorXd& q) {
+    model_.force(q, residual_);
+    residual_ -= (1 - share_) * load_;
+    return residual_.norm() / scale_;
+  }
+  bool give_up(std::string why) {
+    note_ = std::move(why);
+    return false;
+  }
+
+  const StaticModel& model_;
+  const StaticSettings& settings_;
+  const Clock& clock_;
+  Inner inner_;
+  Matrix K_;
+  VectorXd q_, trial_, d_, residual_, load_;
+  double scale_ = 0, share_ = 1, size_ = 0, start_;
+  int solved_ = 0;
+  bool taken_ = false;
+  std::string note_;
+};
+
+void require(bool holds, std::string_view what, double value, std::string_view range) {
+  if (!holds) throw InputError(fmt::format("{} is {} but must be {}", what, to_text(value), range));
+}
+
+void check(const StaticSettings& s) {
+  require(s.tolerance > 0 && s.tolerance < 1, "the tolerance", s.tolerance, "above 0 and below 1");
+  require(s.iterations > 0, "the number of iterations", s.iterations, "at least 1");
+  require(s.load_steps > 0, "the number of load steps", s.load_steps, "at least 1");
+  require(s.inner_tolerance > 0 && s.inner_tolerance < 1, "the inner tolerance", s.inner_tolerance,
+          "above 0 and below 1");
+  require(s.inner_iterations > 0, "the number of inner iterations", s.inner_iterations, "at least 1");
+  require(s.relaxation > 0 && s.relaxation < 2, "the relaxation", s.relaxation, "above 0 and below 2");
+}
+
+}  // namespace
+
+std::string_view name_of(StaticMethod method) {
+  switch (method) {
+    case StaticMethod::linear:
+      return "linear";
+    case StaticMethod::newton:
+      return "newton";
+    case StaticMethod::modified_newton:
+      break;
+  }
+  return "modified_newton";
+}
+
+std::string_view name_of(InnerSolver solver) {
+  switch (solver) {
+    case InnerSolver::direct:
+      return "direct";
+    case InnerSolver::sor:
+      return "sor";
+    case InnerSolver::conjugate_gradients:
+      break;
+  }
+  return "cg";
+}
+
+StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock) {
+  check(settings);
+  StaticSolution solution;
+  Iteration iteration(model, settings, clock);
+  solution.q = iteration.q();
+  if (!iteration.has_load()) {
+    solution.converged = true;
+    solution.history.push_back({1, 0, 0, 0});
+    return solution;
+  }
+  const bool linear = settings.method == StaticMethod::linear;
+  const int steps = linear ? 1 : settings.load_steps;
+  for (int step = 1; step <= steps; ++step) {
+    iteration.set_share(static_cast<double>(step) / steps);
+    solution.history.push_back(iteration.iterate(step));
+    int k = 0;
+    // A linear solution is what one system gives, and its residual says what the model leaves out.
+    const int most = linear ? 1 : settings.iterations;
+    while (k < most && iteration.residual() > settings.tolerance && iteration.advance()) {
+      ++k;
+      solution.history.push_back(iteration.iterate(step));
+    }
+    solution.converged = linear ? k == 1 : iteration.residual() <= settings.tolerance;
+    if (!solution.converged) {
+      solution.note = !iteration.note().empty()
+                          ? iteration.note()
+                          : fmt::format(
+                                "the residual is still {:.3g} after {} iterations of load step {}; "
+                                "take more iterations or more load steps",
+                                iteration.residual(), k, step);
+      break;
+    }
+  }
+  solution.q = iteration.q();
+  solution.iterations = iteration.solved();
+  return solution;
+}
+
+std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSettings& settings, int frames,
+                                        int iterations, const Clock& clock) {
+  check(settings);
+  require(frames > 0, "the number of frames", frames, "at least 1");
+  require(iterations > 0, "the number of iterations of a frame", iterations, "at least 1");
+  std::vector<StaticFrame> all;
+  // Line searches take an unknown time, which a frame does not have.
+  StaticSettings as_it_comes = settings;
+  as_it_comes.line_search = false;
+  StaticSettings thorough = settings;
+  thorough.method = StaticMethod::newton;
+  thorough.inner = InnerSolver::direct;
+  Iteration shown(model, as_it_comes, clock), exact(model, thorough, clock);
+  if (!shown.has_load()) return all;
+  for (int frame = 1; frame <= frames; ++frame) {
+    const double share = static_cast<double>(frame) / frames, start = clock();
+    shown.set_share(share);
+    for (int k = 0; k < iterations && shown.advance(); ++k) {
+    }
+    const double seconds = clock() - start;
+    exact.set_share(share);
+    for (int k = 0; k < thorough.iterations && exact.residual() > 1e-12 && exact.advance(); ++k) {
+    }
+    const double size = exact.q().norm();
+    all.push_back({share, shown.residual(), size > 0 ? (shown.q() - exact.q()).norm() / size : 0, seconds});
+    if (!std::isfinite(shown.residual())) break;
+  }
+  return all;
+}
+
+}  // namespace hmax

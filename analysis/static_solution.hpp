@@ -1,0 +1,93 @@
+/// Static solutions of mechanical systems, F(q) = 0 under a load that is brought on in steps, by the methods
+/// of the field and with the history of their residuals.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace hmax {
+
+/// The forces on a body at rest. They are those of the body itself and dead loads, which do not depend on q,
+/// so that F at q = 0, where a body that is not strained resists nothing, is the whole load.
+struct StaticModel {
+  using Matrix = Eigen::SparseMatrix<double>;
+  Eigen::Index dofs = 0;
+  /// f = F(q), shape (dofs) [N].
+  std::function<void(const Eigen::VectorXd& q, Eigen::VectorXd& f)> force;
+  /// K = -dF/dq, shape (dofs, dofs) [N/m], symmetric.
+  std::function<void(const Eigen::VectorXd& q, Matrix& K)> stiffness;
+};
+
+/// How the equations are linearised.
+enum class StaticMethod {
+  linear,           ///< one solution with the stiffness at rest
+  newton,           ///< the stiffness of every iterate
+  modified_newton,  ///< the stiffness at rest for all of them
+};
+/// "linear", "newton", "modified_newton".
+std::string_view name_of(StaticMethod method);
+
+/// How K d = F is solved.
+enum class InnerSolver {
+  direct,              ///< L D L^T
+  sor,                 ///< successive over-relaxation
+  conjugate_gradients  ///< preconditioned; falls back to L D L^T where K is not positive definite
+};
+/// "direct", "sor", "cg".
+std::string_view name_of(InnerSolver solver);
+
+struct StaticSettings {
+  StaticMethod method = StaticMethod::newton;
+  InnerSolver inner = InnerSolver::direct;
+  double tolerance = 1e-9;        ///< |F| <= tolerance |F(0)|
+  int iterations = 100;           ///< at most, in each load step
+  int load_steps = 1;             ///< equal ones
+  bool line_search = true;        ///< halves a step until the residual falls
+  double inner_tolerance = 1e-4;  ///< of sor and conjugate gradients, relative to the right-hand side
+  int inner_iterations = 2000;    ///< at most, of sor and conjugate gradients
+  double relaxation = 1.5;        ///< omega of SOR, in (0, 2)
+};
+
+/// One iterate.
+struct StaticIterate {
+  int load_step;       ///< from 1
+  double residual;     ///< |F| / |F(0)| under the load of the step
+  double seconds;      ///< since the start, with the analysis of the pattern
+  std::int64_t inner;  ///< iterations of the inner solver so far; 0 for direct
+};
+
+struct StaticSolution {
+  bool converged = false;
+  Eigen::VectorXd q;                   ///< the last iterate, shape (dofs) [m]
+  std::vector<StaticIterate> history;  ///< the state at rest first
+  int iterations = 0;                  ///< linear systems solved
+  std::string note;                    ///< why it did not converge
+};
+
+/// Tells the time [s] that histories record.
+using Clock = std::function<double()>;
+
+/// Solves for q from rest.
+/// @throws InputError  for settings out of range
+StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock);
+
+/// One frame of a load that moves, for which there is time for a fixed number of iterations.
+struct StaticFrame {
+  double load;      ///< share of the load that acts
+  double residual;  ///< |F| / |F(0)| that the frame is left with
+  double error;     ///< |q - q*| / |q*| against the solution q* of the frame
+  double seconds;   ///< that the frame took
+};
+
+/// Brings the load on linearly over `frames` frames, each of which begins where the last one ended and has
+/// `iterations` iterations without line searches, as interactive simulators do.
+std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSettings& settings, int frames,
+                                        int iterations, const Clock& clock);
+
+}  // namespace hmax

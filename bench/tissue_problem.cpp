@@ -1,0 +1,337 @@
+#include "bench/tissue_problem.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "analysis/linear_model.hpp"
+#include "analysis/modal_motion.hpp"
+#include "bench/mesh_choice.hpp"
+#include "bench/suggest.hpp"
+#include "problems/tissue/body.hpp"
+#include "problems/tissue/materials.hpp"
+#include "problems/tissue/topology.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> models{"fem_green", "fem_cauchy", "fem_corotational",
+                                                 "fem_neo_hookean", "mass_spring"};
+constexpr std::array<std::string_view, 4> loads{"gravity", "press", "pull", "tool"};
+
+/// "fem_green/press@liver" in its parts; the load may be missing.
+struct TissueId {
+  std::string model, load, mesh;
+
+  explicit TissueId(const std::string& id) {
+    const std::size_t at = id.find('@');
+    model = id.substr(0, at);
+    mesh = id.substr(at + 1);
+    const std::size_t slash = model.find('/');
+    load = slash == std::string::npos ? std::string(loads.front()) : model.substr(slash + 1);
+    model.resize(std::min(slash, model.size()));
+  }
+};
+
+void require_known(std::string_view what, const std::string& word, std::span<const std::string_view> known) {
+  if (std::ranges::find(known, word) != known.end()) return;
+  throw InputError(fmt::format("unknown {} '{}'; {}", what, word,
+                               suggestion(word, std::vector<std::string>(known.begin(), known.end()))));
+}
+
+/// What a user may set of a body on a mesh.
+struct TissueParameters {
+  double E = TissueMaterial{}.young, nu = TissueMaterial{}.poisson, rho = TissueMaterial{}.density;
+  double mass = 0;             ///< of the whole body [kg]; 0: by the density
+  double alpha = 0, beta = 0;  ///< Rayleigh [1/s], [s]
+  double damper = 0;           ///< of springs: c / k [s]
+  double g = 9.81;             ///< along -z [m/s^2], under the load gravity
+  double force = 1;            ///< along -z or z, of press and pull [N]
+  double depth = 0.01;         ///< that the tool moves into the body in its first half second [m]
+  double support = 0.1;        ///< share of the body along the axis that is held
+  double axis = 3;             ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
+};
+constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 12> parameter_names{{
+    {"E", &TissueParameters::E},
+    {"nu", &TissueParameters::nu},
+    {"rho", &TissueParameters::rho},
+    {"mass", &TissueParameters::mass},
+    {"alpha", &TissueParameters::alpha},
+    {"beta", &TissueParameters::beta},
+    {"damper", &TissueParameters::damper},
+    {"g", &TissueParameters::g},
+    {"force", &TissueParameters::force},
+    {"depth", &TissueParameters::depth},
+    {"support", &TissueParameters::support},
+    {"axis", &TissueParameters::axis},
+}};
+
+/// One end of a mesh along an axis, to which loads are opposite.
+struct HeldEnd {
+  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  ///< unit vector that points from the free end to it
+
+  explicit HeldEnd(double axis) { towards[static_cast<int>(std::abs(axis)) - 1] = axis > 0 ? -1 : 1; }
+
+  /// Points within `share` of the extent of the mesh from the held end.
+  [[nodiscard]] std::vector<TetMesh::Index> points(const TetMesh& mesh, double share) const {
+    const Eigen::RowVectorXd along = towards.transpose() * mesh.points;
+    const double far = along.maxCoeff(), reach = share * (far - along.minCoeff());
+    std::vector<TetMesh::Index> held;
+    for (TetMesh::Index i = 0; i < mesh.point_count(); ++i)
+      if (along[i] >= far - reach) held.push_back(i);
+    return held;
+  }
+
+  /// The point that is farthest from it.
+  [[nodiscard]] TetMesh::Index opposite(const TetMesh& mesh) const {
+    TetMesh::Index point = 0;
+    (towards.transpose() * mesh.points).minCoeff(&point);
+    return point;
+  }
+};
+
+/// A body shared by everybody who looks at it, with the Jacobian of its first-order form.
+struct SharedBody {
+  using State = TissueBody::State;
+  using Dofs = TissueBody::Dofs;
+  using DofMatrix = TissueBody::DofMatrix;
+  using Jacobian = Eigen::SparseMatrix<double>;
+
+  std::shared_ptr<const TissueBody> body;
+  static constexpr bool linear_stiff_part = true;
+
+  explicit SharedBody(std::shared_ptr<const TissueBody> shared) : body(std::move(shared)) {}
+
+  [[nodiscard]] Eigen::Index dim() const { return body->dim(); }
+  [[nodiscard]] Eigen::Index dofs() const { return body->dofs(); }
+  [[nodiscard]] bool is_autonomous() const { return body->is_autonomous(); }
+  [[nodiscard]] const Dofs& mass() const { return body->mass(); }
+  void rhs(double t, const State& y, State& dydt) const { body->rhs(t, y, dydt); }
+  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const { body->force(t, q, v, f); }
+  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const { body->stiffness(t, q, v, K); }
+  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const { body->damping(t, q, v, C); }
+  [[nodiscard]] double spectral_radius(double t, const State& y) const { return body->spectral_radius(t, y); }
+
+  /// J = ( 0, I; -M^-1 K, -M^-1 C ), shape (2 n, 2 n).
+  void jacobian(double t, const State& y, Jacobian& J) const {
+    const Eigen::Index n = dofs();
+    DofMatrix K, C;
+    const Dofs q = y.head(n), v = y.tail(n);
+    body->stiffness(t, q, v, K);
+    body->damping(t, q, v, C);
+    pack(K, C, J);
+  }
+
+  /// f = (v, -M^-1 (K0 q + C0 v)) + the rest, which holds loads and what is not linear.
+  void rhs_stiff(double, const State& y, State& dydt) const {
+    const Eigen::Index n = dofs();
+    const auto& [K, C] = rest();
+    dydt.head(n) = y.tail(n);
+    dydt.tail(n).noalias() = -(K * y.head(n));
+    dydt.tail(n).noalias() -= C * y.tail(n);
+    dydt.tail(n).array() /= mass().array();
+  }
+  void rhs_nonstiff(double t, const State& y, State& dydt) const {
+    State stiff(y.size());
+    rhs_stiff(t, y, stiff);
+    body->rhs(t, y, dydt);
+    dydt -= stiff;
+  }
+  void jacobian_stiff(double, const State&, Jacobian& J) const { pack(rest().first, rest().second, J); }
+
+ private:
+  /// K and C at rest: the stiff part of a body is its motion at small strain. Made when somebody asks.
+  [[nodiscard]] const std::pair<DofMatrix, DofMatrix>& rest() const {
+    std::call_once(at_rest_->made, [&] {
+      const Dofs zero = Dofs::Zero(dofs());
+      body->stiffness(0, zero, zero, at_rest_->matrices.first);
+      body->damping(0, zero, zero, at_rest_->matrices.second);
+    });
+    return at_rest_->matrices;
+  }
+
+  void pack(const DofMatrix& K, const DofMatrix& C, Jacobian& J) const {
+    const Eigen::Index n = dofs();
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(n + K.nonZeros() + C.nonZeros()));
+    for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, n + i, 1);
+    const auto put = [&](const DofMatrix& matrix, Eigen::Index column) {
+      for (Eigen::Index j = 0; j < n; ++j)
+        for (DofMatrix::InnerIterator entry(matrix, j); entry; ++entry)
+          entries.emplace_back(n + entry.row(), column + j, -entry.value() / mass()[entry.row()]);
+    };
+    put(K, 0);
+    put(C, n);
+    J.resize(2 * n, 2 * n);
+    J.setFromTriplets(entries.begin(), entries.end());
+  }
+
+  struct AtRest {
+    std::once_flag made;
+    std::pair<DofMatrix, DofMatrix> matrices;
+  };
+  std::shared_ptr<AtRest> at_rest_ = std::make_shared<AtRest>();
+};
+
+TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const TetMesh& mesh) {
+  TissueSettings settings{.model = tissue_model(id.model),
+                          .materials = {{.young = p.E, .poisson = p.nu, .density = p.rho}},
+                          .alpha = p.alpha,
+                          .beta = p.beta};
+  if (p.mass != 0) settings.total_mass = p.mass;
+  settings.springs.damper_time = p.damper;
+  const HeldEnd end(p.axis);
+  if (p.support > 0) settings.supports.push_back({.points = end.points(mesh, p.support)});
+
+  const MeshSurface surface = surface_of(mesh);
+  const Eigen::Vector3d tip = mesh.points.col(end.opposite(mesh));
+  const double size = (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+  if (id.load == "gravity") {
+    settings.gravity = {0, 0, -p.g};
+  } else if (id.load == "tool") {
+    // A sphere that begins where it touches the free end and moves towards the held one.
+    SphereTool tool{.points = surface.points, .radius = 0.05 * size};
+    tool.start = tip - tool.radius * end.towards;
+    tool.travel = p.depth * end.towards;
+    tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};
+    settings.tools.push_back(tool);
+  } else {
+    // The patch of the surface around the free end.
+    PressingForce force{.points = {}, .force = (id.load == "press" ? p.force : -p.force) * end.towards};
+    for (const TetMesh::Index i : surface.points)
+      if ((mesh.points.col(i) - tip).norm() <= 0.15 * size) force.points.push_back(i);
+    settings.forces.push_back(force);
+  }
+  return settings;
+}
+
+/// The exact motion of linear tissue under a load that does not change: the modes of small bodies.
+std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double)> exact_motion(
+    std::shared_ptr<const TissueBody> body) {
+  struct Once {
+    std::once_flag flag;
+    std::optional<ModalMotion> motion;
+  };
+  return
+      [body, once = std::make_shared<Once>()](long double t) -> Eigen::Vector<long double, Eigen::Dynamic> {
+        std::call_once(once->flag, [&] {
+          const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
+          Eigen::VectorXd force = zero;
+          TissueBody::DofMatrix K, C;
+          body->force(0, zero, zero, force);
+          body->stiffness(0, zero, zero, K);
+          body->damping(0, zero, zero, C);
+          once->motion.emplace(mechanical_part(body->mass(), K, C), force, body->y0());
+        });
+        return once->motion->at(static_cast<double>(t)).cast<long double>();
+      };
+}
+
+/// Beyond this the eigenvectors of a dense matrix take minutes.
+constexpr Eigen::Index most_modal_dofs = 1500;
+
+}  // namespace
+
+std::span<const std::string_view> tissue_models() { return models; }
+std::span<const std::string_view> tissue_loads() { return loads; }
+
+std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load) {
+  return fmt::format("{}{}@{}", model.empty() ? models.front() : model,
+                     load.empty() || load == loads.front() ? "" : fmt::format("/{}", load), mesh);
+}
+
+bool is_tissue_id(std::string_view id) { return id.find('@') != std::string_view::npos; }
+
+Problem make_tissue_problem(const std::string& name, const ProblemSettings& settings) {
+  const TissueId id(name);
+  require_known("model", id.model, models);
+  require_known("load", id.load, loads);
+  if (!settings.y0.empty())
+    throw InputError("--y0 is not for tissue, which starts at rest; choose what moves it with --load");
+
+  TissueParameters parameters;
+  // A beam is clamped, a liver hangs from the diaphragm, everything else stands.
+  if (id.mesh.starts_with("beam")) parameters.axis = 1;
+  if (id.mesh.starts_with("liver")) parameters.axis = -3;
+  if (!settings.material.empty()) {
+    // The oscillators' names of the same materials serve as well.
+    const TissueSettings made = with_tissue_material(
+        {}, settings.material.starts_with("liver:") ? settings.material : "liver:" + settings.material);
+    parameters.E = made.materials.front().young;
+    parameters.nu = made.materials.front().poisson;
+    parameters.mass = made.total_mass.value();
+    parameters.alpha = made.alpha;
+  }
+  for (const auto& [parameter, value] : settings.parameters) {
+    const auto it =
+        std::ranges::find(parameter_names, parameter, [](const auto& known) { return known.first; });
+    if (it == parameter_names.end()) {
+      std::vector<std::string> known;
+      for (const auto& [each, member] : parameter_names) known.emplace_back(each);
+      throw InputError(
+          fmt::format("unknown parameter '{}' of tissue; {}", parameter, suggestion(parameter, known)));
+    }
+    if (!std::isfinite(value))
+      throw InputError(fmt::format("{} is {}, which is not a finite number", parameter, to_text(value)));
+    parameters.*(it->second) = value;
+  }
+  if (!(parameters.support >= 0 && parameters.support < 1))
+    throw InputError(fmt::format("support is {} but must be a share of the body, at least 0 and below 1",
+                                 to_text(parameters.support)));
+  if (const double axis = std::abs(parameters.axis); axis != 1 && axis != 2 && axis != 3)
+    throw InputError(fmt::format(
+        "axis is {} but must be 1, 2 or 3 for the low end along x, y or z, or -1, -2 or -3 for the high one",
+        to_text(parameters.axis)));
+
+  const TetMesh mesh = load_mesh(id.mesh, settings.unit).mesh;
+  auto body = std::make_shared<const TissueBody>(mesh, settings_of(id, parameters, mesh));
+  Problem problem{.id = tissue_id(id.model, id.mesh, id.load),
+                  .material = settings.material,
+                  .note = fmt::format("{} points, {} tetrahedra, {} degrees of freedom", mesh.point_count(),
+                                      mesh.tetrahedron_count(), body->dofs()),
+                  .parameters = {},
+                  .states = {},
+                  .y0 = body->y0(),
+                  .t_end = 1,
+                  .system = AnySystem(SharedBody{body}),
+                  .body = body};
+  for (const auto& [each, member] : parameter_names)
+    problem.parameters.emplace_back(each, parameters.*member);
+  if (id.model == "fem_cauchy" && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
+    problem.has_exact_solution = true;
+    problem.exact = exact_motion(body);
+  }
+  return problem;
+}
+
+double largest_displacement(const Eigen::VectorXd& q) {
+  return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
+}
+
+StaticModel static_model(const Problem& problem, double load_scale) {
+  const auto body = problem.body;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
+  Eigen::VectorXd load = zero;
+  body->force(0, zero, zero, load);
+  load *= load_scale - 1;
+  return {.dofs = body->dofs(),
+          .force =
+              [body, zero, load](const Eigen::VectorXd& q, Eigen::VectorXd& f) {
+                f.resize(q.size());
+                body->force(0, q, zero, f);
+                f += load;
+              },
+          .stiffness = [body, zero](const Eigen::VectorXd& q,
+                                    StaticModel::Matrix& K) { body->stiffness(0, q, zero, K); }};
+}
+
+}  // namespace hmax

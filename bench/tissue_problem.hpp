@@ -1,0 +1,33 @@
+/// Tissue on meshes as problems of the catalogue: "fem_green@liver", "mass_spring@ball:n=8/press".
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "analysis/static_solution.hpp"
+#include "bench/catalogue.hpp"
+
+namespace hmax {
+
+/// Ids of the models a mesh can be made of, and of what moves it. The first is the default.
+std::span<const std::string_view> tissue_models();
+std::span<const std::string_view> tissue_loads();
+
+/// The id of a problem, MODEL@MESH or MODEL@MESH/LOAD; empty parts are the defaults.
+std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load);
+
+/// Whether `id` is meant to name a tissue problem.
+bool is_tissue_id(std::string_view id);
+
+/// The problem of such an id, at rest at t = 0.
+/// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
+Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
+
+/// The longest displacement of a point [m], q of shape (dofs).
+double largest_displacement(const Eigen::VectorXd& q);
+
+/// The balance of forces of such a problem under a multiple of its load, which must not change with time.
+StaticModel static_model(const Problem& problem, double load_scale);
+
+}  // namespace hmax

@@ -1,0 +1,210 @@
+/// hmax static: where a body comes to rest under a load, and how fast each method finds it.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "analysis/static_solution.hpp"
+#include "bench/timing.hpp"
+#include "bench/tissue_problem.hpp"
+#include "cli/choices.hpp"
+#include "cli/commands.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct StaticOptions {
+  ProblemChoice problem;
+  std::optional<double> load_scale, tolerance, inner_tolerance, relaxation;
+  std::string solver = "newton", linear = "direct", output, iterations, load_steps, frames, per_frame;
+  bool no_line_search = false;
+};
+
+StaticSettings settings_of(const StaticOptions& options) {
+  StaticSettings settings;
+  constexpr std::array<std::string_view, 3> solvers{"newton", "modified_newton", "linear"};
+  const std::string solver = parse_choice("--solver", options.solver, solvers);
+  for (const StaticMethod each : {StaticMethod::linear, StaticMethod::newton, StaticMethod::modified_newton})
+    if (name_of(each) == solver) settings.method = each;
+  constexpr std::array<std::string_view, 3> inner{"direct", "sor", "cg"};
+  const std::string linear = parse_choice("--linear", options.linear, inner);
+  for (const InnerSolver each : {InnerSolver::direct, InnerSolver::sor, InnerSolver::conjugate_gradients})
+    if (name_of(each) == linear) settings.inner = each;
+  const auto count = [](std::string_view name, const std::string& text, int& into) {
+    if (!text.empty()) into = static_cast<int>(std::min<std::int64_t>(parse_count(name, text, 1), 1'000'000));
+  };
+  count("--iterations", options.iterations, settings.iterations);
+  count("--load-steps", options.load_steps, settings.load_steps);
+  settings.tolerance = options.tolerance.value_or(settings.tolerance);
+  settings.inner_tolerance = options.inner_tolerance.value_or(settings.inner_tolerance);
+  settings.relaxation = options.relaxation.value_or(settings.relaxation);
+  settings.line_search = !options.no_line_search;
+  return settings;
+}
+
+void print_frames(const StaticOptions& options, const Problem& problem, const StaticModel& model,
+                  const StaticSettings& settings, Console& console) {
+  int frames = 100, each = 1;
+  if (!options.frames.empty())
+    frames = static_cast<int>(std::min<std::int64_t>(parse_count("--frames", options.frames, 1), 1'000'000));
+  if (!options.per_frame.empty())
+    each = static_cast<int>(
+        std::min<std::int64_t>(parse_count("--pseudo-dynamic", options.per_frame, 1), 1'000'000));
+  const auto rows = pseudo_dynamic(model, settings, frames, each, thread_cpu_seconds);
+  double worst = 0, seconds = 0;
+  for (const StaticFrame& row : rows) {
+    worst = std::max(worst, row.error);
+    seconds = std::max(seconds, row.seconds);
+  }
+  const bool bounded =
+      !rows.empty() && rows.size() == static_cast<std::size_t>(frames) && std::isfinite(worst);
+  if (!bounded) console.exit_code = Exit::failed;
+  if (console.json) {
+    Json list = Json::array();
+    for (const StaticFrame& row : rows)
+      list.push_back(
+          {{"load", row.load}, {"residual", row.residual}, {"error", row.error}, {"seconds", row.seconds}});
+    return console.print_json({{"problem", problem.id},
+                               {"outcome", bounded ? "converged" : "not_converged"},
+                               {"iterations_per_frame", each},
+                               {"largest_error", worst},
+                               {"longest_frame_seconds", seconds},
+                               {"frames", list}});
+  }
+  TextTable table({"load", "residual", "error", "time"});
+  const std::size_t step = std::max<std::size_t>(1, rows.size() / 10);
+  for (std::size_t i = step - 1; i < rows.size(); i += step)
+    table.add({short_number(rows[i].load, 3), short_number(rows[i].residual, 3),
+               short_number(rows[i].error, 3),
+               fmt::format("{} ms", short_number(1000 * rows[i].seconds, 3))});
+  console.print(
+      fmt::format("{}: {} frames with {} iteration{} of {} each\n\n{}\nlargest error {}, longest "
+                  "frame {} ms\n",
+                  problem.id, frames, each, each == 1 ? "" : "s", name_of(settings.method),
+                  table.text(console), short_number(worst, 3), short_number(1000 * seconds, 3)));
+}
+
+void solve(const StaticOptions& options, Console& console) {
+  Problem problem = options.problem.make();
+  if (!problem.body)
+    throw InputError(fmt::format(
+        "{} is no body on a mesh, so there is nothing to find in balance; name one with --mesh", problem.id));
+  if (!problem.body->is_autonomous())
+    throw InputError("this load changes with time; take gravity, press or pull");
+  const double scale = options.load_scale.value_or(1);
+  if (!std::isfinite(scale))
+    throw InputError(fmt::format("--load-scale is {} but must be a finite number", scale));
+  const StaticModel model = static_model(problem, scale);
+  const StaticSettings settings = settings_of(options);
+  if (!options.output.empty()) check_writable(options.output);
+  if (!options.per_frame.empty() || !options.frames.empty())
+    return print_frames(options, problem, model, settings, console);
+
+  const double start = thread_cpu_seconds();
+  const StaticSolution solution = solve_static(model, settings, thread_cpu_seconds);
+  const double seconds = thread_cpu_seconds() - start;
+  const auto [volume, element] = problem.body->least_volume(0, solution.q);
+  const bool inverted = !(volume > 0);
+  const std::string outcome = inverted ? "inverted" : solution.converged ? "converged" : "not_converged";
+  std::string status = solution.note;
+  if (inverted)
+    status += fmt::format("{}element {} is turned inside out: its volume is {} of that at rest",
+                          status.empty() ? "" : "; ", element, short_number(volume, 3));
+  if (outcome != "converged") console.exit_code = Exit::failed;
+
+  if (!options.output.empty()) {
+    Table table;
+    table.notes = {{"problem", problem.id},
+                   {"parameters", describe(problem.parameters)},
+                   {"solver", std::string(name_of(settings.method))},
+                   {"linear", std::string(name_of(settings.inner))}};
+    table.columns = {"iteration", "load step", "residual", "time [s]", "inner iterations"};
+    table.values.resize(table.columns.size());
+    for (std::size_t i = 0; i < solution.history.size(); ++i) {
+      const StaticIterate& row = solution.history[i];
+      const double values[]{static_cast<double>(i), static_cast<double>(row.load_step), row.residual,
+                            row.seconds, static_cast<double>(row.inner)};
+      for (std::size_t k = 0; k < table.columns.size(); ++k) table.values[k].push_back(values[k]);
+    }
+    write_csv(options.output, table);
+  }
+
+  const double energy = problem.body->energy(0, solution.q);
+  if (console.json) {
+    Json residuals = Json::array(), times = Json::array();
+    for (const StaticIterate& row : solution.history) {
+      residuals.push_back(row.residual);
+      times.push_back(row.seconds);
+    }
+    Json parameters = Json::object();
+    for (const auto& [name, value] : problem.parameters) parameters[name] = value;
+    return console.print_json({{"problem", problem.id},
+                               {"material", problem.material.empty() ? Json() : Json(problem.material)},
+                               {"parameters", parameters},
+                               {"load_scale", scale},
+                               {"solver", name_of(settings.method)},
+                               {"linear", name_of(settings.inner)},
+                               {"outcome", outcome},
+                               {"status", status},
+                               {"iterations", solution.iterations},
+                               {"residuals", residuals},
+                               {"times", times},
+                               {"seconds", seconds},
+                               {"max_displacement", largest_displacement(solution.q)},
+                               {"energy", energy},
+                               {"least_volume", volume}});
+  }
+  TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
+  for (std::size_t i = 0; i < solution.history.size(); ++i) {
+    const StaticIterate& row = solution.history[i];
+    if (solution.history.size() > 40 && i > 10 && i + 10 < solution.history.size()) continue;
+    table.add({std::to_string(i), std::to_string(row.load_step), short_number(row.residual, 3),
+               fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
+  }
+  console.print(
+      fmt::format("{} with {}\n{}; {}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n",
+                  problem.id, describe(problem.parameters), problem.note, name_of(settings.method),
+                  name_of(settings.inner), table.text(console), outcome, status.empty() ? "" : ": " + status,
+                  short_number(1000 * largest_displacement(solution.q), 5), short_number(energy, 5)));
+}
+
+}  // namespace
+
+void add_static(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "static", "Where a body on a mesh comes to rest under a load, and how fast it is found",
+      {"hmax static --mesh liver --model fem_green --material liver:male_normal --load gravity",
+       "hmax static --mesh phantom --load press --load-scale 0.5 --solver modified_newton --linear sor",
+       "hmax static --mesh phantom --load press --pseudo-dynamic 1 --frames 50 --json"});
+  auto options = std::make_shared<StaticOptions>();
+  options->problem.add_to(command);
+  const auto text = [&](const std::string& name, std::string& into, const std::string& about,
+                        const std::string& type) { command.add_option(name, into, about)->type_name(type); };
+  add_number(command, "--load-scale", options->load_scale, "Multiplies the load; 1 by default");
+  text("--solver", options->solver, "newton (default), modified_newton or linear", "NAME");
+  text("--linear", options->linear, "How linear systems are solved: direct (default), sor or cg", "NAME");
+  text("--load-steps", options->load_steps, "Bring the load on in so many steps; 1 by default", "NUMBER");
+  text("--iterations", options->iterations, "At most, in each load step; 100 by default", "NUMBER");
+  add_number(command, "--tolerance", options->tolerance,
+             "Residual beside the load at which a balance counts as found; 1e-9 by default");
+  add_number(command, "--linear-tolerance", options->inner_tolerance,
+             "The same of sor and cg; 1e-4 by default");
+  add_number(command, "--relaxation", options->relaxation, "Of sor, between 0 and 2; 1.5 by default");
+  command.add_flag("--no-line-search", options->no_line_search, "Take every step whole");
+  text("--pseudo-dynamic", options->per_frame,
+       "Bring the load on frame by frame, each with so many iterations, and show the error of the frames",
+       "NUMBER");
+  text("--frames", options->frames, "How many frames; 100 by default", "NUMBER");
+  text("--output", options->output, "Write the history of residuals to a CSV file", "FILE");
+  command.callback([options, &console] { solve(*options, console); });
+}
+
+}  // namespace hmax

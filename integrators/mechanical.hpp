@@ -1,0 +1,132 @@
+/// The equations of implicit steps of mechanical systems: n unknowns and a symmetric matrix where packed
+/// states would give 2 n and none.
+#pragma once
+
+#include <algorithm>
+#include <complex>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "integrators/system.hpp"
+
+namespace hmax {
+
+/// The Jacobian of M q'' = F(t, q, v) in its parts, all of n rows:
+///   J = ( 0, I; -M^-1 K, -M^-1 C ),   K = -dF/dq,   C = -dF/dv.
+template <class RealT>
+struct MechanicalJacobian {
+  using Real = RealT;
+  using Scalar = RealT;
+  using Sparse = Eigen::SparseMatrix<Real>;
+  Eigen::Vector<Real, Eigen::Dynamic> mass;  ///< the diagonal of M, shape (n)
+  Sparse stiffness, damping;                 ///< K and C, shape (n, n)
+
+  void swap(MechanicalJacobian& other) {
+    mass.swap(other.mass);
+    stiffness.swap(other.stiffness);
+    damping.swap(other.damping);
+  }
+  friend void swap(MechanicalJacobian& a, MechanicalJacobian& b) { a.swap(b); }
+};
+
+/// I - s J of a mechanical system, reduced to its velocities:
+///   (I - s J)(x, w) = (b, d)   <=>   (M + s C + s^2 K) w = M d - s K b,   x = b + s w.
+/// @tparam Scalar  of s; complex where a method needs complex shifts
+template <class ScalarT>
+struct ShiftedMechanical {
+  using Scalar = ScalarT;
+  using Real = typename Eigen::NumTraits<Scalar>::Real;
+  Scalar s{};
+  Eigen::Vector<Real, Eigen::Dynamic> mass;  ///< shape (n)
+  Eigen::SparseMatrix<Real> stiffness;       ///< K, shape (n, n)
+  Eigen::SparseMatrix<Scalar> reduced;       ///< M + s C + s^2 K, shape (n, n)
+};
+
+namespace detail {
+template <class A, class B>
+bool same_pattern(const A& a, const B& b) {
+  return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() && a.isCompressed() && b.isCompressed() &&
+         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
+         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
+}
+
+/// Copies values alone where the pattern is there already, which it then answers.
+template <class Matrix>
+bool copy_sparse(const Matrix& from, Matrix& to) {
+  const bool same = same_pattern(from, to);
+  if (same)
+    std::copy_n(from.valuePtr(), from.nonZeros(), to.valuePtr());
+  else
+    to = from;
+  to.makeCompressed();
+  return same;
+}
+}  // namespace detail
+
+/// A = diag(m) + c C + k K for sparse C and K, written in place where they have one pattern with a full
+/// diagonal and A has it too.
+template <class Real, class Scalar>
+void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar c,
+                            const Eigen::SparseMatrix<Real>& C, Scalar k, const Eigen::SparseMatrix<Real>& K,
+                            Eigen::SparseMatrix<Scalar>& A) {
+  if (!detail::same_pattern(C, K) || !detail::same_pattern(K, A)) {
+    Eigen::SparseMatrix<Scalar> mass(m.size(), m.size());
+    mass.setIdentity();
+    mass.diagonal() = m.template cast<Scalar>();
+    A = mass + c * C.template cast<Scalar>() + k * K.template cast<Scalar>();
+    A.makeCompressed();
+    return;
+  }
+  for (Eigen::Index j = 0; j < A.cols(); ++j)
+    for (Eigen::Index i = A.outerIndexPtr()[j]; i < A.outerIndexPtr()[j + 1]; ++i) {
+      A.valuePtr()[i] = c * C.valuePtr()[i] + k * K.valuePtr()[i];
+      if (A.innerIndexPtr()[i] == j) A.valuePtr()[i] += m[j];
+    }
+}
+
+template <class Real, class Scalar>
+void set_shifted(const MechanicalJacobian<Real>& J, Scalar s, ShiftedMechanical<Scalar>& A) {
+  A.s = s;
+  A.mass = J.mass;
+  detail::copy_sparse(J.stiffness, A.stiffness);
+  set_sparse_combination<Real, Scalar>(J.mass, s, J.damping, s * s, J.stiffness, A.reduced);
+}
+
+namespace detail {
+template <class T>
+inline constexpr bool is_mechanical = false;
+template <class Real>
+inline constexpr bool is_mechanical<MechanicalJacobian<Real>> = true;
+
+/// Whether a system of this type may write sparse K and C, and how its equations are then kept.
+template <class Sys>
+struct EquationsType {
+  using type = jacobian_type<Sys>;
+};
+template <SecondOrderSystem Sys>
+requires std::is_base_of_v < Eigen::SparseMatrixBase<typename Sys::DofMatrix>,
+typename Sys::DofMatrix > struct EquationsType<Sys> {
+  using type = MechanicalJacobian<real_of<typename Sys::State>>;
+};
+template <class Real>
+using DenseOrSparse =
+    std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>>;
+template <SecondOrderSystem Sys>
+requires std::is_same_v<typename Sys::DofMatrix, DenseOrSparse<real_of<typename Sys::State>>>
+struct EquationsType<Sys> {
+  using Real = real_of<typename Sys::State>;
+  using type = std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>,
+                            MechanicalJacobian<Real>>;
+};
+}  // namespace detail
+
+/// The type in which a method that solves equations keeps the Jacobian of a system: jacobian_type, or for
+/// second-order systems with sparse matrices their parts.
+template <class Sys>
+using equations_type = typename detail::EquationsType<Sys>::type;
+
+}  // namespace hmax

@@ -1,0 +1,134 @@
+#include "analysis/static_solution.hpp"
+
+#include <gtest/gtest.h>
+
+#include "results/errors.hpp"
+#include "tests/integrators/motion.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+double no_clock() { return 0; }
+
+/// A chain of springs under a force at every mass.
+StaticModel pulled_chain(Index n, double k3, double force, double tie = 0) {
+  const Chain<VectorXd, Sparse> chain{n, 5, k3, 0, 0};
+  const VectorXd zero = VectorXd::Zero(n);
+  return {.dofs = n,
+          .force =
+              [=](const VectorXd& q, VectorXd& f) {
+                f.resize(n);
+                chain.force(0, q, zero, f);
+                f.array() += force;
+                f[0] -= tie * q[0];
+              },
+          .stiffness =
+              [=](const VectorXd& q, Sparse& K) {
+                chain.stiffness(0, q, zero, K);
+                K.coeffRef(0, 0) += tie;
+              }};
+}
+
+/// Spring i carries the load of the masses beyond it: k e + k3 e^3 = (n - i) F.
+VectorXd expected(Index n, double k3, double force) {
+  VectorXd q(n);
+  double sum = 0;
+  for (Index i = 0; i < n; ++i) {
+    const double load = force * static_cast<double>(n - i);
+    double e = load / 5;
+    for (int k = 0; k < 100; ++k) e -= (5 * e + k3 * e * e * e - load) / (5 + 3 * k3 * e * e);
+    q[i] = sum += e;
+  }
+  return q;
+}
+
+TEST(StaticSolution, IsFoundByEveryMethodAndSolver) {
+  const StaticModel model = pulled_chain(12, 0.2, 0.1);
+  const VectorXd q = expected(12, 0.2, 0.1);
+  for (const StaticMethod method : {StaticMethod::newton, StaticMethod::modified_newton})
+    for (const InnerSolver inner : {InnerSolver::direct, InnerSolver::sor, InnerSolver::conjugate_gradients})
+      for (const int steps : {1, 3}) {
+        const StaticSolution found = solve_static(
+            model, {.method = method, .inner = inner, .iterations = 500, .load_steps = steps}, no_clock);
+        EXPECT_TRUE(found.converged) << name_of(method) << ' ' << name_of(inner) << found.note;
+        EXPECT_LT((found.q - q).norm(), 1e-7 * q.norm()) << name_of(method) << ' ' << name_of(inner);
+        EXPECT_EQ(found.history.size(), static_cast<std::size_t>(found.iterations + steps));
+      }
+}
+
+TEST(StaticSolution, ConvergesQuadraticallyOnlyWithTheTangentOfEveryIterate) {
+  const StaticModel model = pulled_chain(6, 1, 1);
+  const StaticSolution newton = solve_static(model, {}, no_clock);
+  const StaticSolution modified =
+      solve_static(model, {.method = StaticMethod::modified_newton, .iterations = 1000}, no_clock);
+  ASSERT_TRUE(newton.converged && modified.converged);
+  EXPECT_LT(newton.iterations, 15);
+  EXPECT_GT(modified.iterations, 2 * newton.iterations);
+  const auto& last = newton.history;
+  EXPECT_LT(last[last.size() - 1].residual, 100 * std::pow(last[last.size() - 2].residual, 2) + 1e-14);
+}
+
+TEST(StaticSolution, OfALinearModelIsOneSystem) {
+  const StaticSolution found =
+      solve_static(pulled_chain(9, 0, 2), {.method = StaticMethod::linear}, no_clock);
+  EXPECT_TRUE(found.converged);
+  EXPECT_EQ(found.iterations, 1);
+  EXPECT_LT((found.q - expected(9, 0, 2)).norm(), 1e-12 * found.q.norm());
+  EXPECT_LT(found.history.back().residual, 1e-12);
+  // What a linear solution leaves out of a nonlinear model shows in its residual.
+  EXPECT_GT(
+      solve_static(pulled_chain(9, 1, 2), {.method = StaticMethod::linear}, no_clock).history.back().residual,
+      1);
+}
+
+TEST(StaticSolution, SaysWhyThereIsNone) {
+  // Springs that soften bear no more than (2/3) k sqrt(k / (3 |k3|)).
+  const StaticSolution torn = solve_static(pulled_chain(3, -1, 3), {}, no_clock);
+  EXPECT_FALSE(torn.converged);
+  EXPECT_FALSE(torn.note.empty());
+  EXPECT_TRUE(torn.q.allFinite());
+  // The first spring holds the whole chain; without it nothing does.
+  const StaticSolution adrift = solve_static(pulled_chain(3, 0, 1, -5), {}, no_clock);
+  EXPECT_FALSE(adrift.converged);
+  EXPECT_NE(adrift.note.find("supports"), std::string::npos) << adrift.note;
+  const StaticSolution tired =
+      solve_static(pulled_chain(400, 0, 1), {.inner = InnerSolver::sor, .inner_iterations = 5}, no_clock);
+  EXPECT_FALSE(tired.converged);
+  EXPECT_NE(tired.note.find("sor"), std::string::npos) << tired.note;
+}
+
+TEST(StaticSolution, WithoutALoadIsRest) {
+  const StaticSolution found = solve_static(pulled_chain(4, 1, 0), {}, no_clock);
+  EXPECT_TRUE(found.converged);
+  EXPECT_EQ(found.q, VectorXd::Zero(4));
+}
+
+TEST(StaticSolution, RefusesSettingsOutOfRange) {
+  const StaticModel model = pulled_chain(4, 1, 1);
+  EXPECT_THROW(solve_static(model, {.tolerance = 0}, no_clock), InputError);
+  EXPECT_THROW(solve_static(model, {.load_steps = 0}, no_clock), InputError);
+  EXPECT_THROW(solve_static(model, {.relaxation = 2}, no_clock), InputError);
+  EXPECT_THROW(pseudo_dynamic(model, {}, 0, 1, no_clock), InputError);
+}
+
+TEST(PseudoDynamic, FollowsTheLoadTheBetterTheMoreIterationsAFrameHas) {
+  const StaticModel model = pulled_chain(8, 1, 0.5);
+  const auto worst = [&](int iterations) {
+    double most = 0;
+    for (const StaticFrame& frame :
+         pseudo_dynamic(model, {.method = StaticMethod::modified_newton}, 20, iterations, no_clock))
+      most = std::max(most, frame.error);
+    return most;
+  };
+  const auto frames = pseudo_dynamic(model, {}, 20, 2, no_clock);
+  ASSERT_EQ(frames.size(), 20u);
+  EXPECT_EQ(frames.back().load, 1);
+  EXPECT_GT(worst(1), 2 * worst(3));
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,134 @@
+/// Bodies on meshes as problems: every method steps them, and linear ones move as their modes say.
+#include "bench/tissue_problem.hpp"
+
+#include <gtest/gtest.h>
+
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::VectorXd;
+
+RunRecord run(const Problem& problem, const std::string& method, RunSpec spec) {
+  return find_method(method).bind(problem).run(spec, {});
+}
+
+/// A small cube that is pressed hard enough to show what is not linear, and damped.
+Problem pressed_cube(const std::string& model) {
+  return make_problem(
+      model + "/press@cube:n=2",
+      {.material = {}, .parameters = {{"E", 4000}, {"force", 0.5}, {"alpha", 2}, {"beta", 1e-3}}, .y0 = {}});
+}
+
+TEST(TissueProblem, IsSteppedByEveryMethodToTheSameEnd) {
+  const Problem problem = pressed_cube("fem_green");
+  ASSERT_GT(problem.body->dofs(), 30);
+  constexpr double t_end = 0.02;
+  const VectorXd expected =
+      run(problem, "dop_853", {.t_end = t_end, .adaptive = true, .rtol = 1e-11, .atol = 1e-14}).y;
+  const double size = expected.head(problem.body->dofs()).cwiseAbs().maxCoeff();
+  ASSERT_GT(size, 1e-5);
+  for (const Method& method : choose_methods({"all"}, {problem})) {
+    RunSpec spec{.t_end = t_end, .h = 2.5e-4};
+    if (!method.fixed_step) spec = {.t_end = t_end, .adaptive = true, .rtol = 1e-6, .atol = 1e-9};
+    const RunRecord end = method.bind(problem).run(spec, {});
+    ASSERT_EQ(end.outcome, Outcome::reached_end) << method.id << ' ' << end.t << ' ' << end.note;
+    // First-order methods err by a few per cent at this step.
+    const double error = (end.y - expected).head(problem.body->dofs()).cwiseAbs().maxCoeff() / size;
+    EXPECT_LT(error, method.order == 1 ? 0.05 : 5e-3) << method.id;
+  }
+}
+
+TEST(TissueProblem, OfSmallStrainMovesAsTheSumOfItsModes) {
+  for (const double beta : {0.0, 1e-3}) {
+    const Problem problem = make_problem(
+        "fem_cauchy@cube:n=2", {.material = "liver:male_normal", .parameters = {{"beta", beta}}, .y0 = {}});
+    ASSERT_TRUE(problem.has_exact_solution);
+    const Reference reference = make_reference(problem, 0.3);
+    const VectorXd exact = reference.at(0.3);
+    const VectorXd found =
+        run(problem, "dop_853", {.t_end = 0.3, .adaptive = true, .rtol = 1e-12, .atol = 1e-14}).y;
+    EXPECT_LT((found - exact).norm(), 1e-8 * exact.norm()) << beta;
+    const VectorXd implicit = run(problem, "radau_iia_5", {.t_end = 0.3, .h = 1e-3}).y;
+    EXPECT_LT((implicit - exact).norm(), 1e-5 * exact.norm()) << beta;
+  }
+}
+
+TEST(TissueProblem, HasOneMotionWhateverSolvesItsEquations) {
+  const Problem problem = pressed_cube("fem_neo_hookean");
+  const auto end = [&](std::string_view solver) {
+    return run(problem, "newmark", {.t_end = 0.05, .h = 1e-3, .linear_solve = linear_solve_from(solver)}).y;
+  };
+  const VectorXd direct = end("direct");
+  EXPECT_LT((end("cg") - direct).norm(), 1e-8 * direct.norm());
+  EXPECT_LT((end("auto") - direct).norm(), 1e-8 * direct.norm());
+}
+
+TEST(TissueProblem, TakesTheMaterialsOfTheStudy) {
+  const Problem problem =
+      make_problem("fem_green@phantom", {.material = "liver:female_fat:heavy", .parameters = {}, .y0 = {}});
+  EXPECT_NEAR(problem.body->point_mass().sum(), problem.body->settings().total_mass.value(), 1e-12);
+  EXPECT_EQ(problem.material, "liver:female_fat:heavy");
+  // The oscillators' name means the same material, and what is set beside it counts.
+  const Problem same = make_problem("fem_green@phantom",
+                                    {.material = "female_fat:heavy", .parameters = {{"alpha", 0}}, .y0 = {}});
+  EXPECT_EQ(same.body->settings().materials.front().young, problem.body->settings().materials.front().young);
+  EXPECT_EQ(same.body->settings().alpha, 0);
+  EXPECT_GT(problem.body->settings().alpha, 0);
+}
+
+TEST(TissueProblem, HoldsTheShareOfTheBodyThatIsAskedFor) {
+  const auto dofs = [](double support, double axis) {
+    return make_problem("fem_green@cube:n=4",
+                        {.material = {}, .parameters = {{"support", support}, {"axis", axis}}, .y0 = {}})
+        .body->dofs();
+  };
+  EXPECT_EQ(dofs(0, 3), 3 * 125);
+  EXPECT_EQ(dofs(0.1, 1), 3 * 100);
+  EXPECT_EQ(dofs(0.3, 2), 3 * 75);
+}
+
+TEST(TissueProblem, SaysWhatIsWrongWithItsName) {
+  const auto complaint = [](const std::string& id, ProblemSettings settings = {}) -> std::string {
+    try {
+      make_problem(id, settings);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(complaint("fem_gren@liver").find("fem_green"), std::string::npos);
+  EXPECT_NE(complaint("fem_green/prss@liver").find("press"), std::string::npos);
+  EXPECT_NE(complaint("fem_green@livre").find("liver"), std::string::npos);
+  EXPECT_NE(complaint("fem_green@cube", {.material = {}, .parameters = {{"nu", 0.5}}, .y0 = {}}).find("0.5"),
+            std::string::npos);
+  EXPECT_NE(complaint("fem_green@cube", {.material = {}, .parameters = {{"Nu", 0.4}}, .y0 = {}}).find("nu"),
+            std::string::npos);
+  EXPECT_NE(
+      complaint("fem_green@cube", {.material = {}, .parameters = {{"support", 1}}, .y0 = {}}).find("share"),
+      std::string::npos);
+  EXPECT_NE(
+      complaint("fem_green@cube", {.material = "male_fatt", .parameters = {}, .y0 = {}}).find("male_fat"),
+      std::string::npos);
+  EXPECT_NE(complaint("fem_green@cube", {.material = {}, .parameters = {}, .y0 = {1}}).find("--y0"),
+            std::string::npos);
+}
+
+TEST(TissueBalance, IsWhereTheMotionComesToRest) {
+  const Problem problem = make_problem(
+      "fem_green/press@cube:n=2",
+      {.material = {}, .parameters = {{"E", 4000}, {"force", 0.5}, {"alpha", 20}, {"beta", 0.02}}, .y0 = {}});
+  const StaticSolution rest = solve_static(static_model(problem, 1), {}, [] { return 0.0; });
+  ASSERT_TRUE(rest.converged) << rest.note;
+  const VectorXd late = run(problem, "implicit_euler", {.t_end = 20, .h = 0.05}).y;
+  EXPECT_LT((late.head(rest.q.size()) - rest.q).norm(), 1e-6 * rest.q.norm());
+  // Twice the load moves a stiffening body less than twice as far, and not at all alike.
+  const StaticSolution twice = solve_static(static_model(problem, 2), {}, [] { return 0.0; });
+  ASSERT_TRUE(twice.converged) << twice.note;
+  EXPECT_GT((twice.q - 2 * rest.q).norm(), 1e-3 * rest.q.norm());
+}
+
+}  // namespace
+}  // namespace hmax

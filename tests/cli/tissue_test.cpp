@@ -1,0 +1,82 @@
+/// Bodies on meshes at the command line.
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+Json json_of(const std::string& arguments) {
+  const Told told = Shell{}.hmax(arguments);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  return told.json();
+}
+
+void expect_refusal(const std::string& arguments, const std::string& named) {
+  expect_refused(Shell{}.hmax(arguments), named);
+}
+
+TEST(TissueRun, SaysHowFarTheBodyMovedAndWithFullWhere) {
+  const std::string common =
+      "run --mesh phantom --model fem_green --material liver:male_normal --method linearly_implicit_euler --h "
+      "0.01 --t-end 0.1 --json";
+  const Json brief = json_of(common);
+  EXPECT_EQ(brief.at("problem"), "fem_green@phantom");
+  EXPECT_EQ(brief.at("material"), "liver:male_normal");
+  EXPECT_EQ(brief.at("outcome"), "reached_end");
+  EXPECT_GT(brief.at("max_displacement").get<double>(), 1e-4);
+  EXPECT_TRUE(brief.at("energy").is_number());
+  EXPECT_FALSE(brief.contains("y"));
+  const Json full = json_of(common + " --full");
+  EXPECT_EQ(full.at("y").size(), 2 * full.at("dofs").get<std::size_t>());
+  EXPECT_EQ(full.at("max_displacement"), brief.at("max_displacement"));
+}
+
+TEST(TissueRun, RefusesWhatBelongsToOtherProblems) {
+  expect_refusal("run --mesh phantom --problem liver_linear --method rk4 --h 0.1", "choose one");
+  expect_refusal("run --model fem_green --method rk4 --h 0.1", "--mesh");
+  expect_refusal("run --mesh phantom --method rk4 --h 0.001 --linear cg", "--linear");
+  expect_refusal("run --mesh phantom --method newmark --h 0.001 --linear cgg", "cg");
+}
+
+TEST(Static, HasTheKeysOfTheContract) {
+  const Json found = json_of(
+      "static --mesh phantom --model fem_green --material liver:male_normal --load press --solver newton --linear "
+      "direct --json");
+  for (const char* key : {"outcome", "iterations", "residuals", "seconds", "max_displacement"})
+    EXPECT_TRUE(found.contains(key)) << key;
+  EXPECT_EQ(found.at("outcome"), "converged");
+  EXPECT_EQ(found.at("residuals").size(), found.at("iterations").get<std::size_t>() + 1);
+  EXPECT_LE(found.at("residuals").back().get<double>(), 1e-9);
+}
+
+TEST(Static, FindsOneBalanceBySeveralWays) {
+  const auto displacement = [](const std::string& how) {
+    const Json found = json_of("static --mesh phantom --load press --json " + how);
+    EXPECT_EQ(found.at("outcome"), "converged") << how;
+    return found.at("max_displacement").get<double>();
+  };
+  const double newton = displacement("");
+  for (const char* how : {"--solver modified_newton", "--linear sor", "--linear cg",
+                          "--solver modified_newton --linear sor", "--load-steps 4"})
+    EXPECT_NEAR(displacement(how), newton, 1e-6 * newton) << how;
+}
+
+TEST(Static, EndsWithOneWhenThereIsNoBalance) {
+  const Told result = Shell{}.hmax("static --mesh phantom --load press --load-scale 1e4 --json");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.json().at("outcome"), "converged");
+  EXPECT_NE(result.json().at("status"), "");
+  expect_refusal("static --problem liver_linear", "--mesh");
+  expect_refusal("static --mesh phantom --load tool", "time");
+}
+
+TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {
+  const Json frames = json_of("static --mesh phantom --load press --pseudo-dynamic 1 --frames 10 --json");
+  EXPECT_EQ(frames.at("frames").size(), 10u);
+  const Json slower = json_of("static --mesh phantom --load press --pseudo-dynamic 3 --frames 10 --json");
+  EXPECT_LT(slower.at("largest_error").get<double>(), frames.at("largest_error").get<double>());
+}
+
+}  // namespace
+}  // namespace hmax
