@@ -55,7 +55,7 @@ struct TissueParameters {
   double alpha = 0, beta = 0;  ///< Rayleigh [1/s], [s]
   double damper = 0;           ///< of springs: c / k [s]
   double g = 9.81;             ///< along -z [m/s^2], under the load gravity
-  double force = 1;            ///< along -z or z, of press and pull [N]
+  double force = 0.5;          ///< towards the held end or away from it, of press and pull [N]
   double depth = 0.01;         ///< that the tool moves into the body in its first half second [m]
   double support = 0.1;        ///< share of the body along the axis that is held
   double axis = 3;             ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
@@ -80,6 +80,7 @@ struct HeldEnd {
   Eigen::Vector3d towards = Eigen::Vector3d::Zero();  ///< unit vector that points from the free end to it
 
   explicit HeldEnd(double axis) { towards[static_cast<int>(std::abs(axis)) - 1] = axis > 0 ? -1 : 1; }
+  explicit HeldEnd(Eigen::Vector3d direction) : towards(std::move(direction)) {}
 
   /// Points within `share` of the extent of the mesh from the held end.
   [[nodiscard]] std::vector<TetMesh::Index> points(const TetMesh& mesh, double share) const {
@@ -91,11 +92,13 @@ struct HeldEnd {
     return held;
   }
 
-  /// The point that is farthest from it.
+  /// The middle one of the points that are farthest from it.
   [[nodiscard]] TetMesh::Index opposite(const TetMesh& mesh) const {
-    TetMesh::Index point = 0;
-    (towards.transpose() * mesh.points).minCoeff(&point);
-    return point;
+    std::vector<TetMesh::Index> far = HeldEnd(-towards).points(mesh, 0.02);
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const TetMesh::Index i : far) middle += mesh.points.col(i) / static_cast<double>(far.size());
+    return *std::ranges::min_element(
+        far, {}, [&](TetMesh::Index i) { return (mesh.points.col(i) - middle).squaredNorm(); });
   }
 };
 

@@ -150,7 +150,7 @@ class JacobianSource {
       write_parts(system, t, y, J);
     } else {
       if constexpr (detail::may_be_mechanical<Matrix>)
-        if (writes_parts_ && system.dofs() > 0 && write_parts(system, t, y, J)) return;
+        if (system.dofs() > 0 && has_sparse_matrices(system)) return write_parts(system, t, y, J);
       if constexpr (DifferentiableSystem<Sys>)
         if (has_jacobian(system))
           return detail::write_as<jacobian_type<Sys>>(J, [&](auto& own) { system.jacobian(t, y, own); });
@@ -179,32 +179,26 @@ class JacobianSource {
   }
 
   /// M, K and C in the place of J.
-  /// @returns false when the system turns out to have dense ones
   template <System Sys>
-  bool write_parts(const Sys& system, Real t, const State& y, Matrix& J) {
+  void write_parts(const Sys& system, Real t, const State& y, Matrix& J) {
     using Parts = MechanicalJacobian<Real>;
     const Eigen::Index n = system.dofs();
     Parts& parts = as<Parts>(J);
     if (parts.mass.size() != n) parts.mass = system.mass();
     positions_ = y.head(n);
     velocities_ = y.tail(n);
-    if constexpr (detail::is_variant<typename Sys::DofMatrix>) {
-      const auto write = [&](auto&& verb, Eigen::SparseMatrix<Real>& into) {
+    const auto write = [](auto&& verb, Eigen::SparseMatrix<Real>& into) {
+      if constexpr (detail::is_variant<typename Sys::DofMatrix>) {
         typename Sys::DofMatrix matrix;
         matrix.template emplace<Eigen::SparseMatrix<Real>>().swap(into);
         verb(matrix);
-        auto* sparse = std::get_if<Eigen::SparseMatrix<Real>>(&matrix);
-        if (sparse != nullptr) into.swap(*sparse);
-        return sparse != nullptr;
-      };
-      writes_parts_ =
-          write([&](auto& K) { system.stiffness(t, positions_, velocities_, K); }, parts.stiffness) &&
-          write([&](auto& C) { system.damping(t, positions_, velocities_, C); }, parts.damping);
-    } else {
-      system.stiffness(t, positions_, velocities_, parts.stiffness);
-      system.damping(t, positions_, velocities_, parts.damping);
-    }
-    return writes_parts_;
+        into.swap(std::get<Eigen::SparseMatrix<Real>>(matrix));
+      } else {
+        verb(into);
+      }
+    };
+    write([&](auto& K) { system.stiffness(t, positions_, velocities_, K); }, parts.stiffness);
+    write([&](auto& C) { system.damping(t, positions_, velocities_, C); }, parts.damping);
   }
 
   /// Components far below the others are moved by what the others would be.

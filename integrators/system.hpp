@@ -81,6 +81,15 @@ concept SecondOrderSystem = System<S> &&
   system.damping(t, q, v, matrix);
 };
 
+/// Whether a second-order system writes sparse K and C; an erased one answers at run time.
+template <SecondOrderSystem S>
+constexpr bool has_sparse_matrices(const S& system) {
+  if constexpr (requires { system.has_sparse_matrices(); })
+    return system.has_sparse_matrices();
+  else
+    return requires(const typename S::DofMatrix& K) { K.outerIndexPtr(); };
+}
+
 /// A system that declares a stiff part, f = stiff + nonstiff, with the Jacobian of the stiff part: IMEX
 /// methods treat it implicitly and the rest explicitly.
 template <class S>

@@ -46,6 +46,7 @@ class BasicAnySystem {
 
   /// 0 when the system is of first order only.
   [[nodiscard]] Eigen::Index dofs() const { return self_->dofs(); }
+  [[nodiscard]] bool has_sparse_matrices() const { return self_->has_sparse_matrices(); }
   [[nodiscard]] Dofs mass() const { return self_->mass(); }
   void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const { self_->force(t, q, v, f); }
   void stiffness(Real t, const Dofs& q, const Dofs& v, DofMatrix& K) const { self_->stiffness(t, q, v, K); }
@@ -75,6 +76,7 @@ class BasicAnySystem {
     virtual bool has_spectral_radius() const = 0;
     virtual Real spectral_radius(Real, const State&) const = 0;
     virtual Eigen::Index dofs() const = 0;
+    virtual bool has_sparse_matrices() const = 0;
     virtual Dofs mass() const = 0;
     virtual void force(Real, const Dofs&, const Dofs&, Dofs&) const = 0;
     virtual void stiffness(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
@@ -211,6 +213,12 @@ class BasicAnySystem {
         return system_.dofs();
       else
         return 0;
+    }
+    bool has_sparse_matrices() const override {
+      if constexpr (second_order)
+        return std::is_base_of_v<Eigen::SparseMatrixBase<typename S::DofMatrix>, typename S::DofMatrix>;
+      else
+        return false;
     }
     Dofs mass() const override {
       if constexpr (second_order)
