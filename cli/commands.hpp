@@ -1,5 +1,5 @@
-/// The subcommands of `hmax`, one source file each, which parses and prints; reproduce_oscillators alone also
-/// composes a report.
+/// The subcommands of `hmax`, one source file each, which parses and prints; reproduce_* also compose
+/// reports.
 ///
 /// add_NAME() adds the subcommand to the application. Its callback runs after parsing; it reports bad input
 /// by throwing InputError and a check that failed by console.exit_code.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "bench/mesh_choice.hpp"
+#include "cli/body_picture.hpp"
 #include "cli/commands.hpp"
 #include "problems/tissue/loads.hpp"
 #include "problems/tissue/materials.hpp"
@@ -38,6 +39,7 @@ struct MeshOptions {
   // Of SOFA's scenes.
   std::string model = "fem_corotational", material, gravity, support;
   std::optional<double> h;
+  PictureChoice picture;
 
   [[nodiscard]] std::optional<double> metres() const {
     return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
@@ -73,6 +75,7 @@ std::map<TetMesh::Index, std::pair<Eigen::Index, double>> regions_of(const TetMe
 }
 
 void info(const MeshOptions& options, Console& console) {
+  options.picture.check();
   OpenedMesh opened = open_mesh(options.mesh);
   const std::optional<double> unit = unit_of(opened, options);
   TetMesh& mesh = opened.file.mesh;
@@ -81,6 +84,18 @@ void info(const MeshOptions& options, Console& console) {
   const MeshQuality quality = quality_of(mesh);
   const MeshDefects defects = defects_of(mesh);
   const auto regions = regions_of(mesh);
+  if (options.picture.wanted())
+    options.picture.write(
+        {.title = options.mesh,
+         .caption =
+             fmt::format("{} points, {} tetrahedra, {} triangles on the surface, {} cm³; mean ratio {} at "
+                         "worst, {} on average: 1 for the regular tetrahedron, 0 for a flat one.{}",
+                         topology.points, topology.tetrahedra, topology.surface_triangles,
+                         short_number(1e6 * quality.volume, 4), short_number(quality.min_mean_ratio, 3),
+                         short_number(quality.average_mean_ratio, 3),
+                         unit ? "" : " The unit of the file is not stated, and taken as metres."),
+         .colours = mesh_quality_colours(),
+         .views = {mesh_view(mesh)}});
 
   if (console.json) {
     Json list = Json::array();
@@ -116,6 +131,7 @@ void info(const MeshOptions& options, Console& console) {
              {"shortest_edge", quality.shortest_edge},
              {"longest_edge", quality.longest_edge},
              {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
+             {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
              {"regions", list}});
   }
   std::string text =
@@ -368,9 +384,11 @@ void add_mesh(CLI::App& app, Console& console) {
   auto options = std::make_shared<MeshOptions>();
   CLI::App& info_command =
       add_command(group, console, "info", "Show the counts of a mesh, its surface, size and quality",
-                  {"hmax mesh info liver", "hmax mesh info ball:n=6:refine=1 --json"});
+                  {"hmax mesh info liver", "hmax mesh info ball:n=6:refine=1 --json",
+                   "hmax mesh info liver --picture results/runs/liver.svg"});
   add_mesh_argument(info_command, *options);
   add_unit(info_command, *options);
+  options->picture.add_to(info_command, "Draw the surface, coloured by the worst tetrahedron nearby", false);
   info_command.callback(with_sentences(info, options, console));
 
   CLI::App& check_command =

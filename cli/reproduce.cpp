@@ -12,6 +12,7 @@
 #include "cli/commands.hpp"
 #include "cli/reproduce_oscillators.hpp"
 #include "cli/reproduce_stability.hpp"
+#include "cli/reproduce_tissue.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {
@@ -100,11 +101,37 @@ void stability_study(const std::filesystem::path& folder, Console& console) {
       report.string()));
 }
 
+void tissue_study(const std::filesystem::path& folder, Console& console) {
+  const auto& interrupted = interrupt_flag();
+  TissueStudy study;
+  {
+    Progress progress(console, "tissue");
+    study = reproduce_tissue(folder, summary(fingerprint()), [&](double share, const std::string& what) {
+      if (interrupted) throw Interrupted{};
+      progress.update(share, what);
+    });
+  }
+  if (study.unsolved > 0) console.exit_code = Exit::failed;
+  if (console.json)
+    return console.print_json({{"report", study.report.string()},
+                               {"force_ratio", study.force_ratio},
+                               {"step_ratio", study.step_ratio},
+                               {"deflection_springs", study.deflection_springs},
+                               {"deflection_elements", study.deflection_elements},
+                               {"unsolved", study.unsolved}});
+  console.print(fmt::format(
+      "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under the same load the "
+      "liver gives way by {:.3g} mm with springs and {:.3g} mm with finite elements.\nOpen {}\n",
+      study.force_ratio, study.step_ratio, 1000 * study.deflection_springs, 1000 * study.deflection_elements,
+      study.report.string()));
+}
+
 }  // namespace
 
 void add_reproduce(CLI::App& app, Console& console) {
-  CLI::App& reproduce = add_command(app, console, "reproduce", "Do a published study again, figure by figure",
-                                    {"hmax reproduce oscillators", "hmax reproduce stability"});
+  CLI::App& reproduce =
+      add_command(app, console, "reproduce", "Do a published study again, figure by figure",
+                  {"hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
   reproduce.require_subcommand(1);
   CLI::App& oscillators = add_command(reproduce, console, "oscillators",
                                       "Every figure and table of the liver oscillator study, in one folder",
@@ -145,6 +172,14 @@ void add_reproduce(CLI::App& app, Console& console) {
   auto limits_folder = std::make_shared<std::string>("results/runs/stability");
   stability.add_option("--output", *limits_folder, "Folder of the report")->capture_default_str();
   stability.callback([&console, limits_folder] { stability_study(*limits_folder, console); });
+
+  CLI::App& tissue = add_command(
+      reproduce, console, "tissue",
+      "Springs and finite elements on the phantom and the liver: pictures, solvers, costs, modes, a tool",
+      {"hmax reproduce tissue --output results/runs/tissue"});
+  auto tissue_folder = std::make_shared<std::string>("results/runs/tissue");
+  tissue.add_option("--output", *tissue_folder, "Folder of the report")->capture_default_str();
+  tissue.callback([&console, tissue_folder] { tissue_study(*tissue_folder, console); });
 }
 
 }  // namespace hmax

@@ -8,6 +8,7 @@
 #include "bench/catalogue.hpp"
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"
+#include "cli/body_picture.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "integrators/control.hpp"
@@ -31,6 +32,7 @@ struct RunOptions {
   std::optional<double> h, rtol, atol, t_end, every;
   std::string control, jacobian, linear, output, max_steps;
   bool full = false;
+  PictureChoice picture;
 };
 
 RunSpec spec_of(const RunOptions& options, const Problem& problem) {
@@ -271,7 +273,27 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   return text;
 }
 
+/// The body where the run ended.
+BodyPicture picture_of(const RunOptions& options, const Problem& problem, const Method& method,
+                       const RunSpec& spec, const RunRecord& record) {
+  const TissueBody& body = *problem.body;
+  const Eigen::VectorXd q = record.y.head(body.dofs());
+  const BodyValue value = options.picture.value();
+  BodyPicture picture{
+      .title = fmt::format("{}{} after {} s: {} mm at most", problem.id,
+                           problem.material.empty() ? "" : " of " + problem.material,
+                           short_number(record.t, 4), short_number(1000 * largest_displacement(q), 3)),
+      .caption =
+          fmt::format("{}; {}. {}, {}.", problem.note, describe(problem.parameters), method.id,
+                      spec.adaptive ? fmt::format("rtol {}, atol {}", to_text(spec.rtol), to_text(spec.atol))
+                                    : fmt::format("h = {} s", to_text(spec.h))),
+      .views = {body_view(body, record.t, q, value)}};
+  picture.colours = colours_of(value, picture.views);
+  return picture;
+}
+
 void run(const RunOptions& options, Console& console) {
+  options.picture.check();
   const Problem problem = options.problem.make();
   const Method method = options.method.make();
   const RunSpec spec = spec_of(options, problem);
@@ -283,14 +305,23 @@ void run(const RunOptions& options, Console& console) {
   if (!options.linear.empty() && !method.needs_jacobian)
     throw InputError(fmt::format("{} solves no equations; leave --linear out", method.id));
   check_output(options, spec);
+  if (options.picture.wanted() && !problem.body)
+    throw InputError(fmt::format(
+        "{} is no body on a mesh, so there is nothing to draw; leave --picture out, or name a mesh with --mesh",
+        problem.id));
 
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
   std::optional<std::size_t> points;
   if (!options.output.empty()) points = write_points(options, spec, problem, method, runner);
 
+  const bool drawn = options.picture.wanted() && result.record.outcome != Outcome::diverged;
+  if (drawn) options.picture.write(picture_of(options, problem, method, spec, result.record));
+  if (options.picture.wanted() && !drawn) console.remark("what has diverged has no shape to draw");
+
   if (console.json) {
     Json document = to_json(problem, method, spec, result, options.full);
+    if (problem.body) document["picture"] = drawn ? Json(options.picture.file) : Json();
     if (points) {
       document["output"] = options.output;
       document["points"] = *points;
@@ -311,6 +342,8 @@ void add_run(CLI::App& app, Console& console) {
       {"hmax run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10",
        "hmax run --problem liver_benchmark --material female_fat:heavy --method rk4 --h 0.05",
        "hmax run --mesh phantom --model fem_green --method linearly_implicit_euler --h 0.01 --t-end 0.2",
+       "hmax run --mesh phantom --load tool --method linearly_implicit_euler --h 0.01 --t-end 0.6 --picture "
+       "results/runs/tool.svg",
        "hmax run --problem liver_linear --set c=6 --y0 0.1,0 --method ode45 --rtol 1e-3 --atol 1e-6 "
        "--control matlab --output motion.csv --every 0.1"});
   auto options = std::make_shared<RunOptions>();
@@ -332,6 +365,7 @@ void add_run(CLI::App& app, Console& console) {
       ->type_name("SOLVER");
   command.add_flag("--full", options->full,
                    "With --json and a mesh: the whole end state, not its largest displacement alone");
+  options->picture.add_to(command, "With a mesh: draw the body where the run ends");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   command.add_option("--output", options->output, "Write the motion to a CSV file, outside the clock")
       ->type_name("FILE");

@@ -9,8 +9,10 @@
 #include "analysis/static_solution.hpp"
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"
+#include "cli/body_picture.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
+#include "cli/static_comparison.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/table.hpp"
@@ -26,6 +28,8 @@ struct StaticOptions {
   std::optional<double> load_scale, tolerance, inner_tolerance, relaxation;
   std::string solver = "newton", linear = "direct", output, iterations, load_steps, frames, per_frame;
   bool no_line_search = false;
+  std::string compare;
+  PictureChoice picture;
 };
 
 StaticSettings settings_of(const StaticOptions& options) {
@@ -92,7 +96,64 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                   table.text(console), short_number(worst, 3), short_number(1000 * seconds, 3)));
 }
 
+/// Every solver on the same balance: a table, and the figure of their residuals.
+void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
+                      const StaticSettings& settings, Console& console) {
+  const std::vector<StaticWay> ways = all_ways(model, settings);
+  const FigureFiles figure =
+      draw(residual_figure(ways, fmt::format("{}: residuals of static solvers", problem.id),
+                           fmt::format("{}; {}", problem.note, describe(problem.parameters))),
+           options.compare, "residuals");
+  if (std::ranges::none_of(ways, [](const StaticWay& way) { return way.solution.converged; }))
+    console.exit_code = Exit::failed;
+  Json list = Json::array();
+  TextTable table({"solver", "linear", "iterations", "residual", "time", "outcome"});
+  for (const StaticWay& way : ways) {
+    const StaticSolution& solution = way.solution;
+    const std::string outcome = solution.converged ? "converged" : "not_converged";
+    const double residual = solution.history.back().residual;
+    list.push_back({{"solver", name_of(way.method)},
+                    {"linear", name_of(way.inner)},
+                    {"outcome", outcome},
+                    {"status", solution.note},
+                    {"iterations", solution.iterations},
+                    {"residual", residual},
+                    {"seconds", way.seconds()}});
+    table.add({std::string(name_of(way.method)), std::string(name_of(way.inner)),
+               std::to_string(solution.iterations), short_number(residual, 3),
+               fmt::format("{} ms", short_number(1000 * way.seconds(), 3)), outcome});
+  }
+  const std::string file = figure.base.string() + ".svg";
+  if (console.json)
+    return console.print_json(
+        {{"problem", problem.id}, {"ways", list}, {"figure", figure.drawn() ? Json(file) : Json()}});
+  console.print(fmt::format("{} with {}\n{}\n\n{}", problem.id, describe(problem.parameters), problem.note,
+                            table.text(console)));
+  if (figure.drawn())
+    console.print(fmt::format("\nThe figure: {}\n", file));
+  else
+    console.remark(figure.problem);
+}
+
+/// The body in balance.
+BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
+                       const StaticSolution& solution, const std::string& outcome) {
+  const BodyValue value = options.picture.value();
+  BodyPicture picture{
+      .title = fmt::format("{}{}: {}{} mm at most", problem.id,
+                           problem.material.empty() ? "" : " of " + problem.material,
+                           outcome == "converged" ? "" : outcome + ", ",
+                           short_number(1000 * largest_displacement(solution.q), 3)),
+      .caption = fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
+                             describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
+                             settings.load_steps, settings.load_steps == 1 ? "" : "s"),
+      .views = {body_view(*problem.body, 0, solution.q, value)}};
+  picture.colours = colours_of(value, picture.views);
+  return picture;
+}
+
 void solve(const StaticOptions& options, Console& console) {
+  options.picture.check();
   Problem problem = options.problem.make();
   if (!problem.body)
     throw InputError(fmt::format(
@@ -105,8 +166,11 @@ void solve(const StaticOptions& options, Console& console) {
   const StaticModel model = static_model(problem, scale);
   const StaticSettings settings = settings_of(options);
   if (!options.output.empty()) check_writable(options.output);
-  if (!options.per_frame.empty() || !options.frames.empty())
-    return print_frames(options, problem, model, settings, console);
+  const bool frames = !options.per_frame.empty() || !options.frames.empty();
+  if ((frames || !options.compare.empty()) && options.picture.wanted())
+    throw InputError("a picture shows one balance; leave --pseudo-dynamic, --frames and --compare out");
+  if (!options.compare.empty()) return print_comparison(options, problem, model, settings, console);
+  if (frames) return print_frames(options, problem, model, settings, console);
 
   const double start = thread_cpu_seconds();
   const StaticSolution solution = solve_static(model, settings, thread_cpu_seconds);
@@ -137,6 +201,9 @@ void solve(const StaticOptions& options, Console& console) {
     write_csv(options.output, table);
   }
 
+  if (options.picture.wanted())
+    options.picture.write(picture_of(options, problem, settings, solution, outcome));
+
   const double energy = problem.body->energy(0, solution.q);
   if (console.json) {
     Json residuals = Json::array(), times = Json::array();
@@ -160,7 +227,8 @@ void solve(const StaticOptions& options, Console& console) {
                                {"seconds", seconds},
                                {"max_displacement", largest_displacement(solution.q)},
                                {"energy", energy},
-                               {"least_volume", volume}});
+                               {"least_volume", volume},
+                               {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()}});
   }
   TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
   for (std::size_t i = 0; i < solution.history.size(); ++i) {
@@ -183,6 +251,8 @@ void add_static(CLI::App& app, Console& console) {
       app, console, "static", "Where a body on a mesh comes to rest under a load, and how fast it is found",
       {"hmax static --mesh liver --model fem_green --material liver:male_normal --load gravity",
        "hmax static --mesh phantom --load press --load-scale 0.5 --solver modified_newton --linear sor",
+       "hmax static --mesh liver --load press --set force=2 --picture results/runs/pressed_liver.svg",
+       "hmax static --mesh phantom --load press --compare results/runs/static",
        "hmax static --mesh phantom --load press --pseudo-dynamic 1 --frames 50 --json"});
   auto options = std::make_shared<StaticOptions>();
   options->problem.add_to(command);
@@ -204,6 +274,9 @@ void add_static(CLI::App& app, Console& console) {
        "NUMBER");
   text("--frames", options->frames, "How many frames; 100 by default", "NUMBER");
   text("--output", options->output, "Write the history of residuals to a CSV file", "FILE");
+  text("--compare", options->compare,
+       "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
+  options->picture.add_to(command, "Draw the body in balance before its shape at rest");
   command.callback([options, &console] { solve(*options, console); });
 }
 

@@ -206,8 +206,12 @@ std::string arrow(const BodyArrow& force, const Camera& camera, const Placement&
   const SpacePoint seen = camera.seen(scaled_to(force.direction, 1));
   const double shown = std::hypot(seen[0], seen[1]);
   if (shown < 0.05) return "";
-  const auto [x, y] = place.at(camera.seen(force.tip));
   const double dx = seen[0] / shown, dy = -seen[1] / shown, length = 44 * std::max(0.4, shown), head = 11;
+  auto [x, y] = place.at(camera.seen(force.point));
+  if (force.leaves) {
+    x += length * dx;
+    y += length * dy;
+  }
   return fmt::format(
       "<path stroke=\"#ffffff\" stroke-width=\"5\" d=\"M{0:.1f} {1:.1f}L{2:.1f} {3:.1f}\"/><path "
       "stroke=\"#202020\" stroke-width=\"2.4\" d=\"M{0:.1f} {1:.1f}L{2:.1f} {3:.1f}\"/><path fill=\"#202020\" "

@@ -18,10 +18,11 @@ struct BodyTool {
   SpacePoint shaft{0, 0, 1};  ///< where the shaft leads to, any length
 };
 
-/// A force, as an arrow that ends at a point.
+/// A force, as an arrow that ends at a point, or leaves it.
 struct BodyArrow {
-  SpacePoint tip;        ///< [m]
+  SpacePoint point;      ///< [m]
   SpacePoint direction;  ///< any length
+  bool leaves = false;
 };
 
 /// One body, or one state of it.

@@ -1,5 +1,6 @@
 #include "plots/report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <system_error>
@@ -22,6 +23,10 @@ std::string figure_text(const FigureFiles& figure, const std::string& title,
   const std::string base = figure.base.lexically_proximate(folder).generic_string();
   const std::string sources = fmt::format("[script]({0}.gp) · [data]({0}.dat)", base);
   if (!figure.drawn()) return fmt::format("_Not drawn: {}_ · {}\n\n", markdown_text(figure.problem), sources);
+  const bool scripted = figure.made.empty() || std::ranges::any_of(figure.made, [](const auto& file) {
+                          return file.extension() == ".gp";
+                        });
+  if (!scripted) return fmt::format("![{0}]({1}.svg)\n\n", markdown_text(title), base);
   return fmt::format("[![{0}]({1}.png)]({1}.svg)\n\n[SVG]({1}.svg) · [PDF]({1}.pdf) · {2}\n\n",
                      markdown_text(title), base, sources);
 }

@@ -172,7 +172,7 @@ TEST(Bodies, ShowTheShapeAtRestTheSupportsTheForceAndTheTool) {
   view.rest = view.points;
   for (SpacePoint& p : view.points) p[2] *= 0.8;
   view.held = {0, 1, 2, 3};
-  view.arrows = {{{0.05, 0.05, 0.08}, {0, 0, -1}}};
+  view.arrows = {{{0.05, 0.05, 0.08}, {0, 0, -1}, false}};
   const std::string svg = bodies_svg({.views = {view}});
   EXPECT_NE(svg.find("mask=\"url(#rest0m)\""), std::string::npos);
   EXPECT_EQ(count(svg, "r=\"2.4\""), 3U) << "one of the four is behind";

@@ -1,0 +1,30 @@
+/// Ways to a balance of forces beside each other: residuals against iterations and against time.
+#pragma once
+
+#include <vector>
+
+#include "analysis/static_solution.hpp"
+#include "plots/figure.hpp"
+
+namespace hmax {
+
+/// One way, and what came of it.
+struct StaticWay {
+  StaticMethod method;
+  InnerSolver inner;
+  StaticSolution solution;
+
+  /// CPU time up to the last iterate [s].
+  [[nodiscard]] double seconds() const {
+    return solution.history.empty() ? 0 : solution.history.back().seconds;
+  }
+};
+
+/// Newton's method and the modified one, each with every inner solver, from rest; the rest as in `settings`.
+std::vector<StaticWay> all_ways(const StaticModel& model, StaticSettings settings);
+
+/// Their residuals, left against iterations, right against CPU time.
+Figure residual_figure(const std::vector<StaticWay>& ways, const std::string& title,
+                       const std::string& footer);
+
+}  // namespace hmax

@@ -1,0 +1,78 @@
+/// --picture of the commands that know bodies on meshes.
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(Pictures, OfABodyInBalanceShowItsLoadItsSupportsAndItsShapeAtRest) {
+  const Shell shell;
+  const Told told = shell.hmax("static --mesh phantom --load press --picture new/pressed.svg --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.json().at("picture"), "new/pressed.svg");
+  const std::string svg = read_text(shell / "new/pressed.svg");
+  for (const char* part : {"displacement [mm]", ">held<", ">at rest<", ">force<", "57 points", "E=5500"})
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
+  EXPECT_TRUE(shell.hmax("static --mesh phantom --json").json().at("picture").is_null());
+}
+
+TEST(Pictures, ShowEnergiesOfFiniteElementsAndNotOfSprings) {
+  const Shell shell;
+  ASSERT_EQ(shell.hmax("static --mesh phantom --picture a.svg --colour energy_density").exit_code, 0);
+  EXPECT_NE(read_text(shell / "a.svg").find("energy density [J/m³]"), std::string::npos);
+  expect_refused(
+      shell.hmax("static --mesh phantom --model mass_spring --picture b.svg --colour energy_density"),
+      "energy");
+  EXPECT_FALSE(std::filesystem::exists(shell / "b.svg"));
+}
+
+TEST(Pictures, OfTheEndOfARunShowTheTool) {
+  const Shell shell;
+  const std::string run =
+      "run --mesh phantom --load tool --method linearly_implicit_euler --h 0.05 --t-end 0.5 ";
+  const Told told = shell.hmax(run + "--picture tool.svg --from 1,-1,0.3");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const std::string svg = read_text(shell / "tool.svg");
+  EXPECT_NE(svg.find("after 0.5 s"), std::string::npos);
+  ASSERT_EQ(shell.hmax(run + "--picture again.svg").exit_code, 0);
+  EXPECT_NE(svg, read_text(shell / "again.svg")) << "from another side";
+}
+
+TEST(Pictures, OfAMeshShowTheWorstOfItsElements) {
+  const Shell shell;
+  const Told told = shell.hmax("mesh info liver --picture liver.svg --json");
+  EXPECT_EQ(told.json().at("picture"), "liver.svg");
+  const std::string svg = read_text(shell / "liver.svg");
+  EXPECT_NE(svg.find("mean ratio of the worst tetrahedron nearby"), std::string::npos);
+  EXPECT_NE(svg.find("370 triangles on the surface"), std::string::npos);
+}
+
+TEST(Pictures, AreRefusedBeforeTheWorkIsDone) {
+  const Shell shell;
+  expect_refused(shell.hmax("static --mesh phantom --picture a.png"), ".svg");
+  expect_refused(shell.hmax("static --mesh phantom --colour displacement"), "--picture");
+  expect_refused(shell.hmax("static --mesh phantom --picture a.svg --colour red"), "red");
+  expect_refused(shell.hmax("static --mesh phantom --picture a.svg --from 0,0,0"), "--from");
+  expect_refused(shell.hmax("static --mesh phantom --picture a.svg --frames 3"), "--frames");
+  expect_refused(shell.hmax("run --problem liver_linear --method rk4 --h 0.1 --picture a.svg"), "--mesh");
+}
+
+TEST(Statics, AreComparedInATableAndAFigure) {
+  const Shell shell;
+  const Json told = shell.hmax("static --mesh phantom --load press --compare out --json").json();
+  ASSERT_EQ(told.at("ways").size(), 6U);
+  std::size_t newton = 0;
+  for (const Json& way : told.at("ways")) {
+    EXPECT_EQ(way.at("outcome"), "converged") << way;
+    EXPECT_LE(way.at("residual"), 1e-9);
+    // The stiffness of each iterate needs fewer of them than that at rest.
+    if (way.at("linear") != "direct") continue;
+    if (way.at("solver") == "newton") newton = way.at("iterations");
+    if (way.at("solver") == "modified_newton") EXPECT_GT(way.at("iterations"), newton);
+  }
+  EXPECT_TRUE(std::filesystem::exists(shell / "out/residuals.gp"));
+}
+
+}  // namespace
+}  // namespace hmax
