@@ -5,7 +5,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <random>
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SparseLU>
 #include <fmt/format.h>
@@ -20,21 +22,23 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// J d = -f for one J: by sparse elimination where it serves, else in the sense of least squares.
+/// J d = -f for one J, below which the rows of what is conserved may stand: by sparse elimination where it
+/// serves, else in the sense of least squares.
 class Corrections {
  public:
   /// Beyond this, singular sparse matrices are not looked into.
   static constexpr Index most_dense = 1000;
 
-  explicit Corrections(const AnyMatrix& J) {
-    if (is_sparse(J)) {
+  Corrections(const AnyMatrix& J, const MatrixXd& conserved) {
+    if (is_sparse(J) && conserved.cols() == 0) {
       sparse_ = std::make_unique<Eigen::SparseLU<Sparse>>();
       sparse_->compute(std::get<Sparse>(J));
       if (sparse_->info() == Eigen::Success && is_regular()) return;
       sparse_.reset();
       if (rows(J) > most_dense) return;
     }
-    MatrixXd A = dense(J);
+    MatrixXd A(rows(J) + conserved.cols(), rows(J));
+    A << dense(J), conserved.transpose();
     row_ = reciprocal_sizes(A.cwiseAbs().rowwise().maxCoeff());
     A = row_.asDiagonal() * A;
     column_ = reciprocal_sizes(A.cwiseAbs().colwise().maxCoeff().transpose());
@@ -84,13 +88,42 @@ bool all_finite(const AnyMatrix& J) {
   return Eigen::Map<const VectorXd>(sparse.valuePtr(), sparse.nonZeros()).allFinite();
 }
 
+/// Sums w^T y that no motion changes, as the columns of W, shape (n, count): those for which w^T f vanishes
+/// at twice as many states around `y` as there are components.
+/// @param size  of the components of y, shape (n)
+MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const VectorXd& size) {
+  const Index n = size.size(), wanted = 2 * n + 3;
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(-0.3, 0.3);
+  MatrixXd rates(wanted, n);
+  VectorXd state(n), f(n);
+  for (Index found = 0, tried = 0; found < wanted; ++tried) {
+    if (tried == 4 * wanted) return {n, 0};
+    for (Index i = 0; i < n; ++i) state[i] = y[i] + size[i] * uniform(random);
+    field.rhs(state, f);
+    if (f.allFinite()) rates.row(found++) = f.transpose();
+  }
+  // Rates of one size: column i tells of f_i.
+  const VectorXd largest = rates.cwiseAbs().colwise().maxCoeff().transpose();
+  const VectorXd reciprocal = largest.unaryExpr([](double r) { return r > 0 ? 1 / r : 1.0; });
+  Eigen::FullPivLU<MatrixXd> elimination(rates * reciprocal.asDiagonal());
+  elimination.setThreshold(1e-11);
+  if (elimination.rank() == n) return {n, 0};
+  MatrixXd kernel = elimination.kernel();
+  // Rounding tells nothing of a state whose own rate is small.
+  const double rounding = 1e-10 * kernel.cwiseAbs().maxCoeff();
+  kernel = kernel.unaryExpr([&](double w) { return std::abs(w) <= rounding ? 0.0 : w; });
+  return reciprocal.asDiagonal() * kernel;
+}
+
 VectorXd row_sizes(const AnyMatrix& J, const VectorXd& y) {
   return std::visit([&](const auto& held) { return VectorXd(held.cwiseAbs() * y.cwiseAbs()); }, J);
 }
 
 class Search {
  public:
-  Search(const FrozenField& field, VectorXd start) : field_(field), y_(std::move(start)), f_(y_) {}
+  Search(const FrozenField& field, const VectorXd& start)
+      : field_(field), start_(start), y_(start), f_(start), conserved_(start.size(), 0) {}
 
   EquilibriumSearch run(int most_iterations) {
     using enum EquilibriumOutcome;
@@ -105,27 +138,32 @@ class Search {
       rate_size_ = rate_size_.size() ? rate_size_.cwiseMax(row_sizes(J, y_) + f_.cwiseAbs())
                                      : VectorXd(row_sizes(J, y_) + f_.cwiseAbs());
       if (f_.isZero(0)) return arrives();
-      const Corrections correction(J);
+      if (iterations_ == 0) look_for_conserved_sums(J);
+      const Corrections correction(J, conserved_);
       if (!correction.usable())
         return ends(
             singular_jacobian,
             "the Jacobian is singular, so Newton's method does not say where to go; start elsewhere, or "
             "hold what is free to drift");
-      if (!correction.reaches(f_)) {
+      if (!correction.reaches(residual(y_, f_))) {
+        if (iterations_ > 0 && is_rounding(f_)) return arrives();
         // A fold may lie exactly here. Beside it the search goes on; a system without equilibrium says no
         // again.
         if (nudged)
           return ends(
               no_equilibrium,
-              fmt::format("the rates cannot all vanish near this state: whatever is moved, one of them stays "
-                          "at {}; a load without a spring against it has no equilibrium",
-                          rounded(f_.cwiseAbs().maxCoeff())));
+              conserved_.cols() > 0
+                  ? std::string("the rates cannot all vanish while the sums of the states that this system "
+                                "conserves keep their value; start elsewhere")
+                  : fmt::format("the rates cannot all vanish near this state: whatever is moved, one of them "
+                                "stays at {}; a load without a spring against it has no equilibrium",
+                                rounded(f_.cwiseAbs().maxCoeff())));
         nudged = true;
         if (!nudge())
           return ends(not_finite, "the rates beside a singular state are not finite; start elsewhere");
         continue;
       }
-      const VectorXd d = correction(f_);
+      const VectorXd d = correction(residual(y_, f_));
       if (!d.allFinite()) return ends(not_finite, "a Newton step overflows; start elsewhere");
       size_ = size_.cwiseMax(y_.cwiseAbs());
       const VectorXd weights = weights_for(d);
@@ -165,6 +203,21 @@ class Search {
     return f.allFinite();
   }
 
+  /// f, and by how much the conserved sums differ from those of the start.
+  VectorXd residual(const VectorXd& y, const VectorXd& f) const {
+    VectorXd r(f.size() + conserved_.cols());
+    r << f, conserved_.transpose() * (y - start_);
+    return r;
+  }
+
+  /// A regular Jacobian allows none. Differences do not tell for sure, so that of small systems they are
+  /// sought all the same.
+  void look_for_conserved_sums(const AnyMatrix& J) {
+    constexpr Index small = 64;
+    if (rows(J) > small && !Corrections(J, conserved_).is_singular()) return;
+    conserved_ = conserved_sums(field_, y_, weights_for(y_).cwiseInverse());
+  }
+
   /// What a correction is measured against: the sizes that the components have had.
   VectorXd weights_for(const VectorXd& d) const {
     const double largest = size_.maxCoeff() > 0 ? size_.maxCoeff() : d.cwiseAbs().maxCoeff();
@@ -187,7 +240,7 @@ class Search {
     for (double a = 1; a > 1e-15; a /= 2) {
       const VectorXd y = y_ + a * d;
       if (!y.allFinite() || !evaluate(y, f)) continue;
-      if (!(length_of(correction(f), weights) <= (1 - a / 4) * length)) continue;
+      if (!(length_of(correction(residual(y, f)), weights) <= (1 - a / 4) * length)) continue;
       y_ = y;
       f_ = f;
       return true;
@@ -220,11 +273,17 @@ class Search {
   }
 
   EquilibriumSearch ends(EquilibriumOutcome outcome, std::string message) const {
-    return {outcome, y_, f_.size() ? f_.cwiseAbs().maxCoeff() : 0, iterations_, std::move(message)};
+    return {outcome,
+            y_,
+            f_.size() ? f_.cwiseAbs().maxCoeff() : 0,
+            iterations_,
+            static_cast<int>(conserved_.cols()),
+            std::move(message)};
   }
 
   const FrozenField& field_;
-  VectorXd y_, f_;
+  VectorXd start_, y_, f_;
+  MatrixXd conserved_;  // W, shape (n, count)
   VectorXd size_;       // the largest |y_i| on the way
   VectorXd rate_size_;  // the largest |J| |y| + |f| on the way
   int iterations_ = 0;

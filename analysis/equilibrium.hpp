@@ -28,6 +28,7 @@ struct EquilibriumSearch {
   Eigen::VectorXd state;  ///< the equilibrium, or where the search ended, shape (n)
   double residual = 0;    ///< the largest |f_i| there
   int iterations = 0;     ///< Newton steps
+  int conserved = 0;      ///< sums w^T y that no motion changes: the state has those of the start
   std::string message;    ///< one sentence for people
 
   [[nodiscard]] bool found() const { return outcome == EquilibriumOutcome::found; }
@@ -42,7 +43,8 @@ struct FrozenField {
 /// Damped Newton: y += a d with J d = -f, a halved until the correction that follows with the same J shrinks,
 /// |J^-1 f(y + a d)| <= (1 - a / 4) |d|, a test that no scaling of f changes [deuflhard2011newton,
 /// section 3.3]. Where J is singular the least d that comes closest to J d = -f, after rows and columns have
-/// been brought to one size: on a line of equilibria the nearest of them is found. Components of y that are
+/// been brought to one size. Sums w^T y that no motion changes keep the value of the start, w^T (y - start) =
+/// 0 beside f = 0: on a line of equilibria the one that can be reached is found. Components of y that are
 /// rounding beside what they have been on the way are given as 0.
 /// @param start            shape (n)
 /// @param most_iterations  a double root takes some 50, a threefold one some 80

@@ -72,9 +72,12 @@ TEST(Equilibrium, ALoadWithoutASpringHasNone) {
   }
 }
 
-TEST(Equilibrium, WithoutLoadAndSpringEveryPositionIsOne) {
-  const auto search = find_equilibrium(Oscillator({.c = 2, .k1 = 0, .k3 = 0, .P = 0}), 0, Vector2d(0.5, 1));
-  expect_found(search, Vector2d(0.5, 0), 1e-12);
+TEST(Equilibrium, WithoutLoadAndSpringTheOneWhereTheDamperStopsTheBodyIsFound) {
+  // m v + c x never changes.
+  const OscillatorParameters p{.c = 2, .k1 = 0, .k3 = 0, .P = 0};
+  const auto search = find_equilibrium(Oscillator(p), 0, Vector2d(0.5, 1));
+  expect_found(search, Vector2d(0.5 + p.m / p.c, 0), 1e-12);
+  EXPECT_EQ(search.conserved, 1);
 }
 
 TEST(Equilibrium, AThreefoldRootIsFoundAllTheSame) {
@@ -128,11 +131,65 @@ TEST(Equilibrium, OfARotatingFrameIsATriangularPoint) {
                Eigen::Vector4d(0.5 - mu, std::sqrt(3.0) / 2, 0, 0));
 }
 
-TEST(Equilibrium, OfRobertsonsReactionIsSomewhereOnItsLine) {
+/// Robertson's reaction as users write it, without a Jacobian.
+struct BareRobertson {
+  using State = Eigen::Vector3d;
+  static Eigen::Index dim() { return 3; }
+  void rhs(double t, const State& y, State& dydt) const { Robertson<double>().rhs(t, y, dydt); }
+};
+
+TEST(Equilibrium, OfRobertsonsReactionIsTheOneOfItsLineThatConservationLeadsTo) {
+  // y1 + y2 + y3 never changes; at the end everything has become the third substance.
   const Robertson<double> reaction;
   const auto search = find_equilibrium(reaction, 0, reaction.y0());
-  EXPECT_TRUE(search.found()) << search.message;
+  expect_found(search, Eigen::Vector3d(0, 0, 1), 1e-6);
   EXPECT_LT(search.residual, 1e-12);
+  EXPECT_EQ(search.conserved, 1);
+  expect_found(find_equilibrium(reaction, 0, Eigen::Vector3d(0.5, 0.25, 1.25)), Eigen::Vector3d(0, 0, 2),
+               1e-6);
+  expect_found(find_equilibrium(BareRobertson{}, 0, Eigen::Vector3d(1, 0, 0)), Eigen::Vector3d(0, 0, 1),
+               1e-6);
+}
+
+/// A -> B -> C -> A at unequal rates beside an uncoupled decay, in units far apart.
+struct Ring {
+  using State = Eigen::Vector4d;
+  static Eigen::Index dim() { return 4; }
+  void rhs(double, const State& y, State& dydt) const {
+    dydt << 2e3 * y[2] - 1e6 * y[0], 1e6 * y[0] - 0.5 * y[1], 0.5 * y[1] - 2e3 * y[2], 1e-6 - 1e-3 * y[3];
+  }
+};
+
+TEST(Equilibrium, OfARingOfReactionsSharesOutWhatWasThere) {
+  const auto search = find_equilibrium(Ring{}, 0, Eigen::Vector4d(1, 2, 3, 0.5));
+  // The rates 1e6 A = 0.5 B = 2e3 C are one.
+  const double rate = 6 / (1e-6 + 2 + 5e-4);
+  expect_found(search, Eigen::Vector4d(1e-6 * rate, 2 * rate, 5e-4 * rate, 1e-3), 1e-9);
+  EXPECT_EQ(search.conserved, 1);
+}
+
+/// x becomes y at the rate 1 + x.
+struct Source {
+  using State = Vector2d;
+  static Eigen::Index dim() { return 2; }
+  void rhs(double, const State& y, State& dydt) const { dydt << 1 + y[0], -1 - y[0]; }
+};
+
+TEST(Equilibrium, MayBeOutOfReachOfWhatIsConserved) {
+  // x + y stays 1.5; x = -1 leaves y = 2.5.
+  expect_found(find_equilibrium(Source{}, 0, Vector2d(0.5, 1)), Vector2d(-1, 2.5));
+  // Two bodies on one spring keep their momentum: they rest only without any.
+  struct Pair {
+    using State = Eigen::Vector4d;
+    static Eigen::Index dim() { return 4; }
+    void rhs(double, const State& y, State& dydt) const {
+      dydt << y[2], y[3], y[1] - y[0] - 1, y[0] - y[1] + 1;
+    }
+  };
+  EXPECT_TRUE(find_equilibrium(Pair{}, 0, Eigen::Vector4d(0, 2, -0.5, 0.5)).found());
+  const auto moving = find_equilibrium(Pair{}, 0, Eigen::Vector4d(0, 2, 0.5, 0.5));
+  EXPECT_EQ(moving.outcome, EquilibriumOutcome::no_equilibrium);
+  EXPECT_NE(moving.message.find("conserves"), std::string::npos) << moving.message;
 }
 
 TEST(Equilibrium, OfChemistryIsReportedWithItsResidual) {
