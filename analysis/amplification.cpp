@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 namespace hmax {
@@ -319,13 +320,123 @@ std::vector<Interval> merged(std::vector<Interval> all) {
 /// What rounding of the coefficients does to the spectral radius.
 constexpr double rounding = 1e-12;
 
-/// Strides outwards from the origin, bisection where stability changes.
+/// A complex number whose product is four multiplications.
+template <class Real>
+struct Plain {
+  Real re = 0, im = 0;
+  [[nodiscard]] Real norm() const { return re * re + im * im; }
+};
+
+/// Whether all roots of a step polynomial lie in |zeta| < 1 + bound, by the reduction of Schur and Cohn as
+/// StepPolynomial::is_below does it: in double where that is clear, else in long double.
+class RootTest {
+ public:
+  static constexpr std::size_t most_roots = 16;
+
+  RootTest(const StepPolynomial& polynomial, double bound) {
+    long double power = 1;
+    for (const ComplexPolynomial& p : polynomial.coefficients()) {
+      Coefficient& of = coefficients_.emplace_back();
+      for (const LongComplex c : p) {
+        of.exact.push_back({power * c.real(), power * c.imag()});
+        of.fast.push_back({static_cast<double>(power * c.real()), static_cast<double>(power * c.imag())});
+      }
+      power *= 1 + static_cast<long double>(bound);
+    }
+  }
+
+  /// Positive where all roots are inside, and continuous where the last of them leaves:
+  ///   1 - |a_0|^2 / |a_n|^2    of the first reduced polynomial where that is negative, else of the last.
+  [[nodiscard]] double margin(double h) const {
+    constexpr double unclear = 1e-7;
+    if (const auto clear = reduced<double>(h, unclear)) return *clear;
+    return static_cast<double>(*reduced<long double>(h, 0));
+  }
+
+ private:
+  struct Coefficient {
+    std::vector<Plain<long double>> exact;
+    std::vector<Plain<double>> fast;
+  };
+
+  template <class Real>
+  static Plain<Real> value_of(const Coefficient& coefficient, Real h) {
+    const auto& c = [&]() -> const auto& {
+      if constexpr (std::is_same_v<Real, double>)
+        return coefficient.fast;
+      else
+        return coefficient.exact;
+    }
+    ();
+    Plain<Real> sum;
+    for (std::size_t i = c.size(); i-- > 0;) sum = {sum.re * h + c[i].re, sum.im * h + c[i].im};
+    return sum;
+  }
+
+  /// Nothing when a margin on the way is not clear.
+  template <class Real>
+  std::optional<Real> reduced(double h, Real unclear) const {
+    std::array<Plain<Real>, most_roots + 1> a, next;
+    std::size_t n = coefficients_.size() - 1;
+    for (std::size_t j = 0; j <= n; ++j) a[j] = value_of<Real>(coefficients_[j], static_cast<Real>(h));
+    for (;; --n) {
+      const Real size = a[n].norm(), margin = 1 - a[0].norm() / size;
+      if (unclear > 0 && !(std::abs(margin) >= unclear)) return std::nullopt;
+      if (std::isnan(margin)) return Real(-1);
+      if (n == 1 || !(margin > 0)) return margin;
+      // (conj(a_n) a_j+1 - a_0 conj(a_n-1-j)) / |a_n|^2
+      const Plain<Real> first = a[0], last{a[n].re / size, -a[n].im / size},
+                        scaled{first.re / size, first.im / size};
+      for (std::size_t j = 0; j < n; ++j) {
+        const Plain<Real> up = a[j + 1], down = a[n - 1 - j];
+        next[j] = {last.re * up.re - last.im * up.im - scaled.re * down.re - scaled.im * down.im,
+                   last.re * up.im + last.im * up.re - scaled.im * down.re + scaled.re * down.im};
+      }
+      std::swap(a, next);
+    }
+  }
+
+  std::vector<Coefficient> coefficients_;
+};
+
+/// Between a stable and an unstable step the last stable one, by secants that close in from both sides, and
+/// halves where those do not.
+/// @param margin  of a step: positive where it is stable
+template <class Margin>
+double change_between(double stable, double at_stable, double unstable, double at_unstable,
+                      const Margin& margin) {
+  constexpr double close = 1e-13;
+  double before = std::abs(unstable - stable);
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    const double width = std::abs(unstable - stable), size = std::max(stable, unstable);
+    if (width <= close * size) break;
+    double middle = stable + (unstable - stable) / 2;
+    if (iteration % 3 != 2 || width < before / 8) {
+      const double secant = stable + (unstable - stable) * at_stable / (at_stable - at_unstable);
+      const double least = close * size / 2;
+      const double low = std::min(stable, unstable) + least, high = std::max(stable, unstable) - least;
+      if (std::isfinite(secant) && low < high) middle = std::clamp(secant, low, high);
+    }
+    if (iteration % 3 == 2) before = width;
+    const double value = margin(middle);
+    if (value > 0) {
+      stable = middle;
+      at_stable = value;
+    } else {
+      unstable = middle;
+      at_unstable = value;
+    }
+  }
+  return stable;
+}
+
+/// Strides outwards from the origin, closer where stability changes.
 /// @param once  stop at the first exit
 UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
   const double bound = tolerated > 0 ? tolerated : rounding;
-  const auto is_stable = [&](double h) {
-    return growth.polynomial ? growth.polynomial->is_below(h, bound) : growth.radius(h) <= 1 + bound;
-  };
+  std::optional<RootTest> test;
+  if (growth.polynomial) test.emplace(*growth.polynomial, bound);
+  const auto margin = [&](double h) { return test ? test->margin(h) : 1 + bound - growth.radius(h); };
   UnstableSteps unstable;
   bool was_stable = true, below_rounding = false;
   if (tolerated == 0 && growth.grows_at_origin) {
@@ -334,27 +445,24 @@ UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
     was_stable = false;
     below_rounding = true;
   }
-  double before = 0;
+  double before = 0, margin_before = bound;
   // Limits of high orders are small; behind the first hundred only large structures are left.
   for (double x = 1e-4; x <= growth.farthest; x += std::min(std::max(5e-3, 2e-2 * (x - 100)), 0.15 * x)) {
-    const double h = x * growth.scale;
-    const bool stable = is_stable(h);
+    const double h = x * growth.scale, here = margin(h);
+    const bool stable = here > 0;
     if (below_rounding && !stable) below_rounding = false;
     if (!below_rounding && stable != was_stable) {
-      double low = before, high = h;
-      for (int halving = 0; halving < 100; ++halving) {
-        const double middle = low + (high - low) / 2;
-        if (high - low <= 1e-13 * high) break;
-        (is_stable(middle) == was_stable ? low : high) = middle;
-      }
+      const double change = stable ? change_between(h, here, before, margin_before, margin)
+                                   : change_between(before, margin_before, h, here, margin);
       if (stable)
-        unstable.intervals.back().to = low;
+        unstable.intervals.back().to = change;
       else
-        unstable.intervals.push_back({low, infinity});
+        unstable.intervals.push_back({change, infinity});
       if (once) return unstable;
     }
     if (!below_rounding) was_stable = stable;
     before = h;
+    margin_before = here;
   }
   return unstable;
 }
