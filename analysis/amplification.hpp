@@ -2,6 +2,7 @@
 /// steps at which it is at most one.
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <functional>
 #include <limits>
@@ -113,6 +114,19 @@ UnstableSteps unstable_steps(const Growth& growth, double tolerated = 0);
 /// Only the first exit, which needs less.
 double first_exit(const Growth& growth, double tolerated = 0);
 
+/// A method that steps positions and velocities, as polynomials in zeta: what it makes of
+/// M q'' + C q' + K q = 0 are the motions zeta^n x with
+///   (inertia M + h (damper C + lumped diag C) + h^2 spring K) x = 0.
+struct MotionMap {
+  Polynomial inertia, damper, spring;
+  Polynomial lumped{};  ///< empty unless the diagonal of C is taken otherwise than the rest
+
+  /// The highest power of zeta.
+  [[nodiscard]] std::size_t degree() const {
+    return std::max({inertia.size(), damper.size(), spring.size(), lumped.size()}) - 1;
+  }
+};
+
 /// How a method amplifies modes; each family makes its own from the numbers that it steps with.
 struct Amplification {
   /// The map of an eigenvalue of y' = f; every family has it. For methods that need positions and velocities
@@ -126,9 +140,8 @@ struct Amplification {
   std::function<Complex(Complex z)> R;
   /// Whether z = h lambda is stable, for pictures; empty where the spectral radius is just as cheap.
   std::function<bool(Complex z)> stable_at;
-  /// The method solves for the diagonal of the damping matrix alone: what is beside it couples the modes,
-  /// even where damping is proportional.
-  bool lumps_damping = false;
+  /// Of methods that step positions and velocities: for models whose modes cannot be taken one by one.
+  std::optional<MotionMap> motion;
   bool measured = false;  ///< from steps of the code, for want of a formula
 
   /// The spectral radius at z = h lambda.

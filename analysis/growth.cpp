@@ -33,7 +33,11 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
     ++n;
   });
   if (!ended || broken || n < steps) return std::numeric_limits<double>::infinity();
-  return std::log(late) - std::log(std::max({early, noise * start, std::numeric_limits<double>::min()}));
+  constexpr double least = std::numeric_limits<double>::min();
+  const double growth = std::log(late) - std::log(std::max({early, noise * start, least}));
+  // What a nonlinear model has caught far out before the quarters that are compared has grown all the same.
+  constexpr double far_out = 1e4;
+  return start > 0 && late > far_out * start ? std::max(growth, std::log(late / start)) : growth;
 }
 
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,

@@ -21,7 +21,8 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 
 /// By how much the logarithm of the distance grew between the second and the last quarter of a run, each by
 /// its largest distance: oscillation within a quarter takes no part. Infinity when the run broke down,
-/// -infinity when nothing was left.
+/// -infinity when nothing was left. Since the start where the distance is ten thousand times that of the
+/// start.
 /// @param noise  a distance below this share of the first one is no growth yet
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise = 0);

@@ -68,6 +68,15 @@ double exit_of(const Amplification& amplification, Eigenmode mode, double noise)
 
 }  // namespace
 
+std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum) {
+  const double noise =
+      noise_of(spectrum.size(), radius_of(spectrum, [](Complex lambda) { return std::abs(lambda); }));
+  std::vector<std::size_t> growing;
+  for (std::size_t i = 0; i < spectrum.size(); ++i)
+    if (grows(spectrum[i], noise)) growing.push_back(i);
+  return growing;
+}
+
 StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes) {
   const double noise =
       noise_of(modes.size(), radius_of(modes, [](const Eigenmode& mode) { return std::abs(mode.lambda); }));

@@ -10,13 +10,17 @@ namespace hmax {
 
 namespace {
 
-/// The polynomial in zeta  inertia + h gamma damper + h^2 kappa spring.
-struct MotionMap {
-  Polynomial inertia, damper, spring;
-};
+Polynomial sum(Polynomial p, const Polynomial& q) {
+  add(p, 1.0L, q);
+  return p;
+}
 
-Amplification of_map(const MotionMap& map) {
+/// Of a single oscillation the polynomial in zeta  inertia + h gamma (damper + lumped) + h^2 kappa spring.
+Amplification of_map(const MotionMap& whole) {
+  const MotionMap map{
+      .inertia = whole.inertia, .damper = sum(whole.damper, whole.lumped), .spring = whole.spring};
   Amplification amplification;
+  amplification.motion = whole;
   amplification.of_oscillation = [map](const MechanicalMode& mode) {
     const std::size_t size = std::max({map.inertia.size(), map.damper.size(), map.spring.size()});
     std::vector<Polynomial> p(size, Polynomial(3));
@@ -49,11 +53,6 @@ Amplification of_map(const MotionMap& map) {
 
 const Polynomial zeta{0, 1}, s{-1, 1}, s_squared{1, -2, 1};
 
-Polynomial sum(Polynomial p, const Polynomial& q) {
-  add(p, 1.0L, q);
-  return p;
-}
-
 }  // namespace
 
 Amplification symplectic_euler_amplification() {
@@ -61,15 +60,15 @@ Amplification symplectic_euler_amplification() {
 }
 
 Amplification kick_drift_kick_amplification(KickDamping damping) {
-  if (damping == KickDamping::lumped) {
-    Amplification lumped = of_map({.inertia = s_squared, .damper = {-0.5L, 0, 0.5L}, .spring = zeta});
-    lumped.lumps_damping = true;
-    return lumped;
-  }
   const Polynomial W{0.5L, 0.5L};
-  return of_map({.inertia = product(zeta, s_squared),
-                 .damper = sum(product(W, s), s_squared),
-                 .spring = product(zeta, zeta)});
+  MotionMap map{.inertia = product(zeta, s_squared),
+                .damper = sum(product(W, s), s_squared),
+                .spring = product(zeta, zeta)};
+  // The new acceleration is that of the predicted velocity, (1 + h/2 gamma) a_new = ... + h/2 gamma a: with
+  // a = s^2 it adds  h/2 gamma (zeta - 1) s^2, and of a single oscillation all that stands beside zeta is
+  // s^2 + h gamma W s + h^2 kappa zeta.
+  if (damping == KickDamping::lumped) map.lumped = {-0.5L, 1.5L, -1.5L, 0.5L};
+  return of_map(map);
 }
 
 Amplification generalized_alpha_amplification(const AlphaParameters& p) {

@@ -12,43 +12,44 @@ struct Spiral {
   using Jacobian = Eigen::Matrix2d;
   static constexpr bool autonomous = true;
   static constexpr bool linear_stiff_part = true;
-  Complex lambda;
+  Eigenmode mode;
 
   static Eigen::Index dim() { return 2; }
-  [[nodiscard]] Jacobian matrix() const {
+  [[nodiscard]] static Jacobian matrix(Complex lambda) {
     return (Jacobian() << lambda.real(), -lambda.imag(), lambda.imag(), lambda.real()).finished();
   }
-  void rhs(double /*t*/, const State& y, State& dydt) const { dydt = matrix() * y; }
-  void jacobian(double /*t*/, const State& /*y*/, Jacobian& J) const { J = matrix(); }
-  [[nodiscard]] double spectral_radius(double /*t*/, const State& /*y*/) const { return std::abs(lambda); }
-  // All of it is stiff.
-  void rhs_stiff(double t, const State& y, State& dydt) const { rhs(t, y, dydt); }
-  static void rhs_nonstiff(double /*t*/, const State& /*y*/, State& dydt) { dydt.setZero(); }
-  void jacobian_stiff(double t, const State& y, Jacobian& J) const { jacobian(t, y, J); }
+  void rhs(double /*t*/, const State& y, State& dydt) const { dydt = matrix(mode.lambda) * y; }
+  void jacobian(double /*t*/, const State& /*y*/, Jacobian& J) const { J = matrix(mode.frozen); }
+  [[nodiscard]] double spectral_radius(double /*t*/, const State& /*y*/) const { return mode.radius; }
+  void rhs_stiff(double /*t*/, const State& y, State& dydt) const { dydt = matrix(mode.stiff) * y; }
+  void rhs_nonstiff(double /*t*/, const State& y, State& dydt) const {
+    dydt = matrix(mode.lambda - mode.stiff) * y;
+  }
+  void jacobian_stiff(double /*t*/, const State& /*y*/, Jacobian& J) const { J = matrix(mode.stiff); }
 };
 
 }  // namespace
 
-Problem spiral(Complex lambda) {
+Problem spiral(const Eigenmode& mode) {
   return {.id = "spiral",
           .material = {},
           .note = {},
-          .parameters = {{"re", lambda.real()}, {"im", lambda.imag()}},
+          .parameters = {{"re", mode.lambda.real()}, {"im", mode.lambda.imag()}},
           .states = {"u", "v"},
           .y0 = Eigen::Vector2d(1, 0),
           .t_end = 1,
-          .system = AnySystem(Spiral{lambda})};
+          .system = AnySystem(Spiral{mode})};
 }
 
-Complex measured_step(const Method& method, Complex z) {
-  const RunRecord record = method.bind(spiral(z)).run({.t_end = 1, .h = 1}, {});
+Complex measured_step(const Method& method, const Eigenmode& mode) {
+  const RunRecord record = method.bind(spiral(mode)).run({.t_end = 1, .h = 1}, {});
   if (record.outcome != Outcome::reached_end) return std::numeric_limits<double>::infinity();
   return {record.y[0], record.y[1]};
 }
 
 double measured_growth(const Method& method, Complex z) {
   constexpr int steps = 1500;
-  const Runner runner = method.bind(spiral(z));
+  const Runner runner = method.bind(spiral(Eigenmode(z)));
   const auto size_after = [&](int count) {
     const RunRecord record = runner.run({.t_end = static_cast<double>(count), .h = 1}, {});
     return record.outcome == Outcome::reached_end ? record.y.norm() : std::numeric_limits<double>::infinity();
@@ -64,8 +65,8 @@ double measured_growth(const Method& method, Complex z) {
 bool remembers(const Method& method) {
   const Complex z(-0.1, 0.3);
   constexpr int steps = 16;
-  const RunRecord many = method.bind(spiral(z)).run({.t_end = steps, .h = 1}, {});
-  const Complex expected = std::pow(measured_step(method, z), steps);
+  const RunRecord many = method.bind(spiral(Eigenmode(z))).run({.t_end = steps, .h = 1}, {});
+  const Complex expected = std::pow(measured_step(method, Eigenmode(z)), steps);
   return std::abs(Complex(many.y[0], many.y[1]) - expected) > 1e-10 * std::abs(expected);
 }
 
@@ -81,7 +82,7 @@ Amplification measured_amplification(const Method& method) {
   const auto memory = std::make_shared<Memory>();
   const auto radius = [bare, memory](Complex z) {
     std::call_once(memory->asked, [&] { memory->looks_back = remembers(*bare); });
-    return memory->looks_back ? measured_growth(*bare, z) : std::abs(measured_step(*bare, z));
+    return memory->looks_back ? measured_growth(*bare, z) : std::abs(measured_step(*bare, Eigenmode(z)));
   };
   amplification.of_eigenmode = [radius](const Eigenmode& mode) {
     Growth growth;

@@ -6,11 +6,12 @@
 
 namespace hmax {
 
-/// y' = lambda y in the real numbers: (u, v)' = ((Re, -Im), (Im, Re)) (u, v), y = u + i v, from y = 1.
-Problem spiral(Complex lambda);
+/// y' = lambda y in the real numbers: (u, v)' = ((Re, -Im), (Im, Re)) (u, v), y = u + i v, from y = 1. What
+/// the mode says of its stiff part, its frozen Jacobian and the spectral radius is what methods are told.
+Problem spiral(const Eigenmode& mode);
 
-/// R(z) as one step of size 1 on y' = z y makes it.
-Complex measured_step(const Method& method, Complex z);
+/// R as one step of size 1 makes it, where lambda is z.
+Complex measured_step(const Method& method, const Eigenmode& mode);
 
 /// Whether many steps make something else of y' = z y than one step many times. The first few are no
 /// evidence: the start of a method that looks back may be steps of another that does not.

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification.hpp"
+#include "analysis/coupled_motion.hpp"
 #include "analysis/equilibrium.hpp"
 #include "analysis/growth.hpp"
 #include "bench/measured_amplification.hpp"
@@ -35,17 +36,6 @@ std::string words_of(const Eigen::VectorXd& y) {
 std::string obstacle(const Method& method, const Linearised& near) {
   if (method.needs_second_order && !near.model.mechanical)
     return "the method steps positions and velocities, which the problem does not have";
-  if (method.needs_second_order && !near.model.mechanical->decouples())
-    return "damping couples the modes of this model, and for methods of positions and velocities the analysis "
-           "takes modes one by one";
-  if (method.amplification->lumps_damping && near.model.mechanical) {
-    Eigen::MatrixXd beside = dense(near.model.mechanical->C);
-    const double size = beside.norm();
-    beside.diagonal().setZero();
-    if (beside.norm() > 1e-12 * size)
-      return "the method solves for the diagonal of the damping matrix alone; what stands beside it couples the "
-             "modes, and the analysis takes them one by one";
-  }
   if (method.needs_split && !near.model.J_stiff) return "the problem declares no stiff part";
   return {};
 }
@@ -99,11 +89,28 @@ bool is_linear(const Problem& problem) {
   return oscillator != nullptr && oscillator->parameters().k3 == 0;
 }
 
+/// @throws InputError  where squares of eigenvalues, which stiffness is, leave the range of numbers
+void require_usual_rates(const Spectrum& spectrum) {
+  constexpr double most = 1e140;
+  for (const Complex lambda : spectrum.lambda)
+    if (!(std::abs(lambda) <= most))
+      throw InputError(fmt::format(
+          "the model has an eigenvalue of {:.3g} 1/s, and beyond {:.0e} the products of rates leave "
+          "the range of numbers; give masses, stiffness and damping in units of one size",
+          std::abs(lambda), most));
+}
+
+LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },
+      problem.system);
+}
+
 /// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
 bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
   const Eigen::VectorXd elsewhere = near.model.y + Eigen::VectorXd::Ones(near.model.y.size());
   const Eigen::MatrixXd J = dense(near.model.J);
-  return (dense(linearised(problem, near.model.t, elsewhere).model.J) - J).norm() <= 1e-12 * J.norm();
+  return (dense(linear_model(problem, near.model.t, elsewhere).J) - J).norm() <= 1e-12 * J.norm();
 }
 
 }  // namespace
@@ -129,15 +136,12 @@ std::string_view name_of(Bound bound) {
 }
 
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  return std::visit(
-      [&]<class Sys>(const Sys& system) {
-        Linearised near{.model = linearise(system, t, typename Sys::State(y)), .spectrum = {}, .state = {}};
-        near.spectrum = spectrum_of(near.model);
-        near.state =
-            fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(near.model.origin));
-        return near;
-      },
-      problem.system);
+  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}};
+  near.spectrum = spectrum_of(near.model);
+  require_usual_rates(near.spectrum);
+  near.state =
+      fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(near.model.origin));
+  return near;
 }
 
 Linearised linearised(const Problem& problem) {
@@ -148,10 +152,64 @@ Linearised linearised(const Problem& problem) {
       problem.system);
   Linearised near = linearised(problem, 0, search.found() ? search.state : problem.y0);
   near.at_equilibrium = search.found();
-  near.state = search.found() ? "equilibrium " + near.state
-                              : fmt::format("initial state {}; {}", near.state, search.message);
+  if (!search.found())
+    near.state = fmt::format("initial state {}; {}", near.state, search.message);
+  else
+    near.state = fmt::format(
+        "equilibrium {}{}", near.state,
+        search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
   return near;
 }
+
+namespace {
+
+/// What sets the step where no step is unstable.
+Bound bound_without_limit(const Method& method, const Problem& problem, const Linearised& near) {
+  return solves_nonlinear_equations(method) && !has_constant_jacobian(problem, near) ? Bound::newton
+                                                                                     : Bound::accuracy;
+}
+
+void is_of_growing_model(Prediction& row, Complex lambda) {
+  row.bound = Bound::model;
+  row.limiting = mode_of(lambda);
+  row.note = "the model itself grows: an eigenvalue has a positive real part";
+}
+
+/// Names what limits the step: nothing, or a mode.
+void conclude(Prediction& row, double h_max, Complex lambda, const Method& method, const Problem& problem,
+              const Linearised& near) {
+  row.h_max = h_max;
+  if (std::isinf(h_max)) {
+    row.bound = bound_without_limit(method, problem, near);
+    return;
+  }
+  row.limiting = mode_of(lambda);
+  row.bound = h_max > 0 ? Bound::stability : Bound::every_step;
+  if (h_max == 0) row.note = "a mode that the model keeps is amplified by every step, however small";
+}
+
+/// Where the steps couple modes the whole model has one limit.
+void predict_coupled(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  row.coupled = true;
+  row.state += "; the steps couple the modes, so that all of them are taken together";
+  const std::vector<Complex> lambda = without_conjugates(near.spectrum.lambda);
+  for (const Complex each : lambda)
+    row.modes.push_back({mode_of(each), std::numeric_limits<double>::quiet_NaN(), Eigenmode(each)});
+  if (const auto growing = growing_modes(lambda); !growing.empty())
+    return is_of_growing_model(row, lambda[growing.front()]);
+  const MechanicalPart& part = *near.model.mechanical;
+  const auto limit = CoupledMotion(*method.amplification->motion, part).first_exit(*method.amplification);
+  if (!limit) {
+    row.note = fmt::format(
+        "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method",
+        part.mass.size());
+    return;
+  }
+  const auto pair = eigenvalues_of(limit->shape);
+  conclude(row, limit->h_max, pair[0].imag() != 0 ? pair[0] : pair[1], method, problem, near);
+}
+
+}  // namespace
 
 Prediction predict(const Method& method, const Problem& problem, const Linearised& near) {
   Prediction row;
@@ -168,6 +226,11 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   row.note = obstacle(method, near);
   if (!row.note.empty()) return row;
 
+  const Amplification& amplification = *method.amplification;
+  if (amplification.motion && couples_modes(*amplification.motion, *near.model.mechanical)) {
+    predict_coupled(row, method, problem, near);
+    return row;
+  }
   StepLimit limit;
   std::vector<Complex> lambda;
   std::vector<Eigenmode> told;
@@ -199,21 +262,10 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   for (std::size_t i = 0; i < lambda.size(); ++i)
     row.modes.push_back({mode_of(lambda[i]), limit.of_modes[i], told[i]});
 
-  if (!limit.growing.empty()) {
-    row.bound = Bound::model;
-    row.limiting = mode_of(lambda[limit.growing.front()]);
-    row.note = "the model itself grows: an eigenvalue has a positive real part";
-    return row;
-  }
-  row.h_max = limit.h_max;
-  if (std::isinf(limit.h_max)) {
-    row.bound = solves_nonlinear_equations(method) && !has_constant_jacobian(problem, near) ? Bound::newton
-                                                                                            : Bound::accuracy;
-    return row;
-  }
-  row.limiting = mode_of(lambda[limit.limiting]);
-  row.bound = limit.h_max > 0 ? Bound::stability : Bound::every_step;
-  if (limit.h_max == 0) row.note = "a mode that the model keeps is amplified by every step, however small";
+  if (!limit.growing.empty())
+    is_of_growing_model(row, lambda[limit.growing.front()]);
+  else
+    conclude(row, limit.h_max, lambda[limit.limiting], method, problem, near);
   return row;
 }
 
@@ -313,6 +365,40 @@ double visible_growth(const Method& method, const Growth& growth, Complex lambda
   return whole / from_rounding;
 }
 
+/// What runs from the limiting mode of a row show beside its limit.
+ExpectedGrowth expected_of_mode(const Method& method, const Prediction& row, const Linearised& near,
+                                Complex limiting) {
+  const auto at = std::ranges::min_element(
+      row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - limiting); });
+  const Growth growth = growth_of(method, row, near, static_cast<std::size_t>(at - row.modes.begin()));
+  return {.above = std::max(visible_growth(method, growth, limiting, 1.001 * *row.h_max), 1e-12),
+          .beside = decay_beside(method, row, near, *row.h_max)};
+}
+
+/// The same where the steps couple all modes: what grows is a small part of the start.
+ExpectedGrowth expected_of_all(const Method& method, const Linearised& near, double h_max) {
+  const CoupledMotion motion(*method.amplification->motion, *near.model.mechanical);
+  constexpr double from_small_part = 8;  // as 150 is for what begins as rounding
+  double slowest = 0;
+  for (const Complex root : motion.roots(h_max))
+    if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
+  return {.above = std::max(std::log(motion.spectral_radius(1.001 * h_max)) / from_small_part, 1e-12),
+          .beside = std::log(slowest)};
+}
+
+/// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than a
+/// part in ten thousand. About rest at zero nothing is lost by that.
+double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction) {
+  const Eigen::MatrixXd J = dense(near.model.J);
+  double size = 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
+  const auto change = [&] {
+    const Eigen::VectorXd y = near.model.y + size * direction;
+    return (dense(linear_model(problem, near.model.t, y).J) - J).norm();
+  };
+  for (int tenth = 0; tenth < 3 && change() > 1e-4 * J.norm(); ++tenth) size /= 10;
+  return size;
+}
+
 /// A driven linear oscillator moves about its forced motion as the free one moves about zero, and at steps
 /// far beyond every time scale only the latter can be told from rounding.
 void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
@@ -339,8 +425,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (double& x : start) x += 0.01 * start.cwiseAbs().maxCoeff() * uniform(random);
-  // Small enough for the model to be linear; about rest at zero nothing is lost by that.
-  const double size = is_linear(problem) ? 1 : 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
+  const double size = is_linear(problem) ? 1 : small_displacement(problem, near, start);
   Problem free = problem;
   Eigen::VectorXd rest = near.model.y;
   take_off_drive(free, rest);
@@ -368,15 +453,11 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
     seen.gap = std::numeric_limits<double>::quiet_NaN();
   } else {
-    const auto limiting = std::ranges::min_element(
-        row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - wanted); });
-    const Growth of_limiting =
-        growth_of(method, row, near, static_cast<std::size_t>(limiting - row.modes.begin()));
-    const double growth = std::max(visible_growth(method, of_limiting, wanted, 1.001 * *row.h_max), 1e-12);
-    const ObservedLimit limit = observe_limit(run, distance, *row.h_max,
-                                              {.above = growth,
-                                               .beside = decay_beside(method, row, near, *row.h_max),
-                                               .linear = vectors.defective});
+    const ExpectedGrowth expected =
+        row.coupled ? expected_of_all(method, near, *row.h_max) : expected_of_mode(method, row, near, wanted);
+    const ObservedLimit limit =
+        observe_limit(run, distance, *row.h_max,
+                      {.above = expected.above, .beside = expected.beside, .linear = vectors.defective});
     seen = {.h_max = limit.h,
             .gap = limit.h / *row.h_max - 1,
             .steps = limit.steps,
@@ -385,6 +466,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   if (!seen.agrees && seen.steps >= most_observed_steps)
     row.note =
         fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
+  seen.step_defect = step_defect(method);
   row.observed = seen;
   if (!is_linear(problem) && is_driven(problem) && !seen.agrees)
     row.note =

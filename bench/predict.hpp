@@ -10,6 +10,7 @@
 #include "analysis/spectrum.hpp"
 #include "analysis/stable_step.hpp"
 #include "bench/catalogue.hpp"
+#include "bench/step_defect.hpp"
 
 namespace hmax {
 
@@ -45,7 +46,7 @@ Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y
 /// The margin of one mode.
 struct ModeMargin {
   Mode mode;
-  double h_max = 0;            ///< of this mode alone [s]
+  double h_max = 0;            ///< of this mode alone [s]; NaN where the steps couple it with others
   Eigenmode told{Complex(0)};  ///< as the method is told of it: its stiff part, the spectral radius
 };
 
@@ -55,6 +56,11 @@ struct Observation {
   double gap = 0;          ///< (observed - predicted) / predicted; NaN without a number on both sides
   std::int64_t steps = 0;  ///< of each run
   bool agrees = false;     ///< bounded below the prediction, growing above it
+  double step_defect = 0;  ///< how far steps of the code are from what is analysed, as of step_defect.hpp
+
+  /// Whether both confirm the prediction: the limit, and steps that show errors too small to move it.
+  [[nodiscard]] bool confirms() const { return agrees && has_steps_of_analysis(); }
+  [[nodiscard]] bool has_steps_of_analysis() const { return step_defect <= rounding_of_steps; }
 };
 
 /// One row of the answer.
@@ -65,6 +71,7 @@ struct Prediction {
   std::optional<double> h_max;    ///< [s]; infinity for accuracy and newton; nothing where there is no answer
   std::optional<Mode> limiting;   ///< the mode that sets it, or that grows
   std::vector<ModeMargin> modes;  ///< every mode; conjugates once
+  bool coupled = false;           ///< the steps couple the modes: they have one limit together
   std::string state;
   std::string note;
   std::optional<Observation> observed;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/growth.hpp"
 #include "bench/predict.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -26,13 +27,15 @@ Motion motion_of(const Problem& problem, double t_end, int points) {
   Motion motion;
   RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = 1e-10, .atol = 1e-12};
   spec.every = t_end / points;
-  const RunRecord record = find_method("dormand_prince_54")
-                               .bind(problem)
-                               .run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-                                 motion.t.push_back(t);
-                                 motion.y.emplace_back(y);
-                                 motion.largest = std::max(motion.largest, y.norm());
-                               });
+  spec.max_steps = most_observed_steps;
+  const Method method = find_method("dormand_prince_54");
+  check(spec, method, problem);
+  const RunRecord record =
+      method.bind(problem).run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        motion.t.push_back(t);
+        motion.y.emplace_back(y);
+        motion.largest = std::max(motion.largest, y.norm());
+      });
   if (record.outcome != Outcome::reached_end)
     throw InputError(
         fmt::format("the motion of {} does not reach t = {} s ({} at {} s); take a shorter --t-end",
@@ -68,6 +71,7 @@ std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& 
 std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
                                        double guess) {
   if (!method.fixed_step || !suits(method, problem)) return std::nullopt;
+  if (t_end > 0.1 * guess * static_cast<double>(most_observed_steps)) return std::nullopt;
   const double allowed = 3 * motion_of(problem, t_end, 1000).largest;
   const Runner runner = method.bind(problem);
   const auto stays = [&](double h) {

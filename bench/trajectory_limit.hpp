@@ -22,14 +22,16 @@ struct TrajectoryLimit {
 
 /// The motion from y0 to t_end is that of dormand_prince_54 at a tolerance of 1e-10, looked at `points`
 /// times. Nothing for methods without an amplification, or that the problem does not suit.
-/// @throws InputError  when the motion does not reach t_end
+/// @throws InputError  when t_end is no end of a run, or the motion does not reach it within the attempts
+/// that adaptive runs have
 std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& problem, double t_end,
                                            int points = 400);
 
 /// The largest step up to which every run at fixed step from y0 to t_end stays within three times the largest
 /// distance from the origin of the true motion, to one part in ten thousand: found upwards in strides of 2 %
 /// from a tenth of `guess`, then by bisection. Infinity when steps up to a hundred guesses, or a tenth of the
-/// run, do; nothing when the first one already does not, or the run is shorter than twenty guesses.
+/// run, do; nothing when the first one already does not, or the run is shorter than twenty guesses, or takes
+/// more steps than that.
 std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
                                        double guess);
 

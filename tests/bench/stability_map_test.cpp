@@ -53,8 +53,9 @@ TEST(StabilityMap, OfExplicitEulerIsItsClosedForm) {
       EXPECT_NEAR(maps[1].at(column, row), symplectic, 1e-9 * symplectic) << c << " " << k;
       EXPECT_TRUE(std::isinf(maps[2].at(column, row)));
       // More damping lengthens the step of explicit Euler as long as the model swings, and shrinks it after.
-      if (column + 1 < x.values.size() && std::abs(gap) > 12)
+      if (column + 1 < x.values.size() && std::abs(gap) > 12) {
         EXPECT_EQ(maps[0].falls_along_x(column, row), gap > 0) << c << " " << k;
+      }
     }
   EXPECT_EQ(maps[1].falling_share_x(), 1);
   EXPECT_EQ(maps[2].falling_share_x(), 0);

@@ -1,0 +1,74 @@
+/// The methods that step positions and velocities where damping couples the modes: all modes together.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/amplification.hpp"
+#include "analysis/linear_model.hpp"
+
+namespace hmax {
+
+/// The limit of a step of such a method.
+struct CoupledLimit {
+  double h_max = 0;  ///< the first exit [s]; infinity without one, 0 when every step is unstable
+  /// What the motion that begins to grow there is stiffened and damped by: for its shape x, with M = I,
+  /// kappa = x* K x / x* x and gamma = x* C x / x* x.
+  MechanicalMode shape{};
+  bool proved = false;  ///< for every step below; otherwise looked for in strides
+};
+
+/// M q'' + C q' + K q = 0 as a method steps it: motions q_n = zeta^n x with P(zeta, h) x = 0,
+///   P = inertia(zeta) M + h (damper(zeta) C + lumped(zeta) diag C) + h^2 spring(zeta) K,
+/// a matrix polynomial in zeta of the degree of the method. Where no basis makes C and K diagonal at once it
+/// has to be solved as a whole.
+class CoupledMotion {
+ public:
+  CoupledMotion(const MotionMap& map, const MechanicalPart& part);
+
+  /// All roots zeta of det P(zeta, h) = 0, by the eigenvalues of its companion matrix, shape (degree n,
+  /// degree n); infinite ones where the equation of a step cannot be solved.
+  [[nodiscard]] std::vector<Complex> roots(double h) const;
+  [[nodiscard]] double spectral_radius(double h) const;
+
+  /// The first exit from the origin.
+  ///
+  /// With x* P x = 0 every root is that of a single oscillation with the kappa and gamma of its shape. So
+  /// where M, C and K are symmetric, K and C without negative eigenvalues, it is proved that no step is
+  /// unstable if that holds for all single oscillations; and if those always leave at zeta = -1, so does the
+  /// whole: at the h where the symmetric P(-1, h) ceases to be definite.
+  /// In all other cases the radius is looked at in strides, which are the wider the larger the system is, and
+  /// the exit is the solution of P(exp(i theta), h) x = 0 for theta, h and x by Newton's method.
+  /// @param single  the map of single oscillations
+  /// @cost  n^3 times some ten, if the exit is at -1, and some thousand otherwise; nothing for systems of
+  ///        more than most_coupled_rows rows in the companion matrix that would need strides
+  [[nodiscard]] std::optional<CoupledLimit> first_exit(const Amplification& single) const;
+
+ private:
+  using Matrix = Eigen::MatrixXd;
+  [[nodiscard]] Eigen::MatrixXcd at(Complex zeta, double h) const;
+  [[nodiscard]] std::optional<double> leaves_at_minus_one() const;
+  [[nodiscard]] std::optional<CoupledLimit> by_strides(std::optional<double> at_minus_one) const;
+  [[nodiscard]] CoupledLimit refined(double stable, double unstable) const;
+  [[nodiscard]] MechanicalMode shape_of(const Eigen::VectorXcd& x) const;
+  [[nodiscard]] CoupledLimit with_shape(double h, Complex zeta, bool proved) const;
+
+  MotionMap map_;
+  Eigen::Index n_ = 0;
+  Matrix k_, c_, d_;  // M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
+  bool symmetric_ = true;
+  double rate_ = 0;      // what h is measured by [1/s]
+  double rounding_ = 0;  // how far beyond one a root may be by rounding
+};
+
+/// The most rows of a companion matrix whose eigenvalues are asked for at one step after another.
+inline constexpr Eigen::Index most_coupled_rows = 1500;
+
+/// Whether the steps of the method on this model couple modes that its motion does not, or that it couples
+/// itself, so that they cannot be taken one by one.
+bool couples_modes(const MotionMap& map, const MechanicalPart& part);
+
+}  // namespace hmax
