@@ -82,12 +82,37 @@ int evaluations_of(const Method& method) {
   return evaluations;
 }
 
-Formula of_method(const Method& method) {
-  Formula formula{
-      .id = method.id, .order = method.order, .amplification = method.amplification, .method = method};
-  if (method.is_explicit) formula.evaluations = evaluations_of(method);
-  if (method.needs_split) formula.explicit_half = explicit_half_of(method.amplification);
-  return formula;
+/// A formula of the patterns; nothing where `name` follows none of them.
+std::optional<Formula> held_formula(std::string_view name) {
+  for (const Pattern& pattern : patterns()) {
+    const std::string_view prefix = pattern.prefix;
+    if (!name.starts_with(prefix)) continue;
+    const std::optional<int> number = number_behind(name, prefix);
+    if (!number || *number < pattern.least || *number > pattern.most)
+      throw InputError(fmt::format("'{}' is no formula: {} of {}{} is a whole number from {} to {}", name,
+                                   pattern.letter, prefix, pattern.letter, pattern.least, pattern.most));
+    Formula made = pattern.make(*number);
+    made.id = std::string(name);
+    for (const Method& method : methods())
+      if (method.id == name) made.method = method;
+    return made;
+  }
+  return std::nullopt;
+}
+
+/// For predictions only.
+Method without_code(const Formula& formula) {
+  Method method{.id = formula.id,
+                .aliases = {},
+                .family = "formula",
+                .order = formula.order,
+                .is_explicit = formula.evaluations > 0,
+                .needs_jacobian = formula.evaluations == 0,
+                .engine = "none",
+                .source = {},
+                .bind = {}};
+  method.amplification = formula.amplification;
+  return method;
 }
 
 }  // namespace
@@ -113,19 +138,7 @@ std::vector<std::string> formula_patterns() {
 }
 
 Formula find_formula(std::string_view name) {
-  for (const Pattern& pattern : patterns()) {
-    const std::string_view prefix = pattern.prefix;
-    if (!name.starts_with(prefix)) continue;
-    const std::optional<int> number = number_behind(name, prefix);
-    if (!number || *number < pattern.least || *number > pattern.most)
-      throw InputError(fmt::format("'{}' is no formula: {} of {}{} is a whole number from {} to {}", name,
-                                   pattern.letter, prefix, pattern.letter, pattern.least, pattern.most));
-    Formula made = pattern.make(*number);
-    made.id = std::string(name);
-    for (const Method& method : methods())
-      if (method.id == name) made.method = method;
-    return made;
-  }
+  if (std::optional<Formula> held = held_formula(name)) return *std::move(held);
   if (name == "adams_pece" || name == "ode113")
     throw InputError(
         "adams_pece chooses its order as it runs, and every order has a stability of its own; hold one, for "
@@ -135,14 +148,35 @@ Formula find_formula(std::string_view name) {
         fmt::format("{0} chooses its stages as it runs, and every number of them has a stability of its "
                     "own; hold one, for instance {0}:stages=11",
                     name));
-  const Method method = find_method(name);
+  return formula_of(find_method(name));
+}
+
+Formula formula_of(const Method& method) {
   if (!method.amplification)
-    throw InputError(
-        fmt::format("{} chooses its steps, and its order, as it runs: it has no stability of its own; "
-                    "formulas that are held are "
-                    "bdf_K, adams_moulton_K and adams_pece:order=K",
-                    method.id));
-  return of_method(method);
+    throw InputError(fmt::format(
+        "{} chooses its steps, and its order, as it runs: it has no stability of its own; formulas "
+        "that are held are bdf_K, adams_moulton_K and adams_pece:order=K",
+        method.id));
+  Formula formula{
+      .id = method.id, .order = method.order, .amplification = method.amplification, .method = method};
+  if (method.is_explicit) formula.evaluations = evaluations_of(method);
+  if (method.needs_split) formula.explicit_half = explicit_half_of(method.amplification);
+  return formula;
+}
+
+std::vector<Method> choose_methods_and_formulas(const std::vector<std::string>& names,
+                                                const std::vector<Problem>& problems) {
+  std::vector<Method> chosen;
+  for (const std::string& name : with_their_parameters(names)) {
+    const std::optional<Formula> held = held_formula(name);
+    if (held && !held->method) {
+      chosen.push_back(without_code(*held));
+      continue;
+    }
+    const std::vector<Method> known = choose_methods({name}, problems);
+    chosen.insert(chosen.end(), known.begin(), known.end());
+  }
+  return chosen;
 }
 
 std::vector<Formula> choose_formulas(const std::vector<std::string>& names) {
@@ -155,7 +189,7 @@ std::vector<Formula> choose_formulas(const std::vector<std::string>& names) {
     }
     for (const Method& method : methods())
       if ((name == "all" || method.family == name) && method.amplification && method.family != "stabilised")
-        chosen.push_back(of_method(method));
+        chosen.push_back(formula_of(method));
   }
   return chosen;
 }

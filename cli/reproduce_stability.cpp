@@ -41,7 +41,7 @@ std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<Li
                     csv_cell(describe(p.parameters)), csv_cell(p.method), name_of(p.bound), number(p.h_max));
     if (p.observed)
       text += fmt::format(",{},{},{},{}", number(p.observed->h_max), number(p.observed->gap),
-                          p.observed->steps, p.observed->agrees ? "yes" : "no");
+                          p.observed->steps, p.observed->confirms() ? "yes" : "no");
     else
       text += ",,,,";
     if (p.limiting)
@@ -190,7 +190,7 @@ LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<L
   for (const LimitRow& row : rows) {
     const Prediction& p = row.prediction;
     if (!p.observed) continue;
-    if (!p.observed->agrees) ++summary.disagreeing;
+    if (!p.observed->confirms()) ++summary.disagreeing;
     if (!has_gap(p)) {
       ++summary.unbounded;
       continue;

@@ -11,6 +11,7 @@
 #include "analysis/limits.hpp"
 #include "analysis/numerical_damping.hpp"
 #include "bench/formulas.hpp"
+#include "bench/tableau_file.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "results/errors.hpp"
@@ -64,8 +65,8 @@ Json to_json(const Formula& formula, const StabilityLimits& limits) {
   return document;
 }
 
-void limits(const std::string& names, Console& console) {
-  const std::vector<Formula> formulas = formulas_of(names);
+void limits(const MethodsChoice& choice, Console& console) {
+  const std::vector<Formula> formulas = choice.formulas();
   Json documents = Json::array();
   TextTable table({"method", "real", "imaginary", "weakly", "alpha [deg]", "A", "L", "at infinity"});
   std::string remarks;
@@ -109,7 +110,7 @@ void limits(const std::string& names, Console& console) {
 // ---- numerical damping
 
 struct DampingOptions {
-  std::string method;
+  MethodsChoice methods;
   std::optional<double> h, frequency, zeta;
 };
 
@@ -133,7 +134,7 @@ void numerical_damping(const DampingOptions& options, Console& console) {
   const double omega = 2 * std::numbers::pi * frequency;
   Json documents = Json::array();
   TextTable table({"method", "damping ratio", "added", "seen at [Hz]", "period error", "growth a step"});
-  const std::vector<Formula> formulas = formulas_of(options.method);
+  const std::vector<Formula> formulas = options.methods.formulas();
   for (const Formula& formula : formulas) {
     const ShownOscillation shown = shown_oscillation(*formula.amplification, omega, zeta, h);
     const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
@@ -160,6 +161,29 @@ void numerical_damping(const DampingOptions& options, Console& console) {
 
 }  // namespace
 
+void MethodsChoice::add_to(CLI::App& command, const std::string& description) {
+  command.add_option("--methods,--method", names, description)->type_name("A,B");
+  command.add_option("--tableau", tableau, "A file with an explicit tableau of your own")->type_name("FILE");
+}
+
+std::vector<Formula> MethodsChoice::formulas() const {
+  std::vector<Formula> chosen;
+  if (!names.empty() || tableau.empty()) chosen = formulas_of(names);
+  if (!tableau.empty()) chosen.push_back(formula_of(make_method(read_tableau(tableau))));
+  return chosen;
+}
+
+std::vector<Method> MethodsChoice::methods(const std::vector<Problem>& problems) const {
+  if (names.empty() && tableau.empty())
+    throw InputError(
+        "no method is given; name some with --methods, like ode45,newmark,bdf_3, a family of `hmax list "
+        "methods`, or all");
+  std::vector<Method> chosen;
+  if (!names.empty()) chosen = choose_methods_and_formulas(parse_names("--methods", names), problems);
+  if (!tableau.empty()) chosen.push_back(make_method(read_tableau(tableau)));
+  return chosen;
+}
+
 std::vector<Formula> formulas_of(const std::string& names) {
   if (names.empty())
     throw InputError(
@@ -182,9 +206,9 @@ void add_stability(CLI::App& app, Console& console) {
                                          "The stable interval of each axis, A(alpha), A- and L-stability",
                                          {"hmax stability limits --method rk4",
                                           "hmax stability limits --method bdf_3,adams_pece:order=4 --json"});
-  const auto method = std::make_shared<std::string>();
-  limits_command.add_option("--method,--methods", *method, formulas)->type_name("A,B");
-  limits_command.callback([method, &console] { limits(*method, console); });
+  const auto methods = std::make_shared<MethodsChoice>();
+  methods->add_to(limits_command, formulas);
+  limits_command.callback([methods, &console] { limits(*methods, console); });
 
   add_stability_region(stability, console, formulas);
 
@@ -193,7 +217,7 @@ void add_stability(CLI::App& app, Console& console) {
                   "The damping and the change of period that a method adds to a mode",
                   {"hmax stability numerical-damping --method implicit_euler --h 0.01 --frequency 8"});
   const auto damping = std::make_shared<DampingOptions>();
-  damping_command.add_option("--method,--methods", damping->method, formulas)->type_name("A,B");
+  damping->methods.add_to(damping_command, formulas);
   add_number(damping_command, "--h", damping->h, "The step [s]");
   add_number(damping_command, "--frequency", damping->frequency, "Undamped frequency of the mode [Hz]");
   add_number(damping_command, "--zeta", damping->zeta, "Damping ratio of the mode; 0 by default");

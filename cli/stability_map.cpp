@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "analysis/phase_plane.hpp"
 #include "cli/choices.hpp"
@@ -22,7 +23,8 @@ using Eigen::Vector2d;
 
 struct MapOptions {
   ProblemChoice problem;
-  std::string methods, x, y, output;
+  MethodsChoice methods;
+  std::string x, y, output;
   bool log_x = false, log_y = false, rayleigh = false;
 };
 
@@ -178,8 +180,6 @@ Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options,
 std::string words_of(double h) { return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h); }
 
 void map(const MapOptions& options, Console& console) {
-  if (options.methods.empty())
-    throw InputError("no method is given; name one with --method, like rk4, or several with commas");
   for (const auto& [name, text, example] :
        {std::tuple{"--x", &options.x, options.rayleigh ? "alpha=0:2:41" : "c=0:10:81"},
         {"--y", &options.y, options.rayleigh ? "beta=0:0.5:41" : "k1=0.1:10:61"}})
@@ -199,7 +199,7 @@ void map(const MapOptions& options, Console& console) {
     settings.parameters.push_back(parse_assignment("--set", text));
   const ProblemAt problem_at = options.rayleigh ? over_rayleigh(options.problem.problem, settings)
                                                 : over_parameters(options.problem.problem, settings, x, y);
-  const std::vector<Method> methods = choose_methods(parse_names("--method", options.methods), {bare});
+  const std::vector<Method> methods = options.methods.methods({bare});
   const auto& interrupted = interrupt_flag();
   std::vector<StabilityMap> maps;
   {
@@ -261,10 +261,8 @@ void add_stability_map(CLI::App& stability, Console& console) {
        "beta=0.01:10:21 --log-x --log-y --output results/runs/map"});
   const auto options = std::make_shared<MapOptions>();
   options->problem.add_to(command);
-  command
-      .add_option("--method,--methods", options->methods,
-                  "Ids, aliases or families of `hmax list methods`, or all")
-      ->type_name("A,B");
+  options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
+                                       fmt::format("{}", fmt::join(formula_patterns(), ", ")));
   command.add_option("--x", options->x, "A parameter and its values, like c=0:10:81")
       ->type_name("NAME=FROM:TO:COUNT");
   command.add_option("--y", options->y, "The other one, like k1=0.1:10:61")->type_name("NAME=FROM:TO:COUNT");

@@ -22,7 +22,8 @@ using Json = nlohmann::ordered_json;
 
 struct PredictOptions {
   ProblemChoice problem;
-  std::string materials, methods;
+  MethodsChoice methods;
+  std::string materials;
   bool verify = false, along = false;
   std::optional<double> t_end;
 };
@@ -30,6 +31,8 @@ struct PredictOptions {
 /// Ids of a list; all: both ends of the mass range of every material.
 std::vector<std::string> materials_of(const PredictOptions& options) {
   if (options.materials.empty()) return {options.problem.material};
+  if (!options.problem.material.empty())
+    throw InputError("--material and --materials are both given; choose one of them");
   std::vector<std::string> ids;
   for (const std::string& name : parse_names("--materials", options.materials)) {
     if (name != "all") {
@@ -92,7 +95,8 @@ Json to_json(const Prediction& row) {
                 {"observed", row.observed ? number_or_word(row.observed->h_max) : Json()},
                 {"gap", row.observed && std::isfinite(row.observed->gap) ? Json(row.observed->gap) : Json()},
                 {"steps_used", row.observed ? Json(row.observed->steps) : Json()},
-                {"agrees", row.observed ? Json(row.observed->agrees) : Json()},
+                {"agrees", row.observed ? Json(row.observed->confirms()) : Json()},
+                {"step_defect", row.observed ? number_or_word(row.observed->step_defect) : Json()},
                 {"modes", std::move(modes)},
                 {"state", row.state},
                 {"parameters", std::move(parameters)}};
@@ -147,10 +151,9 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
 }
 
 void predict_rows(const PredictOptions& options, Console& console) {
-  if (options.methods.empty())
+  if (options.t_end && !options.along)
     throw InputError(
-        "no methods are given; name them with --methods, like ode45,newmark, a family of `hmax list "
-        "methods`, or all");
+        "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
   const auto& interrupted = interrupt_flag();
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
@@ -158,7 +161,14 @@ void predict_rows(const PredictOptions& options, Console& console) {
     choice.material = material;
     problems.push_back(choice.make());
   }
-  const std::vector<Method> chosen = choose_methods(parse_names("--methods", options.methods), problems);
+  const std::vector<Method> chosen = options.methods.methods(problems);
+  if (options.verify)
+    for (const Method& method : chosen)
+      if (!method.bind)
+        throw InputError(fmt::format(
+            "{} is a formula that nothing in hmax steps with, so there are no runs to verify it by; "
+            "leave out --verify, or name methods of `hmax list methods`",
+            method.id));
   std::vector<PredictedRow> rows;
   Json models = Json::array();
   std::string states;
@@ -174,7 +184,8 @@ void predict_rows(const PredictOptions& options, Console& console) {
         progress.update(static_cast<double>(rows.size()) / total, method.id);
         PredictedRow row{predict(method, problem, near), {}, {}};
         if (options.verify) verify(row.prediction, method, problem, near);
-        if (row.prediction.observed && !row.prediction.observed->agrees && row.prediction.note.empty())
+        if (const auto& seen = row.prediction.observed;
+            seen && (!seen->has_steps_of_analysis() || (!seen->agrees && row.prediction.note.empty())))
           console.exit_code = Exit::failed;
         if (options.along) {
           const double t_end = options.t_end.value_or(problem.t_end);
@@ -193,6 +204,10 @@ void predict_rows(const PredictOptions& options, Console& console) {
   }
   console.print(for_people(rows, options, console));
   std::string remarks = states;
+  for (const PredictedRow& each : rows)
+    if (const auto& seen = each.prediction.observed; seen && !seen->has_steps_of_analysis())
+      remarks += fmt::format("{}: its steps are not those of its analysis, they differ by {}\n",
+                             each.prediction.method, short_number(seen->step_defect, 3));
   for (const auto& [row, along, from_start] : rows)
     if (!row.note.empty() && row.bound != Bound::error_control)
       remarks +=
@@ -216,10 +231,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       .add_option("--materials", options->materials,
                   "Ids of `hmax list materials`; all: both ends of the mass range of each")
       ->type_name("A,B");
-  command
-      .add_option("--methods,--method", options->methods,
-                  "Ids, aliases or families of `hmax list methods`, or all")
-      ->type_name("A,B");
+  options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
+                                       fmt::format("{}", fmt::join(formula_patterns(), ", ")));
   command.add_flag(
       "--verify", options->verify,
       "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong");

@@ -67,7 +67,7 @@ TEST(StabilityReport, StopsWhenInterruptedAndKeepsWhatIsFinished) {
       cases, chosen, [](double) {}, [&] { return ++asked > 3; });
   EXPECT_EQ(rows.size(), 3u);
   EXPECT_GT(chosen.size(), 3u);
-  for (const LimitRow& row : rows) EXPECT_TRUE(row.prediction.observed->agrees);
+  for (const LimitRow& row : rows) EXPECT_TRUE(row.prediction.observed->confirms());
 }
 
 }  // namespace
