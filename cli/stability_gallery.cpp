@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <tuple>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "analysis/limits.hpp"
 #include "bench/predict.hpp"
 #include "cli/stability.hpp"
+#include "cli/stability_parts.hpp"
 #include "cli/stability_pictures.hpp"
 #include "plots/page.hpp"
 #include "plots/sliding.hpp"
@@ -182,6 +184,25 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
   for (const Formula& formula : chapter.formulas)
     each.panels.push_back(panel_of(formula, {.cells = coarse(formula) ? 120 : 300}, 2, 300, 300));
   section.pictures.push_back(atelier.draw(each, "each_" + chapter.stem, chapter.title + ", one by one"));
+  for (const auto& [parts, stem, caption] :
+       {std::tuple{PartsChoice{.fast = "0,-1,-3,-10", .ratios = {}}, "beside_stiff_",
+                   "beside a stiff part: the region of what is not stiff, and how far it may swing"},
+        {PartsChoice{.fast = {}, .ratios = "1.2,2,4"}, "old_jacobian_",
+         "with an old Jacobian, z = hλ being so many times what it says"}}) {
+    Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
+    for (const Formula& formula : chapter.formulas) {
+      // What foreign engines step with an old Jacobian is not known.
+      const bool own = formula.method && formula.method->engine == "hmax";
+      if (!own ||
+          !(parts.fast.empty() ? formula.method->family == "rosenbrock" : formula.method->needs_split))
+        continue;
+      const PlaneLook look{.cells = 160};
+      for (Panel& panel : panels_of(formula, part_regions(formula, parts), look, 300))
+        told.panels.push_back(std::move(panel));
+    }
+    if (told.panels.empty()) continue;
+    section.pictures.push_back(atelier.draw(told, stem + chapter.stem, told.title));
+  }
   section.table = limits_table(chapter.formulas);
   return section;
 }

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "cli/stability.hpp"
+#include "cli/stability_parts.hpp"
 #include "cli/stability_pictures.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -18,7 +20,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct RegionOptions {
-  std::string method, window, output;
+  MethodsChoice methods;
+  PartsChoice parts;
+  std::string window, output;
   int cells = 400;
   bool per_evaluation = false, field = false, order_star = false;
 
@@ -52,14 +56,34 @@ void write_csv(const std::string& csv, const std::string& file_name) {
     throw InputError(fmt::format("{} cannot be written; choose another place with --output", file_name));
 }
 
+/// One method and the numbers it is told besides.
+std::vector<PartRegion> parts_of(const std::vector<Formula>& formulas, const RegionOptions& options) {
+  if (!options.parts.any()) return {};
+  if (formulas.size() > 1)
+    throw InputError("--fast and --ratios show one method; name one of them with --method");
+  if (options.field || options.order_star || options.per_evaluation)
+    throw InputError(
+        "--fast and --ratios are pictures of their own; leave out --field, --order-star and --per-evaluation");
+  return part_regions(formulas.front(), options.parts);
+}
+
 void region(const RegionOptions& options, Console& console) {
   const PlaneLook look = look_of(options);
-  const std::vector<Formula> formulas = formulas_of(options.method);
+  const std::vector<Formula> chosen = options.methods.formulas();
+  const std::vector<PartRegion> parts = parts_of(chosen, options);
+  std::vector<Formula> formulas = chosen;
+  std::optional<PlaneWindow> window_of_parts;
+  if (!parts.empty()) {
+    formulas.clear();
+    for (const PartRegion& part : parts) formulas.push_back(part.formula);
+    window_of_parts = window_of(parts, look);
+  }
   for (const Formula& formula : formulas) expect_look(formula, look);
   Json documents = Json::array();
   std::string csv = "method,curve,re,im\n", text;
-  for (const Formula& formula : formulas) {
-    const PlaneWindow window = window_of(formula, look);
+  for (std::size_t which = 0; which < formulas.size(); ++which) {
+    const Formula& formula = formulas[which];
+    const PlaneWindow window = window_of_parts ? *window_of_parts : window_of(formula, look);
     const std::vector<RegionCurve> curves = curves_of(formula, look, window);
     Json list = Json::array(), about = Json::array();
     text += fmt::format("{}: {} closed curve{} in [{}, {}] x i [{}, {}]\n", formula.id, curves.size(),
@@ -80,13 +104,17 @@ void region(const RegionOptions& options, Console& console) {
                           short_number(std::abs(area)), curves[i].points.size(),
                           curves[i].clipped ? ", closed along the edge of the window" : "");
     }
-    documents.push_back({{"method", formula.id},
-                         {"window", {window.re_from, window.re_to, window.im_from, window.im_to}},
-                         {"curves", std::move(list)},
-                         {"about", std::move(about)}});
+    Json document{{"method", parts.empty() ? formula.id : chosen.front().id},
+                  {"window", {window.re_from, window.re_to, window.im_from, window.im_to}},
+                  {"curves", std::move(list)},
+                  {"about", std::move(about)}};
+    if (!options.parts.fast.empty()) document["fast"] = {parts[which].fast.real(), parts[which].fast.imag()};
+    if (!options.parts.ratios.empty()) document["ratio"] = parts[which].ratio;
+    documents.push_back(std::move(document));
   }
   if (options.wants_figure()) {
-    const NamedFigure picture = picture_of(formulas, look);
+    const NamedFigure picture =
+        parts.empty() ? picture_of(formulas, look) : picture_of(chosen.front(), parts, look);
     const FigureFiles files = draw(picture.figure, options.output, picture.name);
     for (Json& document : documents)
       document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
@@ -110,9 +138,12 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
       {"hmax stability region --method dormand_prince_54",
        "hmax stability region --method rk4 --window -4,1,-4,4 --json",
        "hmax stability region --method explicit_euler,rk4,adams_bashforth_2 --output results/runs/stability",
-       "hmax stability region --method rk4 --order-star --output results/runs/stability"});
+       "hmax stability region --method rk4 --order-star --output results/runs/stability",
+       "hmax stability region --method imex_ark_324 --fast 0,-1,-3,-10 --output results/runs/stability",
+       "hmax stability region --method rosenbrock_23 --ratios 1,1.5,2,4 --output results/runs/stability"});
   const auto options = std::make_shared<RegionOptions>();
-  command.add_option("--method,--methods", options->method, formulas)->type_name("A,B");
+  options->methods.add_to(command, formulas);
+  options->parts.add_to(command);
   command
       .add_option("--window", options->window,
                   "Part of the plane, re_from,re_to,im_from,im_to; one that fits by default")

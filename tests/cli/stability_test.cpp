@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include "tests/analysis/published_limits.hpp"
@@ -99,6 +100,33 @@ TEST(StabilityRegion, IsWrittenAsATable) {
   EXPECT_EQ(csv.rfind("method,curve,re,im\nrk4,0,", 0), 0U) << csv.substr(0, 60);
 }
 
+TEST(StabilityRegion, BesideAStiffPartIsACircleForImplicitExplicitEuler) {
+  // |1 + z_slow| <= |1 - z_fast|
+  const Json regions = stability("region --method imex_euler --fast 0,-3,4i");
+  ASSERT_EQ(regions.size(), 3U);
+  const double radii[]{1, 4, std::sqrt(17.0)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(regions[i].at("method"), "imex_euler");
+    ASSERT_EQ(regions[i].at("curves").size(), 1U);
+    const double area = std::numbers::pi * radii[i] * radii[i];
+    EXPECT_NEAR(regions[i].at("about")[0].at("area").get<double>(), area, 2e-3 * area);
+  }
+  EXPECT_EQ(regions[1].at("fast"), Json({-3.0, 0.0}));
+  EXPECT_EQ(regions[2].at("fast"), Json({0.0, 4.0}));
+}
+
+TEST(StabilityRegion, WithAnOldJacobianEndsWhereLinearlyImplicitEulerDoes) {
+  // R = 1 + z / (1 - z / r) is -1 at z = -2 r / (r - 2).
+  const Json regions = stability("region --method linearly_implicit_euler --ratios 3,4");
+  ASSERT_EQ(regions.size(), 2U);
+  for (const Json& region : regions) {
+    const double ratio = region.at("ratio");
+    double leftmost = 0;
+    for (const Json& point : region.at("curves")[0]) leftmost = std::min(leftmost, point[0].get<double>());
+    EXPECT_NEAR(leftmost, -2 * ratio / (ratio - 2), 1e-3) << ratio;
+  }
+}
+
 TEST(NumericalDamping, OfImplicitEulerAtTenMillisecondsIsAQuarterOfCriticalOnEightHertz) {
   const Json shown = stability("numerical-damping --method implicit_euler --h 0.01 --frequency 8");
   expect_keys(shown, {"method", "zeta_shown", "zeta_added", "frequency_shown", "period_error"});
@@ -195,6 +223,58 @@ TEST(StabilityFrozen, TellsTheRatiosAndTheStepsBeyondThem) {
   EXPECT_EQ(stability("frozen --method rosenbrock").size(), 4U);
 }
 
+TEST(Stability, TakesATableauOfTheUserWhereItTakesMethods) {
+  const Shell shell;
+  std::ofstream(shell / "mine.toml") << "name = \"mine\"\na = [[], [\"1/2\"]]\nb = [0, 1]\n";
+  const auto told = [&](const std::string& options) {
+    const Told here = shell.hmax("stability " + options + " --json");
+    EXPECT_EQ(here.exit_code, 0) << here.err;
+    return here.json();
+  };
+  EXPECT_NEAR(told("limits --tableau mine.toml").at("real").get<double>(), 2, 1e-9);
+  EXPECT_EQ(told("limits --method rk4 --tableau mine.toml").size(), 2U);
+  EXPECT_EQ(told("region --tableau mine.toml").at("curves").size(), 1U);
+  EXPECT_EQ(told("numerical-damping --tableau mine.toml --h 0.01 --frequency 8").at("method"), "mine");
+  const Json row = told("predict --problem liver_linear --tableau mine.toml --verify").at("rows")[0];
+  EXPECT_EQ(row.at("method"), "mine");
+  EXPECT_TRUE(row.at("agrees").get<bool>());
+  EXPECT_LT(row.at("step_defect").get<double>(), 1e-12);
+  expect_refused(shell.hmax("stability limits --tableau none.toml"), "none.toml");
+}
+
+TEST(StabilityPredict, TakesFormulasThatNothingStepsUnlessTheyAreToBeVerified) {
+  const Shell shell;
+  const std::string formulas =
+      "predict --problem liver_linear --methods bdf_3,adams_bashforth_7,rkc_2:stages=5";
+  const Json rows = stability(formulas).at("rows");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].at("h_max"), "unbounded");
+  EXPECT_GT(rows[1].at("h_max").get<double>(), 0);
+  EXPECT_LT(rows[1].at("h_max").get<double>(), rows[2].at("h_max").get<double>());
+  expect_refused(shell.hmax("stability " + formulas + " --verify"), "bdf_3");
+}
+
+TEST(StabilityPredict, RefusesParametersBeyondTheRangeOfNumbersAtOnce) {
+  const Shell shell;
+  for (const char* set : {"m=1e-160", "k1=1e300", "c=1e200"})
+    expect_refused(
+        shell.hmax(std::string("stability predict --problem liver_linear --methods all --set ") + set),
+        "eigenvalue");
+}
+
+TEST(StabilityPredict, EndsAMotionThatWouldTakeForEver) {
+  const Shell shell;
+  const std::string along = "stability predict --problem liver_forced --methods rk4 --along --t-end ";
+  expect_refused(shell.hmax(along + "1e9"), "--t-end");
+  expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --along --t-end=-1"),
+                 "before the start");
+  // An option that would be passed over is a mistake.
+  expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --t-end 5"), "--along");
+  expect_refused(shell.hmax("stability predict --problem liver_benchmark --methods rk4 --material male_slim "
+                            "--materials all"),
+                 "--materials");
+}
+
 TEST(Stability, RefusesBadInputInOneSentence) {
   const Shell shell;
   expect_refused(shell.hmax("stability limits --method rk5"), "rk5");
@@ -206,6 +286,13 @@ TEST(Stability, RefusesBadInputInOneSentence) {
   expect_refused(shell.hmax("stability region --method rk4 --window 1,-1,0,1"), "--window");
   expect_refused(shell.hmax("stability region --method rk4 --output no/such/folder.csv"),
                  "no/such/folder.csv");
+  expect_refused(shell.hmax("stability region --method rk4 --fast=-1"), "rk4");
+  expect_refused(shell.hmax("stability region --method imex_euler --fast nonsense"), "--fast");
+  expect_refused(shell.hmax("stability region --method imex_euler,imex_ark_324 --fast=-1"), "one method");
+  expect_refused(shell.hmax("stability region --method rosenbrock_23 --ratios 0"), "--ratios");
+  expect_refused(shell.hmax("stability region --method imex_euler --ratios 2"), "imex_euler");
+  expect_refused(shell.hmax("stability region --method rosenbrock_23 --ratios 2 --order-star"),
+                 "--order-star");
   for (const char* h : {"0", "-0.01", "nan", "inf"})
     expect_refused(shell.hmax(std::string("stability numerical-damping --method rk4 --frequency 8 --h=") + h),
                    "--h");
