@@ -229,9 +229,17 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   const std::string& name = options.bifurcation;
   const Problem first = with_value(options.problem, name, values.front());
   const Looks seen = looks_of(options, 64);
+  // Where the parameter takes the force away, the looks keep the period that it has beside.
+  const auto period_of_force = [&](const Problem& problem) {
+    if (!options.period && !is_driven(problem))
+      for (const double value : values)
+        if (const Problem other = with_value(options.problem, name, value); is_driven(other))
+          return drive_period(other, {});
+    return drive_period(problem, options.period);
+  };
   const auto map_at = [&](double value) {
     const Problem problem = with_value(options.problem, name, value);
-    return stroboscope(problem, drive_period(problem, options.period));
+    return stroboscope(problem, period_of_force(problem));
   };
   Progress progress(console, "bifurcation");
   const auto& interrupted = interrupt_flag();

@@ -1,6 +1,7 @@
 /// hmax precision: what an error costs, method against method.
 #include "bench/precision.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -47,6 +48,15 @@ PrecisionSpec spec_of(const PrecisionOptions& options) {
   if (!options.control.empty()) spec.control = controllers_from(options.control);
   if (!options.repeats.empty()) spec.repeats = static_cast<int>(parse_count("--repeats", options.repeats, 9));
   spec.t_end = options.t_end;
+  // An option that no method would look at is a mistake.
+  const std::vector<Method> methods = choose_methods(spec.methods, {});
+  if (!spec.rtol.empty() && std::ranges::none_of(methods, &Method::adaptive))
+    throw InputError(
+        "--rtol is for methods with an error estimate, and none of these has one; give their steps with --h");
+  if (!spec.h.empty() && std::ranges::all_of(methods, &Method::adaptive))
+    throw InputError(
+        "--h is for methods without an error estimate, and all of these have one; give their tolerances with "
+        "--rtol");
   return spec;
 }
 

@@ -259,6 +259,10 @@ TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   const Json damping = phase(shell, "liver_forced --bifurcation c --from -1 --to 2 --points 2");
   EXPECT_TRUE(damping.at("columns")[0].at("diverged"));
   EXPECT_EQ(damping.at("columns")[1].at("period"), 1);
+  // From no force on, looked at in the period of the force.
+  const Json force = phase(shell, "liver_forced --bifurcation P --from 0 --to 1 --points 2");
+  EXPECT_EQ(force.at("columns")[0].at("period"), 1);
+  EXPECT_EQ(force.at("columns")[1].at("period"), 1);
 }
 
 TEST(Phase, LooksAtFormulasOnceInTheirPeriod) {

@@ -46,6 +46,9 @@ TEST(PrecisionCommand, BadInputIsRefusedInOneSentence) {
   expect_refused(shell.hmax("precision --methods ode45 --rtol 0"), "relative tolerance");
   expect_refused(shell.hmax("precision --methods rk4 --h -1"), "step");
   expect_refused(shell.hmax("precision --methods ode45 --repeats 3"), "--repeats");
+  // What no method would look at.
+  expect_refused(shell.hmax("precision --methods rk4,newmark --rtol 1e-4"), "--rtol");
+  expect_refused(shell.hmax("precision --methods ode45 --h 0.1"), "--h");
 }
 
 }  // namespace
