@@ -251,7 +251,7 @@ void add_static(CLI::App& app, Console& console) {
       app, console, "static", "Where a body on a mesh comes to rest under a load, and how fast it is found",
       {"hmax static --mesh liver --model fem_green --material liver:male_normal --load gravity",
        "hmax static --mesh phantom --load press --load-scale 0.5 --solver modified_newton --linear sor",
-       "hmax static --mesh liver --load press --set force=2 --picture results/runs/pressed_liver.svg",
+       "hmax static --mesh liver --load press --set force=0.5 --picture results/runs/pressed_liver.svg",
        "hmax static --mesh phantom --load press --compare results/runs/static",
        "hmax static --mesh phantom --load press --pseudo-dynamic 1 --frames 50 --json"});
   auto options = std::make_shared<StaticOptions>();

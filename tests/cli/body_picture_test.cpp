@@ -69,9 +69,29 @@ TEST(Statics, AreComparedInATableAndAFigure) {
     // The stiffness of each iterate needs fewer of them than that at rest.
     if (way.at("linear") != "direct") continue;
     if (way.at("solver") == "newton") newton = way.at("iterations");
-    if (way.at("solver") == "modified_newton") EXPECT_GT(way.at("iterations"), newton);
+    if (way.at("solver") == "modified_newton") {
+      EXPECT_GT(way.at("iterations"), newton);
+    }
   }
   EXPECT_TRUE(std::filesystem::exists(shell / "out/residuals.gp"));
+}
+
+TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheBalance) {
+  const Shell shell;
+  const Told told = shell.hmax("reproduce tissue --output out --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const Json study = told.json();
+  EXPECT_EQ(study.at("unsolved"), 0);
+  EXPECT_GT(study.at("force_ratio"), 1);
+  // Springs that resist dilation like nu = 1/4 give way more than elements of nu = 0.45.
+  EXPECT_GT(study.at("deflection_springs"), study.at("deflection_elements"));
+  const std::string page = read_text(shell / "out/README.md");
+  for (const char* picture : {"meshes", "springs_and_elements", "modes", "tool"}) {
+    EXPECT_NE(page.find(std::string("](") + picture + ".svg)"), std::string::npos) << picture;
+    const auto size = std::filesystem::file_size(shell / (std::string("out/") + picture + ".svg"));
+    EXPECT_GT(size, 200'000U);
+    EXPECT_LT(size, 3'000'000U);
+  }
 }
 
 }  // namespace
