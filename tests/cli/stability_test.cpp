@@ -245,7 +245,7 @@ TEST(Stability, TakesATableauOfTheUserWhereItTakesMethods) {
 TEST(StabilityPredict, TakesFormulasThatNothingStepsUnlessTheyAreToBeVerified) {
   const Shell shell;
   const std::string formulas =
-      "predict --problem liver_linear --methods bdf_3,adams_bashforth_7,rkc_2:stages=5";
+      "predict --problem liver_linear --set c=8 --methods bdf_3,adams_bashforth_7,rkc_2:stages=5";
   const Json rows = stability(formulas).at("rows");
   ASSERT_EQ(rows.size(), 3U);
   EXPECT_EQ(rows[0].at("h_max"), "unbounded");
