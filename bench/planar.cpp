@@ -77,11 +77,11 @@ void follow(Problem problem, const Vector2d& start, double t_end, const See& see
 }  // namespace
 
 void require_planar(const Problem& problem) {
-  if (problem.states.size() != 2)
+  if (problem.y0.size() != 2)
     throw InputError(fmt::format(
         "{} has {} state{}, and a phase plane shows two; choose a problem of two states, like liver_forced, "
         "van_der_pol or a file of two formulas",
-        problem.id, problem.states.size(), problem.states.size() == 1 ? "" : "s"));
+        problem.id, problem.y0.size(), problem.y0.size() == 1 ? "" : "s"));
 }
 
 bool is_driven(const Problem& problem) {

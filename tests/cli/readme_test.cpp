@@ -33,12 +33,12 @@ std::vector<Shown> console_blocks(const std::string& text) {
   return shown;
 }
 
-/// Words of a text; the time after "cpu" is left out, it differs from run to run.
+/// Words of a text; the time after "cpu" and the real-time "factor" are left out, they differ from run to run.
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   std::istringstream stream(text);
   for (std::string word; stream >> word;)
-    words.push_back(!words.empty() && words.back() == "cpu" ? "TIME" : word);
+    words.push_back(!words.empty() && (words.back() == "cpu" || words.back() == "factor") ? "TIME" : word);
   return words;
 }
 
