@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <random>
 
 #include <fmt/format.h>
 
@@ -13,8 +12,12 @@
 #include "analysis/equilibrium.hpp"
 #include "analysis/growth.hpp"
 #include "bench/measured_amplification.hpp"
+#include "bench/mode_curve.hpp"
+#include "bench/mode_start.hpp"
 #include "bench/planar.hpp"
+#include "bench/tissue_problem.hpp"
 #include "integrators/spectral_radius.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -48,11 +51,22 @@ std::vector<Complex> without_conjugates(const std::vector<Complex>& lambda) {
   return kept;
 }
 
+/// |A - B| / |A|.
+double distance_between(const AnyMatrix& A, const AnyMatrix& B) {
+  if (!is_sparse(A) || !is_sparse(B)) return (dense(A) - dense(B)).norm() / dense(A).norm();
+  using Sparse = Eigen::SparseMatrix<double>;
+  return Sparse(std::get<Sparse>(A) - std::get<Sparse>(B)).norm() / std::get<Sparse>(A).norm();
+}
+
+/// Beyond this many rows parts of a Jacobian are not looked into for common modes.
+constexpr Eigen::Index most_dense_parts = 400;
+
 /// The share of every eigenvalue that is declared stiff. Where both parts have the same eigenvectors the
 /// Rayleigh quotient with them says it.
 std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const std::vector<Complex>& lambda) {
+  if (distance_between(near.model.J, *near.model.J_stiff) <= 1e-13) return lambda;
+  if (rows(near.model.J) > most_dense_parts) return std::nullopt;
   const Eigen::MatrixXd J = dense(near.model.J), stiff = dense(*near.model.J_stiff);
-  if ((J - stiff).norm() <= 1e-13 * J.norm()) return lambda;
   if ((J * stiff - stiff * J).norm() > 1e-10 * J.norm() * stiff.norm()) return std::nullopt;
   const Eigenvectors vectors = eigenvectors_of(near.model);
   if (vectors.defective) return std::nullopt;
@@ -109,8 +123,7 @@ LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd
 /// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
 bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
   const Eigen::VectorXd elsewhere = near.model.y + Eigen::VectorXd::Ones(near.model.y.size());
-  const Eigen::MatrixXd J = dense(near.model.J);
-  return (dense(linear_model(problem, near.model.t, elsewhere).J) - J).norm() <= 1e-12 * J.norm();
+  return distance_between(near.model.J, linear_model(problem, near.model.t, elsewhere).J) <= 1e-12;
 }
 
 }  // namespace
@@ -137,19 +150,51 @@ std::string_view name_of(Bound bound) {
 
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
   Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}};
-  near.spectrum = spectrum_of(near.model);
+  if (!set_curve(near)) near.spectrum = spectrum_of(near.model);
   require_usual_rates(near.spectrum);
   near.state =
       fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(near.model.origin));
   return near;
 }
 
-Linearised linearised(const Problem& problem) {
-  const EquilibriumSearch search = std::visit(
+namespace {
+/// A body is at rest where forces are nothing beside those that rounding of its points makes; under a load
+/// its balance is found with its stiffness, half as many unknowns.
+std::optional<EquilibriumSearch> balance_of_body(const Problem& problem) {
+  if (!problem.body || !problem.body->is_autonomous() || !problem.y0.isZero(0)) return std::nullopt;
+  const TissueBody& body = *problem.body;
+  const StaticModel model = static_model(problem, 1);
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(body.dofs()), f = q;
+  StaticModel::Matrix K;
+  model.force(q, f);
+  model.stiffness(q, K);
+  const double rounding =
+      1e-13 * K.diagonal().cwiseAbs().maxCoeff() * body.mesh().points.cwiseAbs().maxCoeff();
+  EquilibriumSearch search{EquilibriumOutcome::found, problem.y0, 0, 0, {}};
+  if (f.cwiseAbs().maxCoeff() <= rounding) return search;
+  const StaticSolution solution = solve_static(model, {.tolerance = 1e-12}, [] { return 0.0; });
+  if (!solution.converged) return std::nullopt;
+  search.state.head(body.dofs()) = solution.q;
+  return search;
+}
+
+EquilibriumSearch equilibrium_of(const Problem& problem) {
+  if (const auto balance = balance_of_body(problem)) return *balance;
+  return std::visit(
       [&]<class Sys>(const Sys& system) {
         return find_equilibrium(system, 0, typename Sys::State(problem.y0));
       },
       problem.system);
+}
+}  // namespace
+
+LinearModel linear_model(const Problem& problem) {
+  const EquilibriumSearch search = equilibrium_of(problem);
+  return linear_model(problem, 0, search.found() ? search.state : problem.y0);
+}
+
+Linearised linearised(const Problem& problem) {
+  const EquilibriumSearch search = equilibrium_of(problem);
   Linearised near = linearised(problem, 0, search.found() ? search.state : problem.y0);
   near.at_equilibrium = search.found();
   if (!search.found())
@@ -186,6 +231,16 @@ void conclude(Prediction& row, double h_max, Complex lambda, const Method& metho
   row.limiting = mode_of(lambda);
   row.bound = h_max > 0 ? Bound::stability : Bound::every_step;
   if (h_max == 0) row.note = "a mode that the model keeps is amplified by every step, however small";
+}
+
+/// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
+void predict_on_curve(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  if (near.curve->kappa_min < 0)
+    return is_of_growing_model(row, eigenvalues_of(near.curve->at(near.curve->kappa_min))[0]);
+  LimitOnCurve limit = limit_on_curve(*method.amplification, near, radius_told(problem, near));
+  row.modes = std::move(limit.modes);
+  conclude(row, limit.h_max, limit.lambda, method, problem, near);
+  if (row.note.empty()) row.note = limit.note;
 }
 
 /// Where the steps couple modes the whole model has one limit.
@@ -227,6 +282,15 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   if (!row.note.empty()) return row;
 
   const Amplification& amplification = *method.amplification;
+  if (near.curve) {
+    if (method.needs_split && distance_between(near.model.J, *near.model.J_stiff) > 1e-13)
+      row.note = "the stiff part and the rest of this model have no common modes";
+    else if (amplification.motion && !amplification.motion->lumped.empty() && near.curve->beta != 0)
+      row.note = "the method solves for a part of the damping alone, which couples the modes of this model";
+    else
+      predict_on_curve(row, method, problem, near);
+    return row;
+  }
   if (amplification.motion && couples_modes(*amplification.motion, *near.model.mechanical)) {
     predict_coupled(row, method, problem, near);
     return row;
@@ -311,32 +375,22 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
   };
 }
 
-/// Distance from rest in the modes of the model, where it has a full set of them; otherwise in a norm like
-/// energy.
-Distance distance_from(const Eigen::VectorXd& rest, const Eigenvectors& vectors, double omega) {
-  if (!vectors.defective)
-    return [rest, left = vectors.left](const Eigen::Ref<const Eigen::VectorXd>& y) {
-      return (left * (y - rest).cast<Complex>()).cwiseAbs().maxCoeff();
-    };
-  const Eigen::Index n = rest.size() / 2;
-  return [rest, n, omega](const Eigen::Ref<const Eigen::VectorXd>& y) {
-    const Eigen::VectorXd d = y - rest;
-    return std::max(omega * d.head(n).norm(), d.tail(d.size() - n).norm());
-  };
-}
-
 /// What the method makes of mode `i` of the row: an oscillation as a whole where it steps positions and
 /// velocities.
 Growth growth_of(const Method& method, const Prediction& row, const Linearised& near, std::size_t i) {
   return method.amplification->of_oscillation
-             ? method.amplification->of_oscillation(near.spectrum.mechanical.at(i))
+             ? method.amplification->of_oscillation(near.curve
+                                                        ? oscillation_of(near, row.modes.at(i).mode.lambda)
+                                                        : near.spectrum.mechanical.at(i))
              : method.amplification->of_eigenmode(row.modes.at(i).told);
 }
 
 /// The logarithm of the largest factor below one by which a step of size h multiplies part of the motion.
-double decay_beside(const Method& method, const Prediction& row, const Linearised& near, double h) {
+/// @param only  a mode beside which nothing else is to be seen
+double decay_beside(const Method& method, const Prediction& row, const Linearised& near, double h,
+                    std::optional<std::size_t> only) {
   double slowest = 0;
-  for (std::size_t i = 0; i < row.modes.size(); ++i) {
+  for (std::size_t i = only.value_or(0); i < (only ? *only + 1 : row.modes.size()); ++i) {
     const Growth growth = growth_of(method, row, near, i);
     if (!growth.polynomial) {
       // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the
@@ -367,12 +421,14 @@ double visible_growth(const Method& method, const Growth& growth, Complex lambda
 
 /// What runs from the limiting mode of a row show beside its limit.
 ExpectedGrowth expected_of_mode(const Method& method, const Prediction& row, const Linearised& near,
-                                Complex limiting) {
+                                Complex limiting, bool mode_alone) {
   const auto at = std::ranges::min_element(
       row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - limiting); });
-  const Growth growth = growth_of(method, row, near, static_cast<std::size_t>(at - row.modes.begin()));
+  const auto i = static_cast<std::size_t>(at - row.modes.begin());
+  const Growth growth = growth_of(method, row, near, i);
+  const std::optional<std::size_t> only = mode_alone ? std::optional(i) : std::nullopt;
   return {.above = std::max(visible_growth(method, growth, limiting, 1.001 * *row.h_max), 1e-12),
-          .beside = decay_beside(method, row, near, *row.h_max)};
+          .beside = decay_beside(method, row, near, *row.h_max, only)};
 }
 
 /// The same where the steps couple all modes: what grows is a small part of the start.
@@ -389,13 +445,12 @@ ExpectedGrowth expected_of_all(const Method& method, const Linearised& near, dou
 /// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than a
 /// part in ten thousand. About rest at zero nothing is lost by that.
 double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction) {
-  const Eigen::MatrixXd J = dense(near.model.J);
   double size = 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
   const auto change = [&] {
     const Eigen::VectorXd y = near.model.y + size * direction;
-    return (dense(linear_model(problem, near.model.t, y).J) - J).norm();
+    return distance_between(near.model.J, linear_model(problem, near.model.t, y).J);
   };
-  for (int tenth = 0; tenth < 3 && change() > 1e-4 * J.norm(); ++tenth) size /= 10;
+  for (int tenth = 0; tenth < 3 && change() > 1e-4; ++tenth) size /= 10;
   return size;
 }
 
@@ -416,28 +471,21 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
       (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
     return;
   if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.omega > 0; })) return;
-  const Eigenvectors vectors = eigenvectors_of(near.model);
-  // The limiting mode, or the slowest, and a hundredth of everything else.
+  // The limiting mode, or the slowest.
   const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
-  const auto at =
-      std::ranges::min_element(vectors.lambda, {}, [&](Complex l) { return std::abs(l - wanted); });
-  Eigen::VectorXd start = vectors.right.col(at - vectors.lambda.begin()).real();
-  std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  for (double& x : start) x += 0.01 * start.cwiseAbs().maxCoeff() * uniform(random);
-  const double size = is_linear(problem) ? 1 : small_displacement(problem, near, start);
   Problem free = problem;
   Eigen::VectorXd rest = near.model.y;
   take_off_drive(free, rest);
-  const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
-  const ShowSteps run = steps_of(method, free, rest, size * start, outcome);
-
   double slowest = infinity, fastest = 0;
   for (const ModeMargin& margin : row.modes) {
     if (margin.mode.omega > 0) slowest = std::min(slowest, margin.mode.omega);
     fastest = std::max(fastest, margin.mode.omega);
   }
-  const Distance distance = distance_from(rest, vectors, fastest);
+  const ModeStart start = start_from_mode(near, rest, wanted, fastest);
+  const Distance& distance = start.distance;
+  const double size = is_linear(problem) ? 1 : small_displacement(problem, near, start.displacement);
+  const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
+  const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
   Observation seen;
   if (row.bound != Bound::stability) {
     const double h = 1e6 / slowest;
@@ -453,11 +501,12 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
     seen.gap = std::numeric_limits<double>::quiet_NaN();
   } else {
-    const ExpectedGrowth expected =
-        row.coupled ? expected_of_all(method, near, *row.h_max) : expected_of_mode(method, row, near, wanted);
+    const ExpectedGrowth expected = row.coupled
+                                        ? expected_of_all(method, near, *row.h_max)
+                                        : expected_of_mode(method, row, near, wanted, start.mode_alone);
     const ObservedLimit limit =
         observe_limit(run, distance, *row.h_max,
-                      {.above = expected.above, .beside = expected.beside, .linear = vectors.defective});
+                      {.above = expected.above, .beside = expected.beside, .linear = start.defective});
     seen = {.h_max = limit.h,
             .gap = limit.h / *row.h_max - 1,
             .steps = limit.steps,

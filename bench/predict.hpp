@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/curve_limit.hpp"
 #include "analysis/linear_model.hpp"
 #include "analysis/spectrum.hpp"
 #include "analysis/stable_step.hpp"
@@ -28,10 +29,15 @@ enum class Bound {
 /// "stability", "accuracy", "newton", "model", "every_step", "error_control", "unknown".
 std::string_view name_of(Bound bound);
 
+/// Degrees of freedom up to which all modes are computed, where their motion decouples.
+inline constexpr Eigen::Index most_dense_modes = 1500;
+
 /// The model whose limits are asked for: a problem near a state.
 struct Linearised {
   LinearModel model;
-  Spectrum spectrum;
+  Spectrum spectrum;  ///< all of it, or with `curve` the modes at its ends
+  /// Of proportionally damped models of more than most_dense_modes degrees of freedom.
+  std::optional<DampingCurve> curve = {};
   bool at_equilibrium = false;
   std::string state;  ///< in words: which state, whose Jacobian
 };
@@ -40,6 +46,8 @@ struct Linearised {
 /// at 0; near the initial state itself where there is none, which `state` then says.
 /// @throws InputError  as linearise()
 Linearised linearised(const Problem& problem);
+/// The same without its spectrum.
+LinearModel linear_model(const Problem& problem);
 /// Near a state of its own.
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
 

@@ -1,4 +1,5 @@
 /// hmax stability predict
+#include <algorithm>
 #include <cmath>
 
 #include <CLI/CLI.hpp>
@@ -6,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/non_normality.hpp"
+#include "bench/fastest_mode.hpp"
 #include "bench/predict.hpp"
 #include "bench/trajectory_limit.hpp"
 #include "cli/choices.hpp"
@@ -56,32 +58,86 @@ struct PredictedRow {
   std::optional<double> from_start;
 };
 
+/// The fastest mode of a body at rest, with the ratios by which bounds of it make steps too small.
+Json to_json(const FastestMode& mode) {
+  const auto bound = [&](double kappa) {
+    return Json{{"kappa", kappa}, {"pessimism", std::sqrt(kappa / mode.kappa)}};
+  };
+  return {{"kappa", mode.kappa},
+          {"omega", std::sqrt(mode.kappa)},
+          {"residual", mode.residual},
+          {"bounds",
+           {{"element", bound(mode.bounds.element)},
+            {"nodal", bound(mode.bounds.nodal)},
+            {"gershgorin", bound(mode.bounds.gershgorin)}}},
+          {"element", mode.owner.element},
+          {"points", mode.points},
+          {"centre", {mode.centre.x(), mode.centre.y(), mode.centre.z()}},
+          {"energy_share", mode.owner.share},
+          {"elements_with_nine_tenths", mode.owner.elements},
+          {"moving_points", mode.owner.moving_points},
+          {"gain",
+           {{"without_element", mode.without},
+            {"double_mass", mode.with_mass},
+            {"added_mass", mode.added_mass},
+            {"smoothed", mode.smoothed},
+            {"moved_point", mode.moved_point ? Json(*mode.moved_point) : Json()}}}};
+}
+
+/// The same in words.
+std::string words_of(const FastestMode& mode) {
+  const auto pessimism = [&](double kappa) { return short_number(std::sqrt(kappa / mode.kappa), 4); };
+  return fmt::format(
+      "fastest mode {} rad/s: element {} has {} % of its energy, {} points move; bounds are larger by {} "
+      "(elements), {} (points), {} (Gershgorin)\nan undamped step would grow by {} without that element, by {} "
+      "with twice its mass ({} % of the body), by {} {}\n",
+      short_number(std::sqrt(mode.kappa)), mode.owner.element, short_number(100 * mode.owner.share, 3),
+      short_number(mode.owner.moving_points, 3), pessimism(mode.bounds.element), pessimism(mode.bounds.nodal),
+      pessimism(mode.bounds.gershgorin), short_number(mode.without, 4), short_number(mode.with_mass, 4),
+      short_number(100 * mode.added_mass, 3), short_number(mode.smoothed, 4),
+      mode.moved_point ? fmt::format("with point {} moved towards its neighbours", *mode.moved_point)
+                       : "by moving one of its inner points");
+}
+
 /// What is known of the model alone.
 Json model_json(const Problem& problem, const Linearised& near) {
   Json eigenvalues = Json::array();
   for (const Complex lambda : near.spectrum.lambda) eigenvalues.push_back({lambda.real(), lambda.imag()});
-  const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.model);
-  const NonNormality normal = non_normality(J);
   Json document{{"problem", problem.id},
                 {"material", problem.material},
                 {"state", near.state},
                 {"at_equilibrium", near.at_equilibrium},
-                {"eigenvalues", std::move(eigenvalues)},
-                {"departure_from_normality", normal.departure},
-                {"relative_departure", normal.relative_departure},
-                {"numerical_abscissa", normal.numerical_abscissa}};
-  // Some hundred spectra of twice the size: of small models only.
-  constexpr Eigen::Index small = 12;
-  if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
+                {"eigenvalues", std::move(eigenvalues)}};
+  if (near.curve) document["status"] = "of the slowest and the fastest mode; all others lie between them";
+  // Some ten operations with dense matrices of twice the size of the model.
+  constexpr Eigen::Index most_dense = 400;
+  if (rows(near.model.J) <= most_dense) {
+    const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.model);
+    const NonNormality normal = non_normality(J);
+    document["departure_from_normality"] = normal.departure;
+    document["relative_departure"] = normal.relative_departure;
+    document["numerical_abscissa"] = normal.numerical_abscissa;
+    // Some hundred spectra of twice the size: of small models only.
+    constexpr Eigen::Index small = 12;
+    if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
+  }
   if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
+  if (problem.body) document["fastest_mode"] = to_json(fastest_mode_of(*problem.body));
   return document;
 }
 
 Json to_json(const Prediction& row) {
   Json parameters = Json::object();
   for (const auto& [name, value] : row.parameters) parameters[name] = value;
+  // Of large models those with the least margins.
+  constexpr std::size_t most_modes = 50;
+  std::vector<ModeMargin> shown = row.modes;
+  if (shown.size() > most_modes) {
+    std::ranges::stable_sort(shown, {}, &ModeMargin::h_max);
+    shown.resize(most_modes);
+  }
   Json modes = Json::array();
-  for (const ModeMargin& margin : row.modes) {
+  for (const ModeMargin& margin : shown) {
     Json mode = to_json(margin.mode);
     mode["h_max"] = number_or_word(margin.h_max);
     modes.push_back(std::move(mode));
@@ -178,7 +234,10 @@ void predict_rows(const PredictOptions& options, Console& console) {
     for (const Problem& problem : problems) {
       const Linearised near = linearised(problem);
       if (console.json) models.push_back(model_json(problem, near));
-      if (states.empty()) states = fmt::format("\n{}: {}\n", problem.id, near.state);
+      if (states.empty()) {
+        states = fmt::format("\n{}: {}\n", problem.id, near.state);
+        if (problem.body && !console.json) states += words_of(fastest_mode_of(*problem.body));
+      }
       for (const Method& method : chosen) {
         if (interrupted) throw Interrupted{};
         progress.update(static_cast<double>(rows.size()) / total, method.id);

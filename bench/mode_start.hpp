@@ -1,0 +1,35 @@
+/// Where runs begin that look for the growth of one mode, and how far from rest they are then.
+#pragma once
+
+#include "analysis/growth.hpp"
+#include "bench/predict.hpp"
+
+namespace hmax {
+
+/// A start and what measures what becomes of it.
+struct ModeStart {
+  Eigen::VectorXd displacement;  ///< from rest: the mode and a little of everything else, shape (dim)
+  Distance distance;
+  bool defective = false;  ///< the mode shares its eigenvector with another
+  /// The rest is so little of the distance that growth of the mode shows at once, without waiting for it to
+  /// die away.
+  bool mode_alone = false;
+};
+
+/// Structures beyond this many degrees of freedom whose motion decouples start from a shape that is found
+/// alone, and are measured by energy: no matrix is dense.
+inline constexpr Eigen::Index most_dense_start = 100;
+
+/// Near the eigenvalue `wanted`, with a hundredth of everything else. The distance is that in the modes of
+/// the model, where it has a full set of them, or in a norm like energy.
+/// @param fastest  |lambda| of the fastest mode [1/s]
+ModeStart start_from_mode(const Linearised& near, const Eigen::VectorXd& rest, Complex wanted,
+                          double fastest);
+
+/// The shape of a mode of a structure whose motion decouples, u^T M u = 1, shape (dofs).
+Eigen::VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode);
+
+/// The oscillation of `near` that has an eigenvalue nearest to lambda.
+MechanicalMode oscillation_of(const Linearised& near, Complex lambda);
+
+}  // namespace hmax

@@ -1,0 +1,125 @@
+/// hmax stability modes
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "analysis/extreme_eigenvalues.hpp"
+#include "bench/fastest_mode.hpp"
+#include "bench/predict.hpp"
+#include "cli/choices.hpp"
+#include "cli/stability.hpp"
+#include "problems/tissue/body.hpp"
+#include "problems/tissue/mesh_writers.hpp"
+#include "results/errors.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ModesOptions {
+  ProblemChoice problem;
+  std::string count = "6", output;
+  bool fastest = false;
+};
+
+/// A shape on all points of the mesh, its longest displacement a tenth of the body, shape (3, points).
+Eigen::MatrixXd on_points(const TissueBody& body, const Eigen::VectorXd& shape) {
+  const TetMesh& mesh = body.mesh();
+  Eigen::MatrixXd field = Eigen::MatrixXd::Zero(3, mesh.point_count());
+  for (std::size_t i = 0; i < body.free_points().size(); ++i)
+    field.col(body.free_points()[i]) = shape.segment<3>(3 * static_cast<Eigen::Index>(i));
+  const double size = (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+  return field * (0.1 * size / field.colwise().norm().maxCoeff());
+}
+
+void modes(const ModesOptions& options, Console& console) {
+  const Problem problem = options.problem.make();
+  if (!problem.body)
+    throw InputError(fmt::format("{} is no body on a mesh, so its modes have no shapes; name one with --mesh",
+                                 problem.id));
+  if (!options.output.empty()) {
+    if (std::filesystem::path(options.output).extension() != ".vtu")
+      throw InputError(
+          fmt::format("shapes are written as .vtu and not as '{}'; change the extension", options.output));
+    check_writable(options.output);
+  }
+  const TissueBody& body = *problem.body;
+  const auto count = static_cast<Eigen::Index>(
+      std::min<std::int64_t>(parse_count("--count", options.count, 1), body.dofs()));
+  const LinearModel model = linear_model(problem);
+  const MechanicalPart& part = *model.mechanical;
+  if (!part.symmetric)
+    throw InputError("the stiffness of this body is not symmetric here, so it has no modes of free motion");
+  const ExtremeStiffnesses found =
+      options.fastest ? largest_stiffnesses(part, count) : smallest_stiffnesses(part, count);
+  if (!found.converged)
+    throw InputError(
+        fmt::format("the modes of {} degrees of freedom did not converge; ask for fewer", body.dofs()));
+
+  const ElementSum elements = elements_of(body);
+  Eigen::VectorXd mass(body.dofs() / 3);
+  for (Eigen::Index i = 0; i < mass.size(); ++i) mass[i] = body.mass()[3 * i];
+  Json list = Json::array();
+  TextTable table(
+      {"mode", "frequency [Hz]", "omega [rad/s]", "zeta", "moving points", "element with most energy"});
+  MeshFields fields;
+  for (std::size_t i = 0; i < found.kappa.size(); ++i) {
+    const Eigen::VectorXd u = found.shapes.col(static_cast<Eigen::Index>(i));
+    const double omega = std::sqrt(std::max(found.kappa[i], 0.0));
+    const double gamma = u.dot(Eigen::VectorXd(std::get<Eigen::SparseMatrix<double>>(part.C) * u));
+    const double zeta = omega > 0 ? gamma / (2 * omega) : 0;
+    const ModeOwner owner = owner_of(elements, mass, u);
+    list.push_back({{"kappa", found.kappa[i]},
+                    {"omega", omega},
+                    {"frequency", omega / (2 * std::numbers::pi)},
+                    {"zeta", zeta},
+                    {"moving_points", owner.moving_points},
+                    {"element", owner.element},
+                    {"element_share", owner.share}});
+    table.add({std::to_string(i + 1), short_number(omega / (2 * std::numbers::pi)), short_number(omega),
+               short_number(zeta, 4), short_number(owner.moving_points, 3),
+               fmt::format("{} with {} %", owner.element, short_number(100 * owner.share, 3))});
+    fields.points.push_back({fmt::format("mode_{}", i + 1), on_points(body, u)});
+  }
+  if (!options.output.empty()) write_file(options.output, vtu_text(body.mesh(), fields));
+  if (console.json)
+    return console.print_json({{"problem", problem.id},
+                               {"material", problem.material.empty() ? Json() : Json(problem.material)},
+                               {"dofs", body.dofs()},
+                               {"end", options.fastest ? "fastest" : "slowest"},
+                               {"modes", list},
+                               {"output", options.output.empty() ? Json() : Json(options.output)}});
+  console.print(fmt::format("{}{}: {} degrees of freedom\n\n{}", problem.id,
+                            problem.material.empty() ? "" : ", " + problem.material, body.dofs(),
+                            table.text(console)));
+  console.print(
+      "\nElements are counted from 0 as in the mesh. Moving points: 1 over the sum of squares of the points' "
+      "shares\nof kinetic energy.\n");
+}
+
+}  // namespace
+
+void add_stability_modes(CLI::App& stability, Console& console) {
+  CLI::App& command =
+      add_command(stability, console, "modes",
+                  "The slowest or the fastest modes of a body on a mesh, and their shapes for ParaView",
+                  {"hmax stability modes --mesh liver --material liver:male_normal --output modes.vtu",
+                   "hmax stability modes --mesh phantom --model mass_spring --fastest --count 3 --json"});
+  const auto options = std::make_shared<ModesOptions>();
+  options->problem.add_to(command);
+  command.add_option("--count", options->count, "How many; 6 by default")->type_name("NUMBER");
+  command.add_flag("--fastest", options->fastest, "From the fast end, which limits steps");
+  command
+      .add_option("--output", options->output,
+                  "Write the shapes as fields of three components, each a tenth of the body at most")
+      ->type_name("FILE.vtu");
+  command.callback([options, &console] { modes(*options, console); });
+}
+
+}  // namespace hmax

@@ -1,0 +1,113 @@
+/// Limits on meshes, predicted from their modes and observed by runs.
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "analysis/amplification.hpp"
+#include "bench/mode_curve.hpp"
+#include "bench/mode_start.hpp"
+#include "bench/predict.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+namespace {
+
+using Numbers = std::vector<std::pair<std::string, double>>;
+
+Problem mesh_problem(const std::string& id, Numbers numbers) {
+  numbers.emplace_back("g", 0);
+  return make_problem(id, {.material = {}, .parameters = std::move(numbers), .y0 = {}});
+}
+
+/// Every finite limit is observed within half a percent, and every "unbounded" holds.
+void expect_observed(const Problem& problem, const std::vector<std::string>& methods) {
+  const Linearised near = linearised(problem);
+  ASSERT_FALSE(near.spectrum.mechanical.empty()) << problem.id;
+  for (const std::string& name : methods) {
+    const Method method = find_method(name);
+    Prediction row = predict(method, problem, near);
+    verify(row, method, problem, near);
+    const std::string where = problem.id + " " + name + ": " + row.note;
+    ASSERT_TRUE(row.h_max) << where;
+    if (row.bound == Bound::every_step) continue;
+    ASSERT_TRUE(row.observed) << where;
+    EXPECT_TRUE(row.observed->agrees) << where;
+    if (std::isfinite(*row.h_max)) {
+      EXPECT_LE(std::abs(row.observed->gap), 5e-3) << where;
+    }
+  }
+}
+
+const std::vector<std::string> some_methods{"explicit_euler",     "rk4",           "dormand_prince_54",
+                                            "adams_bashforth_3",  "abm_pece_4",    "symplectic_euler",
+                                            "central_difference", "stormer_verlet"};
+
+TEST(MeshLimits, AreObservedWithoutDamping) {
+  expect_observed(mesh_problem("fem_cauchy@phantom", {}), some_methods);
+  expect_observed(mesh_problem("fem_green@phantom", {}), {"rk4", "symplectic_euler"});
+  expect_observed(mesh_problem("mass_spring@phantom", {}), {"rk4", "stormer_verlet"});
+}
+
+TEST(MeshLimits, AreObservedWithRayleighDamping) {
+  expect_observed(mesh_problem("fem_cauchy@phantom", {{"alpha", 4}}), some_methods);
+  expect_observed(mesh_problem("fem_cauchy@phantom", {{"alpha", 2}, {"beta", 0.001}}),
+                  {"explicit_euler", "rk4", "adams_bashforth_2", "symplectic_euler"});
+}
+
+TEST(MeshLimits, AreObservedWithDampersAlongTheSprings) {
+  expect_observed(mesh_problem("mass_spring@phantom", {{"damper", 0.0005}}),
+                  {"explicit_euler", "rk4", "symplectic_euler"});
+}
+
+/// The same model once with all modes and once with its ends alone.
+TEST(MeshLimits, OfTheEndsAloneAreThoseOfAllModesOrBelow) {
+  for (const Numbers& damping : {Numbers{}, Numbers{{"alpha", 3}}, Numbers{{"alpha", 3}, {"beta", 0.002}}}) {
+    const Problem problem = mesh_problem("fem_cauchy@phantom", damping);
+    const Linearised all = linearised(problem);
+    Linearised ends = all;
+    ends.spectrum = {};
+    const auto rayleigh = rayleigh_coefficients(*all.model.mechanical).value();
+    ends.curve = DampingCurve{.alpha = rayleigh[0],
+                              .beta = rayleigh[1],
+                              .kappa_min = all.spectrum.mechanical.front().kappa,
+                              .kappa_max = all.spectrum.mechanical.back().kappa};
+    for (const double kappa : {ends.curve->kappa_min, ends.curve->kappa_max}) {
+      ends.spectrum.mechanical.push_back(ends.curve->at(kappa));
+      for (const Complex lambda : eigenvalues_of(ends.curve->at(kappa)))
+        ends.spectrum.lambda.push_back(lambda);
+    }
+    for (const std::string& name : some_methods) {
+      const Method method = find_method(name);
+      const Prediction exact = predict(method, problem, all), bound = predict(method, problem, ends);
+      // Methods that solve for a part of the damping alone have no curve: the row says so.
+      if (!bound.h_max) {
+        EXPECT_FALSE(bound.note.empty()) << name;
+        continue;
+      }
+      ASSERT_TRUE(exact.h_max) << name;
+      if (bound.note.empty()) {
+        EXPECT_NEAR(*bound.h_max, *exact.h_max, 1e-6 * *exact.h_max) << name;
+      } else {
+        EXPECT_LE(*bound.h_max, *exact.h_max * (1 + 1e-9)) << name;
+        EXPECT_GE(*bound.h_max, 0.9 * *exact.h_max) << name;
+      }
+    }
+  }
+}
+
+TEST(MeshLimits, OfLargeMeshesNeedNoDenseMatrix) {
+  const Problem problem = mesh_problem("fem_cauchy@ball:n=6", {{"alpha", 3}});
+  ASSERT_GT(problem.body->dofs(), most_dense_modes);
+  const Linearised near = linearised(problem);
+  ASSERT_TRUE(near.curve);
+  const Prediction row = predict(find_method("symplectic_euler"), problem, near);
+  ASSERT_TRUE(row.h_max);
+  // 2 / omega without damping; the kick takes some of it away.
+  EXPECT_NEAR(*row.h_max, 2 / std::sqrt(near.curve->kappa_max), 0.01 * *row.h_max);
+}
+
+}  // namespace
+}  // namespace hmax
