@@ -41,25 +41,22 @@ void expect_observed(const Problem& problem, const std::vector<std::string>& met
   }
 }
 
-const std::vector<std::string> some_methods{"explicit_euler",     "rk4",           "dormand_prince_54",
-                                            "adams_bashforth_3",  "abm_pece_4",    "symplectic_euler",
-                                            "central_difference", "stormer_verlet"};
+const std::vector<std::string> some_methods{
+    "rk4",           "bogacki_shampine_32", "adams_bashforth_3", "symplectic_euler", "central_difference",
+    "stormer_verlet"};
 
+// Where no mode is damped the slow growth of Runge-Kutta methods beyond their limits takes millions of steps
+// to be seen; methods of positions and velocities grow at once.
 TEST(MeshLimits, AreObservedWithoutDamping) {
-  expect_observed(mesh_problem("fem_cauchy@phantom", {}), some_methods);
-  expect_observed(mesh_problem("fem_green@phantom", {}), {"rk4", "symplectic_euler"});
-  expect_observed(mesh_problem("mass_spring@phantom", {}), {"rk4", "stormer_verlet"});
+  expect_observed(mesh_problem("fem_cauchy@cube:n=2", {}),
+                  {"symplectic_euler", "central_difference", "stormer_verlet"});
+  expect_observed(mesh_problem("fem_green@cube:n=2", {}), {"symplectic_euler"});
+  expect_observed(mesh_problem("mass_spring@cube:n=2", {}), {"stormer_verlet"});
 }
 
 TEST(MeshLimits, AreObservedWithRayleighDamping) {
-  expect_observed(mesh_problem("fem_cauchy@phantom", {{"alpha", 4}}), some_methods);
-  expect_observed(mesh_problem("fem_cauchy@phantom", {{"alpha", 2}, {"beta", 0.001}}),
-                  {"explicit_euler", "rk4", "adams_bashforth_2", "symplectic_euler"});
-}
-
-TEST(MeshLimits, AreObservedWithDampersAlongTheSprings) {
-  expect_observed(mesh_problem("mass_spring@phantom", {{"damper", 0.0005}}),
-                  {"explicit_euler", "rk4", "symplectic_euler"});
+  expect_observed(mesh_problem("fem_cauchy@cube:n=2", {{"alpha", 4}, {"beta", 0.001}}),
+                  {"rk4", "dormand_prince_54", "symplectic_euler", "stormer_verlet"});
 }
 
 /// The same model once with all modes and once with its ends alone.
