@@ -187,7 +187,7 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
   for (const auto& [parts, stem, caption] :
        {std::tuple{PartsChoice{.fast = "0,-1,-3,-10", .ratios = {}}, "beside_stiff_",
                    "beside a stiff part: the region of what is not stiff, and how far it may swing"},
-        {PartsChoice{.fast = {}, .ratios = "1.2,2,4"}, "old_jacobian_",
+        {PartsChoice{.fast = {}, .ratios = "1.2,2"}, "old_jacobian_",
          "with an old Jacobian, z = hλ being so many times what it says"}}) {
     Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
     for (const Formula& formula : chapter.formulas) {
