@@ -29,7 +29,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A state in words, if it is short.
 std::string words_of(const Eigen::VectorXd& y) {
-  if (y.size() > 4) return fmt::format("{} numbers", y.size());
+  if (y.size() > 4) return fmt::format("of {} numbers", y.size());
   std::string text;
   for (const double value : y) text += (text.empty() ? "" : ", ") + fmt::format("{:.6g}", value);
   return "(" + text + ")";

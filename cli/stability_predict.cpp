@@ -88,15 +88,16 @@ Json to_json(const FastestMode& mode) {
 std::string words_of(const FastestMode& mode) {
   const auto pessimism = [&](double kappa) { return short_number(std::sqrt(kappa / mode.kappa), 4); };
   return fmt::format(
-      "fastest mode {} rad/s: element {} has {} % of its energy, {} points move; bounds are larger by {} "
+      "fastest mode at rest {} rad/s: element {} has {} % of its energy, {} points move; bounds are larger by {} "
       "(elements), {} (points), {} (Gershgorin)\nan undamped step would grow by {} without that element, by {} "
-      "with twice its mass ({} % of the body), by {} {}\n",
+      "with twice its mass ({} % of the body); {}\n",
       short_number(std::sqrt(mode.kappa)), mode.owner.element, short_number(100 * mode.owner.share, 3),
       short_number(mode.owner.moving_points, 3), pessimism(mode.bounds.element), pessimism(mode.bounds.nodal),
       pessimism(mode.bounds.gershgorin), short_number(mode.without, 4), short_number(mode.with_mass, 4),
-      short_number(100 * mode.added_mass, 3), short_number(mode.smoothed, 4),
-      mode.moved_point ? fmt::format("with point {} moved towards its neighbours", *mode.moved_point)
-                       : "by moving one of its inner points");
+      short_number(100 * mode.added_mass, 3),
+      mode.moved_point ? fmt::format("by {} with point {} moved towards its neighbours",
+                                     short_number(mode.smoothed, 4), *mode.moved_point)
+                       : "moving its points would gain nothing");
 }
 
 /// What is known of the model alone.
