@@ -59,8 +59,9 @@ struct TissueParameters {
   double depth = 0.01;         ///< that the tool moves into the body in its first half second [m]
   double support = 0.1;        ///< share of the body along the axis that is held
   double axis = 3;             ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
+  double equal_masses = 0;     ///< 1: every point has the same mass
 };
-constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 12> parameter_names{{
+constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 13> parameter_names{{
     {"E", &TissueParameters::E},
     {"nu", &TissueParameters::nu},
     {"rho", &TissueParameters::rho},
@@ -73,6 +74,7 @@ constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 12
     {"depth", &TissueParameters::depth},
     {"support", &TissueParameters::support},
     {"axis", &TissueParameters::axis},
+    {"equal_masses", &TissueParameters::equal_masses},
 }};
 
 /// One end of a mesh along an axis, to which loads are opposite.
@@ -191,6 +193,7 @@ TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const 
                           .alpha = p.alpha,
                           .beta = p.beta};
   if (p.mass != 0) settings.total_mass = p.mass;
+  settings.equal_masses = p.equal_masses != 0;
   settings.springs.damper_time = p.damper;
   const HeldEnd end(p.axis);
   if (p.support > 0) settings.supports.push_back({.points = end.points(mesh, p.support)});
@@ -294,6 +297,10 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
     throw InputError(fmt::format(
         "axis is {} but must be 1, 2 or 3 for the low end along x, y or z, or -1, -2 or -3 for the high one",
         to_text(parameters.axis)));
+  if (parameters.equal_masses != 0 && parameters.equal_masses != 1)
+    throw InputError(fmt::format(
+        "equal_masses is {} but must be 1, the same mass at every point, or 0, by the volume around it",
+        to_text(parameters.equal_masses)));
 
   const TetMesh mesh = load_mesh(id.mesh, settings.unit).mesh;
   auto body = std::make_shared<const TissueBody>(mesh, settings_of(id, parameters, mesh));

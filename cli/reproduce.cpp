@@ -101,24 +101,33 @@ void stability_study(const std::filesystem::path& folder, Console& console) {
       report.string()));
 }
 
-void tissue_study(const std::filesystem::path& folder, Console& console) {
+void tissue_study(const std::filesystem::path& folder, TissueOptions options, Console& console) {
   const auto& interrupted = interrupt_flag();
   TissueStudy study;
   {
     Progress progress(console, "tissue");
-    study = reproduce_tissue(folder, summary(fingerprint()), [&](double share, const std::string& what) {
+    options.machine = summary(fingerprint());
+    study = reproduce_tissue(folder, options, [&](double share, const std::string& what) {
       if (interrupted) throw Interrupted{};
       progress.update(share, what);
     });
   }
   if (study.unsolved > 0) console.exit_code = Exit::failed;
+  nlohmann::ordered_json particles = nlohmann::ordered_json::array();
+  for (const ParticleLimit& limit : study.particles)
+    particles.push_back({{"damping", limit.damping},
+                         {"method", limit.method},
+                         {"h_max", 1 / limit.rate},
+                         {"stiffest", limit.stiffest}});
   if (console.json)
     return console.print_json({{"report", study.report.string()},
                                {"force_ratio", study.force_ratio},
                                {"step_ratio", study.step_ratio},
                                {"deflection_springs", study.deflection_springs},
                                {"deflection_elements", study.deflection_elements},
-                               {"unsolved", study.unsolved}});
+                               {"unsolved", study.unsolved},
+                               {"particles", particles},
+                               {"heaviest_particle", study.heaviest_particle}});
   console.print(fmt::format(
       "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under the same load the "
       "liver gives way by {:.3g} mm with springs and {:.3g} mm with finite elements.\nOpen {}\n",
@@ -175,11 +184,16 @@ void add_reproduce(CLI::App& app, Console& console) {
 
   CLI::App& tissue = add_command(
       reproduce, console, "tissue",
-      "Springs and finite elements on the phantom and the liver: pictures, solvers, costs, modes, a tool",
+      "Springs and finite elements on the phantom and the liver: pictures, solvers, costs, modes, a tool, limits of "
+      "the step",
       {"hmax reproduce tissue --output results/runs/tissue"});
   auto tissue_folder = std::make_shared<std::string>("results/runs/tissue");
   tissue.add_option("--output", *tissue_folder, "Folder of the report")->capture_default_str();
-  tissue.callback([&console, tissue_folder] { tissue_study(*tissue_folder, console); });
+  auto options = std::make_shared<TissueOptions>();
+  tissue.add_flag(
+      "--quick", options->quick,
+      "Limits of the step on the phantom instead of the liver and at a few points: a page in seconds");
+  tissue.callback([&console, tissue_folder, options] { tissue_study(*tissue_folder, *options, console); });
 }
 
 }  // namespace hmax

@@ -12,6 +12,7 @@
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"
 #include "cli/body_picture.hpp"
+#include "cli/reproduce_tissue_parts.hpp"
 #include "cli/static_comparison.hpp"
 #include "plots/report.hpp"
 #include "problems/tissue/mesh_names.hpp"
@@ -21,21 +22,15 @@
 namespace hmax {
 
 namespace {
-
-namespace fs = std::filesystem;
-
 constexpr const char* material = "male_normal";
-constexpr double pressing = 0.5;          // on springs and elements [N]
-constexpr double pressing_solvers = 0.2;  // where every solver finds the balance [N]
-constexpr std::array<std::string_view, 2> meshes{"phantom", "liver"};
+}
 
-Problem tissue(std::string_view model, std::string_view mesh, std::string_view load,
-               std::vector<std::pair<std::string, double>> parameters) {
+Problem study_tissue(std::string_view model, std::string_view mesh, std::string_view load,
+                     Parameters parameters) {
   return make_problem(tissue_id(model, mesh, load),
                       {.material = material, .parameters = std::move(parameters), .y0 = {}});
 }
 
-/// What the numbers of a body depend on.
 std::string made_of(const Problem& problem) {
   const auto value = [&](std::string_view name) {
     const auto it = std::ranges::find(problem.parameters, name,
@@ -46,6 +41,14 @@ std::string made_of(const Problem& problem) {
       "{}; liver:{}: E = {:g} kPa, nu = {:g} (not of springs), {:g} kg; {:g} % at the supported end are held.",
       problem.note, material, value("E") / 1000, value("nu"), value("mass"), 100 * value("support"));
 }
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double pressing = 0.5;          // on springs and elements [N]
+constexpr double pressing_solvers = 0.2;  // where every solver finds the balance [N]
+constexpr std::array<std::string_view, 2> meshes{"phantom", "liver"};
 
 FigureFiles picture(const BodyPicture& picture, const fs::path& folder, const std::string& name) {
   write_picture(folder / (name + ".svg"), picture);
@@ -87,7 +90,7 @@ ReportSection deflections(const fs::path& folder, TissueStudy& study) {
   double* const found[]{&study.deflection_springs, &study.deflection_elements};
   int k = 0;
   for (const std::string_view model : {"mass_spring", "fem_green"}) {
-    const Problem problem = tissue(model, "liver", "press", {{"force", pressing}});
+    const Problem problem = study_tissue(model, "liver", "press", {{"force", pressing}});
     const StaticSolution solution = balance(problem);
     *found[k++] = largest_displacement(solution.q);
     BodyView view = body_view(*problem.body, 0, solution.q, BodyValue::displacement);
@@ -118,7 +121,7 @@ ReportSection load_paths(const fs::path& folder, const std::string& machine) {
         .title = std::string(mesh), .x = {.label = "largest displacement [mm]"}, .y = {.label = "force [N]"}};
     int k = 0;
     for (const std::string_view model : tissue_models()) {
-      const Problem problem = tissue(model, mesh, "press", {{"force", most}});
+      const Problem problem = study_tissue(model, mesh, "press", {{"force", most}});
       Curve curve{.label = std::string(model), .x = {0}, .y = {0}, .style = family_style(k++, true)};
       curve.style.size = 0.8;
       constexpr int points = 10;
@@ -143,7 +146,7 @@ ReportSection load_paths(const fs::path& folder, const std::string& machine) {
 
 /// Ways to solve, beside each other.
 ReportSection solvers(const fs::path& folder, const std::string& machine, TissueStudy& study) {
-  const Problem problem = tissue("fem_green", "liver", "press", {{"force", pressing_solvers}});
+  const Problem problem = study_tissue("fem_green", "liver", "press", {{"force", pressing_solvers}});
   const std::vector<StaticWay> ways =
       all_ways(static_model(problem, 1), {.iterations = 400, .inner_tolerance = 1e-2});
   std::string table =
@@ -169,7 +172,7 @@ ReportSection solvers(const fs::path& folder, const std::string& machine, Tissue
 
 /// The first shapes in which the held liver swings.
 ReportSection modes(const fs::path& folder) {
-  const Problem problem = tissue("fem_green", "liver", "gravity", {});
+  const Problem problem = study_tissue("fem_green", "liver", "gravity", {});
   const TissueBody& body = *problem.body;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
   TissueBody::DofMatrix K, C;
@@ -198,7 +201,7 @@ ReportSection modes(const fs::path& folder) {
 /// A tool that moves into the liver.
 ReportSection pressed_by_a_tool(const fs::path& folder) {
   constexpr double h = 0.005;
-  const Problem problem = tissue("fem_green", "liver", "tool", {{"depth", 0.025}});
+  const Problem problem = study_tissue("fem_green", "liver", "tool", {{"depth", 0.025}});
   const Runner runner = find_method("linearly_implicit_euler").bind(problem);
   BodyPicture bodies{
       .title = "A tool is pressed into the liver",
@@ -231,8 +234,8 @@ ReportSection costs(TissueStudy& study) {
   constexpr double h = 0.01;
   for (const std::string_view mesh : meshes) {
     std::array<double, 2> force{}, step{};
-    std::array<Problem, 2> problems{tissue("mass_spring", mesh, "gravity", {}),
-                                    tissue("fem_green", mesh, "gravity", {})};
+    std::array<Problem, 2> problems{study_tissue("mass_spring", mesh, "gravity", {}),
+                                    study_tissue("fem_green", mesh, "gravity", {})};
     std::vector<std::function<void(std::int64_t)>> tasks;
     constexpr int steps = 20;
     for (const Problem& problem : problems) {
@@ -269,15 +272,17 @@ ReportSection costs(TissueStudy& study) {
 
 }  // namespace
 
-TissueStudy reproduce_tissue(const fs::path& folder, const std::string& machine,
+TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& options,
                              const std::function<void(double, const std::string&)>& progress) {
   TissueStudy study;
+  const std::string& machine = options.machine;
   std::vector<ReportSection> sections;
   const std::pair<const char*, std::function<ReportSection()>> parts[]{
       {"meshes", [&] { return the_meshes(folder); }},
       {"springs and elements", [&] { return deflections(folder, study); }},
       {"load paths", [&] { return load_paths(folder, machine); }},
       {"solvers", [&] { return solvers(folder, machine, study); }},
+      {"steps and masses", [&] { return particle_limits(folder, options, study); }},
       {"costs", [&] { return costs(study); }},
       {"modes", [&] { return modes(folder); }},
       {"tool", [&] { return pressed_by_a_tool(folder); }},

@@ -5,8 +5,25 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace hmax {
+
+/// What is made.
+struct TissueOptions {
+  std::string machine;  ///< one line: where it is done
+  bool quick = false;   ///< limits of the step on the phantom and at a few points of each curve
+
+  /// Whose limits are shown.
+  [[nodiscard]] const char* mesh() const { return quick ? "phantom" : "liver"; }
+};
+
+/// Explicit steps of the body of springs whose particles have 5 g each.
+struct ParticleLimit {
+  std::string damping, method;
+  double rate = 0;      ///< smallest stable number of steps a second [1/s]; infinity: every step is unstable
+  double stiffest = 0;  ///< E up to which 280 steps a second are stable [Pa]; 0 for none
+};
 
 /// The outcome in numbers.
 struct TissueStudy {
@@ -16,13 +33,14 @@ struct TissueStudy {
   double deflection_springs = 0;  ///< largest displacement of the liver under the same load [m]
   double deflection_elements = 0;
   int unsolved = 0;  ///< static ways that did not converge
+  std::vector<ParticleLimit> particles;
+  double heaviest_particle = 0;  ///< with which that body hangs without an element turned inside out [kg]
 };
 
 /// Writes pictures, figures, tables and a README.md into `folder`.
-/// @param machine   one line: where it was done
 /// @param progress  told the share that is done and what comes next; may throw to stop
 /// @throws InputError when the folder cannot be written
-TissueStudy reproduce_tissue(const std::filesystem::path& folder, const std::string& machine,
+TissueStudy reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& options,
                              const std::function<void(double, const std::string&)>& progress);
 
 }  // namespace hmax

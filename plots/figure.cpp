@@ -18,7 +18,7 @@ namespace {
 
 // Lengths are pixels of a figure 900 wide, the width at which a README shows it; y counts from the top.
 constexpr double width = 900;
-constexpr double left_margin = 74, right_margin = 20, below_panel = 50;
+constexpr double left_margin = 74, right_margin = 20, below_panel = 56;
 constexpr double title_height = 40, panel_title_height = 26, note_height = 15, key_row = 19,
                  footer_height = 24;
 constexpr double key_sample = 34;  // length of the line sample in the key

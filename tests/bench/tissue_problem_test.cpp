@@ -108,6 +108,9 @@ TEST(TissueProblem, SaysWhatIsWrongWithItsName) {
             std::string::npos);
   EXPECT_NE(complaint("fem_green@cube", {.material = {}, .parameters = {{"Nu", 0.4}}, .y0 = {}}).find("nu"),
             std::string::npos);
+  EXPECT_NE(complaint("fem_green@cube", {.material = {}, .parameters = {{"equal_masses", 2}}, .y0 = {}})
+                .find("equal_masses"),
+            std::string::npos);
   EXPECT_NE(
       complaint("fem_green@cube", {.material = {}, .parameters = {{"support", 1}}, .y0 = {}}).find("share"),
       std::string::npos);

@@ -1,4 +1,7 @@
 /// --picture of the commands that know bodies on meshes.
+#include <cmath>
+#include <map>
+
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -78,14 +81,28 @@ TEST(Statics, AreComparedInATableAndAFigure) {
 
 TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheBalance) {
   const Shell shell;
-  const Told told = shell.hmax("reproduce tissue --output out --json");
+  const Told told = shell.hmax("reproduce tissue --quick --output out --json");
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const Json study = told.json();
   EXPECT_EQ(study.at("unsolved"), 0);
   EXPECT_GT(study.at("force_ratio"), 1);
   // Springs that resist dilation like nu = 1/4 give way more than elements of nu = 0.45.
   EXPECT_GT(study.at("deflection_springs"), study.at("deflection_elements"));
+  // Undamped, symplectic Euler's limit is 2 and RK4's the root of 8 over the same frequency, and explicit
+  // Euler has none; E may grow by the square of what a step is too short.
+  std::map<std::string, Json> undamped;
+  for (const Json& limit : study.at("particles"))
+    if (limit.at("damping") == "none") undamped[limit.at("method")] = limit;
+  EXPECT_EQ(undamped.at("explicit_euler").at("h_max"), 0);
+  EXPECT_EQ(undamped.at("explicit_euler").at("stiffest"), 0);
+  const double rk4 = undamped.at("rk4").at("h_max"), symplectic = undamped.at("symplectic_euler").at("h_max");
+  EXPECT_NEAR(rk4 / symplectic, std::sqrt(2), 1e-6);
+  EXPECT_NEAR(undamped.at("rk4").at("stiffest").get<double>(), 5300 * std::pow(280 * rk4, 2),
+              2e-3 * 5300 * std::pow(280 * rk4, 2));
+  EXPECT_GT(study.at("heaviest_particle"), 0);
   const std::string page = read_text(shell / "out/README.md");
+  EXPECT_NE(page.find("280 steps a second"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(shell / "out/particles.gp"));
   for (const char* picture : {"meshes", "springs_and_elements", "modes", "tool"}) {
     EXPECT_NE(page.find(std::string("](") + picture + ".svg)"), std::string::npos) << picture;
     const auto size = std::filesystem::file_size(shell / (std::string("out/") + picture + ".svg"));

@@ -1,0 +1,23 @@
+/// What the sections of `hmax reproduce tissue` share.
+#pragma once
+
+#include <string>
+
+#include "bench/catalogue.hpp"
+#include "cli/reproduce_tissue.hpp"
+#include "plots/report.hpp"
+
+namespace hmax {
+
+/// A body of the study's material liver:male_normal.
+Problem study_tissue(std::string_view model, std::string_view mesh, std::string_view load,
+                     Parameters parameters);
+
+/// What the numbers of such a body depend on, in a sentence.
+std::string made_of(const Problem& problem);
+
+/// Steps a second that explicit methods need against the mass of a particle and the stiffness of springs.
+ReportSection particle_limits(const std::filesystem::path& folder, const TissueOptions& options,
+                              TissueStudy& study);
+
+}  // namespace hmax
