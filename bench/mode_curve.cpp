@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 
 #include "analysis/amplification.hpp"
+#include "analysis/block_product.hpp"
 #include "analysis/extreme_eigenvalues.hpp"
+#include "analysis/lanczos.hpp"
 
 namespace hmax {
 namespace {
@@ -17,18 +20,42 @@ Complex name_of_mode(const MechanicalMode& mode) {
   return pair[0].imag() != 0 ? pair[0] : pair[1];
 }
 
+/// The least eigenvalue of K u = kappa M u where there is one below zero by more than rounding, by the signs
+/// of the pivots of K + shift M (Sylvester's law of inertia).
+std::optional<double> negative_stiffness(const MechanicalPart& part, double kappa_max) {
+  using Sparse = Eigen::SparseMatrix<double>;
+  if (!is_sparse(part.K)) return std::nullopt;
+  const auto& K = std::get<Sparse>(part.K);
+  const double shift = 1e-8 * kappa_max;
+  Sparse mass(K.rows(), K.cols());
+  mass = part.mass.asDiagonal();
+  const Eigen::SimplicialLDLT<Sparse> factor(K + shift * mass);
+  if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() > 0) return std::nullopt;
+  const SymmetricProduct product(K, part.mass.cwiseSqrt().cwiseInverse());
+  const LanczosPair pair = largest_eigenpair(
+      [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+        product(x, y);
+        y = kappa_max * x - y;
+      },
+      part.mass.size(), {.tolerance = 1e-8, .with_vector = false});
+  return std::min(kappa_max - pair.value, -shift);
+}
+
 }  // namespace
 
-bool set_curve(Linearised& near) {
-  if (!near.model.mechanical || near.model.mechanical->mass.size() <= most_dense_modes) return false;
+bool set_curve(Linearised& near, Eigen::Index small) {
+  if (!near.model.mechanical || near.model.mechanical->mass.size() <= small) return false;
   const MechanicalPart& part = *near.model.mechanical;
   const auto rayleigh = rayleigh_coefficients(part);
   if (!rayleigh) return false;
   const ExtremeStiffnesses largest = largest_stiffnesses(part);
   DampingCurve curve{.alpha = (*rayleigh)[0], .beta = (*rayleigh)[1], .kappa_max = largest.kappa.at(0)};
   // Where a factor is too large all from zero on are served.
-  if (const ExtremeStiffnesses least = smallest_stiffnesses(part); least.converged)
+  if (const ExtremeStiffnesses least = smallest_stiffnesses(part); least.converged) {
+    // Those nearest to zero; a body that buckles has others.
     curve.kappa_min = std::abs(least.kappa.at(0)) <= 1e-12 * curve.kappa_max ? 0 : least.kappa.at(0);
+    if (const auto negative = negative_stiffness(part, curve.kappa_max)) curve.kappa_min = *negative;
+  }
   for (const double kappa : {curve.kappa_min, curve.kappa_max}) {
     near.spectrum.mechanical.push_back(curve.at(kappa));
     for (const Complex lambda : eigenvalues_of(curve.at(kappa))) near.spectrum.lambda.push_back(lambda);

@@ -10,7 +10,8 @@ namespace hmax {
 
 /// Puts the ends of the spectrum of a large structure with proportional damping into `near`. False, and
 /// nothing done, for all other models.
-bool set_curve(Linearised& near);
+/// @param small  up to so many degrees of freedom a structure is not large
+bool set_curve(Linearised& near, Eigen::Index small = most_dense_modes);
 
 /// The least limit of a method along the curve of all modes between those ends.
 struct LimitOnCurve {

@@ -6,8 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "analysis/extreme_eigenvalues.hpp"
 #include "analysis/growth.hpp"
+#include "analysis/static_solution.hpp"
+#include "bench/mode_curve.hpp"
 #include "bench/predict.hpp"
+#include "bench/tissue_problem.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -17,14 +22,25 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-struct Motion {
-  std::vector<double> t;
-  std::vector<Eigen::VectorXd> y;
-  double largest = 0;  ///< distance from the origin
-};
+/// The tangent of a model, of large bodies by the ends of its spectrum.
+Linearised tangent(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  if (!problem.body || problem.body->dofs() <= small_enough_for_dense) return linearised(problem, t, y);
+  LinearModel model =
+      std::visit([&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },
+                 problem.system);
+  Linearised near{.model = std::move(model), .spectrum = {}, .state = {}};
+  if (!set_curve(near, small_enough_for_dense))
+    throw InputError(fmt::format(
+        "dampers, or beta with a body that is deformed, couple its modes, and with {} degrees of freedom all of "
+        "them together are too many along a path; set damper and beta to 0, or take a smaller mesh",
+        problem.body->dofs()));
+  return near;
+}
 
-Motion motion_of(const Problem& problem, double t_end, int points) {
-  Motion motion;
+}  // namespace
+
+Path motion_path(const Problem& problem, double t_end, int points) {
+  Path path;
   RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = 1e-10, .atol = 1e-12};
   spec.every = t_end / points;
   spec.max_steps = most_observed_steps;
@@ -32,47 +48,90 @@ Motion motion_of(const Problem& problem, double t_end, int points) {
   check(spec, method, problem);
   const RunRecord record =
       method.bind(problem).run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        motion.t.push_back(t);
-        motion.y.emplace_back(y);
-        motion.largest = std::max(motion.largest, y.norm());
+        path.at.push_back(t);
+        path.y.emplace_back(y);
       });
   if (record.outcome != Outcome::reached_end)
     throw InputError(
         fmt::format("the motion of {} does not reach t = {} s ({} at {} s); take a shorter --t-end",
                     problem.id, to_text(t_end), to_string(record.outcome), to_text(record.t)));
-  return motion;
+  return path;
 }
 
-}  // namespace
+Path load_path(const Problem& problem, int points) {
+  if (!problem.body)
+    throw InputError(
+        fmt::format("{} is no body on a mesh, so no load is brought on; look along its motion", problem.id));
+  if (!problem.body->is_autonomous())
+    throw InputError(
+        fmt::format("the load of {} changes with time; take gravity, press or pull, or look along "
+                    "the motion",
+                    problem.id));
+  Path path;
+  for (int i = 0; i <= points; ++i) {
+    const double share = static_cast<double>(i) / points;
+    Eigen::VectorXd y = problem.y0;
+    if (i > 0) {
+      const StaticSolution balance = solve_static(
+          static_model(problem, share), {.load_steps = 1 + static_cast<int>(4 * share)}, [] { return 0.0; });
+      if (!balance.converged) {
+        path.note =
+            fmt::format("no balance was found under more than {} of the load", to_text(path.at.back()));
+        break;
+      }
+      y.head(balance.q.size()) = balance.q;
+    }
+    path.at.push_back(share);
+    path.y.push_back(std::move(y));
+  }
+  return path;
+}
+
+std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method> methods,
+                                                         const Problem& problem, const Path& path) {
+  std::vector<std::optional<TrajectoryLimit>> limits;
+  for (const Method& method : methods) {
+    limits.emplace_back();
+    if (!method.amplification || !suits(method, problem)) continue;
+    limits.back() = TrajectoryLimit{.t = path.at,
+                                    .h_max = {},
+                                    .least = std::numeric_limits<double>::quiet_NaN(),
+                                    .y_least = path.y.front()};
+  }
+  for (std::size_t i = 0; i < path.at.size(); ++i) {
+    const Linearised near = tangent(problem, path.at[i], path.y[i]);
+    for (std::size_t k = 0; k < methods.size(); ++k) {
+      if (!limits[k]) continue;
+      TrajectoryLimit& limit = *limits[k];
+      const Prediction here = predict(methods[k], problem, near);
+      if (here.bound == Bound::model) limit.growing += 1;
+      const double h = here.h_max.value_or(std::numeric_limits<double>::quiet_NaN());
+      limit.h_max.push_back(h);
+      if (h < limit.least || (std::isnan(limit.least) && !std::isnan(h))) {
+        limit.least = h;
+        limit.t_least = path.at[i];
+        limit.y_least = path.y[i];
+      }
+    }
+  }
+  for (auto& limit : limits)
+    if (limit) limit->growing /= static_cast<double>(path.at.size());
+  return limits;
+}
 
 std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& problem, double t_end,
                                            int points) {
   if (!method.amplification || !suits(method, problem)) return std::nullopt;
-  const Motion motion = motion_of(problem, t_end, points);
-  TrajectoryLimit limit{.t = motion.t,
-                        .h_max = {},
-                        .least = std::numeric_limits<double>::quiet_NaN(),
-                        .y_least = motion.y.front()};
-  for (std::size_t i = 0; i < motion.t.size(); ++i) {
-    const Prediction here = predict(method, problem, linearised(problem, motion.t[i], motion.y[i]));
-    if (here.bound == Bound::model) limit.growing += 1;
-    limit.h_max.push_back(here.h_max.value_or(std::numeric_limits<double>::quiet_NaN()));
-    const double h = limit.h_max.back();
-    if (h < limit.least || (std::isnan(limit.least) && !std::isnan(h))) {
-      limit.least = limit.h_max.back();
-      limit.t_least = motion.t[i];
-      limit.y_least = motion.y[i];
-    }
-  }
-  limit.growing /= static_cast<double>(motion.t.size());
-  return limit;
+  return limits_along({&method, 1}, problem, motion_path(problem, t_end, points)).front();
 }
 
 std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
                                        double guess) {
   if (!method.fixed_step || !suits(method, problem)) return std::nullopt;
   if (t_end > 0.1 * guess * static_cast<double>(most_observed_steps)) return std::nullopt;
-  const double allowed = 3 * motion_of(problem, t_end, 1000).largest;
+  double allowed = 0;
+  for (const Eigen::VectorXd& y : motion_path(problem, t_end, 1000).y)
+    allowed = std::max(allowed, 3 * y.norm());
   const Runner runner = method.bind(problem);
   const auto stays = [&](double h) {
     bool inside = true;

@@ -1,29 +1,53 @@
-/// Limits of the step where the model does not stay near rest: along a motion, and from a start of its own.
+/// Limits of the step where the model does not stay near rest: along a motion or under a growing load, and
+/// from a start of its own.
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "bench/catalogue.hpp"
 
 namespace hmax {
 
-/// h_max of the tangent along a motion. It is no proof: a step longer than the least may be stable where the
+/// States that a model passes.
+struct Path {
+  std::vector<double> at;          ///< the instant of each [s], or its share of the load
+  std::vector<Eigen::VectorXd> y;  ///< shape (dim) each
+  std::string note;                ///< why it ends early; empty when it does not
+};
+
+/// The motion from y0 to t_end by dormand_prince_54 at a tolerance of 1e-10, looked at `points` times.
+/// @throws InputError  when t_end is no end of a run, or the motion does not reach it within the attempts
+/// that adaptive runs have
+Path motion_path(const Problem& problem, double t_end, int points = 400);
+
+/// The balances of a body under shares of its load from 0 to 1 in `points` equal strides, as far as there are
+/// any.
+/// @throws InputError  for what is no body, and for loads that change with time
+Path load_path(const Problem& problem, int points = 40);
+
+/// h_max of the tangent along a path. It is no proof: a step longer than the least may be stable where a
 /// motion passes that point quickly, and a shorter one unstable where modes turn into one another. It says
 /// where to expect the limit, and why it is not that of rest.
 struct TrajectoryLimit {
-  std::vector<double> t,
-      h_max;         ///< [s]; NaN where the tangent itself grows, infinity where it limits no step
+  std::vector<double> t,  ///< as Path::at
+      h_max;              ///< [s]; NaN where the tangent itself grows, infinity where it limits no step
   double least = 0;  ///< the smallest of them; infinity when nothing limits, NaN when no point has an answer
-  double t_least = 0;       ///< where it occurs [s]
+  double t_least = 0;       ///< where it occurs, as Path::at
   Eigen::VectorXd y_least;  ///< the state there, shape (dim)
   double growing = 0;       ///< share of the points whose tangent grows
 };
 
-/// The motion from y0 to t_end is that of dormand_prince_54 at a tolerance of 1e-10, looked at `points`
-/// times. Nothing for methods without an amplification, or that the problem does not suit.
-/// @throws InputError  when t_end is no end of a run, or the motion does not reach it within the attempts
-/// that adaptive runs have
+/// Of each method; nothing for those without an amplification, or that the problem does not suit. Of bodies
+/// with more than small_enough_for_dense degrees of freedom the slowest and the fastest mode of each tangent
+/// are computed, and the limit is the least on the curve of damping between them.
+/// @throws InputError  when damping couples the modes of such a body
+std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method> methods,
+                                                         const Problem& problem, const Path& path);
+
+/// The same of one method and the motion from y0.
 std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& problem, double t_end,
                                            int points = 400);
 

@@ -1,6 +1,8 @@
 /// hmax stability predict
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "analysis/non_normality.hpp"
 #include "bench/fastest_mode.hpp"
 #include "bench/predict.hpp"
+#include "bench/tissue_problem.hpp"
 #include "bench/trajectory_limit.hpp"
 #include "cli/choices.hpp"
 #include "cli/stability.hpp"
@@ -22,12 +25,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What --along looks along.
+constexpr std::array<std::string_view, 2> path_names{"motion", "load"};
+
 struct PredictOptions {
   ProblemChoice problem;
   MethodsChoice methods;
   std::string materials;
-  bool verify = false, along = false;
+  bool verify = false;
+  std::string along;  ///< a word of path_names, or empty
   std::optional<double> t_end;
+
+  [[nodiscard]] bool along_load() const { return along == path_names[1]; }
 };
 
 /// Ids of a list; all: both ends of the mass range of every material.
@@ -55,6 +64,7 @@ Json to_json(const Mode& mode) {
 struct PredictedRow {
   Prediction prediction;
   std::optional<TrajectoryLimit> along;
+  std::string path_note;
   std::optional<double> from_start;
 };
 
@@ -161,13 +171,28 @@ Json to_json(const Prediction& row) {
   return document;
 }
 
-Json to_json(const PredictedRow& row) {
+Json to_json(const TrajectoryLimit& along, bool of_load, bool of_body, const std::string& note) {
+  Json path = Json::array();
+  for (std::size_t i = 0; i < along.t.size(); ++i)
+    path.push_back({along.t[i], number_or_word(along.h_max[i])});
+  Json document{{"h_min", number_or_word(along.least)}, {of_load ? "share" : "t", along.t_least}};
+  // The states of bodies are long.
+  const Eigen::VectorXd& y = along.y_least;
+  if (of_body)
+    document["max_displacement"] = largest_displacement(y.head(y.size() / 2));
+  else
+    document["y"] = std::vector<double>(y.begin(), y.end());
+  document["growing_share"] = along.growing;
+  document["path"] = std::move(path);
+  if (!note.empty()) document["status"] = note;
+  return document;
+}
+
+Json to_json(const PredictedRow& row, const PredictOptions& options) {
   Json document = to_json(row.prediction);
   if (row.along)
-    document["along"] = {{"h_min", number_or_word(row.along->least)},
-                         {"t", row.along->t_least},
-                         {"y", std::vector<double>(row.along->y_least.begin(), row.along->y_least.end())},
-                         {"growing_share", row.along->growing}};
+    document["along"] =
+        to_json(*row.along, options.along_load(), is_tissue_id(row.prediction.problem), row.path_note);
   if (row.from_start) document["observed_from_start"] = number_or_word(*row.from_start);
   return document;
 }
@@ -181,10 +206,12 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
   const bool verified = options.verify;
   std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
   if (verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
-  if (options.along) header.insert(header.end(), {"least along [s]", "at t [s]"});
-  if (options.along && verified) header.emplace_back("from the start [s]");
+  const bool along_motion = !options.along.empty() && !options.along_load();
+  if (!options.along.empty())
+    header.insert(header.end(), {"least along [s]", options.along_load() ? "at share [1]" : "at t [s]"});
+  if (along_motion && verified) header.emplace_back("from the start [s]");
   TextTable table(std::move(header));
-  for (const auto& [row, along, from_start] : rows) {
+  for (const auto& [row, along, note, from_start] : rows) {
     std::vector<std::string> cells{row.method,
                                    row.material.empty() ? "-" : row.material,
                                    words_of(row.h_max),
@@ -197,18 +224,36 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
       cells.push_back(seen && std::isfinite(seen->gap) ? fmt::format("{:+.4f} %", 100 * seen->gap) : "-");
       cells.push_back(seen ? std::to_string(seen->steps) : "-");
     }
-    if (options.along) {
+    if (!options.along.empty()) {
       cells.push_back(along && !std::isnan(along->least) ? words_of(along->least) : "-");
       cells.push_back(along && std::isfinite(along->least) ? short_number(along->t_least, 4) : "-");
-      if (verified) cells.push_back(words_of(from_start));
+      if (along_motion && verified) cells.push_back(words_of(from_start));
     }
     table.add(std::move(cells));
   }
   return table.text(console);
 }
 
+/// Puts the limits along a motion or under a load into the rows of one problem.
+void look_along(const PredictOptions& options, const Problem& problem, std::span<const Method> methods,
+                std::span<PredictedRow> rows) {
+  const double t_end = options.t_end.value_or(problem.t_end);
+  const Path path = options.along_load() ? load_path(problem)
+                    : problem.body       ? motion_path(problem, t_end, 100)
+                                         : motion_path(problem, t_end);
+  const std::vector<std::optional<TrajectoryLimit>> limits = limits_along(methods, problem, path);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].along = limits[i];
+    rows[i].path_note = path.note;
+    if (options.verify && !options.along_load() && limits[i] && limits[i]->least > 0 &&
+        std::isfinite(limits[i]->least))
+      rows[i].from_start = limit_from_start(methods[i], problem, t_end, limits[i]->least);
+  }
+}
+
 void predict_rows(const PredictOptions& options, Console& console) {
-  if (options.t_end && !options.along)
+  if (!options.along.empty()) parse_choice("--along", options.along, path_names);
+  if (options.t_end && (options.along.empty() || options.along_load()))
     throw InputError(
         "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
   const auto& interrupted = interrupt_flag();
@@ -242,24 +287,21 @@ void predict_rows(const PredictOptions& options, Console& console) {
       for (const Method& method : chosen) {
         if (interrupted) throw Interrupted{};
         progress.update(static_cast<double>(rows.size()) / total, method.id);
-        PredictedRow row{predict(method, problem, near), {}, {}};
+        PredictedRow row{predict(method, problem, near), {}, {}, {}};
         if (options.verify) verify(row.prediction, method, problem, near);
         if (const auto& seen = row.prediction.observed;
             seen && (!seen->has_steps_of_analysis() || (!seen->agrees && row.prediction.note.empty())))
           console.exit_code = Exit::failed;
-        if (options.along) {
-          const double t_end = options.t_end.value_or(problem.t_end);
-          row.along = limit_along(method, problem, t_end);
-          if (options.verify && row.along && row.along->least > 0 && std::isfinite(row.along->least))
-            row.from_start = limit_from_start(method, problem, t_end, row.along->least);
-        }
         rows.push_back(std::move(row));
       }
+      if (options.along.empty()) continue;
+      progress.update(static_cast<double>(rows.size()) / total, "along the " + options.along);
+      look_along(options, problem, chosen, std::span(rows).last(chosen.size()));
     }
   }
   if (console.json) {
     Json list = Json::array();
-    for (const PredictedRow& row : rows) list.push_back(to_json(row));
+    for (const PredictedRow& row : rows) list.push_back(to_json(row, options));
     return console.print_json({{"rows", std::move(list)}, {"models", std::move(models)}});
   }
   console.print(for_people(rows, options, console));
@@ -268,7 +310,8 @@ void predict_rows(const PredictOptions& options, Console& console) {
     if (const auto& seen = each.prediction.observed; seen && !seen->has_steps_of_analysis())
       remarks += fmt::format("{}: its steps are not those of its analysis, they differ by {}\n",
                              each.prediction.method, short_number(seen->step_defect, 3));
-  for (const auto& [row, along, from_start] : rows)
+  if (!rows.empty() && !rows.front().path_note.empty()) remarks += rows.front().path_note + "\n";
+  for (const auto& [row, along, note, from_start] : rows)
     if (!row.note.empty() && row.bound != Bound::error_control)
       remarks +=
           fmt::format("{}{}: {}\n", row.method, row.material.empty() ? "" : ", " + row.material, row.note);
@@ -284,7 +327,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       {"hmax stability predict --problem liver_benchmark --materials all --methods rk4,ode45",
        "hmax stability predict --problem liver_benchmark --methods "
        "explicit_runge_kutta,structural --verify --json",
-       "hmax stability predict --problem liver_forced --methods rk4,symplectic_euler --along --verify"});
+       "hmax stability predict --problem liver_forced --methods rk4,symplectic_euler --along --verify",
+       "hmax stability predict --mesh phantom --load press --methods rk4 --along load"});
   const auto options = std::make_shared<PredictOptions>();
   options->problem.add_to(command);
   command
@@ -296,10 +340,14 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   command.add_flag(
       "--verify", options->verify,
       "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong");
-  command.add_flag(
-      "--along", options->along,
-      "Also the least limit of the tangent along the motion from the initial state, and when; with "
-      "--verify also the largest step that stays near that motion");
+  command
+      .add_option(
+          "--along", options->along,
+          "Also the least limit of the tangent, and where: along the motion from the initial state "
+          "(with --verify also the largest step that stays near it), or of a body while its load grows")
+      ->type_name("motion|load")
+      ->expected(0, 1)
+      ->default_str(std::string(path_names[0]));
   add_number(command, "--t-end", options->t_end, "End of that motion [s]; the problem's own by default");
   command.callback([options, &console] { predict_rows(*options, console); });
 }

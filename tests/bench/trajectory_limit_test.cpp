@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/extreme_eigenvalues.hpp"
 #include "bench/predict.hpp"
+#include "bench/tissue_problem.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -46,6 +49,116 @@ TEST(LimitAlongAMotion, SaysWhereTheTangentItselfGrows) {
 TEST(LimitAlongAMotion, IsNothingWithoutAnAmplificationOrForAProblemThatDoesNotSuit) {
   EXPECT_FALSE(limit_along(find_method("adams_pece"), oscillator(1, 1, 0, {1, 0}), 5));
   EXPECT_FALSE(limit_along(find_method("newmark"), make_problem("van_der_pol"), 5));
+}
+
+Problem cube(const std::string& id, Parameters parameters) {
+  return make_problem(id + "@cube:n=4", {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+}
+
+/// What a function throws, in words.
+template <class Function>
+std::string complaint(const Function& function) {
+  try {
+    function();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(LoadPath, HasTheBalanceOfEachShareOfTheLoad) {
+  const Problem problem = cube("fem_green/press", {{"force", 1}});
+  const Path path = load_path(problem, 4);
+  ASSERT_EQ(path.at, (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
+  EXPECT_TRUE(path.note.empty());
+  EXPECT_EQ(path.y.front().norm(), 0);
+  const Eigen::Index n = problem.body->dofs();
+  for (std::size_t i = 1; i < path.at.size(); ++i) {
+    // The forces of the whole load are what is missing of it.
+    const Problem part = cube("fem_green/press", {{"force", path.at[i]}});
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
+    part.body->force(0, path.y[i].head(n), Eigen::VectorXd::Zero(n), f);
+    EXPECT_LT(f.norm(), 1e-8) << path.at[i];
+    EXPECT_GT(path.y[i].norm(), path.y[i - 1].norm());
+  }
+}
+
+TEST(LoadPath, EndsWhereThereIsNoBalance) {
+  const Path path = load_path(cube("fem_green/press", {{"force", 500}}), 5);
+  EXPECT_LT(path.at.back(), 1);
+  EXPECT_NE(path.note.find("no balance"), std::string::npos);
+}
+
+TEST(LoadPath, IsOfBodiesAndOfLoadsThatStandStill) {
+  EXPECT_NE(complaint([] { load_path(make_problem("liver_linear")); }).find("no body"), std::string::npos);
+  EXPECT_NE(complaint([] { load_path(cube("fem_green/tool", {})); }).find("changes with time"),
+            std::string::npos);
+}
+
+TEST(LimitUnderALoad, OfALinearBodyIsThatAtRestEverywhere) {
+  const Problem problem = cube("fem_cauchy/pull", {{"force", 1}, {"alpha", 3}});
+  const std::vector<Method> methods{find_method("rk4"), find_method("symplectic_euler")};
+  const auto limits = limits_along(methods, problem, load_path(problem, 3));
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    const double at_rest = predict(methods[i], problem, linearised(problem)).h_max.value();
+    for (const double h : limits[i]->h_max) EXPECT_NEAR(h, at_rest, 1e-6 * at_rest) << methods[i].id;
+  }
+}
+
+TEST(LimitUnderALoad, OfABodyOfManyPointsIsThatOfAllItsModes) {
+  // Large enough for the ends of the spectrum alone, small enough for the dense one beside it.
+  for (const char* model : {"fem_green/press", "fem_neo_hookean/press", "mass_spring/press"}) {
+    const Problem problem = cube(model, {{"force", 2}, {"alpha", 2}});
+    ASSERT_GT(problem.body->dofs(), small_enough_for_dense);
+    const std::vector<Method> methods{find_method("rk4"), find_method("symplectic_euler")};
+    const Path path = load_path(problem, 2);
+    const auto limits = limits_along(methods, problem, path);
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      EXPECT_EQ(limits[i]->t, path.at);
+      EXPECT_EQ(limits[i]->growing, 0);
+      for (std::size_t k = 0; k < path.at.size(); ++k) {
+        const double all = predict(methods[i], problem, linearised(problem, 0, path.y[k])).h_max.value();
+        EXPECT_NEAR(limits[i]->h_max[k], all, 1e-6 * all) << model << " " << methods[i].id << " " << k;
+      }
+    }
+    // The load moves the limit by more than that.
+    EXPECT_GT(std::abs(limits[0]->h_max.back() / limits[0]->h_max.front() - 1), 1e-4) << model;
+  }
+}
+
+TEST(LimitUnderALoad, SeesThatABodyBuckles) {
+  // Pressed flat by 30 %, a solid of Green's strain has a tangent that is negative in some direction.
+  const Problem problem = cube("fem_green", {});
+  const TissueBody& body = *problem.body;
+  Eigen::VectorXd flat = problem.y0;
+  for (std::size_t i = 0; i < body.free_points().size(); ++i)
+    flat[3 * static_cast<Eigen::Index>(i) + 2] = -0.3 * body.mesh().points(2, body.free_points()[i]);
+  ASSERT_LT(linearised(problem, 0, flat).spectrum.mechanical.front().kappa, 0);
+  const std::vector<Method> methods{find_method("rk4")};
+  const auto limits = limits_along(methods, problem, {.at = {0, 1}, .y = {problem.y0, flat}, .note = {}});
+  EXPECT_EQ(limits[0]->growing, 0.5);
+  EXPECT_TRUE(std::isnan(limits[0]->h_max[1]));
+  EXPECT_EQ(limits[0]->least, limits[0]->h_max[0]);
+}
+
+TEST(LimitUnderALoad, IsRefusedWhereDampingCouplesManyModes) {
+  const Problem problem = cube("mass_spring/press", {{"damper", 0.01}});
+  const std::vector<Method> methods{find_method("rk4")};
+  EXPECT_NE(complaint([&] { limits_along(methods, problem, load_path(problem, 1)); }).find("couple"),
+            std::string::npos);
+}
+
+TEST(LimitAlongAMotion, OfABodyFallsAndRisesAboutThatAtRest) {
+  const Problem problem = cube("fem_green/pull", {{"force", 5}});
+  const auto along = limit_along(find_method("symplectic_euler"), problem, 0.3, 20);
+  ASSERT_TRUE(along);
+  EXPECT_EQ(along->t.size(), 21U);
+  EXPECT_LT(along->least, along->h_max.front());
+  EXPECT_GT(along->t_least, 0);
+  const double there =
+      predict(find_method("symplectic_euler"), problem, linearised(problem, along->t_least, along->y_least))
+          .h_max.value();
+  EXPECT_NEAR(along->least, there, 1e-6 * there);
 }
 
 TEST(LimitFromAStart, OfALinearModelIsThatOfItsSpectrum) {

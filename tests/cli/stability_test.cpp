@@ -270,9 +270,63 @@ TEST(StabilityPredict, EndsAMotionThatWouldTakeForEver) {
                  "before the start");
   // An option that would be passed over is a mistake.
   expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --t-end 5"), "--along");
+  expect_refused(shell.hmax("stability predict --mesh phantom --methods rk4 --along load --t-end 5"),
+                 "--t-end");
   expect_refused(shell.hmax("stability predict --problem liver_benchmark --methods rk4 --material male_slim "
                             "--materials all"),
                  "--materials");
+}
+
+TEST(StabilityPredict, LooksAlongTheMotionOfAnOscillatorAndOfABody) {
+  const Shell shell;
+  const std::string predict = "stability predict --methods rk4 --json ";
+  const Json small =
+      shell.hmax(predict + "--problem liver_forced --along").json().at("rows").at(0).at("along");
+  EXPECT_EQ(small.at("y").size(), 2U);
+  EXPECT_EQ(small.at("path").size(), 401U);
+  // The word that is meant when none is given.
+  EXPECT_EQ(shell.hmax(predict + "--problem liver_forced --along motion").json().at("rows").at(0).at("along"),
+            small);
+  const Json body =
+      shell.hmax(predict + "--mesh phantom --along --t-end 0.1").json().at("rows").at(0).at("along");
+  EXPECT_EQ(body.at("path").size(), 101U);
+  EXPECT_GT(body.at("max_displacement"), 0);
+  EXPECT_FALSE(body.contains("y"));
+}
+
+TEST(StabilityPredict, LooksAtABodyUnderAGrowingLoad) {
+  const Shell shell;
+  const Json row =
+      shell
+          .hmax(
+              "stability predict --mesh phantom --load press --set force=2 --methods rk4 --along load "
+              "--json")
+          .json()
+          .at("rows")
+          .at(0);
+  const Json along = row.at("along");
+  double least = 1;
+  for (const Json& point : along.at("path")) least = std::min(least, point.at(1).get<double>());
+  EXPECT_EQ(along.at("h_min"), least);
+  // The end of the path is the balance that is linearised without it.
+  EXPECT_EQ(along.at("path").back().at(0), 1);
+  EXPECT_NEAR(along.at("path").back().at(1), row.at("h_max"), 1e-6 * row.at("h_max").get<double>());
+  EXPECT_TRUE(along.contains("share"));
+  EXPECT_EQ(along.at("growing_share"), 0);
+  EXPECT_FALSE(along.contains("status"));
+  const Json broken =
+      shell
+          .hmax(
+              "stability predict --mesh phantom --load press --set force=9 --methods rk4 --along load --json")
+          .json()
+          .at("rows")
+          .at(0)
+          .at("along");
+  EXPECT_LT(broken.at("path").back().at(0), 1);
+  EXPECT_NE(broken.at("status").get<std::string>().find("no balance"), std::string::npos);
+  expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --along load"),
+                 "no body");
+  expect_refused(shell.hmax("stability predict --mesh phantom --methods rk4 --along laod"), "load");
 }
 
 TEST(Stability, RefusesBadInputInOneSentence) {
