@@ -119,6 +119,15 @@ void tissue_study(const std::filesystem::path& folder, TissueOptions options, Co
                          {"method", limit.method},
                          {"h_max", 1 / limit.rate},
                          {"stiffest", limit.stiffest}});
+  nlohmann::ordered_json paths = nlohmann::ordered_json::array();
+  for (const PathLimit& limit : study.paths)
+    paths.push_back({{"load", limit.load},
+                     {"path", limit.path},
+                     {"model", limit.model},
+                     {"method", limit.method},
+                     {"h_rest", limit.at_rest},
+                     {"h_min", limit.least},
+                     {"growing_share", limit.growing}});
   if (console.json)
     return console.print_json({{"report", study.report.string()},
                                {"force_ratio", study.force_ratio},
@@ -127,7 +136,8 @@ void tissue_study(const std::filesystem::path& folder, TissueOptions options, Co
                                {"deflection_elements", study.deflection_elements},
                                {"unsolved", study.unsolved},
                                {"particles", particles},
-                               {"heaviest_particle", study.heaviest_particle}});
+                               {"heaviest_particle", study.heaviest_particle},
+                               {"paths", paths}});
   console.print(fmt::format(
       "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under the same load the "
       "liver gives way by {:.3g} mm with springs and {:.3g} mm with finite elements.\nOpen {}\n",

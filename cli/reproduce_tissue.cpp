@@ -283,6 +283,7 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
       {"load paths", [&] { return load_paths(folder, machine); }},
       {"solvers", [&] { return solvers(folder, machine, study); }},
       {"steps and masses", [&] { return particle_limits(folder, options, study); }},
+      {"steps under loads", [&] { return path_limits(folder, options, study); }},
       {"costs", [&] { return costs(study); }},
       {"modes", [&] { return modes(folder); }},
       {"tool", [&] { return pressed_by_a_tool(folder); }},

@@ -25,6 +25,13 @@ struct ParticleLimit {
   double stiffest = 0;  ///< E up to which 280 steps a second are stable [Pa]; 0 for none
 };
 
+/// The least limit of a step on the way of a body under a load.
+struct PathLimit {
+  std::string load, path, model, method;  ///< path: load or motion
+  double at_rest = 0, least = 0;          ///< h_max [s]
+  double growing = 0;                     ///< share of the path where the tangent grows
+};
+
 /// The outcome in numbers.
 struct TissueStudy {
   std::filesystem::path report;   ///< the README.md
@@ -35,6 +42,7 @@ struct TissueStudy {
   int unsolved = 0;  ///< static ways that did not converge
   std::vector<ParticleLimit> particles;
   double heaviest_particle = 0;  ///< with which that body hangs without an element turned inside out [kg]
+  std::vector<PathLimit> paths;
 };
 
 /// Writes pictures, figures, tables and a README.md into `folder`.

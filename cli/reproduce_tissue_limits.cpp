@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "bench/particle_limits.hpp"
+#include "bench/trajectory_limit.hpp"
 #include "cli/reproduce_tissue_parts.hpp"
 
 namespace hmax {
@@ -182,6 +183,94 @@ ReportSection particle_limits(const fs::path& folder, const TissueOptions& optio
           fmt::format("explicit integration with {:g} steps a second at {:g} g a particle; \"not stable\" "
                       "with a \"large mass\". Neither stiffness nor damping is given.",
                       printed_rate, 1000 * printed_mass)};
+}
+
+namespace {
+
+constexpr std::array path_models{"fem_green", "fem_neo_hookean", "mass_spring"};
+constexpr std::array path_methods{"rk4", "symplectic_euler"};
+constexpr double path_force = 1;  // [N]
+
+/// Limits relative to that at rest: a curve for each stretch of the path without growth, or points.
+void add_relative(Panel& panel, const TrajectoryLimit& limit, const std::string& label, const Style& style,
+                  bool line, std::size_t every) {
+  Curve curve{.label = label, .style = style, .line = line};
+  for (std::size_t i = 0; i < limit.t.size(); ++i) {
+    if (std::isfinite(limit.h_max[i])) {
+      if (i % every != 0) continue;
+      curve.x.push_back(limit.t[i]);
+      curve.y.push_back(limit.h_max[i] / limit.h_max.front());
+    } else if (line && !curve.x.empty()) {
+      panel.curves.push_back(curve);
+      curve.x.clear();
+      curve.y.clear();
+    }
+  }
+  if (!curve.x.empty()) panel.curves.push_back(std::move(curve));
+}
+
+}  // namespace
+
+ReportSection path_limits(const fs::path& folder, const TissueOptions& options, TissueStudy& study) {
+  std::vector<Method> methods;
+  for (const char* id : path_methods) methods.push_back(find_method(id));
+  Figure figure{.title = "What loads do to the largest stable step", .columns = 2};
+  figure.footer = options.machine;
+  std::string table = "| load | along | model |";
+  for (const Method& method : methods)
+    table += fmt::format(" {}: h_max at rest, least [ms] |", markdown_text(method.id));
+  table += " growing share [%] |\n| --- | --- | --- | ---: | ---: | ---: |\n";
+  std::string about;
+  for (const std::string_view load : {"gravity", "press"}) {
+    const std::string words =
+        load == "gravity" ? "hanging in its weight" : fmt::format("pressed with {:g} N", path_force);
+    Panel share{.title = words + ", in balance",
+                .x = {.label = "share of the load [1]"},
+                .y = {.label = "h_max beside that at rest [1]"}};
+    Panel motion{.title = words + ", all at once",
+                 .x = {.label = "time [s]"},
+                 .y = {.label = "h_max beside that at rest [1]"}};
+    int colour = 0;
+    for (const std::string_view model : path_models) {
+      const Problem problem = study_tissue(model, options.mesh(), load, {{"force", path_force}});
+      about = made_of(problem);
+      for (Panel* panel : {&share, &motion}) {
+        const bool of_load = panel == &share;
+        const Path path = of_load ? load_path(problem, options.quick ? 4 : 20)
+                                  : motion_path(problem, options.quick ? 0.2 : 1, options.quick ? 8 : 100);
+        const auto limits = limits_along(methods, problem, path);
+        const char* const along = of_load ? "load" : "motion";
+        table += fmt::format("| {} | {} | {} |", words, along, markdown_text(model));
+        for (std::size_t i = 0; i < methods.size(); ++i) {
+          const TrajectoryLimit& limit = limits[i].value();
+          Style style = family_style(colour, i > 0);
+          style.size = 0.8;
+          add_relative(*panel, limit, fmt::format("{}, {}", model, methods[i].id), style, i == 0,
+                       i == 0    ? 1
+                       : of_load ? 2
+                                 : 5);
+          study.paths.push_back({std::string(load), along, std::string(model), methods[i].id,
+                                 limit.h_max.front(), limit.least, limit.growing});
+          table += fmt::format(" {:.4g}, {:.4g} |", 1000 * limit.h_max.front(), 1000 * limit.least);
+        }
+        table += fmt::format(" {:.3g} |\n", 100 * limits.front()->growing);
+      }
+      ++colour;
+    }
+    figure.panels.push_back(std::move(share));
+    figure.panels.push_back(std::move(motion));
+  }
+  return {
+      .title = "The largest stable step under a load and in motion",
+      .text =
+          about +
+          fmt::format(
+              " h_max is that of the tangent at each state, K(q) on the balances while the load grows, and on "
+              "the motion of the body when the load comes at once. Where a curve is interrupted the tangent "
+              "has a negative stiffness: the body buckles, and what grows is the model. The fastest mode "
+              "sits in a few small elements, so a load far from them hardly moves the limit.\n\n{}",
+              table),
+      .figures = {draw(figure, folder, "limits_under_loads")}};
 }
 
 }  // namespace hmax

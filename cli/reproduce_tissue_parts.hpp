@@ -20,4 +20,8 @@ std::string made_of(const Problem& problem);
 ReportSection particle_limits(const std::filesystem::path& folder, const TissueOptions& options,
                               TissueStudy& study);
 
+/// The largest stable step while a body is loaded, and while it moves.
+ReportSection path_limits(const std::filesystem::path& folder, const TissueOptions& options,
+                          TissueStudy& study);
+
 }  // namespace hmax

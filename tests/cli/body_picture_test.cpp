@@ -100,6 +100,13 @@ TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheBalance) 
   EXPECT_NEAR(undamped.at("rk4").at("stiffest").get<double>(), 5300 * std::pow(280 * rk4, 2),
               2e-3 * 5300 * std::pow(280 * rk4, 2));
   EXPECT_GT(study.at("heaviest_particle"), 0);
+  // Two loads, in balance and in motion, three models, two methods.
+  EXPECT_EQ(study.at("paths").size(), 24U);
+  for (const Json& path : study.at("paths")) {
+    EXPECT_GT(path.at("h_min"), 0) << path;
+    EXPECT_LE(path.at("h_min"), path.at("h_rest")) << path;
+  }
+  EXPECT_TRUE(std::filesystem::exists(shell / "out/limits_under_loads.gp"));
   const std::string page = read_text(shell / "out/README.md");
   EXPECT_NE(page.find("280 steps a second"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(shell / "out/particles.gp"));
