@@ -101,18 +101,7 @@ void stability_study(const std::filesystem::path& folder, Console& console) {
       report.string()));
 }
 
-void tissue_study(const std::filesystem::path& folder, TissueOptions options, Console& console) {
-  const auto& interrupted = interrupt_flag();
-  TissueStudy study;
-  {
-    Progress progress(console, "tissue");
-    options.machine = summary(fingerprint());
-    study = reproduce_tissue(folder, options, [&](double share, const std::string& what) {
-      if (interrupted) throw Interrupted{};
-      progress.update(share, what);
-    });
-  }
-  if (study.unsolved > 0) console.exit_code = Exit::failed;
+nlohmann::ordered_json to_json(const TissueStudy& study) {
   nlohmann::ordered_json particles = nlohmann::ordered_json::array();
   for (const ParticleLimit& limit : study.particles)
     particles.push_back({{"damping", limit.damping},
@@ -128,16 +117,43 @@ void tissue_study(const std::filesystem::path& folder, TissueOptions options, Co
                      {"h_rest", limit.at_rest},
                      {"h_min", limit.least},
                      {"growing_share", limit.growing}});
-  if (console.json)
-    return console.print_json({{"report", study.report.string()},
-                               {"force_ratio", study.force_ratio},
-                               {"step_ratio", study.step_ratio},
-                               {"deflection_springs", study.deflection_springs},
-                               {"deflection_elements", study.deflection_elements},
-                               {"unsolved", study.unsolved},
-                               {"particles", particles},
-                               {"heaviest_particle", study.heaviest_particle},
-                               {"paths", paths}});
+  nlohmann::ordered_json sizes = nlohmann::ordered_json::array();
+  for (const ScaleRow& row : study.sizes)
+    sizes.push_back({{"mesh", row.mesh},
+                     {"tetrahedra", row.tetrahedra},
+                     {"dofs", row.dofs},
+                     {"force", row.force},
+                     {"stiffness", row.stiffness},
+                     {"explicit_step", row.explicit_step},
+                     {"implicit_step", row.implicit_step},
+                     {"eigenvalue", row.eigenvalue},
+                     {"import", row.import},
+                     {"peak_memory", row.peak_memory}});
+  return {{"report", study.report.string()},
+          {"force_ratio", study.force_ratio},
+          {"step_ratio", study.step_ratio},
+          {"deflection_springs", study.deflection_springs},
+          {"deflection_elements", study.deflection_elements},
+          {"unsolved", study.unsolved},
+          {"particles", particles},
+          {"heaviest_particle", study.heaviest_particle},
+          {"paths", paths},
+          {"sizes", sizes}};
+}
+
+void tissue_study(const std::filesystem::path& folder, TissueOptions options, Console& console) {
+  const auto& interrupted = interrupt_flag();
+  TissueStudy study;
+  {
+    Progress progress(console, "tissue");
+    options.machine = summary(fingerprint());
+    study = reproduce_tissue(folder, options, [&](double share, const std::string& what) {
+      if (interrupted) throw Interrupted{};
+      progress.update(share, what);
+    });
+  }
+  if (study.unsolved > 0) console.exit_code = Exit::failed;
+  if (console.json) return console.print_json(to_json(study));
   console.print(fmt::format(
       "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under the same load the "
       "liver gives way by {:.3g} mm with springs and {:.3g} mm with finite elements.\nOpen {}\n",
@@ -203,6 +219,8 @@ void add_reproduce(CLI::App& app, Console& console) {
   tissue.add_flag(
       "--quick", options->quick,
       "Limits of the step on the phantom instead of the liver and at a few points: a page in seconds");
+  tissue.add_flag("--scale", options->scale,
+                  "Also what meshes of a thousand to a million tetrahedra cost: some minutes and gigabytes");
   tissue.callback([&console, tissue_folder, options] { tissue_study(*tissue_folder, *options, console); });
 }
 

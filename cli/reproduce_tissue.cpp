@@ -277,7 +277,7 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
   TissueStudy study;
   const std::string& machine = options.machine;
   std::vector<ReportSection> sections;
-  const std::pair<const char*, std::function<ReportSection()>> parts[]{
+  std::vector<std::pair<const char*, std::function<ReportSection()>>> parts{
       {"meshes", [&] { return the_meshes(folder); }},
       {"springs and elements", [&] { return deflections(folder, study); }},
       {"load paths", [&] { return load_paths(folder, machine); }},
@@ -288,8 +288,14 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
       {"modes", [&] { return modes(folder); }},
       {"tool", [&] { return pressed_by_a_tool(folder); }},
   };
+  const auto share = [&] { return static_cast<double>(sections.size()) / static_cast<double>(parts.size()); };
+  if (options.scale)
+    parts.emplace_back("sizes", [&] {
+      return costs_over_size(folder, options, study,
+                             [&](double, const std::string& mesh) { progress(share(), mesh); });
+    });
   for (const auto& [name, make] : parts) {
-    progress(static_cast<double>(sections.size()) / std::size(parts), name);
+    progress(share(), name);
     sections.push_back(make());
   }
   study.report =

@@ -7,12 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "bench/scale_study.hpp"
+
 namespace hmax {
 
 /// What is made.
 struct TissueOptions {
   std::string machine;  ///< one line: where it is done
   bool quick = false;   ///< limits of the step on the phantom and at a few points of each curve
+  bool scale = false;   ///< also what meshes of up to a million tetrahedra cost
 
   /// Whose limits are shown.
   [[nodiscard]] const char* mesh() const { return quick ? "phantom" : "liver"; }
@@ -43,6 +46,7 @@ struct TissueStudy {
   std::vector<ParticleLimit> particles;
   double heaviest_particle = 0;  ///< with which that body hangs without an element turned inside out [kg]
   std::vector<PathLimit> paths;
+  std::vector<ScaleRow> sizes;  ///< empty unless asked for
 };
 
 /// Writes pictures, figures, tables and a README.md into `folder`.

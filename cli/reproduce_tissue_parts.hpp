@@ -1,6 +1,7 @@
 /// What the sections of `hmax reproduce tissue` share.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "bench/catalogue.hpp"
@@ -23,5 +24,10 @@ ReportSection particle_limits(const std::filesystem::path& folder, const TissueO
 /// The largest stable step while a body is loaded, and while it moves.
 ReportSection path_limits(const std::filesystem::path& folder, const TissueOptions& options,
                           TissueStudy& study);
+
+/// What meshes cost as they grow.
+ReportSection costs_over_size(const std::filesystem::path& folder, const TissueOptions& options,
+                              TissueStudy& study,
+                              const std::function<void(double, const std::string&)>& progress);
 
 }  // namespace hmax

@@ -81,7 +81,7 @@ TEST(Statics, AreComparedInATableAndAFigure) {
 
 TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheBalance) {
   const Shell shell;
-  const Told told = shell.hmax("reproduce tissue --quick --output out --json");
+  const Told told = shell.hmax("reproduce tissue --quick --scale --output out --json");
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const Json study = told.json();
   EXPECT_EQ(study.at("unsolved"), 0);
@@ -107,6 +107,14 @@ TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheBalance) 
     EXPECT_LE(path.at("h_min"), path.at("h_rest")) << path;
   }
   EXPECT_TRUE(std::filesystem::exists(shell / "out/limits_under_loads.gp"));
+  ASSERT_EQ(study.at("sizes").size(), 2U);
+  for (const Json& size : study.at("sizes"))
+    for (const char* cost : {"force", "stiffness", "explicit_step", "implicit_step", "eigenvalue", "import"})
+      EXPECT_GT(size.at(cost), 0) << cost;
+  // 20 n^3 tetrahedra.
+  EXPECT_EQ(study.at("sizes").at(1).at("tetrahedra"), 1280);
+  EXPECT_TRUE(std::filesystem::exists(shell / "out/costs_over_size.gp"));
+  EXPECT_FALSE(std::filesystem::exists(shell / "out/scale_study.msh"));
   const std::string page = read_text(shell / "out/README.md");
   EXPECT_NE(page.find("280 steps a second"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(shell / "out/particles.gp"));
