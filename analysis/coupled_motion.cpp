@@ -95,10 +95,12 @@ bool couples_modes(const MotionMap& map, const MechanicalPart& part) {
 }
 
 CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)
-    : map_(without_zeros(map)), n_(part.mass.size()), symmetric_(part.symmetric) {
-  const VectorXd root = part.mass.cwiseSqrt().cwiseInverse();
-  k_ = root.asDiagonal() * dense(part.K) * root.asDiagonal();
-  c_ = root.asDiagonal() * dense(part.C) * root.asDiagonal();
+    : map_(without_zeros(map)),
+      n_(part.mass.size()),
+      root_(part.mass.cwiseSqrt().cwiseInverse()),
+      symmetric_(part.symmetric) {
+  k_ = root_.asDiagonal() * dense(part.K) * root_.asDiagonal();
+  c_ = root_.asDiagonal() * dense(part.C) * root_.asDiagonal();
   if (symmetric_) {
     k_ = ((k_ + k_.transpose()) / 2).eval();
     c_ = ((c_ + c_.transpose()) / 2).eval();
@@ -145,9 +147,23 @@ MatrixXcd CoupledMotion::at(Complex zeta, double h) const {
   return P;
 }
 
-MechanicalMode CoupledMotion::shape_of(const VectorXcd& x) const {
-  const double square = x.squaredNorm();
-  return {.kappa = x.dot(k_ * x).real() / square, .gamma = x.dot(c_ * x).real() / square};
+CoupledLimit CoupledMotion::leaves_with(double h, const VectorXcd& x, bool proved) const {
+  const auto of_shape = [&](const MatrixXd& A) { return x.dot(A * x).real() / x.squaredNorm(); };
+  const double kappa = of_shape(k_), gamma = of_shape(c_), lumped = of_shape(d_);
+  std::vector<Polynomial> p;
+  for (std::size_t j = 0; j <= map_.degree(); ++j)
+    p.push_back({coefficient(map_.inertia, j),
+                 gamma * coefficient(map_.damper, j) + lumped * coefficient(map_.lumped, j),
+                 kappa * coefficient(map_.spring, j)});
+  // Turned so that its largest entry is real.
+  Index largest = 0;
+  x.cwiseAbs().maxCoeff(&largest);
+  const VectorXd real = root_.cwiseProduct((x / x[largest]).real());
+  return {.h_max = h,
+          .shape = {.kappa = kappa, .gamma = gamma},
+          .displacement = real.normalized(),
+          .of_shape = StepPolynomial::real(p),
+          .proved = proved};
 }
 
 CoupledLimit CoupledMotion::with_shape(double h, Complex zeta, bool proved) const {
@@ -155,7 +171,7 @@ CoupledLimit CoupledMotion::with_shape(double h, Complex zeta, bool proved) cons
   const Eigen::PartialPivLU<MatrixXcd> P(at(zeta * (1 + 1e-10), h));
   VectorXcd x = VectorXcd::LinSpaced(n_, 1, 2);
   for (int i = 0; i < 4; ++i) x = P.solve(x).normalized();
-  return {.h_max = h, .shape = shape_of(x), .proved = proved};
+  return leaves_with(h, x, proved);
 }
 
 std::optional<double> CoupledMotion::leaves_at_minus_one() const {
@@ -235,7 +251,7 @@ CoupledLimit CoupledMotion::refined(double stable, double unstable) const {
         unstable = below;
         break;
       }
-      return {.h_max = h, .shape = shape_of(x.head(n_))};
+      return leaves_with(h, x.head(n_), false);
     }
     if (unstable - stable <= 1e-8 * unstable) return with_shape(stable, zeta, false);
     const double middle = std::sqrt(stable * unstable);
@@ -271,10 +287,12 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
 }
 
 std::optional<CoupledLimit> CoupledMotion::first_exit(const Amplification& single) const {
-  if (rate_ == 0) return CoupledLimit{.h_max = infinity, .shape = {}, .proved = true};
+  if (rate_ == 0)
+    return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
   if (!symmetric_) return by_strides(std::nullopt);
   if (map_.lumped.empty() && has_no_negative_eigenvalue(k_) && has_no_negative_eigenvalue(c_)) {
-    if (singles_never_leave(single)) return CoupledLimit{.h_max = infinity, .shape = {}, .proved = true};
+    if (singles_never_leave(single))
+      return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
     if (singles_leave_at_minus_one(single, map_))
       if (const auto h = leaves_at_minus_one()) return with_shape(*h, -1, true);
   }

@@ -18,6 +18,9 @@ struct CoupledLimit {
   /// What the motion that begins to grow there is stiffened and damped by: for its shape x, with M = I,
   /// kappa = x* K x / x* x and gamma = x* C x / x* x.
   MechanicalMode shape{};
+  Eigen::VectorXd displacement = {};  ///< that shape, the real part of it, |displacement| = 1, shape (n)
+  /// x* P(zeta, h) x / x* x: beside h_max its roots are those of the whole but for terms of second order.
+  std::optional<StepPolynomial> of_shape = {};
   bool proved = false;  ///< for every step below; otherwise looked for in strides
 };
 
@@ -53,12 +56,13 @@ class CoupledMotion {
   [[nodiscard]] std::optional<double> leaves_at_minus_one() const;
   [[nodiscard]] std::optional<CoupledLimit> by_strides(std::optional<double> at_minus_one) const;
   [[nodiscard]] CoupledLimit refined(double stable, double unstable) const;
-  [[nodiscard]] MechanicalMode shape_of(const Eigen::VectorXcd& x) const;
+  [[nodiscard]] CoupledLimit leaves_with(double h, const Eigen::VectorXcd& x, bool proved) const;
   [[nodiscard]] CoupledLimit with_shape(double h, Complex zeta, bool proved) const;
 
   MotionMap map_;
   Eigen::Index n_ = 0;
-  Matrix k_, c_, d_;  // M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
+  Eigen::VectorXd root_;  // M^-1/2
+  Matrix k_, c_, d_;      // M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
   bool symmetric_ = true;
   double rate_ = 0;      // what h is measured by [1/s]
   double rounding_ = 0;  // how far beyond one a root may be by rounding

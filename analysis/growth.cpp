@@ -8,11 +8,8 @@ namespace hmax {
 
 namespace {
 
-/// A run that grows by less is bounded: what is seen at the limit itself.
-constexpr double visible = 0.02;
-
 /// From one quarter to the other growth in proportion to time makes at most a factor of four.
-const double in_proportion = std::log(4.0) + visible;
+const double in_proportion = std::log(4.0) + 0.02;
 
 }  // namespace
 
@@ -43,10 +40,10 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
   constexpr double least = 512, most = most_observed_steps;
-  const double threshold = expected.linear ? in_proportion : visible;
-  // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it to
-  // fall by sixteen digits.
-  const double to_grow = 25 * threshold / expected.above, to_decay = 4 * 37 / -expected.beside;
+  const double threshold = expected.linear ? in_proportion : expected.visible;
+  // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
+  const double to_grow = 2 * threshold / (expected.share * expected.above);
+  const double to_decay = 4 * expected.fall / -expected.beside;
   ObservedLimit limit;
   limit.steps = static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
   const auto grows = [&](double h) { return observed_growth(run, distance, h, limit.steps) > threshold; };
@@ -81,6 +78,24 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
   }
   limit.h = (low + high) / 2;
   return limit;
+}
+
+ShowSteps without_root(ShowSteps run, Eigen::VectorXd rest,
+                       std::function<std::complex<double>(double h)> root) {
+  return [=](double h, std::int64_t steps, const auto& show) {
+    const std::complex<double> r = root(h);
+    Eigen::VectorXd before(rest.size()), here(rest.size()), shown(rest.size());
+    std::int64_t n = 0;
+    return run(h, steps + 2, [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+      if (n >= 2) {
+        shown = y - 2 * r.real() * here + std::norm(r) * before - (std::norm(r) - 2 * r.real()) * rest;
+        show(shown);
+      }
+      before.swap(here);
+      here = y;
+      ++n;
+    });
+  };
 }
 
 bool grows_at(const ShowSteps& run, const Distance& distance, double h) {

@@ -1,6 +1,7 @@
 /// Whether runs of the real code grow: the other side of every prediction.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -45,15 +46,26 @@ struct ExpectedGrowth {
                       ///< < 0; -infinity when there is none
   bool linear =
       false;  ///< a double eigenvalue with one eigenvector: growth in proportion to time at the limit
+  /// ln of a factor that is growth and not what is seen at the limit itself: little where the distance is
+  /// that of one motion, which a step multiplies by one number.
+  double visible = 0.02;
+  double share = 0.08;  ///< how much of the growth between the quarters at 1.001 of the limit that is
+  double fall = 37;  ///< ln of the factor by which what `beside` multiplies has to fall before it is nothing
 };
 
 /// Integrates at 0.999 and at 1.001 of a predicted limit, then bisects between a step that does not grow and
 /// one that does; away from the prediction where both sides behave alike, so that a wrong prediction is
 /// reported with what is true.
-/// The runs are long enough to see a tenth of the growth that is expected at 1.001 of the limit, and for the
+/// The runs are long enough to see a share of the growth that is expected at 1.001 of the limit, and for the
 /// rest to die away before the first quarter that is compared.
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected);
+
+/// The same run without a motion that steps multiply by root and its conjugate, |root| not one: shows
+///   rest + d_(n+1) - 2 Re(root) d_n + |root|^2 d_(n-1),  d_n = y_n - rest,
+/// two states less, where other motions are as they were but for constant factors.
+ShowSteps without_root(ShowSteps run, Eigen::VectorXd rest,
+                       std::function<std::complex<double>(double h)> root);
 
 /// Whether a run of 4096 steps at a step far beyond every time scale of the model grows faster than in
 /// proportion to its length, which no stable method does.

@@ -107,6 +107,12 @@ MatrixXd dense(const AnyMatrix& matrix) {
   return MatrixXd(std::get<Sparse>(matrix));
 }
 
+double relative_distance(const AnyMatrix& A, const AnyMatrix& B) {
+  if (!is_sparse(A) || !is_sparse(B)) return (dense(A) - dense(B)).norm() / dense(A).norm();
+  using Sparse = Eigen::SparseMatrix<double>;
+  return Sparse(std::get<Sparse>(A) - std::get<Sparse>(B)).norm() / std::get<Sparse>(A).norm();
+}
+
 MechanicalPart mechanical_part(VectorXd mass, AnyMatrix K, AnyMatrix C, double relative) {
   require_masses(mass);
   each_entry(K, [&](Index i, Index j, double value) {

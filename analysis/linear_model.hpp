@@ -66,6 +66,8 @@ inline Eigen::Index rows(const AnyMatrix& matrix) {
   return std::visit([](const auto& held) { return held.rows(); }, matrix);
 }
 inline bool is_sparse(const AnyMatrix& matrix) { return matrix.index() == 1; }
+/// |A - B| / |A| of two matrices of one shape, in the norm of Frobenius.
+double relative_distance(const AnyMatrix& A, const AnyMatrix& B);
 
 /// Classifies damping and symmetry of the matrices.
 /// @param relative  what counts as rounding beside the sizes of the terms: 1e-10 where matrices are analytic

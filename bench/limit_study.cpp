@@ -9,6 +9,8 @@
 #include <thread>
 #include <utility>
 
+#include "bench/verification.hpp"
+#include "bench/verification.hpp"
 #include "problems/liver_materials.hpp"
 #include "problems/liver_problems.hpp"
 

@@ -10,14 +10,16 @@ namespace hmax {
 struct ModeStart {
   Eigen::VectorXd displacement;  ///< from rest: the mode and a little of everything else, shape (dim)
   Distance distance;
+  Distance amplitude =
+      {};  ///< of the mode alone, which takes no notice of others; empty where it is not known
   bool defective = false;  ///< the mode shares its eigenvector with another
   /// The rest is so little of the distance that growth of the mode shows at once, without waiting for it to
   /// die away.
   bool mode_alone = false;
 };
 
-/// Structures beyond this many degrees of freedom whose motion decouples start from a shape that is found
-/// alone, and are measured by energy: no matrix is dense.
+/// Sparse structures beyond this many degrees of freedom start from a shape that is found alone, and are
+/// measured by energy and by the amplitude of that shape: no matrix is dense.
 inline constexpr Eigen::Index most_dense_start = 100;
 
 /// Near the eigenvalue `wanted`, with a hundredth of everything else. The distance is that in the modes of
@@ -25,6 +27,11 @@ inline constexpr Eigen::Index most_dense_start = 100;
 /// @param fastest  |lambda| of the fastest mode [1/s]
 ModeStart start_from_mode(const Linearised& near, const Eigen::VectorXd& rest, Complex wanted,
                           double fastest);
+
+/// From a displacement of shape (dofs) at rest, with a hundredth of its energy in everything else; the
+/// distance is in energy.
+ModeStart start_from_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
+                           const Eigen::VectorXd& shape);
 
 /// The shape of a mode of a structure whose motion decouples, u^T M u = 1, shape (dofs).
 Eigen::VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode);

@@ -51,20 +51,13 @@ std::vector<Complex> without_conjugates(const std::vector<Complex>& lambda) {
   return kept;
 }
 
-/// |A - B| / |A|.
-double distance_between(const AnyMatrix& A, const AnyMatrix& B) {
-  if (!is_sparse(A) || !is_sparse(B)) return (dense(A) - dense(B)).norm() / dense(A).norm();
-  using Sparse = Eigen::SparseMatrix<double>;
-  return Sparse(std::get<Sparse>(A) - std::get<Sparse>(B)).norm() / std::get<Sparse>(A).norm();
-}
-
 /// Beyond this many rows parts of a Jacobian are not looked into for common modes.
 constexpr Eigen::Index most_dense_parts = 400;
 
 /// The share of every eigenvalue that is declared stiff. Where both parts have the same eigenvectors the
 /// Rayleigh quotient with them says it.
 std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const std::vector<Complex>& lambda) {
-  if (distance_between(near.model.J, *near.model.J_stiff) <= 1e-13) return lambda;
+  if (relative_distance(near.model.J, *near.model.J_stiff) <= 1e-13) return lambda;
   if (rows(near.model.J) > most_dense_parts) return std::nullopt;
   const Eigen::MatrixXd J = dense(near.model.J), stiff = dense(*near.model.J_stiff);
   if ((J * stiff - stiff * J).norm() > 1e-10 * J.norm() * stiff.norm()) return std::nullopt;
@@ -98,11 +91,6 @@ bool solves_nonlinear_equations(const Method& method) {
   return !method.is_explicit && method.family != "rosenbrock" && method.needs_jacobian;
 }
 
-bool is_linear(const Problem& problem) {
-  const auto* oscillator = std::get_if<Oscillator>(&problem.system);
-  return oscillator != nullptr && oscillator->parameters().k3 == 0;
-}
-
 /// @throws InputError  where squares of eigenvalues, which stiffness is, leave the range of numbers
 void require_usual_rates(const Spectrum& spectrum) {
   constexpr double most = 1e140;
@@ -114,16 +102,10 @@ void require_usual_rates(const Spectrum& spectrum) {
           std::abs(lambda), most));
 }
 
-LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  return std::visit(
-      [&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },
-      problem.system);
-}
-
 /// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
 bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
   const Eigen::VectorXd elsewhere = near.model.y + Eigen::VectorXd::Ones(near.model.y.size());
-  return distance_between(near.model.J, linear_model(problem, near.model.t, elsewhere).J) <= 1e-12;
+  return relative_distance(near.model.J, linear_model(problem, near.model.t, elsewhere).J) <= 1e-12;
 }
 
 }  // namespace
@@ -148,6 +130,12 @@ std::string_view name_of(Bound bound) {
   return "unknown";
 }
 
+LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },
+      problem.system);
+}
+
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
   Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}};
   if (!set_curve(near)) near.spectrum = spectrum_of(near.model);
@@ -170,7 +158,9 @@ std::optional<EquilibriumSearch> balance_of_body(const Problem& problem) {
   model.stiffness(q, K);
   const double rounding =
       1e-13 * K.diagonal().cwiseAbs().maxCoeff() * body.mesh().points.cwiseAbs().maxCoeff();
-  EquilibriumSearch search{EquilibriumOutcome::found, problem.y0, 0, 0, {}};
+  EquilibriumSearch search;
+  search.outcome = EquilibriumOutcome::found;
+  search.state = problem.y0;
   if (f.cwiseAbs().maxCoeff() <= rounding) return search;
   const StaticSolution solution = solve_static(model, {.tolerance = 1e-12}, [] { return 0.0; });
   if (!solution.converged) return std::nullopt;
@@ -245,7 +235,6 @@ void predict_on_curve(Prediction& row, const Method& method, const Problem& prob
 
 /// Where the steps couple modes the whole model has one limit.
 void predict_coupled(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  row.coupled = true;
   row.state += "; the steps couple the modes, so that all of them are taken together";
   const std::vector<Complex> lambda = without_conjugates(near.spectrum.lambda);
   for (const Complex each : lambda)
@@ -253,15 +242,15 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
   if (const auto growing = growing_modes(lambda); !growing.empty())
     return is_of_growing_model(row, lambda[growing.front()]);
   const MechanicalPart& part = *near.model.mechanical;
-  const auto limit = CoupledMotion(*method.amplification->motion, part).first_exit(*method.amplification);
-  if (!limit) {
+  row.coupled = CoupledMotion(*method.amplification->motion, part).first_exit(*method.amplification);
+  if (!row.coupled) {
     row.note = fmt::format(
         "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method",
         part.mass.size());
     return;
   }
-  const auto pair = eigenvalues_of(limit->shape);
-  conclude(row, limit->h_max, pair[0].imag() != 0 ? pair[0] : pair[1], method, problem, near);
+  const auto pair = eigenvalues_of(row.coupled->shape);
+  conclude(row, row.coupled->h_max, pair[0].imag() != 0 ? pair[0] : pair[1], method, problem, near);
 }
 
 }  // namespace
@@ -283,7 +272,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
 
   const Amplification& amplification = *method.amplification;
   if (near.curve) {
-    if (method.needs_split && distance_between(near.model.J, *near.model.J_stiff) > 1e-13)
+    if (method.needs_split && relative_distance(near.model.J, *near.model.J_stiff) > 1e-13)
       row.note = "the stiff part and the rest of this model have no common modes";
     else if (amplification.motion && !amplification.motion->lumped.empty() && near.curve->beta != 0)
       row.note = "the method solves for a part of the damping alone, which couples the modes of this model";
@@ -331,196 +320,6 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   else
     conclude(row, limit.h_max, lambda[limit.limiting], method, problem, near);
   return row;
-}
-
-namespace {
-
-RunRecord take_steps(const Runner& runner, double h, std::int64_t steps, const Sink& sink) {
-  RunSpec spec{.t_end = h * static_cast<double>(steps), .h = h};
-  spec.max_steps = steps + 2;
-  return runner.run(spec, sink);
-}
-
-/// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
-/// from rest is taken off: what is left moves as the free model does.
-ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
-                   const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome) {
-  const auto from = [&](const Eigen::VectorXd& start) {
-    Problem started = problem;
-    started.y0 = start;
-    return method.bind(started);
-  };
-  const bool driven = is_driven(problem);
-  const Runner displaced = from(rest + displacement), undisturbed = from(rest);
-  return [=](double h, std::int64_t steps, const auto& show) {
-    std::vector<double> path;
-    if (driven)
-      take_steps(undisturbed, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        path.insert(path.end(), y.begin(), y.end());
-      });
-    const auto wanted = static_cast<std::size_t>(steps + 1) * static_cast<std::size_t>(rest.size());
-    if (driven && path.size() < wanted) return false;
-    std::size_t at = 0;
-    Eigen::VectorXd free(rest.size());
-    const RunRecord record =
-        take_steps(displaced, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
-          if (!driven) return show(y);
-          if (at + static_cast<std::size_t>(y.size()) > path.size()) return;
-          free = y - Eigen::Map<const Eigen::VectorXd>(path.data() + at, y.size()) + rest;
-          at += static_cast<std::size_t>(y.size());
-          show(free);
-        });
-    *outcome = record.outcome;
-    return record.outcome == Outcome::reached_end;
-  };
-}
-
-/// What the method makes of mode `i` of the row: an oscillation as a whole where it steps positions and
-/// velocities.
-Growth growth_of(const Method& method, const Prediction& row, const Linearised& near, std::size_t i) {
-  return method.amplification->of_oscillation
-             ? method.amplification->of_oscillation(near.curve
-                                                        ? oscillation_of(near, row.modes.at(i).mode.lambda)
-                                                        : near.spectrum.mechanical.at(i))
-             : method.amplification->of_eigenmode(row.modes.at(i).told);
-}
-
-/// The logarithm of the largest factor below one by which a step of size h multiplies part of the motion.
-/// @param only  a mode beside which nothing else is to be seen
-double decay_beside(const Method& method, const Prediction& row, const Linearised& near, double h,
-                    std::optional<std::size_t> only) {
-  double slowest = 0;
-  for (std::size_t i = only.value_or(0); i < (only ? *only + 1 : row.modes.size()); ++i) {
-    const Growth growth = growth_of(method, row, near, i);
-    if (!growth.polynomial) {
-      // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the
-      // start.
-      if (method.amplification->measured && remembers(method)) slowest = std::max(slowest, 0.995);
-      continue;
-    }
-    for (const Complex root : growth.polynomial->roots(h))
-      if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
-  }
-  return std::log(slowest);
-}
-
-/// The logarithm of what a run from a mode shows of its growth at h. The run begins in the root near
-/// exp(lambda h); another one, which only methods of several steps have, begins as small as rounding and has
-/// to grow by so much more.
-double visible_growth(const Method& method, const Growth& growth, Complex lambda, double h) {
-  const double whole = std::log(growth.spectral_radius(h));
-  if (!growth.polynomial || method.amplification->of_oscillation) return whole;
-  const std::vector<Complex> roots = growth.polynomial->roots(h);
-  const auto near = std::ranges::min_element(
-      roots, {}, [&](Complex root) { return std::abs(root - std::exp(lambda * h)); });
-  // Where that root decays, what is left is soon the other one.
-  if (std::abs(*near) < 1 - 1e-4 || std::log(std::abs(*near)) > whole / 2) return whole;
-  constexpr double from_rounding = 150;  // 2 ln 1e16, beside what is visible
-  return whole / from_rounding;
-}
-
-/// What runs from the limiting mode of a row show beside its limit.
-ExpectedGrowth expected_of_mode(const Method& method, const Prediction& row, const Linearised& near,
-                                Complex limiting, bool mode_alone) {
-  const auto at = std::ranges::min_element(
-      row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - limiting); });
-  const auto i = static_cast<std::size_t>(at - row.modes.begin());
-  const Growth growth = growth_of(method, row, near, i);
-  const std::optional<std::size_t> only = mode_alone ? std::optional(i) : std::nullopt;
-  return {.above = std::max(visible_growth(method, growth, limiting, 1.001 * *row.h_max), 1e-12),
-          .beside = decay_beside(method, row, near, *row.h_max, only)};
-}
-
-/// The same where the steps couple all modes: what grows is a small part of the start.
-ExpectedGrowth expected_of_all(const Method& method, const Linearised& near, double h_max) {
-  const CoupledMotion motion(*method.amplification->motion, *near.model.mechanical);
-  constexpr double from_small_part = 8;  // as 150 is for what begins as rounding
-  double slowest = 0;
-  for (const Complex root : motion.roots(h_max))
-    if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
-  return {.above = std::max(std::log(motion.spectral_radius(1.001 * h_max)) / from_small_part, 1e-12),
-          .beside = std::log(slowest)};
-}
-
-/// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than a
-/// part in ten thousand. About rest at zero nothing is lost by that.
-double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction) {
-  double size = 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
-  const auto change = [&] {
-    const Eigen::VectorXd y = near.model.y + size * direction;
-    return distance_between(near.model.J, linear_model(problem, near.model.t, y).J);
-  };
-  for (int tenth = 0; tenth < 3 && change() > 1e-4; ++tenth) size /= 10;
-  return size;
-}
-
-/// A driven linear oscillator moves about its forced motion as the free one moves about zero, and at steps
-/// far beyond every time scale only the latter can be told from rounding.
-void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
-  if (!is_linear(problem)) return;
-  OscillatorParameters parameters = std::get<Oscillator>(problem.system).parameters();
-  parameters.P = 0;
-  problem.system = Oscillator(parameters);
-  rest.setZero();
-}
-
-}  // namespace
-
-void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (!method.fixed_step ||
-      (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
-    return;
-  if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.omega > 0; })) return;
-  // The limiting mode, or the slowest.
-  const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
-  Problem free = problem;
-  Eigen::VectorXd rest = near.model.y;
-  take_off_drive(free, rest);
-  double slowest = infinity, fastest = 0;
-  for (const ModeMargin& margin : row.modes) {
-    if (margin.mode.omega > 0) slowest = std::min(slowest, margin.mode.omega);
-    fastest = std::max(fastest, margin.mode.omega);
-  }
-  const ModeStart start = start_from_mode(near, rest, wanted, fastest);
-  const Distance& distance = start.distance;
-  const double size = is_linear(problem) ? 1 : small_displacement(problem, near, start.displacement);
-  const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
-  const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
-  Observation seen;
-  if (row.bound != Bound::stability) {
-    const double h = 1e6 / slowest;
-    seen.steps = 4096;
-    seen.agrees = !grows_at(run, distance, h);
-    if (!seen.agrees && *outcome == Outcome::newton_failed) {
-      row.bound = Bound::newton;
-      row.note = fmt::format(
-          "no step is unstable, but at {} s, a million times the slowest time scale, Newton's "
-          "method does not solve the equations of a step: it is what limits the step",
-          to_text(h));
-    }
-    seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
-    seen.gap = std::numeric_limits<double>::quiet_NaN();
-  } else {
-    const ExpectedGrowth expected = row.coupled
-                                        ? expected_of_all(method, near, *row.h_max)
-                                        : expected_of_mode(method, row, near, wanted, start.mode_alone);
-    const ObservedLimit limit =
-        observe_limit(run, distance, *row.h_max,
-                      {.above = expected.above, .beside = expected.beside, .linear = start.defective});
-    seen = {.h_max = limit.h,
-            .gap = limit.h / *row.h_max - 1,
-            .steps = limit.steps,
-            .agrees = limit.below_decays && limit.above_grows};
-  }
-  if (!seen.agrees && seen.steps >= most_observed_steps)
-    row.note =
-        fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
-  seen.step_defect = step_defect(method);
-  row.observed = seen;
-  if (!is_linear(problem) && is_driven(problem) && !seen.agrees)
-    row.note =
-        "the force moves the model away from this state, so that small motions are those about another; the limit "
-        "along the motion says more";
 }
 
 }  // namespace hmax

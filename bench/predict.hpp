@@ -1,11 +1,11 @@
-/// The largest stable step of a method on a problem: predicted from spectrum and amplification, and observed
-/// by integrating with the code itself.
+/// The largest stable step of a method on a problem, predicted from spectrum and amplification.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "analysis/coupled_motion.hpp"
 #include "analysis/curve_limit.hpp"
 #include "analysis/linear_model.hpp"
 #include "analysis/spectrum.hpp"
@@ -48,6 +48,7 @@ struct Linearised {
 Linearised linearised(const Problem& problem);
 /// The same without its spectrum.
 LinearModel linear_model(const Problem& problem);
+LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y);
 /// Near a state of its own.
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
 
@@ -79,7 +80,8 @@ struct Prediction {
   std::optional<double> h_max;    ///< [s]; infinity for accuracy and newton; nothing where there is no answer
   std::optional<Mode> limiting;   ///< the mode that sets it, or that grows
   std::vector<ModeMargin> modes;  ///< every mode; conjugates once
-  bool coupled = false;           ///< the steps couple the modes: they have one limit together
+  std::optional<CoupledLimit> coupled =
+      {};  ///< where the steps couple the modes: they have one limit together
   std::string state;
   std::string note;
   std::optional<Observation> observed;
@@ -88,9 +90,5 @@ struct Prediction {
 /// Predicts for one method.
 /// @param near  the problem linearised, as by linearised(problem)
 Prediction predict(const Method& method, const Problem& problem, const Linearised& near);
-
-/// Integrates the problem with the code of the method on both sides of the prediction, from the limiting mode
-/// plus a seeded perturbation, and puts what it shows into the row.
-void verify(Prediction& prediction, const Method& method, const Problem& problem, const Linearised& near);
 
 }  // namespace hmax

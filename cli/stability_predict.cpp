@@ -13,6 +13,7 @@
 #include "bench/predict.hpp"
 #include "bench/tissue_problem.hpp"
 #include "bench/trajectory_limit.hpp"
+#include "bench/verification.hpp"
 #include "cli/choices.hpp"
 #include "cli/stability.hpp"
 #include "problems/liver_materials.hpp"

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/amplification.hpp"
+#include "bench/verification.hpp"
 #include "integrators/tableaux.hpp"
 #include "results/errors.hpp"
 

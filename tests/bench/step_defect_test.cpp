@@ -16,6 +16,7 @@
 #include "analysis/stabilised_amplification.hpp"
 #include "analysis/structural_amplification.hpp"
 #include "bench/predict.hpp"
+#include "bench/verification.hpp"
 #include "integrators/dirk_tableaux.hpp"
 #include "integrators/imex_tableaux.hpp"
 #include "integrators/radau_coefficients.hpp"

@@ -1,0 +1,286 @@
+#include "bench/verification.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "analysis/amplification.hpp"
+#include "analysis/coupled_motion.hpp"
+#include "analysis/growth.hpp"
+#include "bench/measured_amplification.hpp"
+#include "bench/mode_start.hpp"
+#include "bench/planar.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool is_linear(const Problem& problem) {
+  const auto* oscillator = std::get_if<Oscillator>(&problem.system);
+  return oscillator != nullptr && oscillator->parameters().k3 == 0;
+}
+
+RunRecord take_steps(const Runner& runner, double h, std::int64_t steps, const Sink& sink) {
+  RunSpec spec{.t_end = h * static_cast<double>(steps), .h = h};
+  spec.max_steps = steps + 2;
+  return runner.run(spec, sink);
+}
+
+/// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
+/// from rest is taken off: what is left moves as the free model does.
+ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
+                   const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome) {
+  const auto from = [&](const Eigen::VectorXd& start) {
+    Problem started = problem;
+    started.y0 = start;
+    return method.bind(started);
+  };
+  const bool driven = is_driven(problem);
+  const Runner displaced = from(rest + displacement), undisturbed = from(rest);
+  return [=](double h, std::int64_t steps, const auto& show) {
+    std::vector<double> path;
+    if (driven)
+      take_steps(undisturbed, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        path.insert(path.end(), y.begin(), y.end());
+      });
+    const auto wanted = static_cast<std::size_t>(steps + 1) * static_cast<std::size_t>(rest.size());
+    if (driven && path.size() < wanted) return false;
+    std::size_t at = 0;
+    Eigen::VectorXd free(rest.size());
+    const RunRecord record =
+        take_steps(displaced, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+          if (!driven) return show(y);
+          if (at + static_cast<std::size_t>(y.size()) > path.size()) return;
+          free = y - Eigen::Map<const Eigen::VectorXd>(path.data() + at, y.size()) + rest;
+          at += static_cast<std::size_t>(y.size());
+          show(free);
+        });
+    *outcome = record.outcome;
+    return record.outcome == Outcome::reached_end;
+  };
+}
+
+/// What the method makes of mode `i` of the row: an oscillation as a whole where it steps positions and
+/// velocities.
+Growth growth_of(const Method& method, const Prediction& row, const Linearised& near, std::size_t i) {
+  return method.amplification->of_oscillation
+             ? method.amplification->of_oscillation(near.curve
+                                                        ? oscillation_of(near, row.modes.at(i).mode.lambda)
+                                                        : near.spectrum.mechanical.at(i))
+             : method.amplification->of_eigenmode(row.modes.at(i).told);
+}
+
+/// The largest |root| that dies away.
+double fading(const std::vector<Complex>& roots) {
+  double slowest = 0;
+  for (const Complex root : roots)
+    if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
+  return slowest;
+}
+
+/// The logarithm of the largest factor below one by which a step of size h multiplies part of the motion.
+/// @param only  a mode beside which nothing else is to be seen
+double decay_beside(const Method& method, const Prediction& row, const Linearised& near, double h,
+                    std::optional<std::size_t> only) {
+  double slowest = 0;
+  for (std::size_t i = only.value_or(0); i < (only ? *only + 1 : row.modes.size()); ++i) {
+    const Growth growth = growth_of(method, row, near, i);
+    if (growth.polynomial) slowest = std::max(slowest, fading(growth.polynomial->roots(h)));
+    // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the
+    // start.
+    else if (method.amplification->measured && remembers(method))
+      slowest = std::max(slowest, 0.995);
+  }
+  return std::log(slowest);
+}
+
+/// The logarithm of what a run from a mode shows of its growth at h. The run begins in the root near
+/// exp(lambda h); another one, which only methods of several steps have, begins as small as rounding and has
+/// to grow by so much more.
+double visible_growth(const Method& method, const Growth& growth, Complex lambda, double h) {
+  const double whole = std::log(growth.spectral_radius(h));
+  if (!growth.polynomial || method.amplification->of_oscillation) return whole;
+  const std::vector<Complex> roots = growth.polynomial->roots(h);
+  const auto near = std::ranges::min_element(
+      roots, {}, [&](Complex root) { return std::abs(root - std::exp(lambda * h)); });
+  // Where that root decays, what is left is soon the other one.
+  if (std::abs(*near) < 1 - 1e-4 || std::log(std::abs(*near)) > whole / 2) return whole;
+  constexpr double from_rounding = 150;  // 2 ln 1e16, beside what is visible
+  return whole / from_rounding;
+}
+
+/// How runs beside a limit are watched, and what they are expected to show.
+struct Watch {
+  ExpectedGrowth expected;
+  ShowSteps run;
+  Distance distance;
+};
+
+/// Runs from the limiting mode of a row, watched by their distance from rest.
+Watch watch_all(const Method& method, const Prediction& row, const Linearised& near, const ModeStart& start,
+                const ShowSteps& run, std::size_t i) {
+  const Growth growth = growth_of(method, row, near, i);
+  const double above = visible_growth(method, growth, row.limiting->lambda, 1.001 * *row.h_max);
+  return {.expected = {.above = std::max(above, 1e-12),
+                       .beside = decay_beside(method, row, near, *row.h_max,
+                                              start.mode_alone ? std::optional(i) : std::nullopt),
+                       .linear = start.defective,
+                       .fall = start.mode_alone ? 10.0 : 37.0},
+          .run = run,
+          .distance = start.distance};
+}
+
+/// The same watched by the amplitude of the mode alone, of which methods of first order make powers of one
+/// root after a while: the least growth shows. Where that is another root than the one near exp(lambda h), of
+/// which methods of several steps have some, the latter is taken out: what is left has begun as small as the
+/// error of the first steps. Nothing where roots do not tell.
+std::optional<Watch> watch_mode(const Method& method, const Prediction& row, const Linearised& near,
+                                const ModeStart& start, const ShowSteps& run, std::size_t i) {
+  if (!start.amplitude || method.amplification->of_oscillation) return std::nullopt;
+  const Growth growth = growth_of(method, row, near, i);
+  Watch watch = watch_all(method, row, near, start, run, i);
+  watch.distance = start.amplitude;
+  watch.expected.visible = 1e-5;
+  watch.expected.fall = 20;
+  if (!growth.polynomial) return watch;
+  const auto nearest = [lambda = row.limiting->lambda](const std::vector<Complex>& roots, double h) {
+    return std::ranges::min_element(roots, {}, [&](Complex r) { return std::abs(r - std::exp(lambda * h)); });
+  };
+  const double h = 1.001 * *row.h_max;
+  std::vector<Complex> roots = growth.polynomial->roots(h);
+  const auto principal = nearest(roots, h);
+  const auto growing = std::ranges::max_element(roots, {}, [](Complex r) { return std::abs(r); });
+  double beside = 0;
+  for (auto root = roots.begin(); root != roots.end(); ++root)
+    if (root != principal && root != growing) beside = std::max(beside, std::abs(*root));
+  if (beside > 1 - 1e-4) return std::nullopt;
+  watch.expected.above = std::max(std::log(std::abs(*growing)), 1e-12);
+  if (principal == growing) return watch;
+  watch.expected.beside = std::log(beside);
+  // Rounding keeps such a root in motion, by now more, by now less.
+  watch.expected.visible = std::log(10.0);
+  watch.expected.share = 1.0 / 3;
+  watch.run = without_root(run, near.model.y, [=, polynomial = *growth.polynomial](double step) {
+    const std::vector<Complex> all = polynomial.roots(step);
+    return *nearest(all, step);
+  });
+  return watch;
+}
+
+/// The same where the steps couple all modes, from the shape that begins to grow.
+Watch watch_coupled(const Prediction& row, const ModeStart& start, const ShowSteps& run) {
+  const StepPolynomial& shape = *row.coupled->of_shape;
+  return {.expected = {.above = std::max(std::log(shape.spectral_radius(1.001 * *row.h_max)), 1e-12),
+                       .beside = std::log(fading(shape.roots(*row.h_max)))},
+          .run = run,
+          .distance = start.distance};
+}
+
+/// Limits are seen soonest in the amplitude of the mode that sets them, as long as no other grows below.
+ObservedLimit observe(const Method& method, const Prediction& row, const Linearised& near,
+                      const ModeStart& start, const ShowSteps& run) {
+  if (row.coupled) {
+    const Watch coupled = watch_coupled(row, start, run);
+    return observe_limit(coupled.run, coupled.distance, *row.h_max, coupled.expected);
+  }
+  const auto at = std::ranges::min_element(
+      row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - row.limiting->lambda); });
+  const auto i = static_cast<std::size_t>(at - row.modes.begin());
+  if (const auto mode = watch_mode(method, row, near, start, run, i)) {
+    const ObservedLimit limit = observe_limit(mode->run, mode->distance, *row.h_max, mode->expected);
+    const bool others_grow =
+        observed_growth(run, start.distance, 0.999 * *row.h_max, limit.steps) > ExpectedGrowth{}.visible;
+    if (!others_grow) return limit;
+  }
+  const Watch all = watch_all(method, row, near, start, run, i);
+  return observe_limit(all.run, all.distance, *row.h_max, all.expected);
+}
+
+/// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than
+/// `most` of itself. About rest at zero nothing is lost by that.
+double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
+                          double most) {
+  double size = 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
+  const auto change = [&] {
+    const Eigen::VectorXd y = near.model.y + size * direction;
+    return relative_distance(near.model.J, linear_model(problem, near.model.t, y).J);
+  };
+  for (int tenth = 0; tenth < 3 && change() > most; ++tenth) size /= 10;
+  return size;
+}
+
+/// A driven linear oscillator moves about its forced motion as the free one moves about zero, and at steps
+/// far beyond every time scale only the latter can be told from rounding.
+void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
+  if (!is_linear(problem)) return;
+  OscillatorParameters parameters = std::get<Oscillator>(problem.system).parameters();
+  parameters.P = 0;
+  problem.system = Oscillator(parameters);
+  rest.setZero();
+}
+
+}  // namespace
+
+void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  if (!method.fixed_step ||
+      (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
+    return;
+  if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.omega > 0; })) return;
+  // The limiting mode, or the slowest.
+  const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
+  Problem free = problem;
+  Eigen::VectorXd rest = near.model.y;
+  take_off_drive(free, rest);
+  double slowest = infinity, fastest = 0;
+  for (const ModeMargin& margin : row.modes) {
+    if (margin.mode.omega > 0) slowest = std::min(slowest, margin.mode.omega);
+    fastest = std::max(fastest, margin.mode.omega);
+  }
+  const ModeStart start = row.coupled && row.bound == Bound::stability
+                              ? start_from_shape(*near.model.mechanical, rest, row.coupled->displacement)
+                              : start_from_mode(near, rest, wanted, fastest);
+  // Where a mode is watched alone little is seen that is not its own.
+  const double most_change = start.mode_alone ? 1e-7 : 1e-4;
+  const double size =
+      is_linear(problem) ? 1 : small_displacement(problem, near, start.displacement, most_change);
+  const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
+  const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
+  Observation seen;
+  if (row.bound != Bound::stability) {
+    const double h = 1e6 / slowest;
+    seen.steps = 4096;
+    seen.agrees = !grows_at(run, start.distance, h);
+    if (!seen.agrees && *outcome == Outcome::newton_failed) {
+      row.bound = Bound::newton;
+      row.note = fmt::format(
+          "no step is unstable, but at {} s, a million times the slowest time scale, Newton's "
+          "method does not solve the equations of a step: it is what limits the step",
+          to_text(h));
+    }
+    seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
+    seen.gap = std::numeric_limits<double>::quiet_NaN();
+  } else {
+    const ObservedLimit limit = observe(method, row, near, start, run);
+    seen = {.h_max = limit.h,
+            .gap = limit.h / *row.h_max - 1,
+            .steps = limit.steps,
+            .agrees = limit.below_decays && limit.above_grows};
+  }
+  if (!seen.agrees && seen.steps >= most_observed_steps)
+    row.note =
+        fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
+  seen.step_defect = step_defect(method);
+  row.observed = seen;
+  if (!is_linear(problem) && is_driven(problem) && !seen.agrees)
+    row.note =
+        "the force moves the model away from this state, so that small motions are those about another; the limit "
+        "along the motion says more";
+}
+
+}  // namespace hmax
