@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "bench/mesh_choice.hpp"
 #include "bench/suggest.hpp"
+#include "bench/tissue_problem.hpp"
 #include "problems/liver_materials.hpp"
 #include "results/errors.hpp"
 
@@ -18,9 +20,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 2> tables{"sweep", "set"};
-constexpr std::array<std::string_view, 14> keys{"problems", "materials", "methods", "tableaux", "h",
+constexpr std::array<std::string_view, 15> keys{"problems", "materials", "methods", "tableaux", "h",
                                                 "readings", "rtol",      "atol",    "control",  "t_end",
-                                                "repeats",  "max_steps", "y0",      "out"};
+                                                "repeats",  "max_steps", "y0",      "unit",     "out"};
 
 /// The keys of [sweep] as values of the kind that is wanted, or an error that names the line.
 class Reader {
@@ -107,8 +109,16 @@ class Reader {
 
 /// Names of files are meant relative to the file that names them.
 void seek_beside(const std::string& sweep_file, std::vector<std::string>& names) {
-  for (std::string& name : names)
-    if (name.ends_with(".toml")) name = (std::filesystem::path(sweep_file).parent_path() / name).string();
+  const auto beside = [&](const std::string& file) {
+    return (std::filesystem::path(sweep_file).parent_path() / file).string();
+  };
+  for (std::string& name : names) {
+    if (name.ends_with(".toml")) name = beside(name);
+    // A mesh that is no file has a name.
+    const std::size_t mesh = is_tissue_id(name) ? name.find('@') + 1 : std::string::npos;
+    if (mesh != std::string::npos && std::filesystem::is_regular_file(beside(name.substr(mesh))))
+      name = name.substr(0, mesh) + beside(name.substr(mesh));
+  }
 }
 
 std::vector<std::string> expanded(const std::vector<std::string>& materials) {
@@ -170,6 +180,9 @@ SweepRequest sweep_from(const TomlDocument& document) {
   request.repeats = read.count("repeats");
   request.max_steps = read.count("max_steps");
   request.y0 = read.numbers("y0");
+  read.at("unit", [&] {
+    if (const auto unit = read.word("unit")) request.unit = unit_in_metres(*unit);
+  });
   request.out = read.word("out");
   if (document.root.contains("set")) {
     const Json& set = document.root.at("set");
@@ -185,7 +198,8 @@ SweepRequest sweep_from(const TomlDocument& document) {
 
   // Names are looked up here, where their line is still known.
   read.at("problems", [&] {
-    for (const std::string& name : request.problems.value_or(std::vector<std::string>{})) make_problem(name);
+    for (const std::string& name : request.problems.value_or(std::vector<std::string>{}))
+      make_problem(name, {.material = {}, .parameters = {}, .y0 = {}, .unit = request.unit});
   });
   read.at("materials", [&] {
     for (const std::string& id : expanded(request.materials.value_or(std::vector<std::string>{})))
@@ -222,6 +236,7 @@ SweepRequest merged(const SweepRequest& file, const SweepRequest& flags) {
   override(both.repeats, flags.repeats);
   override(both.max_steps, flags.max_steps);
   override(both.y0, flags.y0);
+  override(both.unit, flags.unit);
   override(both.out, flags.out);
   both.parameters.insert(both.parameters.end(), flags.parameters.begin(), flags.parameters.end());
   return both;
@@ -236,7 +251,8 @@ SweepSpec spec_from(const SweepRequest& request) {
       spec.problems.push_back({name,
                                {.material = material,
                                 .parameters = request.parameters,
-                                .y0 = request.y0.value_or(std::vector<double>{})}});
+                                .y0 = request.y0.value_or(std::vector<double>{}),
+                                .unit = request.unit}});
   if (request.methods) spec.methods = *request.methods;
   if (request.tableaux) spec.tableaux.assign(request.tableaux->begin(), request.tableaux->end());
   if (request.h) spec.h = *request.h;

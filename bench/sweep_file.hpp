@@ -33,6 +33,7 @@ struct SweepRequest {
   std::optional<double> t_end;
   std::optional<std::int64_t> repeats, max_steps;
   std::optional<std::vector<double>> y0;
+  std::optional<double> unit;  ///< of the problems' mesh files: metres in one of their units
   std::optional<std::string> out;
   std::vector<std::pair<std::string, double>> parameters;  ///< of every problem
 };
@@ -53,6 +54,7 @@ struct SweepRequest {
 ///   repeats = 9
 ///   max_steps = 1_000_000_000
 ///   y0 = [0.5, 1]
+///   unit = "mm"                      # of mesh files: m, cm, mm or metres
 ///   out = "livers"
 ///   [set]                            # parameters of the problems
 ///   c = 6

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <span>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -13,6 +14,8 @@
 
 #include "bench/sweep.hpp"
 #include "bench/tableau_file.hpp"
+#include "bench/tissue_problem.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
@@ -124,6 +127,20 @@ void check_block(const SweepBlock& block, const std::vector<Problem>& problems,
                     numbers, largest_output));
 }
 
+/// A number that changes with a mesh, in hexadecimal: files are told apart by what is in them
+/// [fowler2019fnv].
+std::string mesh_in_digits(const TetMesh& mesh) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto add = [&](const auto& matrix) {
+    for (const std::byte byte :
+         std::as_bytes(std::span(matrix.data(), static_cast<std::size_t>(matrix.size()))))
+      hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 1099511628211ULL;
+  };
+  add(mesh.points);
+  add(mesh.tetrahedra);
+  return fmt::format("{:016x}", hash);
+}
+
 std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& problems,
                            const std::vector<Method>& methods) {
   json problem_list = json::array(), method_list = json::array(), tolerances = json::array();
@@ -132,9 +149,10 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
     json entry{{"id", problem.id},
                {"material", problem.material},
                {"parameters", describe(problem.parameters)},
-               {"y0", describe(problem.y0)},
+               {"y0", start_in_words(problem)},
                {"t_end", spec.t_end.value_or(problem.t_end)}};
     if (spec.problems[i].name.ends_with(".toml")) entry["text"] = text_of(spec.problems[i].name);
+    if (problem.body) entry["mesh"] = mesh_in_digits(problem.body->mesh());
     problem_list.push_back(std::move(entry));
   }
   const std::size_t catalogued = methods.size() - spec.tableaux.size();
@@ -216,7 +234,7 @@ RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t metho
   return {.problem = problem.id,
           .material = problem.material,
           .parameters = describe(problem.parameters),
-          .y0 = describe(problem.y0),
+          .y0 = start_in_words(problem),
           .method = plan.methods[method].id,
           .mode = block.mode,
           .control = control_of(plan.methods[method], run),

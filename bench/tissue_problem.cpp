@@ -323,6 +323,8 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   return problem;
 }
 
+std::string start_in_words(const Problem& problem) { return problem.body ? "rest" : describe(problem.y0); }
+
 double largest_displacement(const Eigen::VectorXd& q) {
   return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
 }

@@ -24,6 +24,9 @@ bool is_tissue_id(std::string_view id);
 /// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
 Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
 
+/// Where a problem starts: its numbers, or "rest" of a body, which always does.
+std::string start_in_words(const Problem& problem);
+
 /// The longest displacement of a point [m], q of shape (dofs).
 double largest_displacement(const Eigen::VectorXd& q);
 

@@ -11,9 +11,7 @@
 
 namespace hmax {
 
-void ProblemChoice::add_to(CLI::App& command) {
-  command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
-      ->type_name("ID");
+void MeshOptions::add_to(CLI::App& command) {
   command
       .add_option("--mesh", mesh,
                   "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file")
@@ -29,6 +27,23 @@ void ProblemChoice::add_to(CLI::App& command) {
                   fmt::format("What moves the tissue: {}; {} by default", fmt::join(tissue_loads(), ", "),
                               tissue_loads().front()))
       ->type_name("ID");
+}
+
+std::string MeshOptions::problem_id() const {
+  if (!mesh.empty()) return tissue_id(model, mesh, load);
+  for (const auto& [option, value] : {std::pair("--model", &model), {"--load", &load}})
+    if (!value->empty()) throw InputError(fmt::format("{} belongs to a mesh; name one with --mesh", option));
+  return {};
+}
+
+std::optional<double> MeshOptions::metres() const {
+  return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
+}
+
+void ProblemChoice::add_to(CLI::App& command) {
+  command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
+      ->type_name("ID");
+  body.add_to(command);
   command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()
@@ -41,23 +56,23 @@ void ProblemChoice::add_to(CLI::App& command) {
       ->type_name("NUMBERS");
 }
 
-Problem ProblemChoice::make() const {
-  if (problem.empty() && mesh.empty())
+std::string ProblemChoice::id() const {
+  const std::string on_mesh = body.problem_id();
+  if (problem.empty() && on_mesh.empty())
     throw InputError(
         "no problem is given; name one with --problem, `hmax list problems` shows all of them, or a mesh with "
         "--mesh");
-  if (!problem.empty() && !mesh.empty())
+  if (!problem.empty() && !on_mesh.empty())
     throw InputError("--problem and --mesh are both given; choose one of them");
-  if (mesh.empty())
-    for (const auto& [option, value] : {std::pair("--model", &model), {"--load", &load}})
-      if (!value->empty())
-        throw InputError(fmt::format("{} belongs to a mesh; name one with --mesh", option));
-  ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}};
+  return problem.empty() ? on_mesh : problem;
+}
+
+ProblemSettings ProblemChoice::settings() const {
+  ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}, .unit = body.metres()};
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
-  if (!unit.empty()) settings.unit = unit_in_metres(unit);
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);
-  return make_problem(mesh.empty() ? problem : tissue_id(model, mesh, load), settings);
+  return settings;
 }
 
 void MethodChoice::add_to(CLI::App& command) {

@@ -10,14 +10,30 @@
 
 namespace hmax {
 
-/// --problem, or --mesh with --model and --load; --set --material --y0
+/// --mesh with --unit --model --load
+struct MeshOptions {
+  std::string mesh, unit, model, load;
+
+  void add_to(CLI::App& command);
+  /// The id of the problem, empty without a mesh.
+  /// @throws InputError when a model or load is given without a mesh
+  [[nodiscard]] std::string problem_id() const;
+  /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
+  [[nodiscard]] std::optional<double> metres() const;
+};
+
+/// --problem or a mesh; --set --material --y0
 struct ProblemChoice {
-  std::string problem, mesh, model, load, unit, material, y0;
+  std::string problem, material, y0;
+  MeshOptions body;
   std::vector<std::string> set;
 
   void add_to(CLI::App& command);
   /// @throws InputError when something is missing or unknown
-  [[nodiscard]] Problem make() const;
+  [[nodiscard]] Problem make() const { return make_problem(id(), settings()); }
+  /// What make_problem takes. @throws InputError  when a problem is missing, or given twice
+  [[nodiscard]] std::string id() const;
+  [[nodiscard]] ProblemSettings settings() const;
 };
 
 /// --method or --tableau

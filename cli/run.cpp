@@ -134,7 +134,7 @@ std::size_t write_points(const RunOptions& options, const RunSpec& spec, const P
   Table table;
   table.notes = {{"problem", problem.id},
                  {"parameters", describe(problem.parameters)},
-                 {"y0", describe(problem.y0)},
+                 {"y0", start_in_words(problem)},
                  {"method", method.id}};
   if (spec.adaptive) {
     table.notes.emplace_back("rtol", to_text(spec.rtol));

@@ -193,12 +193,9 @@ void map(const MapOptions& options, Console& console) {
                     "alpha=0:2:41 --y beta=0:0.5:41",
                     x.name, y.name));
   const Problem bare = options.problem.make();
-  ProblemSettings settings{
-      .material = bare.material, .parameters = {}, .y0 = {bare.y0.begin(), bare.y0.end()}};
-  for (const std::string& text : options.problem.set)
-    settings.parameters.push_back(parse_assignment("--set", text));
-  const ProblemAt problem_at = options.rayleigh ? over_rayleigh(options.problem.problem, settings)
-                                                : over_parameters(options.problem.problem, settings, x, y);
+  const ProblemSettings settings = options.problem.settings();
+  const ProblemAt problem_at = options.rayleigh ? over_rayleigh(options.problem.id(), settings)
+                                                : over_parameters(options.problem.id(), settings, x, y);
   const std::vector<Method> methods = options.methods.methods({bare});
   const auto& interrupted = interrupt_flag();
   std::vector<StabilityMap> maps;

@@ -21,6 +21,7 @@ using Json = nlohmann::ordered_json;
 struct SweepOptions {
   std::string file, problems, materials, methods, tableaux, h, rtol, readings, control, y0, repeats,
       max_steps, out;
+  MeshOptions body;
   std::vector<std::string> set;
   std::optional<double> atol, t_end;
   bool fixed = false, sampled = false, resume = false, publish = false;
@@ -32,6 +33,11 @@ SweepRequest flags_of(const SweepOptions& options) {
     if (!text.empty()) value = parse_names(flag, text);
   };
   names("--problem", options.problems, request.problems);
+  if (const std::string id = options.body.problem_id(); !id.empty()) {
+    if (request.problems) throw InputError("--problem and --mesh are both given; choose one of them");
+    request.problems = {id};
+  }
+  request.unit = options.body.metres();
   names("--materials", options.materials, request.materials);
   names("--methods", options.methods, request.methods);
   names("--tableau", options.tableaux, request.tableaux);
@@ -191,14 +197,17 @@ void add_sweep(CLI::App& app, Console& console) {
       "which takes about a minute",
       {"hmax sweep --methods rk4,ode45 --h 0.1,0.01 --t-end 10 --out quick",
        "hmax sweep --problem liver_benchmark --materials all --methods rk4 --h 0.1 --fixed --out livers",
-       "hmax sweep --methods ode23,ode45,dop_853 --rtol 1e-4,1e-6,1e-8 --out tolerances"});
+       "hmax sweep --methods ode23,ode45,dop_853 --rtol 1e-4,1e-6,1e-8 --out tolerances",
+       "hmax sweep --mesh phantom --model mass_spring --methods rk4,symplectic_euler --h 2e-3,1e-3 --fixed --t-end 0.2 "
+       "--out phantom"});
   auto options = std::make_shared<SweepOptions>();
   const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
     command.add_option(flag, value, description)->type_name(type);
   };
   text("file", options->file, "A sweep in a file, see docs/sweep.md; flags go before it", "FILE.toml");
   text("--problem,--problems", options->problems, "Ids of `hmax list problems`, or files of formulas", "A,B");
-  text("--materials", options->materials, "Ids of `hmax list materials`, or all", "A,B");
+  options->body.add_to(command);
+  text("--materials,--material", options->materials, "Ids of `hmax list materials`, or all", "A,B");
   command.add_option("--set", options->set, "Change a parameter, like c=6; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()

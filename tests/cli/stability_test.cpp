@@ -180,6 +180,20 @@ TEST(StabilityPredict, OfExplicitEulerIsTheClosedFormOfTheLinearModel) {
   }
 }
 
+TEST(StabilityMap, IsOfABodyOnAMeshAsWell) {
+  const Shell shell;
+  const Json map = shell
+                       .hmax(
+                           "stability map --mesh phantom --model mass_spring --methods symplectic_euler --x "
+                           "E=1000:4000:2 --y mass=0.5:2:2 --json")
+                       .json();
+  const Json h = map.is_array() ? map.at(0).at("h_max") : map.at("h_max");
+  // As the root of mass over stiffness, but for the weight that bends the body a little.
+  const double ratio = h.at(0).at(0).get<double>() / h.at(1).at(1).get<double>();
+  EXPECT_NEAR(ratio, 1, 1e-6) << "four times the mass and the stiffness: the same limit, the same shape";
+  EXPECT_GT(h.at(1).at(0).get<double>(), 1.5 * h.at(0).at(0).get<double>());
+}
+
 TEST(StabilityMap, HasTheKeysOfTheContractAndDrawsItself) {
   const Shell shell;
   const Told told = shell.hmax(

@@ -59,6 +59,54 @@ TEST(SweepCommand, ReadsAFileAndLetsFlagsGoBeforeIt) {
   EXPECT_EQ(told.json()["rows"], 1);
 }
 
+TEST(SweepCommand, TakesABodyOnAMeshAsRunsDo) {
+  const Shell shell;
+  const std::string settings = " --methods rk4 --h 1e-3 --fixed --t-end 0.01 --material male_fat ";
+  ASSERT_EQ(shell.hmax("mesh make ball:n=2 --output ball.msh").exit_code, 0);
+  const Told told = shell.hmax(
+      "sweep --mesh ball.msh --unit cm --model mass_spring --load press --out own.sqlite" + settings);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto rows = Store::open_existing(shell / "own.sqlite").rows();
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].key.problem, "mass_spring/press@ball.msh");
+  EXPECT_EQ(rows[0].key.material, "male_fat");
+  EXPECT_EQ(rows[0].key.y0, "rest");
+  EXPECT_EQ(rows[0].outcome, "reached_end");
+  EXPECT_GT(rows[0].error_global, 0);
+  EXPECT_LT(rows[0].error_global, 1e-4);
+  // The id says the same, and so does a file of a sweep, which looks for the mesh beside itself.
+  const Told by_id = shell.hmax(
+      "sweep --problem mass_spring/press@ball.msh --unit cm --resume --json --out own.sqlite" + settings);
+  EXPECT_EQ(by_id.json()["skipped"], 1) << by_id.err;
+  std::filesystem::create_directory(shell / "folder");
+  write_text(shell / "folder/body.toml",
+             "[sweep]\nproblems = 'mass_spring/press@ball.msh'\nunit = 'cm'\nmaterials = 'male_fat'\n"
+             "methods = 'rk4'\nh = 1e-3\nreadings = 'fixed'\nt_end = 0.01\n");
+  std::filesystem::rename(shell / "ball.msh", shell / "folder/ball.msh");
+  const Told by_file = shell.hmax("sweep folder/body.toml --out other.sqlite --json");
+  ASSERT_EQ(by_file.exit_code, 0) << by_file.err;
+  EXPECT_EQ(Store::open_existing(shell / "other.sqlite").rows().at(0).error_global, rows[0].error_global);
+}
+
+TEST(SweepCommand, SaysWhatIsWrongWithABody) {
+  const Shell shell;
+  expect_refused(shell.hmax("sweep --mesh phantom --problem liver_linear --methods rk4 --h 0.1"), "--mesh");
+  expect_refused(shell.hmax("sweep --model fem_green --methods rk4 --h 0.1"), "--model");
+  expect_refused(shell.hmax("sweep --mesh fantom --methods rk4 --h 0.1"), "phantom");
+  expect_refused(shell.hmax("sweep --mesh phantom --unit cm --methods rk4 --h 0.1"), "unit");
+}
+
+TEST(SweepCommand, TellsMeshesApartByWhatIsInTheirFiles) {
+  const Shell shell;
+  const std::string sweep =
+      "sweep --mesh it.msh --unit m --methods rk4 --h 1e-3 --fixed --t-end 0.002 --out s.sqlite";
+  ASSERT_EQ(shell.hmax("mesh make ball:n=2 --output it.msh").exit_code, 0);
+  ASSERT_EQ(shell.hmax(sweep).exit_code, 0);
+  EXPECT_EQ(shell.hmax(sweep + " --resume --json").json()["skipped"], 1);
+  ASSERT_EQ(shell.hmax("mesh make ball:n=2,radius=0.06 --output it.msh").exit_code, 0);
+  expect_refused(shell.hmax(sweep + " --resume"), "problems");
+}
+
 TEST(SweepCommand, ADivergedRunIsARowAndNoFailure) {
   const Shell shell;
   const Told told = shell.hmax("sweep --methods explicit_euler --h 2 --out own.sqlite");
