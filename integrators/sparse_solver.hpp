@@ -8,12 +8,11 @@
 #include <type_traits>
 #include <vector>
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>
 
 #include "integrators/conjugate_gradients.hpp"
-#include "integrators/panel_solve.hpp"
+#include "integrators/panel_factor.hpp"
 
 namespace hmax {
 
@@ -34,10 +33,11 @@ struct LinearSolve {
 /// Solves A x = b for a sparse A, shape (n, n). Where A is symmetric: L D L^T or conjugate gradients; else L
 /// U with partial pivoting. The pattern is analysed once and again only when it changes.
 ///
-/// automatic: a matrix that serves once or twice is cheaper by conjugate gradients than by a factorisation,
-/// one that is kept for a thousand steps is not. Which it will be is not known, so iterations are counted,
-/// and when they have cost what the factorisation would have, it is made: never more than twice the best
-/// choice. Work is counted in multiplications and not in seconds, so that the same input gives the same bits.
+/// automatic: a matrix that serves once or twice is often cheaper by conjugate gradients than by a
+/// factorisation, one that is kept for a thousand steps is not. How often it will serve, and how many
+/// iterations a solution will take, is expected to be as with the matrix before. Iterations are counted, and
+/// when they have cost what the factorisation would have, it is made: never more than twice the best choice.
+/// Cost is counted in operations and not in seconds, so that the same input gives the same bits.
 template <class Scalar>
 class SparseSolver {
  public:
@@ -51,17 +51,19 @@ class SparseSolver {
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
     if (!is_finite(A)) return false;
-    const bool known = same_as_analysed(A);
-    if (!known) analyse(A);
+    if (!same_as_analysed(A)) analyse(A);
+    const double solutions = solutions_;
+    solutions_ = 0;
+    work_left_ = never;
     if constexpr (may_be_symmetric) {
       if (symmetric_pattern_ && has_symmetric_values(A)) {
         symmetric_ = true;
-        iterates_ = choice_.by == LinearSolve::By::conjugate_gradients ||
-                    (choice_.by == LinearSolve::By::automatic && A.rows() >= smallest_to_iterate);
-        if (iterates_ && gradients_.prepare(A)) {
-          work_left_ = choice_.by == LinearSolve::By::automatic ? factorisation_work(A) : -1;
-          return true;
+        iterates_ = choice_.by == LinearSolve::By::conjugate_gradients;
+        if (choice_.by == LinearSolve::By::automatic) {
+          work_left_ = factorisation_work(A) - iterations_to_prepare * iteration_work(A);
+          iterates_ = iteration_work(A) * std::max(solutions, 1.0) * expected_iterations_ < work_left_;
         }
+        if (iterates_ && gradients_.prepare(A)) return true;
         iterates_ = false;
         if (factor_symmetric(A)) return true;
       }
@@ -73,12 +75,14 @@ class SparseSolver {
   /// x = A^-1 x, shape (n).
   template <class X>
   void solve(X& x) {
+    ++solutions_;
     if constexpr (may_be_symmetric) {
       if (symmetric_ && iterates_) {
         const int most = choice_.iterations > 0 ? choice_.iterations : 0;
         scratch_ = x;
         const auto end = gradients_.solve(scratch_, x, choice_.tolerance, most);
         iterations_ = end.iterations;
+        expected_iterations_ = end.iterations;
         if (end.solved || most > 0) {
           pay(end.iterations);
           return;
@@ -103,20 +107,21 @@ class SparseSolver {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  /// Below this a factorisation is always cheap.
-  static constexpr Eigen::Index smallest_to_iterate = 150;
-  struct Ldlt : Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::AMDOrdering<int>> {
-    /// Multiplications of one factorisation, from the lengths of its columns.
-    [[nodiscard]] double work() const {
-      return (this->m_nonZerosPerCol.template cast<double>().array() + 1).square().sum();
-    }
-  };
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  static constexpr double iterations_to_prepare = 4;  // that take as long as the preconditioner
   using Lu = Eigen::SparseLU<Matrix, Eigen::COLAMDOrdering<int>>;
 
   static bool is_finite(const Matrix& A) {
-    for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
-      if (!std::isfinite(std::abs(A.valuePtr()[i]))) return false;
-    return true;
+    if constexpr (may_be_symmetric) {
+      int wrong = 0;  // in every number the same, so that several are looked at at once
+      for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
+        wrong |= !(std::abs(A.valuePtr()[i]) <= std::numeric_limits<Real>::max());
+      return wrong == 0;
+    } else {
+      for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
+        if (!std::isfinite(std::abs(A.valuePtr()[i]))) return false;
+      return true;
+    }
   }
 
   [[nodiscard]] bool same_as_analysed(const Matrix& A) const {
@@ -126,15 +131,17 @@ class SparseSolver {
            std::equal(inner_.begin(), inner_.end(), A.innerIndexPtr());
   }
 
-  /// Remembers the pattern, and for each entry where the one across the diagonal stands.
+  /// Remembers the pattern, and for each entry of the upper triangle where the one across it stands.
   void analyse(const Matrix& A) {
+    solutions_ = 0;
+    expected_iterations_ = 20;
     outer_.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1);
     inner_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
-    ldlt_.reset();
+    panels_known_ = false;
     lu_.reset();
     if constexpr (may_be_symmetric) {
       symmetric_pattern_ = true;
-      across_.assign(inner_.size(), 0);
+      across_.clear();
       std::vector<int> next(outer_.begin(), outer_.end() - 1);
       // Columns in order: the entries (i, j) of row i come in order of j, as those of column i do.
       for (int j = 0; j < static_cast<int>(A.cols()) && symmetric_pattern_; ++j)
@@ -145,35 +152,36 @@ class SparseSolver {
             symmetric_pattern_ = false;
             break;
           }
-          across_[p] = q;
+          if (i <= j) across_.push_back({p, q});
         }
     }
   }
 
   [[nodiscard]] bool has_symmetric_values(const Matrix& A) const {
     const Scalar* values = A.valuePtr();
-    Real largest = 0, apart = 0;
-    for (std::size_t p = 0; p < across_.size(); ++p) {
-      largest = std::max(largest, std::abs(values[p]));
-      apart = std::max(apart, std::abs(values[p] - values[across_[p]]));
-    }
-    return apart <= 64 * std::numeric_limits<Real>::epsilon() * largest;
+    // Four at a time: one maximum would wait for itself.
+    constexpr std::size_t lanes = 4;
+    Real largest[lanes]{}, apart[lanes]{};
+    const auto look = [&](std::size_t p, std::size_t lane) {
+      const Scalar upper = values[across_[p].upper], lower = values[across_[p].lower];
+      largest[lane] = std::max(largest[lane], std::abs(upper));
+      apart[lane] = std::max(apart[lane], std::abs(upper - lower));
+    };
+    std::size_t p = 0;
+    for (; p + lanes <= across_.size(); p += lanes)
+      for (std::size_t lane = 0; lane < lanes; ++lane) look(p + lane, lane);
+    for (; p < across_.size(); ++p) look(p, 0);
+    return std::ranges::max(apart) <= 64 * std::numeric_limits<Real>::epsilon() * std::ranges::max(largest);
   }
 
   void analyse_symmetric(const Matrix& A) {
-    if (ldlt_) return;
-    ldlt_ = std::make_unique<Ldlt>();
-    ldlt_->analyzePattern(A);
+    if (!panels_known_) panels_.analyse(A);
+    panels_known_ = true;
   }
 
   bool factor_symmetric(const Matrix& A) {
     analyse_symmetric(A);
-    ldlt_->factorize(A);
-    if (ldlt_->info() != Eigen::Success) return false;
-    const auto& d = ldlt_->vectorD();
-    if (!d.allFinite() || !(d.cwiseAbs().minCoeff() > 0)) return false;
-    panels_.build(ldlt_->matrixL().nestedExpression(), d, ldlt_->permutationP());
-    return true;
+    return panels_.factor(A);
   }
 
   bool factor_general(const Matrix& A) {
@@ -189,27 +197,35 @@ class SparseSolver {
   double factorisation_work(const Matrix& A) {
     if (A.rows() > largest_to_factor) return std::numeric_limits<double>::infinity();
     analyse_symmetric(A);
-    return ldlt_->work();
+    return panels_.work();
   }
 
-  /// An iteration counts four multiplications for each entry of A: the product and its preconditioner.
+  /// Operations of a factorisation that take as long as an iteration, which does four for each entry of A
+  /// but not so many at once.
+  static double iteration_work(const Matrix& A) { return 16.0 * static_cast<double>(A.nonZeros()); }
+
   void pay(int iterations) {
-    if (work_left_ < 0) return;
-    work_left_ -= 4.0 * static_cast<double>(gradients_.matrix().nonZeros()) * iterations;
+    work_left_ -= iteration_work(gradients_.matrix()) * iterations;
     if (work_left_ > 0) return;
-    work_left_ = -1;
+    work_left_ = never;
     iterates_ = !factor_symmetric(gradients_.matrix());
   }
 
   static constexpr Eigen::Index largest_to_factor = 60'000;
 
   LinearSolve choice_;
-  std::vector<int> outer_, inner_, across_;
+  struct Pair {
+    int upper, lower;
+  };
+  std::vector<int> outer_, inner_;  // the pattern that was analysed
+  std::vector<Pair> across_;        // its entries on both sides of the diagonal
   int iterations_ = 0;
-  bool symmetric_pattern_ = false, symmetric_ = false, iterates_ = false;
-  double work_left_ = -1;  // until a factorisation pays; negative: never
-  std::unique_ptr<Ldlt> ldlt_;
-  PanelSolve<Scalar> panels_;
+  bool symmetric_pattern_ = false, symmetric_ = false, iterates_ = false, panels_known_ = false;
+  double work_left_ = never;         // until a factorisation pays
+  double solutions_ = 0;             // with this matrix so far
+  double expected_iterations_ = 20;  // of a solution
+  struct Nothing {};
+  [[no_unique_address]] std::conditional_t<may_be_symmetric, PanelFactor<Scalar>, Nothing> panels_;
   std::unique_ptr<Lu> lu_;
   ConjugateGradients<Real> gradients_;
   Vector scratch_;
