@@ -45,10 +45,15 @@ int relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, double 
 class Inner {
  public:
   explicit Inner(const StaticSettings& settings) : settings_(settings) {
-    LinearSolve choice{.by = LinearSolve::By::direct};
-    if (settings.inner == InnerSolver::conjugate_gradients)
-      choice = {.by = LinearSolve::By::conjugate_gradients, .tolerance = settings.inner_tolerance};
-    solver_.set(choice);
+    set_tolerance(settings.inner_tolerance.value_or(1e-4));
+  }
+
+  /// Of sor and conjugate gradients.
+  void set_tolerance(double tolerance) {
+    tolerance_ = tolerance;
+    const bool iterates = settings_.inner == InnerSolver::conjugate_gradients;
+    solver_.set({.by = iterates ? LinearSolve::By::conjugate_gradients : LinearSolve::By::direct,
+                 .tolerance = tolerance});
   }
 
   /// @returns false when K is singular
@@ -61,8 +66,7 @@ class Inner {
   /// @returns false when the solver gave up
   bool solve(const VectorXd& r, VectorXd& d) {
     if (settings_.inner == InnerSolver::sor) {
-      const int sweeps =
-          relax(K_, r, d, settings_.relaxation, settings_.inner_tolerance, settings_.inner_iterations);
+      const int sweeps = relax(K_, r, d, settings_.relaxation, tolerance_, settings_.inner_iterations);
       iterations_ += std::abs(sweeps);
       return sweeps > 0;
     }
@@ -78,6 +82,7 @@ class Inner {
   const StaticSettings& settings_;
   SparseSolver<double> solver_;
   Matrix K_;
+  double tolerance_ = 0;
   std::int64_t iterations_ = 0;
 };
 
@@ -104,6 +109,7 @@ class Iteration {
   /// Takes up another share of the load.
   void set_share(double share) {
     share_ = share;
+    forcing_ = size_before_ = 0;
     size_ = residual_at(q_);
   }
 
@@ -118,6 +124,8 @@ class Iteration {
       taken_ = true;
     }
     residual_at(q_);
+    if (!constant && !settings_.inner_tolerance) inner_.set_tolerance(next_forcing());
+    size_before_ = size_;
     if (!inner_.solve(residual_, d_))
       return give_up(
           fmt::format("{} did not solve a linear system in {} iterations; take direct, or more "
@@ -149,6 +157,18 @@ class Iteration {
     residual_ -= (1 - share_) * load_;
     return residual_.norm() / scale_;
   }
+  /// How much of the residual the linear system may leave, so that an inexact Newton method converges almost
+  /// as fast as an exact one: 0.9 (|F_k| / |F_(k-1)|)^2, not much less than the last one, and no less than
+  /// the last iteration needs.
+  /// @source [eisenstat1996choosing] (2.6) and 2.2
+  double next_forcing() {
+    constexpr double largest = 0.1, share = 0.9, worth_keeping = 0.1;
+    const double before = share * forcing_ * forcing_, ratio = size_ / size_before_;
+    forcing_ = size_before_ > 0 ? share * ratio * ratio : largest;
+    if (before > worth_keeping) forcing_ = std::max(forcing_, before);
+    forcing_ = std::min(std::max(forcing_, settings_.tolerance / (2 * size_)), largest);
+    return forcing_;
+  }
   bool give_up(std::string why) {
     note_ = std::move(why);
     return false;
@@ -161,6 +181,7 @@ class Iteration {
   Matrix K_;
   VectorXd q_, trial_, d_, residual_, load_;
   double scale_ = 0, share_ = 1, size_ = 0, start_;
+  double size_before_ = 0, forcing_ = 0;  // of the last iterate, 0: none
   int solved_ = 0;
   bool taken_ = false;
   std::string note_;
@@ -174,8 +195,9 @@ void check(const StaticSettings& s) {
   require(s.tolerance > 0 && s.tolerance < 1, "the tolerance", s.tolerance, "above 0 and below 1");
   require(s.iterations > 0, "the number of iterations", s.iterations, "at least 1");
   require(s.load_steps > 0, "the number of load steps", s.load_steps, "at least 1");
-  require(s.inner_tolerance > 0 && s.inner_tolerance < 1, "the inner tolerance", s.inner_tolerance,
-          "above 0 and below 1");
+  if (s.inner_tolerance)
+    require(*s.inner_tolerance > 0 && *s.inner_tolerance < 1, "the inner tolerance", *s.inner_tolerance,
+            "above 0 and below 1");
   require(s.inner_iterations > 0, "the number of inner iterations", s.inner_iterations, "at least 1");
   require(s.relaxation > 0 && s.relaxation < 2, "the relaxation", s.relaxation, "above 0 and below 2");
 }

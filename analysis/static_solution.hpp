@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,13 +46,15 @@ std::string_view name_of(InnerSolver solver);
 struct StaticSettings {
   StaticMethod method = StaticMethod::newton;
   InnerSolver inner = InnerSolver::direct;
-  double tolerance = 1e-9;        ///< |F| <= tolerance |F(0)|
-  int iterations = 100;           ///< at most, in each load step
-  int load_steps = 1;             ///< equal ones
-  bool line_search = true;        ///< halves a step until the residual falls
-  double inner_tolerance = 1e-4;  ///< of sor and conjugate gradients, relative to the right-hand side
-  int inner_iterations = 2000;    ///< at most, of sor and conjugate gradients
-  double relaxation = 1.5;        ///< omega of SOR, in (0, 2)
+  double tolerance = 1e-9;  ///< |F| <= tolerance |F(0)|
+  int iterations = 100;     ///< at most, in each load step
+  int load_steps = 1;       ///< equal ones
+  bool line_search = true;  ///< halves a step until the residual falls
+  /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
+  /// its convergence allows [eisenstat1996choosing], else 1e-4.
+  std::optional<double> inner_tolerance{};
+  int inner_iterations = 2000;  ///< at most, of sor and conjugate gradients
+  double relaxation = 1.5;      ///< omega of SOR, in (0, 2)
 };
 
 /// One iterate.

@@ -48,7 +48,7 @@ StaticSettings settings_of(const StaticOptions& options) {
   count("--iterations", options.iterations, settings.iterations);
   count("--load-steps", options.load_steps, settings.load_steps);
   settings.tolerance = options.tolerance.value_or(settings.tolerance);
-  settings.inner_tolerance = options.inner_tolerance.value_or(settings.inner_tolerance);
+  settings.inner_tolerance = options.inner_tolerance;
   settings.relaxation = options.relaxation.value_or(settings.relaxation);
   settings.line_search = !options.no_line_search;
   return settings;
@@ -266,7 +266,7 @@ void add_static(CLI::App& app, Console& console) {
   add_number(command, "--tolerance", options->tolerance,
              "Residual beside the load at which a balance counts as found; 1e-9 by default");
   add_number(command, "--linear-tolerance", options->inner_tolerance,
-             "The same of sor and cg; 1e-4 by default");
+             "The same of sor and cg; by default what Newton's method needs, else 1e-4");
   add_number(command, "--relaxation", options->relaxation, "Of sor, between 0 and 2; 1.5 by default");
   command.add_flag("--no-line-search", options->no_line_search, "Take every step whole");
   text("--pseudo-dynamic", options->per_frame,

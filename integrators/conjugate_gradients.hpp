@@ -69,6 +69,67 @@ struct BlockStructure {
   }
 };
 
+/// A symmetric matrix by its lower blocks alone, each B x B and in one piece: half the memory to go through.
+template <class Real, int B>
+class SymmetricBlocks {
+ public:
+  using Block = Eigen::Matrix<Real, B, B>;
+  using Part = Eigen::Matrix<Real, B, 1>;
+
+  std::vector<int> outer{0}, inner;  ///< strictly lower blocks by rows: starts of rows, and columns in them
+  std::vector<Block> lower, diagonal;
+
+  /// Makes room for the lower half of a pattern.
+  /// @returns false when a diagonal block is missing
+  bool analyse(const BlockStructure<B>& pattern) {
+    const std::size_t n = pattern.outer.size() - 1;
+    outer.assign(1, 0);
+    inner.clear();
+    diagonal.resize(n);
+    bool full = true;
+    for (std::size_t i = 0; i < n; ++i) {  // by rows: those of the symmetric matrix are its columns
+      const int *from = pattern.inner.data() + pattern.outer[i],
+                *to = pattern.inner.data() + pattern.outer[i + 1];
+      const int* own = std::lower_bound(from, to, static_cast<int>(i));
+      full = full && own != to && *own == static_cast<int>(i);
+      inner.insert(inner.end(), from, own);
+      outer.push_back(static_cast<int>(inner.size()));
+    }
+    lower.resize(inner.size());
+    return full;
+  }
+
+  /// Takes the values of a compressed A of that pattern, those above the diagonal transposed.
+  template <class Matrix>
+  void take(const Matrix& A) {
+    const Real* const values = A.valuePtr();
+    for (std::size_t i = 0; i < diagonal.size(); ++i) {
+      const Real* column[B];
+      for (int c = 0; c < B; ++c) column[c] = values + A.outerIndexPtr()[B * i + c];
+      const auto next = [&](Block& block) {
+        for (int c = 0; c < B; ++c, column[c - 1] += B)
+          for (int r = 0; r < B; ++r) block(c, r) = column[c][r];
+      };
+      for (int p = outer[i]; p < outer[i + 1]; ++p) next(lower[p]);
+      next(diagonal[i]);
+    }
+  }
+
+  /// y = A x, shape (n).
+  template <class X, class Y>
+  void multiply(const X& x, Y& y) const {
+    for (std::size_t i = 0; i < diagonal.size(); ++i) {
+      const Part own = x.template segment<B>(B * i);
+      Part sum = diagonal[i] * own;
+      for (int p = outer[i]; p < outer[i + 1]; ++p) {
+        sum += lower[p] * x.template segment<B>(B * inner[p]);
+        y.template segment<B>(B * inner[p]) += lower[p].transpose() * own;
+      }
+      y.template segment<B>(B * i) = sum;
+    }
+  }
+};
+
 /// L L^T ~ A with blocks only where A has them, A symmetric.
 /// @source [saad2003iterative] 10.3, with blocks for numbers
 template <class Real, int B>
@@ -77,51 +138,40 @@ class IncompleteCholesky {
   using Block = Eigen::Matrix<Real, B, B>;
   using Part = Eigen::Matrix<Real, B, 1>;
 
-  /// Makes room for the lower half of the pattern.
-  void analyse(const BlockStructure<B>& pattern) {
-    const std::size_t n = pattern.outer.size() - 1;
-    outer_.assign(1, 0);
-    inner_.clear();
-    source_.clear();
-    for (std::size_t i = 0; i < n; ++i) {  // by rows: those of the symmetric matrix are its columns
-      for (int p = pattern.outer[i]; p < pattern.outer[i + 1]; ++p)
-        if (pattern.inner[p] < static_cast<int>(i)) {
-          inner_.push_back(pattern.inner[p]);
-          source_.push_back(p - pattern.outer[i]);
-        }
-      outer_.push_back(static_cast<int>(inner_.size()));
-    }
+  /// Takes the pattern of A.
+  void analyse(const SymmetricBlocks<Real, B>& A) {
+    outer_ = A.outer;
+    inner_ = A.inner;
     lower_.resize(inner_.size());
-    inverse_.resize(n);
-    diagonal_.assign(n, -1);
-    for (std::size_t i = 0; i < n; ++i)
-      for (int p = pattern.outer[i]; p < pattern.outer[i + 1]; ++p)
-        if (pattern.inner[p] == static_cast<int>(i)) diagonal_[i] = p - pattern.outer[i];
-  }
-
-  /// @returns false when A has no diagonal, or one that is not positive definite
-  template <class Matrix>
-  bool factor(const Matrix& A) {
-    const int n = static_cast<int>(inverse_.size());
-    for (int i = 0; i < n; ++i) {
-      if (diagonal_[i] < 0) return false;
-      const Block whole = block(A, i, diagonal_[i]);
-      Block d = whole;
+    inverse_.resize(A.diagonal.size());
+    products_.clear();
+    first_product_.assign(1, 0);
+    for (std::size_t i = 0; i + 1 < outer_.size(); ++i)
       for (int p = outer_[i]; p < outer_[i + 1]; ++p) {
         const int j = inner_[p];
-        Block b = block(A, i, source_[p]);
-        int a = outer_[i], c = outer_[j];
-        while (a < p && c < outer_[j + 1]) {
+        for (int a = outer_[i], c = outer_[j]; a < p && c < outer_[j + 1];) {
           if (inner_[a] == inner_[c])
-            b.noalias() -= lower_[a++] * lower_[c++].transpose();
+            products_.push_back({a++, c++});
           else
             inner_[a] < inner_[c] ? ++a : ++c;
         }
-        lower_[p].noalias() = b * inverse_[j].transpose();
+        first_product_.push_back(products_.size());
+      }
+  }
+
+  /// @returns false when a diagonal block of A is not positive definite
+  bool factor(const SymmetricBlocks<Real, B>& A) {
+    for (std::size_t i = 0; i < inverse_.size(); ++i) {
+      Block d = A.diagonal[i];
+      for (int p = outer_[i]; p < outer_[i + 1]; ++p) {
+        Block b = A.lower[p];
+        for (std::size_t k = first_product_[p]; k < first_product_[p + 1]; ++k)
+          b.noalias() -= lower_[products_[k].own] * lower_[products_[k].other].transpose();
+        lower_[p].noalias() = b * inverse_[inner_[p]].transpose();
         d.noalias() -= lower_[p] * lower_[p].transpose();
       }
       // What was left out may have left too little: the block of A itself is safe.
-      if (!invert(d, inverse_[i]) && !invert(whole, inverse_[i])) return false;
+      if (!invert(d, inverse_[i]) && !invert(A.diagonal[i], inverse_[i])) return false;
     }
     return true;
   }
@@ -145,31 +195,39 @@ class IncompleteCholesky {
   }
 
  private:
-  /// The block (i, j) of the lower half: the transposed one above the diagonal, the k-th of block column i.
-  template <class Matrix>
-  static Block block(const Matrix& A, int i, int k) {
-    Block out;
-    for (int c = 0; c < B; ++c) {
-      const Real* column = A.valuePtr() + A.outerIndexPtr()[B * i + c] + B * k;
-      for (int r = 0; r < B; ++r) out(c, r) = column[r];
-    }
-    return out;
-  }
-
-  /// The inverse of the Cholesky factor of d.
+  /// The inverse of the Cholesky factor L of d: L L^T = d.
   static bool invert(const Block& d, Block& inverse) {
-    const Eigen::LLT<Block> llt(d);
-    if (llt.info() != Eigen::Success) return false;
-    inverse.setIdentity();
-    llt.matrixL().solveInPlace(inverse);
+    using std::sqrt;
+    Block L;
+    inverse.setZero();
+    for (int c = 0; c < B; ++c) {
+      Real pivot = d(c, c);
+      for (int k = 0; k < c; ++k) pivot -= L(c, k) * L(c, k);
+      if (!(pivot > 0)) return false;
+      inverse(c, c) = 1 / sqrt(pivot);
+      for (int r = c + 1; r < B; ++r) {
+        Real entry = d(r, c);
+        for (int k = 0; k < c; ++k) entry -= L(r, k) * L(c, k);
+        L(r, c) = entry * inverse(c, c);
+      }
+    }
+    for (int c = 0; c < B; ++c)
+      for (int r = c + 1; r < B; ++r) {
+        Real sum = 0;
+        for (int k = c; k < r; ++k) sum += L(r, k) * inverse(k, c);
+        inverse(r, c) = -sum * inverse(r, r);
+      }
     return inverse.allFinite();
   }
 
-  std::vector<int> outer_, inner_;  // strictly lower blocks by rows
-  std::vector<int> source_;         // where each stands in its block row of A
-  std::vector<int> diagonal_;       // the same for the diagonal
-  std::vector<Block> lower_;        // L below its diagonal
-  std::vector<Block> inverse_;      // of the diagonal blocks of L
+  struct Product {
+    int own, other;
+  };
+  std::vector<int> outer_, inner_;          // strictly lower blocks by rows
+  std::vector<Block> lower_;                // L below its diagonal
+  std::vector<Block> inverse_;              // of the diagonal blocks of L
+  std::vector<Product> products_;           // of blocks of L that meet in one
+  std::vector<std::size_t> first_product_;  // of each block
 };
 
 /// A x = b for a sparse symmetric positive definite A, shape (n, n), by preconditioned conjugate gradients.
@@ -182,21 +240,25 @@ class ConjugateGradients {
   using Vector = Eigen::Vector<Real, Eigen::Dynamic>;
 
   /// Keeps a copy of A and makes its preconditioner.
+  /// @param known  A has the pattern of the matrix before
   /// @returns false when A has diagonal blocks that are not positive definite
-  bool prepare(const Matrix& A) {
-    if (!same_pattern(A)) {
+  bool prepare(const Matrix& A, bool known = false) {
+    if (known && A_.nonZeros() == A.nonZeros()) {
+      std::copy_n(A.valuePtr(), A.nonZeros(), A_.valuePtr());
+    } else {
       A_ = A;
       A_.makeCompressed();
-      by_three_ = three_.pattern.read(A_);
-      if (by_three_)
-        three_.factor.analyse(three_.pattern);
-      else if (one_.pattern.read(A_))
-        one_.factor.analyse(one_.pattern);
+      BlockStructure<3> threes;
+      by_three_ = threes.read(A_);
+      if (by_three_) {
+        full_ = three_.analyse(threes);
+      } else {
+        BlockStructure<1> ones;
+        full_ = ones.read(A_) && one_.analyse(ones);
+      }
       for (Vector* v : {&r_, &z_, &p_, &q_}) v->resize(A.rows());
-    } else {
-      std::copy_n(A.valuePtr(), A.nonZeros(), A_.valuePtr());
     }
-    return by_three_ ? three_.factor.factor(A_) : one_.factor.factor(A_);
+    return full_ && (by_three_ ? three_.take(A_) : one_.take(A_));
   }
 
   [[nodiscard]] const Matrix& matrix() const { return A_; }
@@ -215,15 +277,20 @@ class ConjugateGradients {
  private:
   template <int Size>
   struct Parts {
-    BlockStructure<Size> pattern;
+    SymmetricBlocks<Real, Size> A;
     IncompleteCholesky<Real, Size> factor;
-  };
 
-  [[nodiscard]] bool same_pattern(const Matrix& A) const {
-    return A.rows() == A_.rows() && A.nonZeros() == A_.nonZeros() &&
-           std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1, A_.outerIndexPtr()) &&
-           std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), A_.innerIndexPtr());
-  }
+    bool analyse(const BlockStructure<Size>& pattern) {
+      const bool full = A.analyse(pattern);
+      factor.analyse(A);
+      return full;
+    }
+    template <class Matrix>
+    bool take(const Matrix& values) {
+      A.take(values);
+      return factor.factor(A);
+    }
+  };
 
   template <int Size, class B, class X>
   End iterate(const Parts<Size>& parts, const B& b, X& x, double tolerance, int most) {
@@ -237,7 +304,7 @@ class ConjugateGradients {
     p_ = z_;
     Real rz = r_.dot(z_);
     for (int k = 1; k <= limit; ++k) {
-      parts.pattern.multiply(A_, p_, q_);
+      parts.A.multiply(p_, q_);
       const Real curvature = p_.dot(q_);
       if (!(curvature > 0) || !(rz > 0)) return {false, k};
       const Real step = rz / curvature;
@@ -253,7 +320,7 @@ class ConjugateGradients {
   }
 
   Matrix A_;
-  bool by_three_ = false;
+  bool by_three_ = false, full_ = false;
   Parts<3> three_;
   Parts<1> one_;
   Vector r_, z_, p_, q_;

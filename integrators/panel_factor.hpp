@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/SparseCore>
@@ -24,6 +26,24 @@ struct SingleLane {
   using V = Scalar;
   static V load(const Scalar* p) { return *p; }
   static void store(Scalar* p, const V& v) { *p = v; }
+};
+/// Of complex numbers, whose operators take infinities into account, which here mean failure anyway.
+template <class Real>
+struct SingleLane<std::complex<Real>> {
+  using Scalar = std::complex<Real>;
+  static constexpr int width = 1, columns = 4, vectors = 2;
+  struct V {
+    Real re = 0, im = 0;
+    friend V operator*(const V& a, const V& b) {
+      return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+    }
+    friend V operator*(const V& a, const Scalar& b) { return a * V{b.real(), b.imag()}; }
+    void operator*=(const Scalar& b) { *this = *this * b; }
+    void operator+=(const V& b) { re += b.re, im += b.im; }
+    void operator-=(const V& b) { re -= b.re, im -= b.im; }
+  };
+  static V load(const Scalar* p) { return {p->real(), p->imag()}; }
+  static void store(Scalar* p, const V& v) { *p = {v.re, v.im}; }
 };
 
 template <class Scalar>

@@ -30,8 +30,8 @@ struct LinearSolve {
   bool operator==(const LinearSolve&) const = default;
 };
 
-/// Solves A x = b for a sparse A, shape (n, n). Where A is symmetric: L D L^T or conjugate gradients; else L
-/// U with partial pivoting. The pattern is analysed once and again only when it changes.
+/// Solves A x = b for a sparse A, shape (n, n). Where A is symmetric: L D L^T or, of real numbers, conjugate
+/// gradients; else L U with partial pivoting. The pattern is analysed once and again only when it changes.
 ///
 /// automatic: a matrix that serves once or twice is often cheaper by conjugate gradients than by a
 /// factorisation, one that is kept for a thousand steps is not. How often it will serve, and how many
@@ -44,40 +44,40 @@ class SparseSolver {
   using Matrix = Eigen::SparseMatrix<Scalar>;
   using Real = typename Eigen::NumTraits<Scalar>::Real;
   using Vector = Eigen::Vector<Scalar, Eigen::Dynamic>;
-  static constexpr bool may_be_symmetric = !Eigen::NumTraits<Scalar>::IsComplex;
+  static constexpr bool may_iterate = !Eigen::NumTraits<Scalar>::IsComplex;
 
   void set(LinearSolve choice) { choice_ = choice; }
 
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
     if (!is_finite(A)) return false;
-    if (!same_as_analysed(A)) analyse(A);
+    const bool known = same_as_analysed(A);
+    if (!known) analyse(A);
     const double solutions = solutions_;
     solutions_ = 0;
     work_left_ = never;
-    if constexpr (may_be_symmetric) {
-      if (symmetric_pattern_ && has_symmetric_values(A)) {
-        symmetric_ = true;
-        iterates_ = choice_.by == LinearSolve::By::conjugate_gradients;
-        if (choice_.by == LinearSolve::By::automatic) {
-          work_left_ = factorisation_work(A) - iterations_to_prepare * iteration_work(A);
-          iterates_ = iteration_work(A) * std::max(solutions, 1.0) * expected_iterations_ < work_left_;
-        }
-        if (iterates_ && gradients_.prepare(A)) return true;
-        iterates_ = false;
-        if (factor_symmetric(A)) return true;
+    symmetric_ = symmetric_pattern_ && has_symmetric_values(A);
+    iterates_ = false;
+    if (!symmetric_) return factor_general(A);
+    if constexpr (may_iterate) {
+      iterates_ = choice_.by == LinearSolve::By::conjugate_gradients;
+      if (choice_.by == LinearSolve::By::automatic) {
+        work_left_ = factorisation_work(A) - iterations_to_prepare * iteration_work(A);
+        iterates_ = iteration_work(A) * std::max(solutions, 1.0) * expected_iterations_ < work_left_;
       }
-      symmetric_ = false;
+      if (iterates_ && gradients_.prepare(A, known)) return true;
+      iterates_ = false;
     }
-    return factor_general(A);
+    symmetric_ = factor_symmetric(A);
+    return symmetric_ || factor_general(A);
   }
 
   /// x = A^-1 x, shape (n).
   template <class X>
   void solve(X& x) {
     ++solutions_;
-    if constexpr (may_be_symmetric) {
-      if (symmetric_ && iterates_) {
+    if constexpr (may_iterate) {
+      if (iterates_) {
         const int most = choice_.iterations > 0 ? choice_.iterations : 0;
         scratch_ = x;
         const auto end = gradients_.solve(scratch_, x, choice_.tolerance, most);
@@ -89,14 +89,12 @@ class SparseSolver {
         }
         // Not positive definite, or rounding in the way: a factorisation tells.
         x = scratch_;
-        if (!factor_symmetric(gradients_.matrix())) {
-          symmetric_ = false;
-          factor_general(gradients_.matrix());
-        }
         iterates_ = false;
+        symmetric_ = factor_symmetric(gradients_.matrix());
+        if (!symmetric_) factor_general(gradients_.matrix());
       }
-      if (symmetric_) return panels_.solve(x);
     }
+    if (symmetric_) return panels_.solve(x);
     scratch_ = lu_->solve(x);
     x = scratch_;
   }
@@ -111,17 +109,19 @@ class SparseSolver {
   static constexpr double iterations_to_prepare = 4;  // that take as long as the preconditioner
   using Lu = Eigen::SparseLU<Matrix, Eigen::COLAMDOrdering<int>>;
 
+  /// |x| of real numbers; of complex ones the sum of the sizes of their parts, which needs no root.
+  static Real size_of(const Scalar& x) {
+    if constexpr (Eigen::NumTraits<Scalar>::IsComplex)
+      return std::abs(x.real()) + std::abs(x.imag());
+    else
+      return std::abs(x);
+  }
+
   static bool is_finite(const Matrix& A) {
-    if constexpr (may_be_symmetric) {
-      int wrong = 0;  // in every number the same, so that several are looked at at once
-      for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
-        wrong |= !(std::abs(A.valuePtr()[i]) <= std::numeric_limits<Real>::max());
-      return wrong == 0;
-    } else {
-      for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
-        if (!std::isfinite(std::abs(A.valuePtr()[i]))) return false;
-      return true;
-    }
+    int wrong = 0;  // in every number the same, so that several are looked at at once
+    for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
+      wrong |= !(size_of(A.valuePtr()[i]) <= std::numeric_limits<Real>::max());
+    return wrong == 0;
   }
 
   [[nodiscard]] bool same_as_analysed(const Matrix& A) const {
@@ -139,22 +139,20 @@ class SparseSolver {
     inner_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
     panels_known_ = false;
     lu_.reset();
-    if constexpr (may_be_symmetric) {
-      symmetric_pattern_ = true;
-      across_.clear();
-      std::vector<int> next(outer_.begin(), outer_.end() - 1);
-      // Columns in order: the entries (i, j) of row i come in order of j, as those of column i do.
-      for (int j = 0; j < static_cast<int>(A.cols()) && symmetric_pattern_; ++j)
-        for (int p = outer_[j]; p < outer_[j + 1]; ++p) {
-          const int i = inner_[p];
-          const int q = next[i]++;
-          if (q >= outer_[i + 1] || inner_[q] != j) {
-            symmetric_pattern_ = false;
-            break;
-          }
-          if (i <= j) across_.push_back({p, q});
+    symmetric_pattern_ = true;
+    across_.clear();
+    std::vector<int> next(outer_.begin(), outer_.end() - 1);
+    // Columns in order: the entries (i, j) of row i come in order of j, as those of column i do.
+    for (int j = 0; j < static_cast<int>(A.cols()) && symmetric_pattern_; ++j)
+      for (int p = outer_[j]; p < outer_[j + 1]; ++p) {
+        const int i = inner_[p];
+        const int q = next[i]++;
+        if (q >= outer_[i + 1] || inner_[q] != j) {
+          symmetric_pattern_ = false;
+          break;
         }
-    }
+        if (i <= j) across_.push_back({p, q});
+      }
   }
 
   [[nodiscard]] bool has_symmetric_values(const Matrix& A) const {
@@ -164,8 +162,8 @@ class SparseSolver {
     Real largest[lanes]{}, apart[lanes]{};
     const auto look = [&](std::size_t p, std::size_t lane) {
       const Scalar upper = values[across_[p].upper], lower = values[across_[p].lower];
-      largest[lane] = std::max(largest[lane], std::abs(upper));
-      apart[lane] = std::max(apart[lane], std::abs(upper - lower));
+      largest[lane] = std::max(largest[lane], size_of(upper));
+      apart[lane] = std::max(apart[lane], size_of(upper - lower));
     };
     std::size_t p = 0;
     for (; p + lanes <= across_.size(); p += lanes)
@@ -224,8 +222,7 @@ class SparseSolver {
   double work_left_ = never;         // until a factorisation pays
   double solutions_ = 0;             // with this matrix so far
   double expected_iterations_ = 20;  // of a solution
-  struct Nothing {};
-  [[no_unique_address]] std::conditional_t<may_be_symmetric, PanelFactor<Scalar>, Nothing> panels_;
+  PanelFactor<Scalar> panels_;
   std::unique_ptr<Lu> lu_;
   ConjugateGradients<Real> gradients_;
   Vector scratch_;

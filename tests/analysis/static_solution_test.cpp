@@ -72,6 +72,17 @@ TEST(StaticSolution, ConvergesQuadraticallyOnlyWithTheTangentOfEveryIterate) {
   EXPECT_LT(last[last.size() - 1].residual, 100 * std::pow(last[last.size() - 2].residual, 2) + 1e-14);
 }
 
+TEST(StaticSolution, SolvesLinearSystemsOnlyAsWellAsNewtonsMethodNeeds) {
+  const StaticModel model = pulled_chain(60, 0.2, 0.1);
+  StaticSettings settings{.inner = InnerSolver::sor, .inner_iterations = 100'000};
+  const StaticSolution loose = solve_static(model, settings, no_clock);
+  settings.inner_tolerance = 1e-8;
+  const StaticSolution tight = solve_static(model, settings, no_clock);
+  ASSERT_TRUE(loose.converged && tight.converged);
+  EXPECT_LE(loose.iterations, tight.iterations + 3);
+  EXPECT_LT(2 * loose.history.back().inner, tight.history.back().inner);
+}
+
 TEST(StaticSolution, OfALinearModelIsOneSystem) {
   const StaticSolution found =
       solve_static(pulled_chain(9, 0, 2), {.method = StaticMethod::linear}, no_clock);

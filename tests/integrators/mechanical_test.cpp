@@ -1,6 +1,7 @@
 /// Sparse mechanical systems are solved by their velocities, and give what packed states give.
 #include "integrators/mechanical.hpp"
 
+#include <complex>
 #include <random>
 #include <tuple>
 
@@ -128,6 +129,22 @@ TEST(SparseSolver, SolvesWhatIsIndefiniteOrNotSymmetric) {
     VectorXd found = A * x;
     solver.solve(found);
     EXPECT_LT((found - x).norm(), 1e-9 * x.norm());
+  }
+}
+
+TEST(SparseSolver, TakesComplexMatricesThatAreSymmetricAsSuch) {
+  using Complex = std::complex<double>;
+  Eigen::SparseMatrix<Complex> A = blocks_in_space(5, 0.05, 3).cast<Complex>() * std::polar(1.0, -1.7);
+  for (int i = 0; i < A.rows(); ++i) A.coeffRef(i, i) += 1;
+  for (const bool symmetric : {true, false}) {
+    if (!symmetric) A.coeffRef(0, 3) += Complex(0, 0.1);
+    const Eigen::VectorXcd x = Eigen::VectorXcd::Random(A.rows());
+    SparseSolver<Complex> solver;
+    ASSERT_TRUE(solver.factor(A));
+    EXPECT_EQ(solver.is_symmetric(), symmetric);
+    Eigen::VectorXcd found = A * x;
+    solver.solve(found);
+    EXPECT_LT((found - x).norm(), 1e-12 * x.norm());
   }
 }
 
