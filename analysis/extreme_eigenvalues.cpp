@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <fmt/format.h>
 
 #if HMAX_HAVE_SPECTRA
@@ -17,6 +17,7 @@
 #include "analysis/block_product.hpp"
 #include "analysis/lanczos.hpp"
 #include "analysis/spectrum.hpp"
+#include "integrators/panel_factor.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -123,14 +124,19 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
 /// where the shift is beyond one end of the spectrum.
 ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
   const Index n = scaled.k.rows();
-  Sparse shifted = scaled.k;
+  Sparse shifted = scaled.k.selfadjointView<Eigen::Lower>();
   Sparse identity(n, n);
   identity.setIdentity();
   shifted -= shift * identity;
-  const Eigen::SimplicialLDLT<Sparse> factor(shifted);
+  shifted.makeCompressed();
+  PanelFactor<double> factor;
+  factor.analyse(shifted);
   ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, 0), .converged = false};
-  if (factor.info() != Eigen::Success) return result;
-  const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) { y = factor.solve(x); };
+  if (!factor.factor(shifted)) return result;
+  const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) {
+    y = x;
+    factor.solve(y);
+  };
   const LanczosPairs pairs = first_eigenpairs(inverse, n, count, Rank::largest_modulus, tolerance);
   result.converged = pairs.converged;
   result.shapes = scaled.inverse_root.asDiagonal() * pairs.vectors;

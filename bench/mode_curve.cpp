@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <fmt/format.h>
 
 #include "analysis/amplification.hpp"
 #include "analysis/block_product.hpp"
 #include "analysis/extreme_eigenvalues.hpp"
 #include "analysis/lanczos.hpp"
+#include "integrators/panel_factor.hpp"
 
 namespace hmax {
 namespace {
@@ -29,8 +30,12 @@ std::optional<double> negative_stiffness(const MechanicalPart& part, double kapp
   const double shift = 1e-8 * kappa_max;
   Sparse mass(K.rows(), K.cols());
   mass = part.mass.asDiagonal();
-  const Eigen::SimplicialLDLT<Sparse> factor(K + shift * mass);
-  if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() > 0) return std::nullopt;
+  Sparse shifted = K.selfadjointView<Eigen::Lower>();
+  shifted += shift * mass;
+  shifted.makeCompressed();
+  PanelFactor<double> factor;
+  factor.analyse(shifted);
+  if (!factor.factor(shifted) || std::ranges::min(factor.pivots()) > 0) return std::nullopt;
   const SymmetricProduct product(K, part.mass.cwiseSqrt().cwiseInverse());
   const LanczosPair pair = largest_eigenpair(
       [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {

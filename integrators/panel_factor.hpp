@@ -101,6 +101,10 @@ class PanelFactor {
     return true;
   }
 
+  /// D, in the order of elimination, shape (n). Of a real A it has as many negative entries as A has
+  /// negative eigenvalues.
+  [[nodiscard]] std::span<const Scalar> pivots() const { return d_; }
+
   /// x = A^-1 x, shape (n). No allocation.
   template <class X>
   void solve(X& x) {

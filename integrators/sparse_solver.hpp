@@ -179,7 +179,24 @@ class SparseSolver {
 
   bool factor_symmetric(const Matrix& A) {
     analyse_symmetric(A);
-    return panels_.factor(A);
+    return panels_.factor(A) && (is_positive_definite() || solves(A));
+  }
+
+  /// Such matrices need no pivoting.
+  [[nodiscard]] bool is_positive_definite() const {
+    if constexpr (may_iterate)
+      return std::ranges::all_of(panels_.pivots(), [](Scalar d) { return d > 0; });
+    else
+      return false;
+  }
+
+  /// Tries the factors, made without pivoting, on a right-hand side.
+  bool solves(const Matrix& A) {
+    const Vector b = Vector::LinSpaced(A.rows(), Scalar(1), Scalar(2));
+    scratch_ = b;
+    panels_.solve(scratch_);
+    const Real size = A.norm() * scratch_.norm() + b.norm();
+    return (b - A * scratch_).norm() <= 1e4 * std::numeric_limits<Real>::epsilon() * size;
   }
 
   bool factor_general(const Matrix& A) {

@@ -132,6 +132,27 @@ TEST(SparseSolver, SolvesWhatIsIndefiniteOrNotSymmetric) {
   }
 }
 
+TEST(SparseSolver, SeesThatPivotsAreTooSmall) {
+  // Without pivoting each pair loses all that it is.
+  Sparse pairs(200, 200);
+  for (int i = 0; i < 200; i += 2) {
+    pairs.insert(i, i) = pairs.insert(i + 1, i + 1) = 1e-17;
+    pairs.insert(i, i + 1) = pairs.insert(i + 1, i) = 1;
+    if (i > 0) pairs.insert(i, i - 2) = pairs.insert(i - 2, i) = 0.1;
+  }
+  pairs.makeCompressed();
+  const VectorXd x = VectorXd::LinSpaced(pairs.rows(), -1, 2);
+  for (const auto by : {LinearSolve::By::direct, LinearSolve::By::automatic}) {
+    SparseSolver<double> solver;
+    solver.set({.by = by});
+    ASSERT_TRUE(solver.factor(pairs));
+    VectorXd found = pairs * x;
+    solver.solve(found);
+    EXPECT_LT((found - x).norm(), 1e-10 * x.norm());
+    EXPECT_FALSE(solver.is_symmetric());
+  }
+}
+
 TEST(SparseSolver, TakesComplexMatricesThatAreSymmetricAsSuch) {
   using Complex = std::complex<double>;
   Eigen::SparseMatrix<Complex> A = blocks_in_space(5, 0.05, 3).cast<Complex>() * std::polar(1.0, -1.7);
