@@ -131,7 +131,7 @@ class SymmetricBlocks {
 };
 
 /// L L^T ~ A with blocks only where A has them, A symmetric.
-/// @source [saad2003iterative] 10.3, with blocks for numbers
+/// @source [saad2003iterative] 10.3, with blocks for numbers; [manteuffel1980incomplete] for the shift
 template <class Real, int B>
 class IncompleteCholesky {
  public:
@@ -161,18 +161,13 @@ class IncompleteCholesky {
 
   /// @returns false when a diagonal block of A is not positive definite
   bool factor(const SymmetricBlocks<Real, B>& A) {
-    for (std::size_t i = 0; i < inverse_.size(); ++i) {
-      Block d = A.diagonal[i];
-      for (int p = outer_[i]; p < outer_[i + 1]; ++p) {
-        Block b = A.lower[p];
-        for (std::size_t k = first_product_[p]; k < first_product_[p + 1]; ++k)
-          b.noalias() -= lower_[products_[k].own] * lower_[products_[k].other].transpose();
-        lower_[p].noalias() = b * inverse_[inner_[p]].transpose();
-        d.noalias() -= lower_[p] * lower_[p].transpose();
-      }
-      // What was left out may have left too little: the block of A itself is safe.
-      if (!invert(d, inverse_[i]) && !invert(A.diagonal[i], inverse_[i])) return false;
-    }
+    // What is left out may leave too little of a pivot, and then L grows without bound: A with a stronger
+    // diagonal has a factor that does not.
+    for (Real shift = 0; shift < 1; shift = std::max(Real(1e-3), 2 * shift))
+      if (factor(A, shift)) return true;
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      if (!invert(A.diagonal[i], inverse_[i])) return false;
+    std::fill(lower_.begin(), lower_.end(), Block::Zero());
     return true;
   }
 
@@ -195,6 +190,22 @@ class IncompleteCholesky {
   }
 
  private:
+  /// The factor of A + shift diag A. @returns false where too little of a pivot is left
+  bool factor(const SymmetricBlocks<Real, B>& A, Real shift) {
+    for (std::size_t i = 0; i < inverse_.size(); ++i) {
+      Block d = (1 + shift) * A.diagonal[i];
+      for (int p = outer_[i]; p < outer_[i + 1]; ++p) {
+        Block b = A.lower[p];
+        for (std::size_t k = first_product_[p]; k < first_product_[p + 1]; ++k)
+          b.noalias() -= lower_[products_[k].own] * lower_[products_[k].other].transpose();
+        lower_[p].noalias() = b * inverse_[inner_[p]].transpose();
+        d.noalias() -= lower_[p] * lower_[p].transpose();
+      }
+      if (!invert(d, inverse_[i])) return false;
+    }
+    return true;
+  }
+
   /// The inverse of the Cholesky factor L of d: L L^T = d.
   static bool invert(const Block& d, Block& inverse) {
     using std::sqrt;
