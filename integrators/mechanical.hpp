@@ -81,11 +81,14 @@ void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar
     A.makeCompressed();
     return;
   }
-  for (Eigen::Index j = 0; j < A.cols(); ++j)
-    for (Eigen::Index i = A.outerIndexPtr()[j]; i < A.outerIndexPtr()[j + 1]; ++i) {
-      A.valuePtr()[i] = c * C.valuePtr()[i] + k * K.valuePtr()[i];
-      if (A.innerIndexPtr()[i] == j) A.valuePtr()[i] += m[j];
-    }
+  const Real *const of_C = C.valuePtr(), *const of_K = K.valuePtr();
+  Scalar* const values = A.valuePtr();
+  for (Eigen::Index i = 0; i < A.nonZeros(); ++i) values[i] = c * of_C[i] + k * of_K[i];
+  for (Eigen::Index j = 0; j < A.cols(); ++j) {
+    const auto *from = A.innerIndexPtr() + A.outerIndexPtr()[j],
+               *to = A.innerIndexPtr() + A.outerIndexPtr()[j + 1];
+    values[std::lower_bound(from, to, j) - A.innerIndexPtr()] += m[j];
+  }
 }
 
 template <class Real, class Scalar>

@@ -161,7 +161,11 @@ class PanelFactor {
     const Panel& panel = plan_.panels[p];
     const auto [T, B] = parts(panel);
     const Index w = panel.width, h = panel.height;
-    std::fill(T, B + PanelShape::padded(h) * w, Scalar(0));
+    // Of the triangle what stands above the diagonal is only calculated with, beside the rest.
+    const auto tall = PanelShape::padded(w);
+    for (std::ptrdiff_t j = 0; j < w; ++j)
+      std::fill(T + j * tall + j / PanelShape::lanes * PanelShape::lanes, T + (j + 1) * tall, Scalar(0));
+    std::fill(B, B + PanelShape::padded(h) * w, Scalar(0));
     take_entries(p, A);
     std::size_t first = waiting_.size();  // of its children
     while (first > 0 && plan_.panels[waiting_[first - 1]].parent == static_cast<Index>(p)) --first;

@@ -50,7 +50,6 @@ class SparseSolver {
 
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
-    if (!is_finite(A)) return false;
     const bool known = same_as_analysed(A);
     if (!known) analyse(A);
     const double solutions = solutions_;
@@ -65,6 +64,7 @@ class SparseSolver {
         work_left_ = factorisation_work(A) - iterations_to_prepare * iteration_work(A);
         iterates_ = iteration_work(A) * std::max(solutions, 1.0) * expected_iterations_ < work_left_;
       }
+      if (iterates_ && !is_finite(A)) return false;
       if (iterates_ && gradients_.prepare(A, known)) return true;
       iterates_ = false;
     }
@@ -177,6 +177,7 @@ class SparseSolver {
     panels_known_ = true;
   }
 
+  /// What is not finite in A shows in a pivot.
   bool factor_symmetric(const Matrix& A) {
     analyse_symmetric(A);
     return panels_.factor(A) && (is_positive_definite() || solves(A));
@@ -200,6 +201,7 @@ class SparseSolver {
   }
 
   bool factor_general(const Matrix& A) {
+    if (!is_finite(A)) return false;
     if (!lu_) {
       lu_ = std::make_unique<Lu>();
       lu_->analyzePattern(A);
