@@ -64,7 +64,6 @@ class SparseSolver {
         work_left_ = factorisation_work(A) - iterations_to_prepare * iteration_work(A);
         iterates_ = iteration_work(A) * std::max(solutions, 1.0) * expected_iterations_ < work_left_;
       }
-      if (iterates_ && !is_finite(A)) return false;
       if (iterates_ && gradients_.prepare(A, known)) return true;
       iterates_ = false;
     }
@@ -155,21 +154,25 @@ class SparseSolver {
       }
   }
 
+  /// False also when something is not finite.
   [[nodiscard]] bool has_symmetric_values(const Matrix& A) const {
     const Scalar* values = A.valuePtr();
-    // Four at a time: one maximum would wait for itself.
+    // Four at a time: one maximum would wait for itself. A maximum overlooks NaN, a sum does not.
     constexpr std::size_t lanes = 4;
-    Real largest[lanes]{}, apart[lanes]{};
+    Real largest[lanes]{}, apart[lanes]{}, sum[lanes]{};
     const auto look = [&](std::size_t p, std::size_t lane) {
       const Scalar upper = values[across_[p].upper], lower = values[across_[p].lower];
+      const Real difference = size_of(upper - lower);
       largest[lane] = std::max(largest[lane], size_of(upper));
-      apart[lane] = std::max(apart[lane], size_of(upper - lower));
+      apart[lane] = std::max(apart[lane], difference);
+      sum[lane] += difference;
     };
     std::size_t p = 0;
     for (; p + lanes <= across_.size(); p += lanes)
       for (std::size_t lane = 0; lane < lanes; ++lane) look(p + lane, lane);
     for (; p < across_.size(); ++p) look(p, 0);
-    return std::ranges::max(apart) <= 64 * std::numeric_limits<Real>::epsilon() * std::ranges::max(largest);
+    return std::ranges::all_of(sum, [](Real x) { return std::isfinite(x); }) &&
+           std::ranges::max(apart) <= 64 * std::numeric_limits<Real>::epsilon() * std::ranges::max(largest);
   }
 
   void analyse_symmetric(const Matrix& A) {
@@ -177,7 +180,6 @@ class SparseSolver {
     panels_known_ = true;
   }
 
-  /// What is not finite in A shows in a pivot.
   bool factor_symmetric(const Matrix& A) {
     analyse_symmetric(A);
     return panels_.factor(A) && (is_positive_definite() || solves(A));
