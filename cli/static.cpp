@@ -129,6 +129,11 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
         {{"problem", problem.id}, {"ways", list}, {"figure", figure.drawn() ? Json(file) : Json()}});
   console.print(fmt::format("{} with {}\n{}\n\n{}", problem.id, describe(problem.parameters), problem.note,
                             table.text(console)));
+  std::string notes;
+  for (const StaticWay& way : ways)
+    if (!way.solution.note.empty())
+      notes += fmt::format("{}, {}: {}\n", name_of(way.method), name_of(way.inner), way.solution.note);
+  if (!notes.empty()) console.print("\n" + notes);
   if (figure.drawn())
     console.print(fmt::format("\nThe figure: {}\n", file));
   else

@@ -235,23 +235,6 @@ std::string ghost_rim(const std::string& id) {
       id);
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::string line;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string word = text.substr(at, end - at);
-    if (!line.empty() && length_of(line) + 1 + length_of(word) > caption_line) {
-      lines.push_back(line);
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-    at = end + 1;
-  }
-  if (!line.empty()) lines.push_back(line);
-  return lines;
-}
-
 void check(const BodyPicture& picture) {
   if (picture.views.empty()) throw InputError("a picture of bodies has no body; give it something to show");
   for (const BodyView& view : picture.views) {
@@ -377,7 +360,7 @@ class Page {
   std::vector<std::string> caption() const {
     std::string text = picture_.caption;
     if (fewer_) text += (text.empty() ? "" : " ") + std::string("Drawn with fewer triangles than it has.");
-    return lines_of(text);
+    return lines_of(text, caption_line);
   }
 
   /// Scales, key and caption.

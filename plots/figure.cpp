@@ -20,7 +20,8 @@ namespace {
 constexpr double width = 900;
 constexpr double left_margin = 74, right_margin = 20, below_panel = 56;
 constexpr double title_height = 40, panel_title_height = 26, note_height = 15, key_row = 19,
-                 footer_height = 24;
+                 footer_height = 24, footer_line = 13;
+constexpr std::size_t longest_footer = 145;
 constexpr double key_sample = 34;  // length of the line sample in the key
 constexpr double character = 7.1;  // mean width of a character of the key's font
 constexpr double lost_cell = 10;   // width and height given to a mark in the strip of lost runs
@@ -263,6 +264,8 @@ class Writer {
     key_rows_ = (key_.size() + most - 1) / most;
     key_top_ = y + 4;
     height_ = std::ceil(key_top_ + key_row * static_cast<double>(key_rows_) + footer_height);
+    footer_ = lines_of(figure_.footer, longest_footer);
+    if (footer_.size() > 1) height_ += footer_line * static_cast<double>(footer_.size() - 1);
   }
 
   double across(double x) const { return x / width; }
@@ -310,6 +313,7 @@ class Writer {
   std::string script_, data_;
   int blocks_ = 0;
   double height_ = 0, key_top_ = 0, key_width_ = 0;
+  std::vector<std::string> footer_;
   std::size_t key_rows_ = 0;
   std::vector<Entry> key_;
   std::vector<double> tops_;
@@ -474,7 +478,9 @@ void Writer::key() {
                                          : fmt::format("pt 5 ps 1.61 lc rgb '{}'", entry.fill));
     label(entry.label, x + key_sample + 8, y, "'sans-serif,12'");
   }
-  if (!figure_.footer.empty()) label(figure_.footer, 16, height_ - 11, "'sans-serif,10'", "tc rgb '#808080'");
+  for (std::size_t i = 0; i < footer_.size(); ++i)
+    label(footer_[i], 16, height_ - 11 - footer_line * static_cast<double>(footer_.size() - 1 - i),
+          "'sans-serif,10'", "tc rgb '#808080'");
 }
 
 void Writer::footer() {

@@ -96,7 +96,7 @@ struct Figure {
   std::string title = {};  ///< a short sentence: what is seen
   std::vector<Panel> panels = {};
   int columns = 1;
-  std::string footer = {};  ///< method, tolerance, machine; small and grey
+  std::string footer = {};  ///< method, tolerance, machine; small and grey, broken into lines
   int panel_height = 300;   ///< of the plotting area, in pixels of a figure 900 wide
 };
 

@@ -126,6 +126,23 @@ std::size_t length_of(std::string_view text) {
   return count;
 }
 
+std::vector<std::string> lines_of(const std::string& text, std::size_t most) {
+  std::vector<std::string> lines;
+  std::string line;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (!line.empty() && length_of(line) + 1 + length_of(word) > most) {
+      lines.push_back(line);
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+    at = end + 1;
+  }
+  if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
 std::string shortened(std::string_view text, std::size_t most) {
   if (length_of(text) <= most) return std::string(text);
   std::string cut;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace hmax {
 
@@ -29,5 +30,8 @@ std::size_t length_of(std::string_view text);
 
 /// `text` cut to `most` characters, the last of them an ellipsis.
 std::string shortened(std::string_view text, std::size_t most);
+
+/// `text` broken at spaces into lines of at most `most` characters; a longer word has a line of its own.
+std::vector<std::string> lines_of(const std::string& text, std::size_t most);
 
 }  // namespace hmax

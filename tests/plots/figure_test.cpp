@@ -184,6 +184,34 @@ TEST(FigureSourceText, NoLineCrossesALostRun) {
   EXPECT_NE(data.find("\n0.01 1\n0.02 2\n\n2 3\n"), std::string::npos) << data;
 }
 
+TEST(FigureSourceText, ALongFooterIsBrokenIntoLinesBelowTheKey) {
+  Figure figure = small_figure();
+  const auto height = [](const std::string& script) {
+    static const std::regex size("set terminal svg size 900,([0-9]+)");
+    std::smatch match;
+    EXPECT_TRUE(std::regex_search(script, match, size));
+    return std::stoi(match[1]);
+  };
+  const int before = height(source_of(figure, "f").script);
+  figure.footer = "E=5500";
+  for (int i = 0; i < 60; ++i) figure.footer += " number" + std::to_string(i);
+  const std::string script = source_of(figure, "f").script;
+  EXPECT_GT(height(script), before + 2 * 12);
+  for (const char* word : {"number0 ", "number30", "number59"})
+    EXPECT_NE(script.find(word), std::string::npos) << word;
+  std::istringstream lines(script);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("number") != std::string::npos) {
+      EXPECT_LT(line.size(), 145 + 100U);
+    }
+}
+
+TEST(LinesOf, KeepsWordsWhole) {
+  EXPECT_EQ(lines_of("one two three", 7), (std::vector<std::string>{"one two", "three"}));
+  EXPECT_EQ(lines_of("one", 1), std::vector<std::string>{"one"});
+  EXPECT_TRUE(lines_of("", 7).empty());
+}
+
 TEST_F(FigureTest, APanelWithNothingToDrawIsDrawnEmpty) {
   Figure figure{
       .panels = {{.x = {"h [s]", true}, .y = {"error [1]", true}}, {.x = {"t [s]"}, .y = {"x [m]"}}}};
