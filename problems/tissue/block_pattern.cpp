@@ -65,29 +65,41 @@ BlockPattern::Index BlockPattern::pair(Index i, Index j) const {
   return lower_[at(low)] + static_cast<Index>(std::lower_bound(from, to, high) - from);
 }
 
-void BlockPattern::write(const NodeRows& pairs, std::vector<double>& diagonal, double* values) const {
-  // Columns are taken from the left: when column j is reached, its blocks above the diagonal are there,
-  // filled from the top.
-  thread_local std::vector<Index> filled;
-  const std::size_t columns = first_.size() - 1;
-  filled.assign(columns, 0);
-  const double* pair = &pairs.front().x;
-  for (std::size_t j = 0; j < columns; ++j) {
-    const Index from = first_[j], count = first_[j + 1] - from, step = 3 * count, own = filled[j];
+void BlockPattern::begin(Pairs& pairs) const {
+  pairs.next.resize(at(columns()));
+  for (std::size_t j = 0; j < pairs.next.size(); ++j) pairs.next[j] = lower_[j] % pairs.ring;
+  pairs.diagonal.assign(9 * at(columns()), 0);
+}
+
+void BlockPattern::write(Index begin, Index end, Pairs& pairs, double* values) const {
+  double* const rows = &pairs.rows.front().x;
+  const auto take = [&](Index& place) {
+    double* const block = rows + 12 * static_cast<std::ptrdiff_t>(place);
+    if (++place == pairs.ring) place = 0;
+    return block;
+  };
+  for (std::size_t j = at(begin); j < at(end); ++j) {
+    const Index from = first_[j], count = first_[j + 1] - from, step = 3 * count;
+    const Index own = count - 1 - (lower_[j + 1] - lower_[j]);
     double* const column = values + 9 * static_cast<std::ptrdiff_t>(from);
-    double* const sum = diagonal.data() + 9 * j;
-    for (Index k = own + 1; k < count; ++k, pair += 12) {
-      const auto i = at(rows_[at(from + k)]);
-      const std::ptrdiff_t other = 3 * (first_[i + 1] - first_[i]);
-      double* const mirror = values + 9 * static_cast<std::ptrdiff_t>(first_[i]) + 3 * filled[i]++;
-      double* const sum_i = diagonal.data() + 9 * i;
+    double* const sum = pairs.diagonal.data() + 9 * j;
+    // Above the diagonal stand the transposed blocks (j, i): in each column the next one.
+    for (Index k = 0; k < own; ++k) {
+      double* const pair = take(pairs.next[at(rows_[at(from + k)])]);
       for (Index c = 0; c < 3; ++c)
         for (Index r = 0; r < 3; ++r) {
-          const double entry = pair[4 * c + r];
-          column[c * step + 3 * k + r] = entry;
-          mirror[r * other + c] = entry;
-          sum[3 * c + r] -= entry;
-          sum_i[3 * r + c] -= entry;
+          column[c * step + 3 * k + r] = pair[4 * r + c];
+          sum[3 * c + r] -= pair[4 * r + c];
+        }
+      std::fill_n(pair, 12, 0.0);
+    }
+    Index place = pairs.next[j];
+    for (Index k = own + 1; k < count; ++k) {
+      const double* const pair = take(place);
+      for (Index c = 0; c < 3; ++c)
+        for (Index r = 0; r < 3; ++r) {
+          column[c * step + 3 * k + r] = pair[4 * c + r];
+          sum[3 * c + r] -= pair[4 * c + r];
         }
     }
     // Symmetric but for rounding.

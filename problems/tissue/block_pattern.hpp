@@ -52,17 +52,33 @@ class BlockPattern {
     for (int c = 0; c < 3; ++c) Eigen::Map<Eigen::Vector3d>(values + slot + c * stride(j)) += block.col(c);
   }
 
-  /// The number of the block of a pair i != j among those below the diagonal, of which there are
-  /// pair_count(); -1 when a point is supported.
+  /// The number of the block of a pair i != j among those below the diagonal, column by column; -1 when a
+  /// point is supported.
   [[nodiscard]] Index pair(Index i, Index j) const;
-  [[nodiscard]] Index pair_count() const { return lower_.back(); }
+  [[nodiscard]] Index columns() const { return static_cast<Index>(first_.size() - 1); }
+  /// The first of these blocks in a column or after it; and the last row of a column.
+  [[nodiscard]] Index first_pair(Index column) const { return lower_[static_cast<std::size_t>(column)]; }
+  [[nodiscard]] Index last_row(Index column) const {
+    return rows_[static_cast<std::size_t>(first_[static_cast<std::size_t>(column) + 1]) - 1];
+  }
 
-  /// Writes all values of the matrix of forces that act between points alone, each row of which sums to zero.
-  /// @param pairs     three columns of each block (i, j), i > j, one a row; shape (3 pair_count())
-  /// @param diagonal  what pairs with a supported point add to the diagonal block of each free one, columns
-  /// one
-  ///                  after the other, shape (9, free); overwritten
-  void write(const NodeRows& pairs, std::vector<double>& diagonal, double* values) const;
+  /// Blocks below the diagonal, three columns of each, one a row. They are kept only while they are needed:
+  /// block k stands at place k modulo `ring`, shape (3 ring) or longer, and is 0 again once both columns that
+  /// it belongs to were written.
+  struct Pairs {
+    NodeRows rows;
+    Index ring = 0;
+    std::vector<double> diagonal;  ///< what is not among the pairs, one column of blocks after the other
+    std::vector<Index> next;  ///< of each column: the place of its first block whose other column was not
+                              ///< written
+  };
+  /// Begins a matrix: no column was written.
+  void begin(Pairs& pairs) const;
+
+  /// Writes the next columns, up to `end`, of the matrix of forces that act between points alone, each row of
+  /// which sums to zero. What pairs with a supported point add to the diagonal block of a column must be in
+  /// `diagonal` by then.
+  void write(Index begin, Index end, Pairs& pairs, double* values) const;
 
   /// Gives A this pattern. A matrix that has it already keeps its memory and its values: columns as long and
   /// blocks that begin in the same rows.

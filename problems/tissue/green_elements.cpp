@@ -11,6 +11,8 @@ namespace {
 
 using Eigen::Matrix3d;
 constexpr std::size_t lanes = TetBlock::lanes;
+constexpr std::size_t window = 16;        // blocks that are dealt to at once
+constexpr std::size_t batch_windows = 8;  // whose elements come before what they finish is written
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
@@ -48,7 +50,6 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
   blocks_.resize((count + lanes - 1) / lanes);
   slots_.resize(blocks_.size());
   place_.resize(count);
-  constexpr std::size_t window = 16;  // blocks that are dealt to at once
   for (std::size_t n = 0; n < blocks_.size(); ++n) {
     const std::size_t start = n / window * window, width = std::min(window, blocks_.size() - start);
     TetBlock& block = blocks_[n];
@@ -76,33 +77,63 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
         }
     }
   }
+  std::vector<Index> lowest;
+  for (const auto& p : order) lowest.push_back(p[0]);
+  make_batches(pattern, lowest);
   place_rim(pattern);
 }
 
+void GreenElements::make_batches(const BlockPattern& pattern, std::span<const Index> lowest) {
+  // Elements come in the order of their lowest points: all that is left of that of the next one is finished.
+  constexpr std::size_t size = batch_windows * window;
+  Index oldest = 0, needed = 0, columns = 0, point = 0, last = 0;
+  for (std::size_t begin = 0; begin < blocks_.size(); begin += size) {
+    const std::size_t end = std::min(begin + size, blocks_.size());
+    for (std::size_t n = begin; n < end; ++n)
+      for (const auto& pair : slots_[n].block) last = std::max(last, *std::max_element(pair, pair + lanes));
+    ring_ = std::max(ring_, last + 1 - needed);
+    if (end == blocks_.size())
+      columns = pattern.columns();
+    else
+      for (; point < lowest[end * lanes]; ++point)
+        if (pattern.stride(point) > 0) ++columns;
+    // A block is written in both columns that it belongs to.
+    while (oldest < columns && pattern.last_row(oldest) < columns) ++oldest;
+    needed = pattern.first_pair(oldest);
+    batches_.push_back({end, columns});
+  }
+  for (TetSlots& slots : slots_)
+    for (auto& pair : slots.block)
+      for (Index& block : pair)
+        if (block >= 0) block %= ring_;
+}
+
 void GreenElements::place_rim(const BlockPattern& pattern) {
-  // Pairs of one free and one supported point, each once; pairs of two supported ones share a block after
-  // them.
+  // Pairs of one free and one supported point, each once, in the order of their columns; pairs of two
+  // supported ones share a block after them.
   std::vector<std::array<Index, 2>> pairs;
+  const auto in_order = [&](Index a, Index b) {
+    return pattern.stride(a) > 0 ? std::array{pattern.free()[at(a)], b}
+                                 : std::array{pattern.free()[at(b)], a};
+  };
   const auto each_missing = [&](const auto& visit) {
     for (std::size_t n = 0; n < blocks_.size(); ++n)
       for (std::size_t lane = 0; lane < lanes; ++lane)
         for (std::size_t a = 0, pair = 0; a < 4; ++a)
           for (std::size_t b = a + 1; b < 4; ++b, ++pair)
             if (slots_[n].block[pair][lane] < 0)
-              visit(std::array{blocks_[n].points[a][lane], blocks_[n].points[b][lane]},
+              visit(in_order(blocks_[n].points[a][lane], blocks_[n].points[b][lane]),
                     slots_[n].block[pair][lane]);
   };
-  const auto is_free = [&](Index i) { return pattern.stride(i) > 0; };
   each_missing([&](const std::array<Index, 2>& pair, Index) {
-    if (is_free(pair[0]) != is_free(pair[1])) pairs.push_back(pair);
+    if (pair[0] >= 0) pairs.push_back(pair);
   });
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  for (const auto& [a, b] : pairs) rim_.push_back(pattern.free()[at(is_free(a) ? a : b)]);
+  for (const auto& pair : pairs) rim_.push_back(pair[0]);
   each_missing([&](const std::array<Index, 2>& pair, Index& block) {
-    const auto found = std::lower_bound(pairs.begin(), pairs.end(), pair);
-    const bool there = found != pairs.end() && *found == pair;
-    block = pattern.pair_count() + static_cast<Index>((there ? found : pairs.end()) - pairs.begin());
+    const auto found = pair[0] >= 0 ? std::lower_bound(pairs.begin(), pairs.end(), pair) : pairs.end();
+    block = ring_ + static_cast<Index>(found - pairs.begin());
   });
 }
 
@@ -136,17 +167,28 @@ void GreenElements::add_force(const NodeRows& x, NodeRows& f) const {
 }
 
 void GreenElements::write_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const {
-  thread_local NodeRows pairs;
-  thread_local std::vector<double> diagonal;
-  const auto inside = at(pattern.pair_count());
-  pairs.assign(3 * (inside + rim_.size() + 1), {});
-  kernels_->green_stiffness(blocks_.data(), slots_.data(), blocks_.size(), &x.front().x, &pairs.front().x);
-  diagonal.assign(3 * at(pattern.dofs()), 0);
-  for (std::size_t i = 0; i < rim_.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      Eigen::Map<Eigen::Vector3d>(&diagonal[9 * at(rim_[i]) + 3 * c]) -=
-          as_vector(pairs[3 * (inside + i) + c]);
-  pattern.write(pairs, diagonal, values);
+  // All rows are zero before and after.
+  thread_local BlockPattern::Pairs pairs;
+  const std::size_t blocks = at(ring_) + rim_.size() + 1;
+  if (pairs.rows.size() < 3 * blocks) pairs.rows.assign(3 * blocks, {});
+  pairs.ring = ring_;
+  pattern.begin(pairs);
+  std::size_t begin = 0, on_rim = 0;
+  Index columns = 0;
+  for (const Batch& batch : batches_) {
+    kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch.end - begin, &x.front().x,
+                              &pairs.rows.front().x);
+    for (; on_rim < rim_.size() && rim_[on_rim] < batch.columns; ++on_rim)
+      for (std::size_t c = 0; c < 3; ++c) {
+        NodeRow& row = pairs.rows[3 * (at(ring_) + on_rim) + c];
+        Eigen::Map<Eigen::Vector3d>(&pairs.diagonal[9 * at(rim_[on_rim]) + 3 * c]) -= as_vector(row);
+        row = {};
+      }
+    pattern.write(columns, batch.columns, pairs, values);
+    columns = batch.columns;
+    begin = batch.end;
+  }
+  std::fill_n(pairs.rows.begin() + static_cast<std::ptrdiff_t>(3 * (blocks - 1)), 3, NodeRow{});
 }
 
 std::array<GreenElements::Index, 4> GreenElements::points(std::size_t i) const {

@@ -44,13 +44,21 @@ class GreenElements {
   struct Element;
   [[nodiscard]] Element element(const NodeRows& x, std::size_t place) const;
 
+  /// Elements whose sums are finished with them.
+  struct Batch {
+    std::size_t end;  ///< of blocks
+    Index columns;    ///< of the stiffness that are finished after them
+  };
+
+  void make_batches(const BlockPattern& pattern, std::span<const Index> lowest);
   void place_rim(const BlockPattern& pattern);
 
   const TissueKernels* kernels_;
   std::vector<TetBlock> blocks_;
   std::vector<TetSlots> slots_;
-  std::vector<Index>
-      rim_;  ///< free points of pairs with a supported one, whose blocks follow those of the pattern
+  std::vector<Batch> batches_;
+  Index ring_ = 0;            ///< blocks of pairs whose sums are not finished, at most
+  std::vector<Index> rim_;    ///< columns of pairs with a supported point, whose blocks follow the ring
   std::vector<Index> place_;  ///< of each tetrahedron of the mesh: 8 block + lane
 };
 

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "problems/tissue/green_elements.hpp"
+#include "problems/tissue/mesh_generators.hpp"
+#include "problems/tissue/renumber.hpp"
 #include "problems/tissue/springs.hpp"
 #include "problems/tissue/tet_elements.hpp"
 #include "tests/problems/tissue/bodies.hpp"
@@ -18,9 +20,10 @@ using Index = TetMesh::Index;
 
 /// The first tetrahedra of an uneven box, deformed, with every fifth point supported.
 struct Parts {
-  explicit Parts(Eigen::Index tetrahedra = 72) : mesh(tissue_tests::uneven_box()) {
+  explicit Parts(Eigen::Index tetrahedra = 72) : Parts(tissue_tests::uneven_box(), tetrahedra) {}
+  Parts(TetMesh whole, Eigen::Index tetrahedra) : mesh(std::move(whole)) {
     mesh.tetrahedra = mesh.tetrahedra.leftCols(tetrahedra).eval();
-    mesh.regions.resize(static_cast<std::size_t>(tetrahedra));
+    if (!mesh.regions.empty()) mesh.regions.resize(static_cast<std::size_t>(tetrahedra));
     std::vector<Index> free;
     for (Index i = 0, next = 0; i < mesh.point_count(); ++i) free.push_back(i % 5 == 2 ? -1 : next++);
     pattern = BlockPattern(free, edges_of(mesh));
@@ -92,6 +95,29 @@ TEST(TissueKernels, GreenStiffnessAgreesWithThePlainElementsForEveryNumberOfTetr
                 1e-13 * Eigen::MatrixXd(expected).cwiseAbs().maxCoeff())
           << kernels->name << ", " << count;
       EXPECT_EQ(Eigen::MatrixXd(K), Eigen::MatrixXd(K).transpose()) << "symmetric to the last bit";
+    }
+  }
+}
+
+TEST(TissueKernels, GreenStiffnessAgreesWhereItIsWrittenColumnsAfterColumns) {
+  // A long box, in which sums are finished soon, and one whose points are numbered at random.
+  TetMesh box = box_mesh({0.1, 0.1, 0.1}, {40, 4, 4});
+  Renumbering mixed;
+  for (Index i = 0; i < box.point_count(); ++i) mixed.points.push_back(i * 7 % box.point_count());
+  for (Index i = 0; i < box.tetrahedron_count(); ++i) mixed.tetrahedra.push_back(i);
+  for (const TetMesh& mesh : {renumbered(box, local_order(box)), renumbered(box, mixed)}) {
+    const Parts parts(mesh, mesh.tetrahedron_count());
+    Eigen::SparseMatrix<double> expected, K;
+    parts.pattern.clear(expected);
+    TetElements<GreenStrain>(parts.mesh, parts.materials, parts.pattern)
+        .add_stiffness(parts.x, parts.pattern, expected.valuePtr());
+    const GreenElements fast(parts.mesh, parts.materials, parts.pattern);
+    parts.pattern.shape(K);
+    for (int repetition = 0; repetition < 2; ++repetition) {
+      K.coeffs().setConstant(7);
+      fast.write_stiffness(parts.x, parts.pattern, K.valuePtr());
+      EXPECT_LT((K - expected).norm(), 1e-13 * expected.norm());
+      EXPECT_EQ(Eigen::SparseMatrix<double>(K.transpose()).coeffs().matrix(), K.coeffs().matrix());
     }
   }
 }
