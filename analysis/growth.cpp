@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace hmax {
 
@@ -46,17 +47,18 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
   const double to_decay = 4 * expected.fall / -expected.beside;
   ObservedLimit limit;
   limit.steps = static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
-  const auto grows = [&](double h) { return observed_growth(run, distance, h, limit.steps) > threshold; };
-  limit.below_decays = !grows(0.999 * predicted);
-  limit.above_grows = grows(1.001 * predicted);
+  const auto excess = [&](double h) { return observed_growth(run, distance, h, limit.steps) - threshold; };
   double low = 0.999 * predicted, high = 1.001 * predicted;
+  double at_low = excess(low), at_high = excess(high);
+  limit.below_decays = !(at_low > 0);
+  limit.above_grows = at_high > 0;
   // Where the prediction fails the truth is sought outwards from it.
   constexpr double farthest = 1e3;
   if (!limit.below_decays) {
     do {
-      high = low;
-      low /= 1.1;
-    } while (low > predicted / farthest && grows(low));
+      high = std::exchange(low, low / 1.1);
+      at_high = std::exchange(at_low, excess(low));
+    } while (low > predicted / farthest && at_low > 0);
     if (low <= predicted / farthest) {
       limit.h = 0;
       return limit;
@@ -64,17 +66,28 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
   }
   if (limit.below_decays && !limit.above_grows) {
     do {
-      low = high;
-      high *= 1.1;
-    } while (high < farthest * predicted && !grows(high));
+      low = std::exchange(high, high * 1.1);
+      at_low = std::exchange(at_high, excess(high));
+    } while (high < farthest * predicted && !(at_high > 0));
     if (high >= farthest * predicted) {
       limit.h = std::numeric_limits<double>::infinity();
       return limit;
     }
   }
-  while (high - low > 1e-6 * high) {
-    const double middle = (low + high) / 2;
-    (grows(middle) ? high : low) = middle;
+  // Growth is nearly a straight line between close steps: by secants, a hair beyond where they cross so that
+  // both ends close in, and by halves where that does not get on.
+  const double resolution = expected.resolution;
+  for (int runs = 0; high - low > resolution * high; ++runs) {
+    double next = (low + high) / 2;
+    if (runs < 6 && std::isfinite(at_low) && std::isfinite(at_high)) {
+      const double crossing = low + (high - low) * at_low / (at_low - at_high);
+      const double hair = 0.4 * resolution * high, margin = 0.05 * (high - low);
+      next = std::clamp(crossing + (crossing - low < high - crossing ? hair : -hair), low + margin,
+                        high - margin);
+    }
+    const double at_next = excess(next);
+    (at_next > 0 ? high : low) = next;
+    (at_next > 0 ? at_high : at_low) = at_next;
   }
   limit.h = (low + high) / 2;
   return limit;
@@ -98,11 +111,11 @@ ShowSteps without_root(ShowSteps run, Eigen::VectorXd rest,
   };
 }
 
-bool grows_at(const ShowSteps& run, const Distance& distance, double h) {
+bool grows_at(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps) {
   // From one quarter to the other linear growth makes at most a factor of 4, so does not count.
   // What is left of a mode that every step annihilates is what equations are solved to.
   constexpr double noise = 1e-6;
-  return observed_growth(run, distance, h, 4096, noise) > in_proportion;
+  return observed_growth(run, distance, h, steps, noise) > in_proportion;
 }
 
 }  // namespace hmax

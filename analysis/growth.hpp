@@ -51,6 +51,7 @@ struct ExpectedGrowth {
   double visible = 0.02;
   double share = 0.08;  ///< how much of the growth between the quarters at 1.001 of the limit that is
   double fall = 37;  ///< ln of the factor by which what `beside` multiplies has to fall before it is nothing
+  double resolution = 1e-6;  ///< to which the limit is sought, relative
 };
 
 /// Integrates at 0.999 and at 1.001 of a predicted limit, then bisects between a step that does not grow and
@@ -67,8 +68,8 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
 ShowSteps without_root(ShowSteps run, Eigen::VectorXd rest,
                        std::function<std::complex<double>(double h)> root);
 
-/// Whether a run of 4096 steps at a step far beyond every time scale of the model grows faster than in
+/// Whether a run of so many steps at a step far beyond every time scale of the model grows faster than in
 /// proportion to its length, which no stable method does.
-bool grows_at(const ShowSteps& run, const Distance& distance, double h);
+bool grows_at(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps = 4096);
 
 }  // namespace hmax
