@@ -1,15 +1,11 @@
 #include "bench/limit_study.hpp"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <optional>
-#include <thread>
 #include <utility>
 
-#include "bench/verification.hpp"
+#include "bench/two_threads.hpp"
 #include "bench/verification.hpp"
 #include "problems/liver_materials.hpp"
 #include "problems/liver_problems.hpp"
@@ -29,8 +25,8 @@ Problem problem_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, dou
   return problem;
 }
 
-/// work(which, method) of every method on every case of the kind that suits it, cases first; from two
-/// threads. What one of them throws is thrown. After an interruption the rows that are finished.
+/// work(which, method) of every method on every case of the kind that suits it, cases first, in two threads.
+/// After an interruption the rows that are finished.
 template <class Row, class Work>
 std::vector<Row> over_pairs(const std::vector<LimitCase>& cases, bool linear,
                             const std::vector<Method>& methods, const Work& work,
@@ -42,26 +38,10 @@ std::vector<Row> over_pairs(const std::vector<LimitCase>& cases, bool linear,
       if (cases[i].linear == linear && suits(method, cases[i].problem)) pairs.emplace_back(i, &method);
 
   std::vector<std::optional<Row>> rows(pairs.size());
-  std::atomic<std::size_t> next = 0, done = 0;
-  std::array<std::exception_ptr, 2> failures;
-  const auto labour = [&](std::size_t who) {
-    try {
-      for (std::size_t i = next++; i < pairs.size() && !interrupted(); i = next++) {
-        rows[i] = work(pairs[i].first, *pairs[i].second);
-        ++done;
-        if (who == 0) progress(static_cast<double>(done) / static_cast<double>(pairs.size()));
-      }
-    } catch (...) {
-      failures[who] = std::current_exception();
-      next = pairs.size();
-    }
-  };
-  {
-    const std::jthread second([&] { labour(1); });
-    labour(0);
-  }
-  for (const std::exception_ptr& failure : failures)
-    if (failure) std::rethrow_exception(failure);
+  in_two_threads(
+      pairs.size(), [&](std::size_t i) { rows[i] = work(pairs[i].first, *pairs[i].second); },
+      [&](std::size_t done) { progress(static_cast<double>(done) / static_cast<double>(pairs.size())); },
+      interrupted);
 
   std::vector<Row> finished;
   for (std::optional<Row>& row : rows)

@@ -13,6 +13,7 @@
 #include "bench/predict.hpp"
 #include "bench/tissue_problem.hpp"
 #include "bench/trajectory_limit.hpp"
+#include "bench/two_threads.hpp"
 #include "bench/verification.hpp"
 #include "cli/choices.hpp"
 #include "cli/stability.hpp"
@@ -285,16 +286,24 @@ void predict_rows(const PredictOptions& options, Console& console) {
         states = fmt::format("\n{}: {}\n", problem.id, near.state);
         if (problem.body && !console.json) states += words_of(fastest_mode_of(*problem.body));
       }
-      for (const Method& method : chosen) {
-        if (interrupted) throw Interrupted{};
-        progress.update(static_cast<double>(rows.size()) / total, method.id);
-        PredictedRow row{predict(method, problem, near), {}, {}, {}};
-        if (options.verify) verify(row.prediction, method, problem, near);
+      const std::size_t before = rows.size();
+      rows.resize(before + chosen.size());
+      in_two_threads(
+          chosen.size(),
+          [&](std::size_t i) {
+            Prediction& row = rows[before + i].prediction;
+            row = predict(chosen[i], problem, near);
+            if (options.verify) verify(row, chosen[i], problem, near);
+          },
+          [&](std::size_t done) {
+            progress.update(static_cast<double>(before + done) / total, problem.material);
+          },
+          [&] { return interrupted.load(); });
+      if (interrupted) throw Interrupted{};
+      for (const PredictedRow& row : std::span(rows).subspan(before))
         if (const auto& seen = row.prediction.observed;
             seen && (!seen->has_steps_of_analysis() || (!seen->agrees && row.prediction.note.empty())))
           console.exit_code = Exit::failed;
-        rows.push_back(std::move(row));
-      }
       if (options.along.empty()) continue;
       progress.update(static_cast<double>(rows.size()) / total, "along the " + options.along);
       look_along(options, problem, chosen, std::span(rows).last(chosen.size()));
