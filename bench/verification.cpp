@@ -226,6 +226,12 @@ void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
   rest.setZero();
 }
 
+/// Odeint's implicit steppers know no sparse matrices, and make new factors for every step.
+bool is_too_slow(const Method& method, const Linearised& near) {
+  constexpr Eigen::Index most_dense_rows = 600;
+  return method.family == "odeint" && method.needs_jacobian && near.model.y.size() > most_dense_rows;
+}
+
 }  // namespace
 
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
@@ -233,6 +239,11 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
       (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
     return;
   if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.omega > 0; })) return;
+  if (is_too_slow(method, near)) {
+    row.note = fmt::format("not verified: {} factors a dense matrix of {} rows in every step", method.engine,
+                           near.model.y.size());
+    return;
+  }
   // The limiting mode, or the slowest.
   const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
   Problem free = problem;
