@@ -73,7 +73,7 @@ class SparseSolver {
 
   /// x = A^-1 x, shape (n).
   template <class X>
-  void solve(X& x) {
+  [[gnu::noinline]] void solve(X& x) {  // lest what it calls is compiled where it is called, see below
     ++solutions_;
     if constexpr (may_iterate) {
       if (iterates_) {
@@ -248,5 +248,9 @@ class SparseSolver {
   ConjugateGradients<Real> gradients_;
   Vector scratch_;
 };
+
+// Compiled once, in sparse_solver.cpp, for speed: what includes this may be compiled with less optimisation.
+extern template class SparseSolver<double>;
+extern template void SparseSolver<double>::solve(Eigen::VectorXd&);
 
 }  // namespace hmax
