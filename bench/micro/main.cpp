@@ -9,6 +9,7 @@
 
 #include "bench/micro/allocations.hpp"
 #include "bench/micro/ratios.hpp"
+#include "bench/micro/start.hpp"
 #include "problems/oscillator_reference.hpp"
 #include "results/fingerprint.hpp"
 
@@ -83,22 +84,9 @@ class Collector : public benchmark::ConsoleReporter {
 };
 
 int main_of(int argc, char** argv) {
-  // Later flags win, so these are defaults. Repetitions of all engines are mixed at random: a slow minute of
-  // the machine meets both sides.
-  std::vector<std::string> arguments{argv[0], "--benchmark_enable_random_interleaving=true",
-                                     "--benchmark_repetitions=25", "--benchmark_min_time=0.001"};
-  bool quiet = false;
-  for (int i = 1; i < argc; ++i)
-    if (std::strcmp(argv[i], "--ratios") == 0)
-      quiet = true;
-    else
-      arguments.emplace_back(argv[i]);
-  std::vector<char*> raw;
-  for (std::string& argument : arguments) raw.push_back(argument.data());
-  int count = static_cast<int>(raw.size());
-  raw.push_back(nullptr);
-  benchmark::Initialize(&count, raw.data());
-  if (benchmark::ReportUnrecognizedArguments(count, raw.data())) return 2;
+  const auto ratios = micro::start(argc, argv, 25, 0.001);
+  if (!ratios) return 2;
+  const bool quiet = *ratios;
 
   const Oscillator model;
   const OscillatorReference reference(model.parameters(), {start[0], start[1]}, t_end);

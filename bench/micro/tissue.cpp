@@ -13,6 +13,7 @@
 #include <Eigen/Dense>
 #include <benchmark/benchmark.h>
 
+#include "bench/micro/start.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_generators.hpp"
 #include "problems/tissue/renumber.hpp"
@@ -310,20 +311,9 @@ void print_table(const std::map<std::string, Measurement>& measurements, double 
 }
 
 int main_of(int argc, char** argv) {
-  std::vector<std::string> arguments{argv[0], "--benchmark_enable_random_interleaving=true",
-                                     "--benchmark_repetitions=9", "--benchmark_min_time=0.02"};
-  bool quiet = false;
-  for (int i = 1; i < argc; ++i)
-    if (std::strcmp(argv[i], "--ratios") == 0)
-      quiet = true;
-    else
-      arguments.emplace_back(argv[i]);
-  std::vector<char*> raw;
-  for (std::string& argument : arguments) raw.push_back(argument.data());
-  int count = static_cast<int>(raw.size());
-  raw.push_back(nullptr);
-  benchmark::Initialize(&count, raw.data());
-  if (benchmark::ReportUnrecognizedArguments(count, raw.data())) return 2;
+  const auto ratios = micro::start(argc, argv, 9, 0.02);
+  if (!ratios) return 2;
+  const bool quiet = *ratios;
 
   std::map<std::string, Measurement> measurements;
   // One mesh in memory at a time: they are built on demand and leave with their measurements.
