@@ -20,18 +20,23 @@ void require_closing(MeshText& text, std::string_view closing, std::string_view 
             " is wrong or the file is cut off, so export it again");
 }
 
+void read_points(MeshBuilder& builder, GmshFields& fields, std::size_t count) {
+  builder.reserve_points(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t number = fields.integer("the number of a node");
+    const double x = fields.real("the x coordinate"), y = fields.real("the y coordinate");
+    builder.add_point(number, x, y, fields.real("the z coordinate"));
+  }
+}
+
 MeshFile read_version_1(MeshText& text) {
   MeshBuilder builder;
   while (!text.at_end()) {
     const std::string section(text.word("a section"));
     if (section == "$NOD") {
       const std::size_t count = text.count("nodes", 8);
-      builder.reserve_points(count);
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::int64_t number = text.integer("the number of a node");
-        const double x = text.number("the x coordinate"), y = text.number("the y coordinate");
-        builder.add_point(number, x, y, text.number("the z coordinate"));
-      }
+      GmshFields fields{text, false, false};
+      read_points(builder, fields, count);
       require_closing(text, "$ENDNOD", section);
       builder.number_points(text);
     } else if (section == "$ELM") {
@@ -70,12 +75,7 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
     if (section == "$Nodes") {
       const std::size_t count = text.count("nodes", binary ? 28 : 8);
       text.line();
-      builder.reserve_points(count);
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::int64_t number = fields.integer("the number of a node");
-        const double x = fields.real("the x coordinate"), y = fields.real("the y coordinate");
-        builder.add_point(number, x, y, fields.real("the z coordinate"));
-      }
+      read_points(builder, fields, count);
       require_closing(text, "$EndNodes", section);
       builder.number_points(text);
     } else if (section == "$Elements") {
