@@ -168,26 +168,6 @@ double StepPolynomial::radius_at_infinity() const {
   return largest(all_roots(std::move(c)));
 }
 
-bool StepPolynomial::is_below(Complex h, double growth) const {
-  std::vector<LongComplex> a;
-  a.reserve(p_.size());
-  long double power = 1;
-  for (const ComplexPolynomial& q : p_) {
-    a.push_back(power * evaluate(q, LongComplex(h)));
-    power *= 1 + static_cast<long double>(growth);
-  }
-  for (std::size_t n = a.size() - 1; n > 0; --n) {
-    if (!(std::norm(a[0]) < std::norm(a[n]))) return false;
-    const LongComplex first = a[0], last = std::conj(a[n]);
-    const long double size = 1 / std::norm(a[n]);
-    std::vector<LongComplex> reduced(n);
-    for (std::size_t j = 0; j < n; ++j)
-      reduced[j] = (last * a[j + 1] - first * std::conj(a[n - 1 - j])) * size;
-    a = std::move(reduced);
-  }
-  return true;
-}
-
 bool roots_are_at_most_one(Complex* c, std::size_t degree) {
   // A circle a hair wider, so that roots on the unit circle are inside.
   constexpr double wider = 1 + 1e-9;
@@ -327,8 +307,8 @@ struct Plain {
   [[nodiscard]] Real norm() const { return re * re + im * im; }
 };
 
-/// Whether all roots of a step polynomial lie in |zeta| < 1 + bound, by the reduction of Schur and Cohn as
-/// StepPolynomial::is_below does it: in double where that is clear, else in long double.
+/// Whether all roots of a step polynomial lie in |zeta| < 1 + bound, by the reduction of Schur and Cohn: in
+/// double where that is clear, else in long double.
 class RootTest {
  public:
   static constexpr std::size_t most_roots = 16;

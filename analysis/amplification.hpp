@@ -49,9 +49,6 @@ class StepPolynomial {
   /// The largest |zeta| in the limit of large |h|: 0 for methods that annihilate infinitely fast modes.
   [[nodiscard]] double radius_at_infinity() const;
 
-  /// Whether every |zeta| < 1 + growth, decided without roots (Schur and Cohn).
-  [[nodiscard]] bool is_below(Complex h, double growth) const;
-
   /// Real polynomials in h, all of which are >= 0 where the spectral radius is at most 1 + growth, and only
   /// there as long as the leading coefficient is positive and, of three roots, the product is below one;
   /// nothing where there is no closed condition (more than one root, unless three at most and real)

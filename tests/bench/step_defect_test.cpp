@@ -152,14 +152,19 @@ Planted in_radau() {
   return count;
 }
 
-/// Into the coefficients of the recurrence.
-Planted in_multistep(const Method& method) {
-  Planted count{.id = method.id};
+std::vector<Polynomial> in_real_numbers(const StepPolynomial& polynomial) {
   std::vector<Polynomial> p;
-  for (const ComplexPolynomial& each : method.amplification->in_z->coefficients()) {
+  for (const ComplexPolynomial& each : polynomial.coefficients()) {
     p.emplace_back();
     for (const LongComplex c : each) p.back().push_back(c.real());
   }
+  return p;
+}
+
+/// Into the coefficients of the recurrence.
+Planted in_multistep(const Method& method) {
+  Planted count{.id = method.id};
+  std::vector<Polynomial> p = in_real_numbers(*method.amplification->in_z);
   plant(count, all_of(p), method, [&] {
     Amplification wrong = *method.amplification;
     wrong.in_z = StepPolynomial::real(p);
@@ -217,11 +222,7 @@ Planted in_stages() {
 /// Of foreign tables into what they come to, R(z).
 Planted in_rational_function(const Method& method) {
   Planted count{.id = method.id};
-  std::vector<Polynomial> p;
-  for (const ComplexPolynomial& each : method.amplification->in_z->coefficients()) {
-    p.emplace_back();
-    for (const LongComplex c : each) p.back().push_back(c.real());
-  }
+  std::vector<Polynomial> p = in_real_numbers(*method.amplification->in_z);
   const auto remake = [&] {
     Amplification wrong = *method.amplification;
     wrong.of_eigenmode = [of = StepPolynomial::real(p)](const Eigenmode& mode) {
