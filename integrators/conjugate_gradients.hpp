@@ -251,10 +251,10 @@ class ConjugateGradients {
   using Vector = Eigen::Vector<Real, Eigen::Dynamic>;
 
   /// Keeps a copy of A and makes its preconditioner.
-  /// @param known  A has the pattern of the matrix before
+  /// @param known  A has the pattern of the matrix that was prepared before
   /// @returns false when A has diagonal blocks that are not positive definite
   bool prepare(const Matrix& A, bool known = false) {
-    if (known && A_.nonZeros() == A.nonZeros()) {
+    if (known) {
       std::copy_n(A.valuePtr(), A.nonZeros(), A_.valuePtr());
     } else {
       A_ = A;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/SparseCore>
@@ -64,14 +65,17 @@ class SparseSolver {
         work_left_ = factorisation_work(A) - iterations_to_prepare * iteration_work(A);
         iterates_ = iteration_work(A) * std::max(solutions, 1.0) * expected_iterations_ < work_left_;
       }
-      if (iterates_ && gradients_.prepare(A, known)) return true;
+      if (iterates_) {
+        const bool prepared = gradients_.prepare(A, std::exchange(gradients_known_, true));
+        if (prepared) return true;
+      }
       iterates_ = false;
     }
     symmetric_ = factor_symmetric(A);
     return symmetric_ || factor_general(A);
   }
 
-  /// x = A^-1 x, shape (n).
+  /// x = A^-1 x, shape (n); not a number where conjugate gradients find that A is singular.
   template <class X>
   [[gnu::noinline]] void solve(X& x) {  // lest what it calls is compiled where it is called, see below
     ++solutions_;
@@ -90,7 +94,10 @@ class SparseSolver {
         x = scratch_;
         iterates_ = false;
         symmetric_ = factor_symmetric(gradients_.matrix());
-        if (!symmetric_) factor_general(gradients_.matrix());
+        if (!symmetric_ && !factor_general(gradients_.matrix())) {
+          x.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
+          return;
+        }
       }
     }
     if (symmetric_) return panels_.solve(x);
@@ -136,7 +143,7 @@ class SparseSolver {
     expected_iterations_ = 20;
     outer_.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1);
     inner_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
-    panels_known_ = false;
+    panels_known_ = gradients_known_ = false;
     lu_.reset();
     symmetric_pattern_ = true;
     across_.clear();
@@ -239,10 +246,11 @@ class SparseSolver {
   std::vector<int> outer_, inner_;  // the pattern that was analysed
   std::vector<Pair> across_;        // its entries on both sides of the diagonal
   int iterations_ = 0;
-  bool symmetric_pattern_ = false, symmetric_ = false, iterates_ = false, panels_known_ = false;
-  double work_left_ = never;         // until a factorisation pays
-  double solutions_ = 0;             // with this matrix so far
-  double expected_iterations_ = 20;  // of a solution
+  bool symmetric_pattern_ = false, symmetric_ = false, iterates_ = false;
+  bool panels_known_ = false, gradients_known_ = false;  // whether each has the pattern that is analysed
+  double work_left_ = never;                             // until a factorisation pays
+  double solutions_ = 0;                                 // with this matrix so far
+  double expected_iterations_ = 20;                      // of a solution
   PanelFactor<Scalar> panels_;
   std::unique_ptr<Lu> lu_;
   ConjugateGradients<Real> gradients_;
