@@ -39,7 +39,7 @@ std::vector<Row> over_pairs(const std::vector<LimitCase>& cases, bool linear,
 
   std::vector<std::optional<Row>> rows(pairs.size());
   in_two_threads(
-      pairs.size(), [&](std::size_t i) { rows[i] = work(pairs[i].first, *pairs[i].second); },
+      pairs.size(), [&](std::size_t i, std::size_t) { rows[i] = work(pairs[i].first, *pairs[i].second); },
       [&](std::size_t done) { progress(static_cast<double>(done) / static_cast<double>(pairs.size())); },
       interrupted);
 

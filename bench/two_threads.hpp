@@ -10,10 +10,12 @@
 
 namespace hmax {
 
-/// work(i) for i = 0 .. count - 1, begun in this order, none after interrupted() has become true. What one of
-/// them throws is thrown when both have ended. Not for anything that is timed.
+/// work(i, worker) for i = 0 .. count - 1, begun in this order, none after interrupted() has become true;
+/// worker is 0 or 1, so that each may have what two must not share, such as users' formulas. What one of them
+/// throws is thrown when both have ended. Not for anything that is timed.
 /// @param progress  called by the calling thread with the number of pieces that are done
-inline void in_two_threads(std::size_t count, const std::function<void(std::size_t)>& work,
+inline void in_two_threads(std::size_t count,
+                           const std::function<void(std::size_t i, std::size_t worker)>& work,
                            const std::function<void(std::size_t)>& progress,
                            const std::function<bool()>& interrupted) {
   std::atomic<std::size_t> next = 0, done = 0;
@@ -21,7 +23,7 @@ inline void in_two_threads(std::size_t count, const std::function<void(std::size
   const auto labour = [&](std::size_t who) {
     try {
       for (std::size_t i = next++; i < count && !interrupted(); i = next++) {
-        work(i);
+        work(i, who);
         ++done;
         if (who == 0) progress(done);
       }

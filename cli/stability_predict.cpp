@@ -259,11 +259,12 @@ void predict_rows(const PredictOptions& options, Console& console) {
     throw InputError(
         "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
   const auto& interrupted = interrupt_flag();
+  std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
-    ProblemChoice choice = options.problem;
-    choice.material = material;
-    problems.push_back(choice.make());
+    choices.push_back(options.problem);
+    choices.back().material = material;
+    problems.push_back(choices.back().make());
   }
   const std::vector<Method> chosen = options.methods.methods(problems);
   if (options.verify)
@@ -279,7 +280,8 @@ void predict_rows(const PredictOptions& options, Console& console) {
   {
     Progress progress(console, "predict");
     const auto total = static_cast<double>(problems.size() * chosen.size());
-    for (const Problem& problem : problems) {
+    for (std::size_t which = 0; which < problems.size() && !interrupted; ++which) {
+      const Problem& problem = problems[which];
       const Linearised near = linearised(problem);
       if (console.json) models.push_back(model_json(problem, near));
       if (states.empty()) {
@@ -288,23 +290,26 @@ void predict_rows(const PredictOptions& options, Console& console) {
       }
       const std::size_t before = rows.size();
       rows.resize(before + chosen.size());
+      const Problem of_second = choices[which].make();  // formulas have one workspace
       in_two_threads(
           chosen.size(),
-          [&](std::size_t i) {
-            Prediction& row = rows[before + i].prediction;
-            row = predict(chosen[i], problem, near);
-            if (options.verify) verify(row, chosen[i], problem, near);
+          [&](std::size_t i, std::size_t worker) {
+            const Problem& own = worker == 0 ? problem : of_second;
+            PredictedRow row{predict(chosen[i], own, near), {}, {}, {}};
+            if (options.verify) verify(row.prediction, chosen[i], own, near);
+            rows[before + i] = std::move(row);
           },
           [&](std::size_t done) {
             progress.update(static_cast<double>(before + done) / total, problem.material);
           },
           [&] { return interrupted.load(); });
-      if (interrupted) throw Interrupted{};
+      if (interrupted)
+        std::erase_if(rows, [](const PredictedRow& row) { return row.prediction.method.empty(); });
       for (const PredictedRow& row : std::span(rows).subspan(before))
         if (const auto& seen = row.prediction.observed;
             seen && (!seen->has_steps_of_analysis() || (!seen->agrees && row.prediction.note.empty())))
           console.exit_code = Exit::failed;
-      if (options.along.empty()) continue;
+      if (options.along.empty() || interrupted) continue;
       progress.update(static_cast<double>(rows.size()) / total, "along the " + options.along);
       look_along(options, problem, chosen, std::span(rows).last(chosen.size()));
     }
@@ -312,7 +317,9 @@ void predict_rows(const PredictOptions& options, Console& console) {
   if (console.json) {
     Json list = Json::array();
     for (const PredictedRow& row : rows) list.push_back(to_json(row, options));
-    return console.print_json({{"rows", std::move(list)}, {"models", std::move(models)}});
+    console.print_json({{"rows", std::move(list)}, {"models", std::move(models)}});
+    if (interrupted) throw Interrupted{};
+    return;
   }
   console.print(for_people(rows, options, console));
   std::string remarks = states;
@@ -320,12 +327,19 @@ void predict_rows(const PredictOptions& options, Console& console) {
     if (const auto& seen = each.prediction.observed; seen && !seen->has_steps_of_analysis())
       remarks += fmt::format("{}: its steps are not those of its analysis, they differ by {}\n",
                              each.prediction.method, short_number(seen->step_defect, 3));
-  if (!rows.empty() && !rows.front().path_note.empty()) remarks += rows.front().path_note + "\n";
+  std::string said;
+  for (const PredictedRow& each : rows)
+    if (const std::string& note = each.path_note; !note.empty() && note != said) {
+      remarks +=
+          each.prediction.material.empty() ? note + "\n" : each.prediction.material + ": " + note + "\n";
+      said = note;
+    }
   for (const auto& [row, along, note, from_start] : rows)
     if (!row.note.empty() && row.bound != Bound::error_control)
       remarks +=
           fmt::format("{}{}: {}\n", row.method, row.material.empty() ? "" : ", " + row.material, row.note);
   console.print(remarks);
+  if (interrupted) throw Interrupted{};
 }
 
 }  // namespace
