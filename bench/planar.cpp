@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/poincare.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -87,16 +88,18 @@ void require_planar(const Problem& problem) {
 bool is_driven(const Problem& problem) {
   if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
     return oscillator->parameters().P != 0 && oscillator->parameters().w != 0;
+  if (problem.body) return !problem.body->is_autonomous();
   const AnySystem& system = std::get<AnySystem>(problem.system);
   if (system.is_autonomous()) return false;
-  const Vector2d scale = problem.y0.cwiseAbs().cwiseMax(0.1);
+  const Eigen::VectorXd scale = problem.y0.cwiseAbs().cwiseMax(0.1);
+  Eigen::VectorXd y = problem.y0, f = y, later = y;
   for (const double u : {0.0, 0.7, -1.3})
     for (const double v : {0.0, 1.1, -0.6}) {
-      const Vector2d y = Vector2d(problem.y0) + Vector2d(u, v).cwiseProduct(scale);
-      const Vector2d f = rhs_of(system, 0, y);
+      for (Eigen::Index k = 0; k < y.size(); ++k) y[k] = problem.y0[k] + (k % 2 == 0 ? u : v) * scale[k];
+      system.rhs(0, y, f);
       for (int i = 1; i < 8; ++i) {
         // Multiples of the golden ratio hit no common period.
-        const Vector2d later = rhs_of(system, i * std::numbers::phi * problem.t_end / 13, y);
+        system.rhs(i * std::numbers::phi * problem.t_end / 13, y, later);
         if (f.allFinite() && later.allFinite() && later != f) return true;
       }
     }

@@ -383,5 +383,23 @@ TEST(Stability, RefusesBadInputInOneSentence) {
   expect_refused(shell.hmax("stability predict --problem no_such --methods rk4"), "no_such");
 }
 
+TEST(StabilityPredict, VerifiesFormulasOfManyStatesAndSaysWhereItDoesNot) {
+  const Shell shell;
+  write_text(shell / "chain.toml",
+             "[equations]\na = \"c\"\nb = \"d\"\nc = \"-2*a + b - 0.1*c\"\nd = \"a - 2*b - 0.1*d\"\n"
+             "[initial]\na = 1\nb = 0\nc = 0\nd = 0\n");
+  const Told formulas =
+      shell.hmax("stability predict --problem chain.toml --methods explicit_runge_kutta --verify --json");
+  EXPECT_EQ(formulas.exit_code, 0) << formulas.err;
+  for (const Json& row : formulas.json().at("rows"))
+    if (!row.at("gap").is_null()) {
+      EXPECT_LE(std::abs(row.at("gap").get<double>()), 5e-3) << row;
+    }
+  const Told tool = shell.hmax("stability predict --mesh phantom --load tool --methods rk4 --verify --json");
+  EXPECT_EQ(tool.exit_code, 0) << tool.err;
+  EXPECT_NE(tool.json().at("rows").at(0).at("status").get<std::string>().find("not verified"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace hmax
