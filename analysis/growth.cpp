@@ -59,7 +59,7 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
       high = std::exchange(low, low / 1.1);
       at_high = std::exchange(at_low, excess(low));
     } while (low > predicted / farthest && at_low > 0);
-    if (low <= predicted / farthest) {
+    if (at_low > 0) {
       limit.h = 0;
       return limit;
     }
@@ -69,7 +69,7 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
       low = std::exchange(high, high * 1.1);
       at_low = std::exchange(at_high, excess(high));
     } while (high < farthest * predicted && !(at_high > 0));
-    if (high >= farthest * predicted) {
+    if (!(at_high > 0)) {
       limit.h = std::numeric_limits<double>::infinity();
       return limit;
     }

@@ -54,11 +54,11 @@ struct ExpectedGrowth {
   double resolution = 1e-6;  ///< to which the limit is sought, relative
 };
 
-/// Integrates at 0.999 and at 1.001 of a predicted limit, then bisects between a step that does not grow and
-/// one that does; away from the prediction where both sides behave alike, so that a wrong prediction is
-/// reported with what is true.
-/// The runs are long enough to see a share of the growth that is expected at 1.001 of the limit, and for the
-/// rest to die away before the first quarter that is compared.
+/// Integrates at 0.999 and at 1.001 of a predicted limit, then closes in, by secants and by halves, between a
+/// step that does not grow and one that does; away from the prediction where both sides behave alike, so that
+/// a wrong prediction is reported with what is true. The runs are long enough to see a share of the growth
+/// that is expected at 1.001 of the limit, and for the rest to die away before the first quarter that is
+/// compared.
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected);
 

@@ -1,8 +1,9 @@
 #include "bench/particle_limits.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numeric>
+
+#include <fmt/format.h>
 
 #include "analysis/static_solution.hpp"
 #include "bench/predict.hpp"
@@ -62,7 +63,8 @@ std::vector<double> stable_step_rates(std::span<const Method> methods, const Par
   std::vector<double> rates;
   for (const Method& method : methods) {
     const Prediction row = predict(method, problem, near);
-    rates.push_back(row.h_max ? 1 / *row.h_max : std::numeric_limits<double>::quiet_NaN());
+    if (!row.h_max) throw InputError(fmt::format("{} on a body of springs: {}", method.id, row.note));
+    rates.push_back(1 / *row.h_max);
   }
   return rates;
 }

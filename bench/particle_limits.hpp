@@ -26,6 +26,7 @@ double mean_spring_stiffness(const ParticleBody& body);
 
 /// The smallest number of steps a second [1/s], 1 / h_max, of each method. Infinity when every step is
 /// unstable, 0 when no step is.
+/// @throws InputError  for methods that have no prediction: those that choose their steps
 std::vector<double> stable_step_rates(std::span<const Method> methods, const ParticleBody& body);
 
 /// The stiffest of such bodies, by its E [Pa], on which a method is stable with `rate` steps a second, to one

@@ -25,10 +25,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// The tangent of a model, of large bodies by the ends of its spectrum.
 Linearised tangent(const Problem& problem, double t, const Eigen::VectorXd& y) {
   if (!problem.body || problem.body->dofs() <= small_enough_for_dense) return linearised(problem, t, y);
-  LinearModel model =
-      std::visit([&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },
-                 problem.system);
-  Linearised near{.model = std::move(model), .spectrum = {}, .state = {}};
+  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}};
   if (!set_curve(near, small_enough_for_dense))
     throw InputError(fmt::format(
         "dampers, or beta with a body that is deformed, couple its modes, and with {} degrees of freedom all of "

@@ -19,8 +19,8 @@ struct Path {
 };
 
 /// The motion from y0 to t_end by dormand_prince_54 at a tolerance of 1e-10, looked at `points` times.
-/// @throws InputError  when t_end is no end of a run, or the motion does not reach it within the attempts
-/// that adaptive runs have
+/// @throws InputError  when t_end is no end of a run, or the motion does not reach it within
+/// most_observed_steps attempts
 Path motion_path(const Problem& problem, double t_end, int points = 400);
 
 /// The balances of a body under shares of its load from 0 to 1 in `points` equal strides, as far as there are

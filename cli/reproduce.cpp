@@ -13,6 +13,7 @@
 #include "cli/reproduce_oscillators.hpp"
 #include "cli/reproduce_stability.hpp"
 #include "cli/reproduce_tissue.hpp"
+#include "cli/stability.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {
@@ -106,7 +107,7 @@ nlohmann::ordered_json to_json(const TissueStudy& study) {
   for (const ParticleLimit& limit : study.particles)
     particles.push_back({{"damping", limit.damping},
                          {"method", limit.method},
-                         {"h_max", 1 / limit.rate},
+                         {"h_max", number_or_word(1 / limit.rate)},
                          {"stiffest", limit.stiffest}});
   nlohmann::ordered_json paths = nlohmann::ordered_json::array();
   for (const PathLimit& limit : study.paths)
@@ -114,8 +115,8 @@ nlohmann::ordered_json to_json(const TissueStudy& study) {
                      {"path", limit.path},
                      {"model", limit.model},
                      {"method", limit.method},
-                     {"h_rest", limit.at_rest},
-                     {"h_min", limit.least},
+                     {"h_rest", number_or_word(limit.at_rest)},
+                     {"h_min", number_or_word(limit.least)},
                      {"growing_share", limit.growing}});
   nlohmann::ordered_json sizes = nlohmann::ordered_json::array();
   for (const ScaleRow& row : study.sizes)

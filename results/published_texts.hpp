@@ -1,4 +1,4 @@
-/// The files of results/published as text; the definition is made at configuration by cmake/published.cmake.
+/// The files of results/published as text; the definition is made at configuration by cmake/embed.cmake.
 #pragma once
 
 #include <span>

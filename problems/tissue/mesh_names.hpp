@@ -11,7 +11,7 @@
 
 namespace hmax {
 
-/// A file of problems/meshes as text; the definition is made at configuration by cmake/meshes.cmake.
+/// A file of problems/meshes as text; the definition is made at configuration by cmake/embed.cmake.
 struct MeshTextFile {
   std::string_view name;  ///< of the file, without .msh
   std::string_view msh;

@@ -1,6 +1,8 @@
 #include "analysis/growth.hpp"
 
 #include <cmath>
+#include <complex>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -52,6 +54,40 @@ TEST(GrowsAt, DoesNotCountWhatGrowsInProportionToTime) {
   };
   EXPECT_FALSE(grows_at(line, size, 1));
   EXPECT_TRUE(grows_at(powers([](double) { return 1.001; }), size, 1));
+}
+
+TEST(WithoutRoot, LeavesWhatStepsMultiplyByAnotherRoot) {
+  const std::complex<double> root = std::polar(0.98, 0.4);
+  const auto two_motions = [&](double, std::int64_t steps, const auto& show) {
+    Eigen::VectorXd y(1);
+    for (std::int64_t n = 0; n <= steps; ++n) {
+      y[0] = 7 + std::pow(root, n).real() + 1e-6 * std::pow(-1.01, n);
+      show(y);
+    }
+    return true;
+  };
+  std::vector<double> left;
+  const ShowSteps filtered =
+      without_root(two_motions, Eigen::VectorXd::Constant(1, 7), [&](double) { return root; });
+  EXPECT_TRUE(
+      filtered(0.1, 100, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { left.push_back(y[0] - 7); }));
+  ASSERT_EQ(left.size(), 101U);
+  for (std::size_t n = 1; n < left.size(); ++n) EXPECT_NEAR(left[n] / left[n - 1], -1.01, 1e-7) << n;
+}
+
+TEST(ObservedLimit, IsFoundWhereGrowthIsSlowAndAlone) {
+  int runs = 0;
+  const ShowSteps slow = [&](double h, std::int64_t steps, const auto& show) {
+    ++runs;
+    return powers([](double step) { return 1 + 5e-5 * (step - 2); })(h, steps, show);
+  };
+  const ObservedLimit limit =
+      observe_limit(slow, size, 2, {.above = 1e-7, .beside = -1, .visible = 1e-5, .fall = 20});
+  EXPECT_TRUE(limit.below_decays && limit.above_grows);
+  EXPECT_NEAR(limit.h, 2, 3e-4);
+  EXPECT_LE(limit.steps, 3000);
+  // Halving two thousandths down to a millionth would take eleven.
+  EXPECT_LE(runs, 6);
 }
 
 }  // namespace
