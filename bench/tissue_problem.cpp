@@ -5,6 +5,8 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <numbers>
+#include <ranges>
 #include <stdexcept>
 #include <vector>
 
@@ -26,7 +28,7 @@ namespace {
 
 constexpr std::array<std::string_view, 5> models{"fem_green", "fem_cauchy", "fem_corotational",
                                                  "fem_neo_hookean", "mass_spring"};
-constexpr std::array<std::string_view, 4> loads{"gravity", "press", "pull", "tool"};
+constexpr std::array<std::string_view, 5> loads{"gravity", "press", "pull", "tool", "breathing"};
 
 /// "fem_green/press@liver" in its parts; the load may be missing.
 struct TissueId {
@@ -56,12 +58,19 @@ struct TissueParameters {
   double damper = 0;           ///< of springs: c / k [s]
   double g = 9.81;             ///< along -z [m/s^2], under the load gravity
   double force = 0.5;          ///< towards the held end or away from it, of press and pull [N]
-  double depth = 0.01;         ///< that the tool moves into the body in its first half second [m]
-  double support = 0.1;        ///< share of the body along the axis that is held
-  double axis = 3;             ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
-  double equal_masses = 0;     ///< 1: every point has the same mass
+  double depth = 0.01;      ///< that the tool moves into the body in its first half second, or that the held
+                            ///< end moves to and fro, of breathing [m]
+  double period = 4;        ///< of breathing [s]
+  double support = 0.1;     ///< share of the body along the axis that is held
+  double axis = 3;          ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
+  double equal_masses = 0;  ///< 1: every point has the same mass
+  // What a body has only when it is asked for.
+  double inclusion = 0;                    ///< E of every region of the mesh but the first, over E
+  double skin = 0, skin_thickness = 1e-4;  ///< E of a skin over E, [m]
+  double cubic = 0, exponential = 0;       ///< b of such springs
+  double bending = 0, second_ring = 0, doubled_skin = 0;  ///< further springs, relative to the edges
 };
-constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 13> parameter_names{{
+constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 22> parameter_names{{
     {"E", &TissueParameters::E},
     {"nu", &TissueParameters::nu},
     {"rho", &TissueParameters::rho},
@@ -75,7 +84,22 @@ constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 13
     {"support", &TissueParameters::support},
     {"axis", &TissueParameters::axis},
     {"equal_masses", &TissueParameters::equal_masses},
+    {"period", &TissueParameters::period},
+    {"inclusion", &TissueParameters::inclusion},
+    {"skin", &TissueParameters::skin},
+    {"skin_thickness", &TissueParameters::skin_thickness},
+    {"cubic", &TissueParameters::cubic},
+    {"exponential", &TissueParameters::exponential},
+    {"bending", &TissueParameters::bending},
+    {"second_ring", &TissueParameters::second_ring},
+    {"doubled_skin", &TissueParameters::doubled_skin},
 }};
+/// Of those the ones that every body has, first.
+constexpr std::size_t common_parameters = 13;
+
+TetMesh::Index region_count(const TetMesh& mesh) {
+  return mesh.regions.empty() ? 1 : std::ranges::max(mesh.regions) + 1;
+}
 
 /// One end of a mesh along an axis, to which loads are opposite.
 struct HeldEnd {
@@ -187,6 +211,37 @@ struct SharedBody {
   std::shared_ptr<AtRest> at_rest_ = std::make_shared<AtRest>();
 };
 
+/// @throws InputError  when what is asked for is not that of the model, the mesh or the load
+void require_sensible(const TissueId& id, const TissueParameters& p, const TetMesh& mesh) {
+  const auto refuse_negative = [](std::string_view name, double value) {
+    if (value < 0) throw InputError(fmt::format("{} is {} but must not be negative", name, to_text(value)));
+  };
+  const std::array<std::pair<std::string_view, double>, 5> of_springs{{{"cubic", p.cubic},
+                                                                       {"exponential", p.exponential},
+                                                                       {"bending", p.bending},
+                                                                       {"second_ring", p.second_ring},
+                                                                       {"doubled_skin", p.doubled_skin}}};
+  for (const auto& [name, value] : of_springs) {
+    refuse_negative(name, value);
+    if (value != 0 && id.model != "mass_spring")
+      throw InputError(
+          fmt::format("{} is of springs, and {} has none; leave it out or take mass_spring", name, id.model));
+  }
+  if (p.cubic != 0 && p.exponential != 0)
+    throw InputError("cubic and exponential are two laws of the same springs; choose one of them");
+  refuse_negative("inclusion", p.inclusion);
+  refuse_negative("skin", p.skin);
+  if (!(p.skin_thickness > 0 && p.period > 0))
+    throw InputError(fmt::format("skin_thickness is {} and period is {}, but both must be positive",
+                                 to_text(p.skin_thickness), to_text(p.period)));
+  if (p.inclusion != 0 && region_count(mesh) < 2)
+    throw InputError(fmt::format(
+        "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh));
+  if (id.load == "breathing" && p.support == 0)
+    throw InputError(
+        "breathing moves the held end, and with support = 0 nothing is held; give support a share");
+}
+
 TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const TetMesh& mesh) {
   TissueSettings settings{.model = tissue_model(id.model),
                           .materials = {{.young = p.E, .poisson = p.nu, .density = p.rho}},
@@ -194,7 +249,21 @@ TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const 
                           .beta = p.beta};
   if (p.mass != 0) settings.total_mass = p.mass;
   settings.equal_masses = p.equal_masses != 0;
-  settings.springs.damper_time = p.damper;
+  settings.springs = {.damper_time = p.damper,
+                      .surface_bending = p.bending,
+                      .second_ring = p.second_ring,
+                      .doubled_skin = p.doubled_skin};
+  if (p.cubic != 0) settings.springs.law = CubicSpring{p.cubic};
+  if (p.exponential != 0) settings.springs.law = ExponentialSpring{p.exponential};
+  if (p.skin != 0)
+    settings.skin = {
+        .kind = id.model == "mass_spring" ? SkinSettings::Kind::springs : SkinSettings::Kind::membrane,
+        .young = p.skin * p.E,
+        .thickness = p.skin_thickness};
+  if (p.inclusion != 0) {
+    settings.materials.resize(static_cast<std::size_t>(region_count(mesh)), settings.materials.front());
+    for (TissueMaterial& other : settings.materials | std::views::drop(1)) other.young *= p.inclusion;
+  }
   const HeldEnd end(p.axis);
   if (p.support > 0) settings.supports.push_back({.points = end.points(mesh, p.support)});
 
@@ -203,6 +272,11 @@ TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const 
   const double size = (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
   if (id.load == "gravity") {
     settings.gravity = {0, 0, -p.g};
+  } else if (id.load == "breathing") {
+    // The end that hangs on the diaphragm goes to and fro with it.
+    settings.supports.front().travel = p.depth * end.towards;
+    settings.supports.front().profile = {.kind = TimeProfile::Kind::sine,
+                                         .omega = 2 * std::numbers::pi / p.period};
   } else if (id.load == "tool") {
     // A sphere that begins where it touches the free end and moves towards the held one.
     SphereTool tool{.points = surface.points, .radius = 0.05 * size};
@@ -303,6 +377,7 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
         to_text(parameters.equal_masses)));
 
   const TetMesh mesh = load_mesh(id.mesh, settings.unit).mesh;
+  require_sensible(id, parameters, mesh);
   auto body = std::make_shared<const TissueBody>(mesh, settings_of(id, parameters, mesh));
   Problem problem{.id = tissue_id(id.model, id.mesh, id.load),
                   .material = settings.material,
@@ -314,8 +389,11 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .t_end = 1,
                   .system = AnySystem(SharedBody{body}),
                   .body = body};
-  for (const auto& [each, member] : parameter_names)
-    problem.parameters.emplace_back(each, parameters.*member);
+  for (std::size_t i = 0; i < parameter_names.size(); ++i) {
+    const auto& [each, member] = parameter_names[i];
+    if (i < common_parameters || parameters.*member != TissueParameters{}.*member)
+      problem.parameters.emplace_back(each, parameters.*member);
+  }
   if (id.model == "fem_cauchy" && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;
     problem.exact = exact_motion(body);

@@ -1,5 +1,6 @@
 /// hmax run: one integration, where it ends and what it costs.
 #include <array>
+#include <filesystem>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,7 @@
 #include "cli/commands.hpp"
 #include "integrators/control.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/mesh_writers.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 #include "results/table.hpp"
@@ -59,8 +61,13 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
   return spec;
 }
 
+bool is_series(const RunOptions& options) { return options.output.ends_with(".pvd"); }
+
+/// A series for ParaView has a file for each of its instants.
+constexpr double most_frames = 1e4;
+
 /// Throws unless the points that are asked for can be made and written.
-void check_output(const RunOptions& options, const RunSpec& spec) {
+void check_output(const RunOptions& options, const RunSpec& spec, const Problem& problem) {
   if (options.output.empty()) {
     if (options.every)
       throw InputError("--every asks for points but no file is given for them; add --output FILE.csv");
@@ -71,11 +78,16 @@ void check_output(const RunOptions& options, const RunSpec& spec) {
         fmt::format("--every is {} but must be a number of seconds above 0 and up to the end "
                     "time {}",
                     to_text(*options.every), to_text(spec.t_end)));
-  const double interval = options.every.value_or(spec.h);
-  if (interval > 0 && spec.t_end / interval > most_points)
+  if (is_series(options) && !problem.body)
+    throw InputError(fmt::format(
+        "{} would be a series of meshes, and {} is no body on a mesh; write to FILE.csv, or name a body with --mesh",
+        options.output, problem.id));
+  const double interval = options.every.value_or(spec.h),
+               most = is_series(options) ? most_frames : most_points;
+  if (interval > 0 && spec.t_end / interval > most)
     throw InputError(
         fmt::format("the output would have {:.3g} points, more than {:.0g}; take a larger --every",
-                    spec.t_end / interval, most_points));
+                    spec.t_end / interval, most));
   check_writable(options.output);
 }
 
@@ -126,7 +138,32 @@ std::string unit_of(const Problem& problem, std::size_t state) {
   return state == 0 ? "m" : "m/s";
 }
 
-/// Runs again, outside the clock, and writes the points that are passed.
+/// Runs again, outside the clock, and writes a mesh at every instant that is passed, for ParaView.
+std::size_t write_series(const RunOptions& options, const RunSpec& spec, const Problem& problem,
+                         const Runner& runner) {
+  namespace fs = std::filesystem;
+  RunSpec sampled = spec;
+  sampled.every = options.every.value_or(0);
+  const TissueBody& body = *problem.body;
+  const fs::path series(options.output);
+  std::vector<std::pair<double, std::string>> frames;
+  runner.run(sampled, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    if (static_cast<double>(frames.size()) > most_frames)
+      throw InputError(
+          fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_frames));
+    const std::string name = fmt::format("{}_{:05}.vtu", series.stem().string(), frames.size());
+    const Eigen::VectorXd q = y.head(body.dofs());
+    write_file(series.parent_path() / name,
+               vtu_text(body.mesh(), {.points = {{"displacement", body.positions(t, q) - body.mesh().points}},
+                                      .tetrahedra = {}}));
+    frames.emplace_back(t, name);
+  });
+  write_file(series, pvd_text(frames));
+  return frames.size();
+}
+
+/// Runs again, outside the clock, and writes the points that are passed; of bodies how far and with how much
+/// energy.
 std::size_t write_points(const RunOptions& options, const RunSpec& spec, const Problem& problem,
                          const Method& method, const Runner& runner) {
   RunSpec sampled = spec;
@@ -148,12 +185,19 @@ std::size_t write_points(const RunOptions& options, const RunSpec& spec, const P
     const std::string unit = unit_of(problem, i);
     table.columns.push_back(problem.states[i] + (unit.empty() ? "" : " [" + unit + "]"));
   }
+  if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
   table.values.resize(table.columns.size());
   const auto add = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(table.values[0].size()) > most_points)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
     table.values[0].push_back(t);
+    if (problem.body) {
+      const BodyEnd here = end_of(*problem.body, t, y);
+      table.values[1].push_back(here.max_displacement);
+      table.values[2].push_back(here.energy);
+      return;
+    }
     for (Eigen::Index i = 0; i < y.size(); ++i) table.values[static_cast<std::size_t>(i) + 1].push_back(y[i]);
   };
   runner.run(sampled, add);
@@ -304,7 +348,7 @@ void run(const RunOptions& options, Console& console) {
     throw InputError(fmt::format("{} uses no Jacobian; leave --jacobian out", method.id));
   if (!options.linear.empty() && !method.needs_jacobian)
     throw InputError(fmt::format("{} solves no equations; leave --linear out", method.id));
-  check_output(options, spec);
+  check_output(options, spec, problem);
   if (options.picture.wanted() && !problem.body)
     throw InputError(fmt::format(
         "{} is no body on a mesh, so there is nothing to draw; leave --picture out, or name a mesh with --mesh",
@@ -313,7 +357,9 @@ void run(const RunOptions& options, Console& console) {
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
   std::optional<std::size_t> points;
-  if (!options.output.empty()) points = write_points(options, spec, problem, method, runner);
+  if (!options.output.empty())
+    points = is_series(options) ? write_series(options, spec, problem, runner)
+                                : write_points(options, spec, problem, method, runner);
 
   const bool drawn = options.picture.wanted() && result.record.outcome != Outcome::diverged;
   if (drawn) options.picture.write(picture_of(options, problem, method, spec, result.record));
@@ -344,6 +390,8 @@ void add_run(CLI::App& app, Console& console) {
        "hmax run --mesh phantom --model fem_green --method linearly_implicit_euler --h 0.01 --t-end 0.2",
        "hmax run --mesh phantom --load tool --method linearly_implicit_euler --h 0.01 --t-end 0.6 --picture "
        "results/runs/tool.svg",
+       "hmax run --mesh liver --load breathing --method symplectic_euler --h 0.001 --t-end 4 --output "
+       "results/runs/breathing.pvd --every 0.1",
        "hmax run --problem liver_linear --set c=6 --y0 0.1,0 --method ode45 --rtol 1e-3 --atol 1e-6 "
        "--control matlab --output motion.csv --every 0.1"});
   auto options = std::make_shared<RunOptions>();
@@ -367,7 +415,9 @@ void add_run(CLI::App& app, Console& console) {
                    "With --json and a mesh: the whole end state, not its largest displacement alone");
   options->picture.add_to(command, "With a mesh: draw the body where the run ends");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  command.add_option("--output", options->output, "Write the motion to a CSV file, outside the clock")
+  command
+      .add_option("--output", options->output,
+                  "Write the motion to a CSV file, outside the clock; of a body to FILE.pvd for ParaView")
       ->type_name("FILE");
   add_number(command, "--every", options->every, "Interval of the written points [s]; each step without it");
   command

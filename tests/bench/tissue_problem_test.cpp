@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/predict.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 
@@ -90,6 +91,58 @@ TEST(TissueProblem, HoldsTheShareOfTheBodyThatIsAskedFor) {
   EXPECT_EQ(dofs(0, 3), 3 * 125);
   EXPECT_EQ(dofs(0.1, 1), 3 * 100);
   EXPECT_EQ(dofs(0.3, 2), 3 * 75);
+}
+
+/// The rate of the fastest and of the slowest mode at rest.
+std::pair<double, double> rates(const std::string& id,
+                                std::vector<std::pair<std::string, double>> parameters) {
+  parameters.emplace_back("g", 0);
+  const Linearised near =
+      linearised(make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}));
+  return {near.spectrum.mechanical.front().kappa, near.spectrum.mechanical.back().kappa};
+}
+
+TEST(TissueProblem, HasASkinFurtherSpringsAndOtherLawsOnDemand) {
+  for (const char* id : {"fem_green@phantom", "mass_spring@phantom"}) {
+    const auto [slow, fast] = rates(id, {});
+    const auto [slow_skin, fast_skin] = rates(id, {{"skin", 1000}});
+    EXPECT_GT(slow_skin, 1.2 * slow) << id;
+    EXPECT_GT(fast_skin, 1.2 * fast) << id;
+  }
+  const auto [slow, fast] = rates("mass_spring@phantom", {});
+  for (const char* set : {"bending", "second_ring", "doubled_skin"})
+    EXPECT_GT(rates("mass_spring@phantom", {{set, 1}}).first, 1.01 * slow) << set;
+  // A law shows when it is strained, not at rest.
+  for (const char* law : {"cubic", "exponential"}) {
+    EXPECT_NEAR(rates("mass_spring@phantom", {{law, 20}}).second, fast, 1e-9 * fast) << law;
+    const auto sag = [&](double b) {
+      const Problem problem = make_problem(
+          "mass_spring/pull@phantom", {.material = {}, .parameters = {{"force", 0.2}, {law, b}}, .y0 = {}});
+      const StaticSolution solution =
+          solve_static(static_model(problem, 1), {.load_steps = 4}, [] { return 0.0; });
+      EXPECT_TRUE(solution.converged) << law << " " << b << ": " << solution.note;
+      return largest_displacement(solution.q);
+    };
+    EXPECT_LT(sag(20), 0.98 * sag(0)) << law;
+  }
+}
+
+TEST(TissueProblem, RefusesWhatItsModelMeshOrLoadDoesNotHave) {
+  const auto refusal = [](const std::string& id, std::vector<std::pair<std::string, double>> parameters) {
+    try {
+      make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_NE(refusal("fem_green@phantom", {{"cubic", 1}}).find("mass_spring"), std::string::npos);
+  EXPECT_NE(refusal("mass_spring@phantom", {{"cubic", 1}, {"exponential", 1}}).find("choose one"),
+            std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", {{"inclusion", 5}}).find("regions"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", {{"skin", -1}}).find("negative"), std::string::npos);
+  EXPECT_NE(refusal("fem_green/breathing@phantom", {{"support", 0}}).find("support"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", {{"skin_thickness", 0}}).find("positive"), std::string::npos);
 }
 
 TEST(TissueProblem, SaysWhatIsWrongWithItsName) {

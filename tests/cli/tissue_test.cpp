@@ -1,4 +1,5 @@
 /// Bodies on meshes at the command line.
+#include "results/table.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -30,6 +31,29 @@ TEST(TissueRun, SaysHowFarTheBodyMovedAndWithFullWhere) {
   const Json full = json_of(common + " --full");
   EXPECT_EQ(full.at("y").size(), 2 * full.at("dofs").get<std::size_t>());
   EXPECT_EQ(full.at("max_displacement"), brief.at("max_displacement"));
+}
+
+TEST(TissueRun, WritesHowFarABodyMovesAndASeriesForParaView) {
+  const Shell shell;
+  const std::string run =
+      "run --mesh phantom --load breathing --method symplectic_euler --h 0.002 --t-end 1 --every 0.25 ";
+  EXPECT_EQ(shell.hmax(run + "--set depth=0.02 --output motion.csv").exit_code, 0);
+  const Table motion = read_csv(shell / "motion.csv");
+  EXPECT_EQ(motion.columns, (std::vector<std::string>{"t [s]", "largest displacement [m]", "energy [J]"}));
+  ASSERT_EQ(motion.values[0].size(), 5U);
+  EXPECT_EQ(motion.values[1].front(), 0);
+  EXPECT_GT(motion.values[1].back(), 0.01);
+
+  const Told told = shell.hmax(run + "--set depth=0.02 --output series/motion.pvd --json");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.json().at("points"), 5);
+  const std::string series = read_text(shell / "series/motion.pvd");
+  EXPECT_NE(series.find("timestep=\"0.25\""), std::string::npos) << series;
+  EXPECT_NE(series.find("motion_00004.vtu"), std::string::npos);
+  // The held end itself is where the sine puts it: a quarter of the period of 4 s has passed.
+  const Told info = shell.hmax("mesh info series/motion_00004.vtu --unit m --json");
+  EXPECT_EQ(info.json().at("tetrahedra"), 120) << info.err;
+  expect_refused(shell.hmax("run --problem liver_linear --method rk4 --h 0.1 --output a.pvd"), "--mesh");
 }
 
 TEST(TissueRun, RefusesWhatBelongsToOtherProblems) {
