@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <numbers>
@@ -50,6 +51,8 @@ void require_known(std::string_view what, const std::string& word, std::span<con
                                suggestion(word, std::vector<std::string>(known.begin(), known.end()))));
 }
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 /// What a user may set of a body on a mesh.
 struct TissueParameters {
   double E = TissueMaterial{}.young, nu = TissueMaterial{}.poisson, rho = TissueMaterial{}.density;
@@ -67,10 +70,19 @@ struct TissueParameters {
   // What a body has only when it is asked for.
   double inclusion = 0;                    ///< E of every region of the mesh but the first, over E
   double skin = 0, skin_thickness = 1e-4;  ///< E of a skin over E, [m]
+  double k = 0;                            ///< of the springs on the edges; 0: from E [N/m]
   double cubic = 0, exponential = 0;       ///< b of such springs
   double bending = 0, second_ring = 0, doubled_skin = 0;  ///< further springs, relative to the edges
+  /// Box whose points are held, instead of a share of an end [m].
+  double xmin = -infinity, xmax = infinity, ymin = -infinity, ymax = infinity, zmin = -infinity,
+         zmax = infinity;
+
+  [[nodiscard]] bool has_box() const {
+    return std::ranges::any_of(std::array{-xmin, xmax, -ymin, ymax, -zmin, zmax},
+                               [](double side) { return side < infinity; });
+  }
 };
-constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 22> parameter_names{{
+constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 29> parameter_names{{
     {"E", &TissueParameters::E},
     {"nu", &TissueParameters::nu},
     {"rho", &TissueParameters::rho},
@@ -88,11 +100,18 @@ constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 22
     {"inclusion", &TissueParameters::inclusion},
     {"skin", &TissueParameters::skin},
     {"skin_thickness", &TissueParameters::skin_thickness},
+    {"k", &TissueParameters::k},
     {"cubic", &TissueParameters::cubic},
     {"exponential", &TissueParameters::exponential},
     {"bending", &TissueParameters::bending},
     {"second_ring", &TissueParameters::second_ring},
     {"doubled_skin", &TissueParameters::doubled_skin},
+    {"xmin", &TissueParameters::xmin},
+    {"xmax", &TissueParameters::xmax},
+    {"ymin", &TissueParameters::ymin},
+    {"ymax", &TissueParameters::ymax},
+    {"zmin", &TissueParameters::zmin},
+    {"zmax", &TissueParameters::zmax},
 }};
 /// Of those the ones that every body has, first.
 constexpr std::size_t common_parameters = 13;
@@ -216,7 +235,8 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
   const auto refuse_negative = [](std::string_view name, double value) {
     if (value < 0) throw InputError(fmt::format("{} is {} but must not be negative", name, to_text(value)));
   };
-  const std::array<std::pair<std::string_view, double>, 5> of_springs{{{"cubic", p.cubic},
+  const std::array<std::pair<std::string_view, double>, 6> of_springs{{{"k", p.k},
+                                                                       {"cubic", p.cubic},
                                                                        {"exponential", p.exponential},
                                                                        {"bending", p.bending},
                                                                        {"second_ring", p.second_ring},
@@ -237,7 +257,10 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
   if (p.inclusion != 0 && region_count(mesh) < 2)
     throw InputError(fmt::format(
         "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh));
-  if (id.load == "breathing" && p.support == 0)
+  if (p.has_box() && points_in_box(mesh, {p.xmin, p.ymin, p.zmin}, {p.xmax, p.ymax, p.zmax}).empty())
+    throw InputError(
+        "no point of the mesh lies in the box from xmin, ymin, zmin to xmax, ymax, zmax; give a larger one, in metres");
+  if (id.load == "breathing" && p.support == 0 && !p.has_box())
     throw InputError(
         "breathing moves the held end, and with support = 0 nothing is held; give support a share");
 }
@@ -249,7 +272,8 @@ TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const 
                           .beta = p.beta};
   if (p.mass != 0) settings.total_mass = p.mass;
   settings.equal_masses = p.equal_masses != 0;
-  settings.springs = {.damper_time = p.damper,
+  settings.springs = {.stiffness = p.k,
+                      .damper_time = p.damper,
                       .surface_bending = p.bending,
                       .second_ring = p.second_ring,
                       .doubled_skin = p.doubled_skin};
@@ -265,7 +289,11 @@ TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const 
     for (TissueMaterial& other : settings.materials | std::views::drop(1)) other.young *= p.inclusion;
   }
   const HeldEnd end(p.axis);
-  if (p.support > 0) settings.supports.push_back({.points = end.points(mesh, p.support)});
+  if (p.has_box())
+    settings.supports.push_back(
+        {.points = points_in_box(mesh, {p.xmin, p.ymin, p.zmin}, {p.xmax, p.ymax, p.zmax})});
+  else if (p.support > 0)
+    settings.supports.push_back({.points = end.points(mesh, p.support)});
 
   const MeshSurface surface = surface_of(mesh);
   const Eigen::Vector3d tip = mesh.points.col(end.opposite(mesh));

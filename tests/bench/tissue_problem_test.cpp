@@ -112,6 +112,9 @@ TEST(TissueProblem, HasASkinFurtherSpringsAndOtherLawsOnDemand) {
   const auto [slow, fast] = rates("mass_spring@phantom", {});
   for (const char* set : {"bending", "second_ring", "doubled_skin"})
     EXPECT_GT(rates("mass_spring@phantom", {{set, 1}}).first, 1.01 * slow) << set;
+  const double twice =
+      rates("mass_spring@phantom", {{"k", 20}}).second / rates("mass_spring@phantom", {{"k", 10}}).second;
+  EXPECT_NEAR(twice, 2, 1e-9);
   // A law shows when it is strained, not at rest.
   for (const auto& [law, strong] : {std::pair<const char*, double>{"cubic", 20}, {"exponential", 5}}) {
     EXPECT_NEAR(rates("mass_spring@phantom", {{law, strong}}).second, fast, 1e-9 * fast) << law;
@@ -125,6 +128,22 @@ TEST(TissueProblem, HasASkinFurtherSpringsAndOtherLawsOnDemand) {
     };
     EXPECT_LT(stretch(strong), 0.95 * stretch(0)) << law;
   }
+}
+
+TEST(TissueProblem, HoldsThePointsOfABox) {
+  const auto dofs = [](std::vector<std::pair<std::string, double>> box) {
+    return make_problem("fem_green@cube:n=4", {.material = {}, .parameters = std::move(box), .y0 = {}})
+        .body->dofs();
+  };
+  const TetMesh mesh =
+      make_problem("fem_green@cube:n=4", {.material = {}, .parameters = {}, .y0 = {}}).body->mesh();
+  const double side = mesh.points.row(0).maxCoeff();
+  EXPECT_EQ(dofs({{"support", 0}}), 3 * 125);
+  // A face, an edge, a corner of 5 x 5 x 5 points.
+  EXPECT_EQ(dofs({{"xmax", 0.1 * side}}), 3 * (125 - 25));
+  EXPECT_EQ(dofs({{"xmax", 0.1 * side}, {"ymin", 0.9 * side}}), 3 * (125 - 5));
+  EXPECT_EQ(dofs({{"xmax", 0.1 * side}, {"ymin", 0.9 * side}, {"zmax", 0.1 * side}}), 3 * (125 - 1));
+  EXPECT_THROW(dofs({{"xmin", 2 * side}}), InputError);
 }
 
 TEST(TissueProblem, RefusesWhatItsModelMeshOrLoadDoesNotHave) {
