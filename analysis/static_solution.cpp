@@ -194,7 +194,8 @@ void require(bool holds, std::string_view what, double value, std::string_view r
 void check(const StaticSettings& s) {
   require(s.tolerance > 0 && s.tolerance < 1, "the tolerance", s.tolerance, "above 0 and below 1");
   require(s.iterations > 0, "the number of iterations", s.iterations, "at least 1");
-  require(s.load_steps > 0, "the number of load steps", s.load_steps, "at least 1");
+  require(s.load_steps > 0 && s.load_steps <= 1'000'000, "the number of load steps", s.load_steps,
+          "at least 1 and at most a million");
   if (s.inner_tolerance)
     require(*s.inner_tolerance > 0 && *s.inner_tolerance < 1, "the inner tolerance", *s.inner_tolerance,
             "above 0 and below 1");

@@ -20,7 +20,7 @@ struct ModeStart {
 
 /// Sparse structures beyond this many degrees of freedom start from a shape that is found alone, and are
 /// measured by energy and by the amplitude of that shape: no matrix is dense.
-inline constexpr Eigen::Index most_dense_start = 100;
+inline constexpr Eigen::Index most_dense_start = 20;
 
 /// Near the eigenvalue `wanted`, with a hundredth of everything else. The distance is that in the modes of
 /// the model, where it has a full set of them, or in a norm like energy.

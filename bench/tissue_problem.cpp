@@ -251,9 +251,8 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
     throw InputError("cubic and exponential are two laws of the same springs; choose one of them");
   refuse_negative("inclusion", p.inclusion);
   refuse_negative("skin", p.skin);
-  if (!(p.skin_thickness > 0 && p.period > 0))
-    throw InputError(fmt::format("skin_thickness is {} and period is {}, but both must be positive",
-                                 to_text(p.skin_thickness), to_text(p.period)));
+  for (const auto& [name, value] : {std::pair("skin_thickness", p.skin_thickness), {"period", p.period}})
+    if (!(value > 0)) throw InputError(fmt::format("{} is {} but must be positive", name, to_text(value)));
   if (p.inclusion != 0 && region_count(mesh) < 2)
     throw InputError(fmt::format(
         "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh));

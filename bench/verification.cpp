@@ -249,6 +249,10 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
                            near.model.y.size());
     return;
   }
+  if (problem.body && !near.at_equilibrium) {
+    row.note = "not verified: no balance was found, so that the body moves away from this state";
+    return;
+  }
   if (is_too_slow(method, near)) {
     row.note = fmt::format("not verified: {} factors a dense matrix of {} rows in every step", method.engine,
                            near.model.y.size());

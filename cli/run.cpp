@@ -82,6 +82,11 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
     throw InputError(fmt::format(
         "{} would be a series of meshes, and {} is no body on a mesh; write to FILE.csv, or name a body with --mesh",
         options.output, problem.id));
+  for (const char* other : {".vtu", ".svg", ".json", ".msh"})
+    if (options.output.ends_with(other))
+      throw InputError(fmt::format(
+          "{} would not be what its name says; --output writes FILE.csv, and of bodies FILE.pvd for ParaView",
+          options.output));
   const double interval = options.every.value_or(spec.h),
                most = is_series(options) ? most_frames : most_points;
   if (interval > 0 && spec.t_end / interval > most)

@@ -395,6 +395,10 @@ TEST(StabilityPredict, VerifiesFormulasOfManyStatesAndSaysWhereItDoesNot) {
     if (!row.at("gap").is_null()) {
       EXPECT_LE(std::abs(row.at("gap").get<double>()), 5e-3) << row;
     }
+  // Less than a hundred degrees of freedom, and no damping.
+  const Json small =
+      shell.hmax("stability predict --mesh cube:n=2 --methods rk4,adams_bashforth_3 --verify --json").json();
+  for (const Json& row : small.at("rows")) EXPECT_LE(std::abs(row.at("gap").get<double>()), 5e-3) << row;
   const Told tool = shell.hmax("stability predict --mesh phantom --load tool --methods rk4 --verify --json");
   EXPECT_EQ(tool.exit_code, 0) << tool.err;
   EXPECT_NE(tool.json().at("rows").at(0).at("status").get<std::string>().find("not verified"),

@@ -54,6 +54,7 @@ TEST(TissueRun, WritesHowFarABodyMovesAndASeriesForParaView) {
   const Told info = shell.hmax("mesh info series/motion_00004.vtu --unit m --json");
   EXPECT_EQ(info.json().at("tetrahedra"), 120) << info.err;
   expect_refused(shell.hmax("run --problem liver_linear --method rk4 --h 0.1 --output a.pvd"), "--mesh");
+  expect_refused(shell.hmax(run + "--output a.vtu"), "FILE.pvd");
 }
 
 TEST(TissueRun, RefusesWhatBelongsToOtherProblems) {
