@@ -152,8 +152,9 @@ VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
   return found.shapes.col(0);
 }
 
-ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape) {
-  return energy_start(part, rest, shape, VectorXd::Zero(shape.size()));
+ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
+                           double h) {
+  return energy_start(part, rest, shape, 2 / h * shape);
 }
 
 ModeStart start_from_mode(const Linearised& near, const VectorXd& rest, Complex wanted, double fastest) {

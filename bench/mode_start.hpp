@@ -28,10 +28,11 @@ inline constexpr Eigen::Index most_dense_start = 20;
 ModeStart start_from_mode(const Linearised& near, const Eigen::VectorXd& rest, Complex wanted,
                           double fastest);
 
-/// From a displacement of shape (dofs) at rest, with a hundredth of its energy in everything else; the
-/// distance is in energy.
+/// From a displacement x of shape (dofs) that changes its sign in every step h, with the velocity 2 x / h
+/// that this takes and a hundredth of its energy in everything else; the distance is in energy. Without
+/// velocity strong damping would leave nearly all of it to creep.
 ModeStart start_from_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
-                           const Eigen::VectorXd& shape);
+                           const Eigen::VectorXd& shape, double h);
 
 /// The shape of a mode of a structure whose motion decouples, u^T M u = 1, shape (dofs).
 Eigen::VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode);

@@ -268,9 +268,10 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     if (margin.mode.omega > 0) slowest = std::min(slowest, margin.mode.omega);
     fastest = std::max(fastest, margin.mode.omega);
   }
-  const ModeStart start = row.coupled && row.bound == Bound::stability
-                              ? start_from_shape(*near.model.mechanical, rest, row.coupled->displacement)
-                              : start_from_mode(near, rest, wanted, fastest);
+  const ModeStart start =
+      row.coupled && row.bound == Bound::stability
+          ? start_from_shape(*near.model.mechanical, rest, row.coupled->displacement, *row.h_max)
+          : start_from_mode(near, rest, wanted, fastest);
   // Where a mode is watched alone little is seen that is not its own.
   const double most_change = start.mode_alone ? 1e-7 : 1e-4;
   const double size =
