@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include <fmt/format.h>
 
 #include "analysis/amplification.hpp"
 #include "analysis/coupled_motion.hpp"
 #include "analysis/equilibrium.hpp"
-#include "analysis/growth.hpp"
-#include "bench/measured_amplification.hpp"
 #include "bench/mode_curve.hpp"
-#include "bench/mode_start.hpp"
-#include "bench/planar.hpp"
 #include "bench/tissue_problem.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "problems/tissue/body.hpp"
