@@ -103,15 +103,21 @@ double decay_beside(const Method& method, const Prediction& row, const Linearise
   return std::log(slowest);
 }
 
-/// The logarithm of what a run from a mode shows of its growth at h. The run begins in the root near
-/// exp(lambda h); another one, which only methods of several steps have, begins as small as rounding and has
-/// to grow by so much more.
+/// The root by which the motion of a mode goes on, nearest to exp(lambda h); others only methods of several
+/// steps have.
+std::vector<Complex>::const_iterator principal_root(const std::vector<Complex>& roots, Complex lambda,
+                                                    double h) {
+  return std::ranges::min_element(roots, {},
+                                  [&](Complex root) { return std::abs(root - std::exp(lambda * h)); });
+}
+
+/// The logarithm of what a run from a mode shows of its growth at h. The run begins in the principal root;
+/// another one begins as small as rounding and has to grow by so much more.
 double visible_growth(const Method& method, const Growth& growth, Complex lambda, double h) {
   const double whole = std::log(growth.spectral_radius(h));
   if (!growth.polynomial || method.amplification->of_oscillation) return whole;
   const std::vector<Complex> roots = growth.polynomial->roots(h);
-  const auto near = std::ranges::min_element(
-      roots, {}, [&](Complex root) { return std::abs(root - std::exp(lambda * h)); });
+  const auto near = principal_root(roots, lambda, h);
   // Where that root decays, what is left is soon the other one.
   if (std::abs(*near) < 1 - 1e-4 || std::log(std::abs(*near)) > whole / 2) return whole;
   constexpr double from_rounding = 150;  // 2 ln 1e16, beside what is visible
@@ -140,9 +146,8 @@ Watch watch_all(const Method& method, const Prediction& row, const Linearised& n
 }
 
 /// The same watched by the amplitude of the mode alone, of which methods of first order make powers of one
-/// root after a while: the least growth shows. Where that is another root than the one near exp(lambda h), of
-/// which methods of several steps have some, the latter is taken out: what is left has begun as small as the
-/// error of the first steps. Nothing where roots do not tell.
+/// root after a while: the least growth shows. Where that is not the principal one, the latter is taken out:
+/// what is left has begun as small as the error of the first steps. Nothing where roots do not tell.
 std::optional<Watch> watch_mode(const Method& method, const Prediction& row, const Linearised& near,
                                 const ModeStart& start, const ShowSteps& run, std::size_t i) {
   if (!start.amplitude || method.amplification->of_oscillation) return std::nullopt;
@@ -152,12 +157,10 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   watch.expected.visible = 1e-5;
   watch.expected.fall = 20;
   if (!growth.polynomial) return watch;
-  const auto nearest = [lambda = row.limiting->lambda](const std::vector<Complex>& roots, double h) {
-    return std::ranges::min_element(roots, {}, [&](Complex r) { return std::abs(r - std::exp(lambda * h)); });
-  };
   const double h = 1.001 * *row.h_max;
-  std::vector<Complex> roots = growth.polynomial->roots(h);
-  const auto principal = nearest(roots, h);
+  const Complex lambda = row.limiting->lambda;
+  const std::vector<Complex> roots = growth.polynomial->roots(h);
+  const auto principal = principal_root(roots, lambda, h);
   const auto growing = std::ranges::max_element(roots, {}, [](Complex r) { return std::abs(r); });
   double beside = 0;
   for (auto root = roots.begin(); root != roots.end(); ++root)
@@ -172,7 +175,7 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   watch.expected.resolution = 1e-4;
   watch.run = without_root(run, near.model.y, [=, polynomial = *growth.polynomial](double step) {
     const std::vector<Complex> all = polynomial.roots(step);
-    return *nearest(all, step);
+    return *principal_root(all, lambda, step);
   });
   return watch;
 }
