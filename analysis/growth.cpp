@@ -10,7 +10,7 @@ namespace hmax {
 namespace {
 
 /// From one quarter to the other growth in proportion to time makes at most a factor of four.
-const double in_proportion = std::log(4.0) + 0.02;
+const double in_proportion = std::log(4.0) + ExpectedGrowth{}.visible;
 
 }  // namespace
 
