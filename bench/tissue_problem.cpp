@@ -256,12 +256,19 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
   if (p.inclusion != 0 && region_count(mesh) < 2)
     throw InputError(fmt::format(
         "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh));
-  if (p.has_box() && points_in_box(mesh, {p.xmin, p.ymin, p.zmin}, {p.xmax, p.ymax, p.zmax}).empty())
-    throw InputError(
-        "no point of the mesh lies in the box from xmin, ymin, zmin to xmax, ymax, zmax; give a larger one, in metres");
   if (id.load == "breathing" && p.support == 0 && !p.has_box())
     throw InputError(
         "breathing moves the held end, and with support = 0 nothing is held; give support a share");
+}
+
+/// @throws InputError  when there are none
+std::vector<TetMesh::Index> points_of_box(const TissueParameters& p, const TetMesh& mesh) {
+  std::vector<TetMesh::Index> points =
+      points_in_box(mesh, {p.xmin, p.ymin, p.zmin}, {p.xmax, p.ymax, p.zmax});
+  if (points.empty())
+    throw InputError(
+        "no point of the mesh lies in the box from xmin, ymin, zmin to xmax, ymax, zmax; give a larger one, in metres");
+  return points;
 }
 
 TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const TetMesh& mesh) {
@@ -289,8 +296,7 @@ TissueSettings settings_of(const TissueId& id, const TissueParameters& p, const 
   }
   const HeldEnd end(p.axis);
   if (p.has_box())
-    settings.supports.push_back(
-        {.points = points_in_box(mesh, {p.xmin, p.ymin, p.zmin}, {p.xmax, p.ymax, p.zmax})});
+    settings.supports.push_back({.points = points_of_box(p, mesh)});
   else if (p.support > 0)
     settings.supports.push_back({.points = end.points(mesh, p.support)});
 
