@@ -116,6 +116,16 @@ constexpr std::array<std::pair<std::string_view, double TissueParameters::*>, 29
 /// Of those the ones that every body has, first.
 constexpr std::size_t common_parameters = 13;
 
+/// Squares of rates and of forces must stay numbers, whatever masses and stiffnesses come together.
+void require_computable(std::string_view name, double value) {
+  constexpr double least = 1e-30, most = 1e30;
+  const double size = std::abs(value);
+  if (size == 0 || (size >= least && size <= most)) return;
+  throw InputError(fmt::format(
+      "{} is {}, and computing with it would leave the range of numbers; give it in SI units, between {} and {}",
+      name, to_text(value), to_text(least), to_text(most)));
+}
+
 TetMesh::Index region_count(const TetMesh& mesh) {
   return mesh.regions.empty() ? 1 : std::ranges::max(mesh.regions) + 1;
 }
@@ -395,6 +405,7 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
     }
     if (!std::isfinite(value))
       throw InputError(fmt::format("{} is {}, which is not a finite number", parameter, to_text(value)));
+    require_computable(parameter, value);
     parameters.*(it->second) = value;
   }
   if (!(parameters.support >= 0 && parameters.support < 1))

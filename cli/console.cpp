@@ -57,6 +57,36 @@ std::size_t width_of(std::string_view text) {
   return width;
 }
 
+/// What people read where a number has none of the digits they expect.
+constexpr std::string_view no_number = "undefined", too_large = "infinite", too_low = "-infinite";
+
+bool is_number_in_words(std::string_view cell) {
+  return cell.empty() || cell == "-" || cell == no_number || cell == too_large || cell == too_low ||
+         to_number(cell).has_value();
+}
+
+using Json = nlohmann::ordered_json;
+
+/// Whether a value is, or a list of any depth holds, a number that JSON has no digits for.
+bool lacks_digits(const Json& value) {
+  if (value.is_number_float()) return !std::isfinite(value.get<double>());
+  return value.is_array() && std::ranges::any_of(value, lacks_digits);
+}
+
+/// Gives every object in which numbers become null a `status` that names them, unless it has one.
+void explain_nulls(Json& value) {
+  if (value.is_structured())
+    for (Json& part : value) explain_nulls(part);
+  if (!value.is_object()) return;
+  std::string names;
+  for (const auto& [name, part] : value.items())
+    if (lacks_digits(part)) names += (names.empty() ? "" : ", ") + name;
+  if (names.empty()) return;
+  Json& status = value["status"];
+  if (!status.is_string() || status.get_ref<const std::string&>().empty())
+    status = fmt::format("beyond the range of numbers: {}", names);
+}
+
 std::string remaining_time(double seconds) {
   if (seconds < 90) return fmt::format("{:.0f} s", std::ceil(seconds));
   if (seconds < 5400) return fmt::format("{:.0f} min", std::ceil(seconds / 60));
@@ -81,7 +111,11 @@ void Console::print(std::string_view text) {
                                std::strerror(errno)));
 }
 
-void Console::print_json(const nlohmann::ordered_json& document) { print(document.dump(2) + "\n"); }
+void Console::print_json(const nlohmann::ordered_json& document) {
+  Json explained = document;
+  explain_nulls(explained);
+  print(explained.dump(2) + "\n");
+}
 
 void Console::flush() {
   if (reader_left_) return;
@@ -210,9 +244,7 @@ std::string TextTable::text(const Console& console) const {
   std::vector<bool> right(widths.size(), true);
   right[0] = false;
   for (std::size_t r = 1; r < rows_.size(); ++r)
-    for (std::size_t c = 0; c < rows_[r].size(); ++c)
-      right[c] =
-          right[c] && (rows_[r][c].empty() || rows_[r][c] == "-" || to_number(rows_[r][c]).has_value());
+    for (std::size_t c = 0; c < rows_[r].size(); ++c) right[c] = right[c] && is_number_in_words(rows_[r][c]);
   std::string text;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     std::string line;
@@ -226,6 +258,10 @@ std::string TextTable::text(const Console& console) const {
   return text;
 }
 
-std::string short_number(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
+std::string short_number(double value, int digits) {
+  if (std::isnan(value)) return std::string(no_number);
+  if (std::isinf(value)) return std::string(value > 0 ? too_large : too_low);
+  return fmt::format("{:.{}g}", value, digits);
+}
 
 }  // namespace hmax

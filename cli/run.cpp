@@ -1,5 +1,5 @@
 /// hmax run: one integration, where it ends and what it costs.
-#include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -133,6 +133,11 @@ BodyEnd end_of(const TissueBody& body, double t, const Eigen::VectorXd& y) {
   const Eigen::Index n = body.dofs();
   const Eigen::VectorXd q = y.head(n), v = y.tail(n);
   return {.max_displacement = largest_displacement(q), .energy = body.energy(t, q) + body.kinetic_energy(v)};
+}
+
+std::string with_unit(double value, std::string_view unit) {
+  return std::isfinite(value) ? fmt::format("{} {}", short_number(value), unit)
+                              : "beyond the range of numbers";
 }
 
 bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
@@ -308,10 +313,10 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
                         record.y[static_cast<Eigen::Index>(i)], unit_of(problem, i));
   if (problem.body) {
     const BodyEnd end = end_of(*problem.body, record.t, record.y);
-    text += fmt::format(
-        "  largest displacement  {} mm\n  energy                {} J\n  real-time factor      {}\n",
-        short_number(1000 * end.max_displacement, 6), short_number(end.energy, 6),
-        short_number(record.t / cpu_seconds, 3));
+    text +=
+        fmt::format("  largest displacement  {}\n  energy                {}\n  real-time factor      {}\n",
+                    with_unit(1000 * end.max_displacement, "mm"), with_unit(end.energy, "J"),
+                    short_number(record.t / cpu_seconds, 3));
   }
   const Stats& stats = record.stats;
   text += fmt::format("\nsteps {}   rejected {}   rhs {}", stats.steps, stats.rejected, stats.rhs);
@@ -368,7 +373,11 @@ void run(const RunOptions& options, Console& console) {
 
   const bool drawn = options.picture.wanted() && result.record.outcome != Outcome::diverged;
   if (drawn) options.picture.write(picture_of(options, problem, method, spec, result.record));
-  if (options.picture.wanted() && !drawn) console.remark("what has diverged has no shape to draw");
+  if (options.picture.wanted() && !drawn)
+    console.remark(fmt::format(
+        "the picture {} is not drawn, since what has diverged has no shape; {}", options.picture.file,
+        spec.adaptive ? "end the run before that with --t-end"
+                      : "take a smaller --h, `hmax stability predict` says how small"));
 
   if (console.json) {
     Json document = to_json(problem, method, spec, result, options.full);

@@ -1,0 +1,62 @@
+/// What the program says of bodies on meshes when numbers, meshes or options are not what it can use.
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+void expect_refusal(const std::string& arguments, const std::string& named) {
+  SCOPED_TRACE(arguments);
+  expect_refused(Shell{}.hmax(arguments), named);
+}
+
+/// Whether a word that is no number stands in a text.
+bool holds_no_number(const std::string& text) {
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  for (const std::string word : {"nan", "inf"})
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
+      if ((at == 0 || !is_letter(text[at - 1])) &&
+          (at + word.size() == text.size() || !is_letter(text[at + word.size()])))
+        return true;
+  return false;
+}
+
+TEST(TissueWords, NameTheParameterThatLeavesTheRangeOfNumbers) {
+  for (const char* command : {"run --method rk4 --h 0.001 --t-end 0.01", "static",
+                              "stability predict --methods rk4", "stability modes", "order --method rk4"})
+    for (const char* odd : {"mass=1e300", "mass=1e-300", "E=1e300", "alpha=1e300", "rho=1e300", "g=-1e300"})
+      expect_refusal(std::string(command) + " --mesh phantom --set " + odd, "range of numbers");
+}
+
+TEST(TissueWords, HaveNoNumberWhereAMotionHasDiverged) {
+  const std::string run = "run --mesh phantom --model fem_cauchy --method rk4 --h 0.05 --t-end 50 ";
+  const Told told = Shell{}.hmax(run);
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_FALSE(holds_no_number(told.out)) << told.out;
+  EXPECT_NE(told.out.find("energy                beyond the range of numbers"), std::string::npos)
+      << told.out;
+  const Json found = Shell{}.hmax(run + "--json").json();
+  EXPECT_TRUE(found.at("energy").is_null());
+  EXPECT_NE(found.at("status").get<std::string>().find("diverged"), std::string::npos);
+}
+
+TEST(TissueWords, SayWhyANullIsOneAlsoWhereTheEndIsReached) {
+  const Json found =
+      Shell{}.hmax("run --mesh phantom --model fem_cauchy --method rk4 --h 0.05 --t-end 1.9 --json").json();
+  ASSERT_EQ(found.at("outcome"), "reached_end");
+  EXPECT_TRUE(found.at("energy").is_null());
+  EXPECT_EQ(found.at("status"), "beyond the range of numbers: energy");
+}
+
+TEST(TissueWords, TellHowToGetAPictureOfWhatHasDiverged) {
+  const Shell shell;
+  const Told told =
+      shell.hmax("run --mesh phantom --method explicit_euler --h 0.1 --t-end 5 --picture a.svg");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.err.find("smaller --h"), std::string::npos) << told.err;
+  EXPECT_FALSE(std::filesystem::exists(shell / "a.svg"));
+}
+
+}  // namespace
+}  // namespace hmax
