@@ -38,6 +38,17 @@ void count_elements(MeshFile& file) {
   file.places.assign(file.numbers.size(), 0);
 }
 
+/// Of a mesh by name what stands behind its colon without being NAME=NUMBER.
+void refuse_parameter(const std::string& mesh, const std::string& text) {
+  const auto known = std::ranges::find(named_meshes(), mesh, &NamedMesh::name);
+  std::string like;
+  for (const auto& [name, value] : known->parameters)
+    like += fmt::format("{}{}={}", like.empty() ? "" : ",", name, to_text(value));
+  throw InputError(
+      fmt::format("behind the mesh {} '{}' is no parameter; write them in small letters like {}:{}", mesh,
+                  text, mesh, like.empty() ? "refine=1" : like));
+}
+
 MeshFile from_file(const MeshRequest& request) {
   for (const auto& [name, value] : request.parameters)
     if (name != "refine")
@@ -45,6 +56,8 @@ MeshFile from_file(const MeshRequest& request) {
   std::error_code ignored;
   if (!std::filesystem::exists(request.name, ignored) &&
       request.name.find_first_of("./") == std::string::npos) {
+    if (const auto colon = request.name.find(':'); has_name(request.name.substr(0, colon)))
+      refuse_parameter(request.name.substr(0, colon), request.name.substr(colon + 1));
     std::vector<std::string> names;
     for (const NamedMesh& mesh : named_meshes()) names.push_back(mesh.name);
     throw InputError(

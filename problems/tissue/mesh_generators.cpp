@@ -18,9 +18,12 @@ namespace {
 using Index = TetMesh::Index;
 
 void require_size(const char* what, double value) {
-  if (!(value > 0 && std::isfinite(value)))
+  // Volumes, masses and the squares of rates that follow from them must stay numbers.
+  constexpr double least = 1e-12, most = 1e12;
+  if (!(value >= least && value <= most))
     throw std::invalid_argument(std::string("the ") + what + " of a mesh is " + shortest_digits(value) +
-                                " m; give a positive length");
+                                " m; give a positive length from " + shortest_digits(least) + " to " +
+                                shortest_digits(most) + " m");
 }
 
 void require_resolution(double tetrahedra, int cells) {

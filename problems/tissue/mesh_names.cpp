@@ -21,13 +21,9 @@ const double* find(const Parameters& parameters, std::string_view name) {
   return found == parameters.end() ? nullptr : &found->second;
 }
 
-int whole(std::string_view name, double value, int least) {
-  constexpr double most = 1e6;
-  if (value != std::floor(value) || value < least || value > most)
-    throw std::invalid_argument("the parameter " + std::string(name) + " of a mesh is " +
-                                shortest_digits(value) + "; give a whole number from " +
-                                std::to_string(least) + " on");
-  return static_cast<int>(value);
+void refuse(std::string_view parameter, const std::string& mesh, double value, const std::string& allowed) {
+  throw std::invalid_argument("the parameter " + std::string(parameter) + " of the mesh " + mesh + " is " +
+                              shortest_digits(value) + "; give a whole number from " + allowed);
 }
 
 bool is_key(std::string_view text) {
@@ -47,9 +43,20 @@ std::pair<std::string, double> parameter_of(std::string_view text) {
   return {std::string(text.substr(0, equals)), value};
 }
 
+/// The largest n up to which `share` n^3 tetrahedra are allowed.
+int most_cells(int share) {
+  int n = static_cast<int>(std::cbrt(static_cast<double>(most_tetrahedra) / share));
+  while (share * std::pow(n + 1, 3) <= static_cast<double>(most_tetrahedra)) ++n;
+  return n;
+}
+
 TetMesh generated(const std::string& name, const Parameters& values) {
   const auto value = [&](std::string_view parameter) { return *find(values, parameter); };
-  const int n = whole("n", value("n"), 1);
+  const double n_value = value("n");
+  const int most = most_cells(name == "beam" ? 24 : name == "cube" ? 6 : 20);
+  if (n_value != std::floor(n_value) || n_value < 1 || n_value > most)
+    refuse("n", name, n_value, "1 to " + std::to_string(most));
+  const int n = static_cast<int>(n_value);
   if (name == "beam") return beam_mesh(value("length"), value("width"), value("height"), n);
   if (name == "cube") return cube_mesh(value("edge"), n);
   return ball_mesh(value("radius"), n);
@@ -106,7 +113,10 @@ MeshRequest parse_mesh_request(std::string_view text) {
 
 int refinements_of(const MeshRequest& request) {
   const double* times = find(request.parameters, "refine");
-  return times ? whole("refine", *times, 0) : 0;
+  if (!times) return 0;
+  if (*times != std::floor(*times) || *times < 0) refuse("refine", request.name, *times, "0 on");
+  // More than any mesh can be refined, which is told where its tetrahedra are counted.
+  return static_cast<int>(std::min(*times, 1000.0));
 }
 
 TetMesh mesh_by_name(const MeshRequest& request) {

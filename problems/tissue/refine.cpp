@@ -107,10 +107,16 @@ TetMesh refined(const TetMesh& mesh, int times) {
   if (times < 0)
     throw std::invalid_argument("a mesh cannot be refined " + std::to_string(times) +
                                 " times; give 0 or more");
-  if (static_cast<double>(mesh.tetrahedron_count()) * std::pow(8.0, times) > double(most_tetrahedra))
+  if (static_cast<double>(mesh.tetrahedron_count()) * std::pow(8.0, times) > double(most_tetrahedra)) {
+    int most = 0;
+    while (static_cast<double>(mesh.tetrahedron_count()) * std::pow(8.0, most + 1) <=
+           static_cast<double>(most_tetrahedra))
+      ++most;
     throw std::invalid_argument(std::to_string(mesh.tetrahedron_count()) + " tetrahedra refined " +
                                 std::to_string(times) + " times make more than " +
-                                std::to_string(most_tetrahedra) + "; refine less often");
+                                std::to_string(most_tetrahedra) + "; refine less often, at most " +
+                                std::to_string(most) + (most == 1 ? " time" : " times"));
+  }
   TetMesh fine = mesh;
   for (int i = 0; i < times; ++i) fine = refined_once(fine);
   return fine;

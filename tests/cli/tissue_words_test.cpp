@@ -29,6 +29,23 @@ TEST(TissueWords, NameTheParameterThatLeavesTheRangeOfNumbers) {
       expect_refusal(std::string(command) + " --mesh phantom --set " + odd, "range of numbers");
 }
 
+TEST(TissueWords, SayWhichMeshesThereAre) {
+  const auto of_mesh = [](const std::string& mesh, const std::string& named) {
+    expect_refusal("run --method rk4 --h 0.001 --mesh " + mesh, named);
+  };
+  of_mesh("cube:n=1e9", "the parameter n of the mesh cube is 1e+09; give a whole number from 1 to 255");
+  of_mesh("ball:n=1e6", "from 1 to 170");
+  of_mesh("beam:n=0", "from 1 to 160");
+  of_mesh("liver:refine=30", "at most 5 times");
+  of_mesh("liver:refine=1e9", "at most 5 times");
+  of_mesh("liver:refine=0.5", "whole number from 0 on");
+  of_mesh("cube:edge=1e300", "from 1e-12 to 1e+12");
+  of_mesh("cube:edge=1e-300", "from 1e-12 to 1e+12");
+  of_mesh("ball:N=3", "'N=3' is no parameter; write them in small letters like ball:n=4,radius=0.05");
+  of_mesh("ball:refine", "'refine' is no parameter");
+  of_mesh("liver:fine", "like liver:refine=1");
+}
+
 TEST(TissueWords, HaveNoNumberWhereAMotionHasDiverged) {
   const std::string run = "run --mesh phantom --model fem_cauchy --method rk4 --h 0.05 --t-end 50 ";
   const Told told = Shell{}.hmax(run);
