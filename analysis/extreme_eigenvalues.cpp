@@ -150,7 +150,7 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   return result;
 }
 
-/// Beyond this a factor of a mesh takes minutes and gigabytes.
+/// Beyond this a factor of a mesh, made once, takes minutes and gigabytes.
 constexpr Index most_factored = 200'000;
 
 ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest) {

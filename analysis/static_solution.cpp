@@ -63,6 +63,11 @@ class Inner {
     return K.diagonal().cwiseAbs().minCoeff() > 0;
   }
 
+  /// Whether K is known to have negative eigenvalues; what iterates cannot tell.
+  [[nodiscard]] bool is_indefinite() const {
+    return settings_.inner != InnerSolver::sor && solver_.negative_eigenvalues().value_or(0) > 0;
+  }
+
   /// @returns false when the solver gave up
   bool solve(const VectorXd& r, VectorXd& d) {
     if (settings_.inner == InnerSolver::sor) {
@@ -102,6 +107,7 @@ class Iteration {
   [[nodiscard]] double residual() const { return size_; }
   [[nodiscard]] int solved() const { return solved_; }
   [[nodiscard]] const std::string& note() const { return note_; }
+  [[nodiscard]] bool barred() const { return barred_; }
   [[nodiscard]] StaticIterate iterate(int step) const {
     return {step, size_, clock_() - start_, inner_.iterations()};
   }
@@ -113,17 +119,53 @@ class Iteration {
     size_ = residual_at(q_);
   }
 
-  /// One linear system and the step it gives.
+  /// One step along the solution of a linear system.
   /// @returns false when no step could be made; note() then says why
   bool advance() {
+    const bool searches = settings_.line_search && settings_.method != StaticMethod::linear;
+    const bool has_energy = searches && model_.energy;
+    residual_at(q_);
+    if (!(has_energy ? set_descent() : set_direction())) return false;
+    ++solved_;
+    const double energy = has_energy ? energy_at(q_) : 0, slope = residual_.dot(d_);
+    // A step downhill cannot fail to lower the energy but by rounding, which the residual sees through.
+    constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12;
+    double length = 1, next = 0;
+    const auto falls = [&] {
+      barred_ = model_.admissible && !model_.admissible(trial_);
+      if (barred_) return false;
+      return next < size_ || (has_energy && energy_at(trial_) <= energy - share_of_slope * length * slope);
+    };
+    const auto walk = [&] {
+      trial_ = q_ + length * d_;
+      next = residual_at(trial_);
+    };
+    walk();
+    bool fallen = !searches || falls();
+    while (!fallen && length > (barred_ ? shortest_when_barred : shortest)) {
+      length /= 2;
+      walk();
+      fallen = falls();
+    }
+    if (!std::isfinite(next)) return give_up("the forces are no longer finite; take more load steps");
+    if (!fallen && size_ > settings_.tolerance)
+      return give_up(
+          barred_ ? "all ways down the energy lead to elements turned inside out"
+                  : "no step along the last direction makes the residual smaller; take more load steps");
+    q_ = trial_;
+    size_ = next;
+    return true;
+  }
+
+ private:
+  /// d_ = K^-1 residual_.
+  bool set_direction() {
     const bool constant = settings_.method != StaticMethod::newton;
     if (!constant || !taken_) {
       model_.stiffness(constant ? VectorXd::Zero(model_.dofs) : q_, K_);
       if (!inner_.take(K_))
-        return give_up("the stiffness matrix is singular: the supports do not hold the body");
-      taken_ = true;
+        return give_up(taken_ ? "the stiffness matrix has become singular; take more load steps" : not_held);
     }
-    residual_at(q_);
     if (!constant && !settings_.inner_tolerance) inner_.set_tolerance(next_forcing());
     size_before_ = size_;
     if (!inner_.solve(residual_, d_))
@@ -131,26 +173,36 @@ class Iteration {
           fmt::format("{} did not solve a linear system in {} iterations; take direct, or more "
                       "iterations",
                       name_of(settings_.inner), settings_.inner_iterations));
-    ++solved_;
-    double length = 1;
-    trial_ = q_ + d_;
-    double next = residual_at(trial_);
-    if (settings_.line_search && settings_.method != StaticMethod::linear)
-      while (!(next < size_) && length > 1e-4) {
-        length /= 2;
-        trial_ = q_ + length * d_;
-        next = residual_at(trial_);
-      }
-    if (!std::isfinite(next)) return give_up("the forces are no longer finite; take more load steps");
-    if (settings_.line_search && settings_.method != StaticMethod::linear && !(next < size_) &&
-        size_ > settings_.tolerance)
-      return give_up("no step along the last direction makes the residual smaller; take more load steps");
-    q_ = trial_;
-    size_ = next;
+    // Of a matrix that only rounding keeps regular.
+    if (!taken_ && !((residual_ - K_ * d_).norm() < 0.5 * residual_.norm())) return give_up(not_held);
+    taken_ = true;
     return true;
   }
 
- private:
+  /// d_ = (K + tau I)^-1 residual_, downhill, with tau = 0 where that will do.
+  bool set_descent() {
+    const auto is_descent = [&] { return !inner_.is_indefinite() && residual_.dot(d_) > 0; };
+    const bool solved = set_direction();
+    if (solved && is_descent()) return true;
+    if (!taken_ || settings_.method != StaticMethod::newton) return solved;
+    constexpr double least = 1e-4, growth = 4;
+    constexpr int most = 20;  // to a million times K
+    const double size = K_.diagonal().cwiseAbs().mean();
+    double tau = std::max(least * size, shift_ / (growth * growth));
+    for (int k = 0; k < most; ++k, tau *= growth) {
+      shifted_ = K_;
+      shifted_.diagonal().array() += tau;
+      if (inner_.take(shifted_) && inner_.solve(residual_, d_) && is_descent()) {
+        shift_ = tau;
+        note_.clear();
+        return true;
+      }
+    }
+    return solved;
+  }
+
+  /// E(q) + (1 - share) F(0).q, whose downward slope is the residual.
+  double energy_at(const VectorXd& q) { return model_.energy(q) + (1 - share_) * load_.dot(q); }
   /// |F(q) - (1 - share) F(0)| / |F(0)|, with the vector in residual_.
   double residual_at(const VectorXd& q) {
     model_.force(q, residual_);
@@ -169,6 +221,7 @@ class Iteration {
     forcing_ = std::min(std::max(forcing_, settings_.tolerance / (2 * size_)), largest);
     return forcing_;
   }
+  static constexpr auto not_held = "the stiffness matrix is singular: the supports do not hold the body";
   bool give_up(std::string why) {
     note_ = std::move(why);
     return false;
@@ -178,12 +231,13 @@ class Iteration {
   const StaticSettings& settings_;
   const Clock& clock_;
   Inner inner_;
-  Matrix K_;
+  Matrix K_, shifted_;
   VectorXd q_, trial_, d_, residual_, load_;
   double scale_ = 0, share_ = 1, size_ = 0, start_;
   double size_before_ = 0, forcing_ = 0;  // of the last iterate, 0: none
+  double shift_ = 0;                      // the last one that was needed
   int solved_ = 0;
-  bool taken_ = false;
+  bool taken_ = false, barred_ = false;
   std::string note_;
 };
 
@@ -259,6 +313,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
                                 "the residual is still {:.3g} after {} iterations of load step {}; "
                                 "take more iterations or more load steps",
                                 iteration.residual(), k, step);
+      solution.barred = iteration.barred();
       break;
     }
   }

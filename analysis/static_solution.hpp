@@ -23,6 +23,11 @@ struct StaticModel {
   std::function<void(const Eigen::VectorXd& q, Eigen::VectorXd& f)> force;
   /// K = -dF/dq, shape (dofs, dofs) [N/m], symmetric.
   std::function<void(const Eigen::VectorXd& q, Matrix& K)> stiffness;
+  /// E(q) [J], of which F is the downward slope, F = -dE/dq. Empty: line searches have the residual alone.
+  std::function<double(const Eigen::VectorXd& q)> energy{};
+  /// Whether line searches may go there: an element turned inside out has balances of its own, which no body
+  /// comes to. Empty: everywhere.
+  std::function<bool(const Eigen::VectorXd& q)> admissible{};
 };
 
 /// How the equations are linearised.
@@ -49,7 +54,9 @@ struct StaticSettings {
   double tolerance = 1e-9;  ///< |F| <= tolerance |F(0)|
   int iterations = 100;     ///< at most, in each load step
   int load_steps = 1;       ///< equal ones
-  bool line_search = true;  ///< halves a step until the residual falls
+  /// Halves a step until the energy or the residual falls, and where K is not positive definite, as in a body
+  /// that buckles, steps with K + tau I, downhill [nocedal2006numerical, sections 3.1 and 3.4].
+  bool line_search = true;
   /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
   /// its convergence allows [eisenstat1996choosing], else 1e-4.
   std::optional<double> inner_tolerance{};
@@ -70,6 +77,7 @@ struct StaticSolution {
   Eigen::VectorXd q;                   ///< the last iterate, shape (dofs) [m]
   std::vector<StaticIterate> history;  ///< the state at rest first
   int iterations = 0;                  ///< linear systems solved
+  bool barred = false;                 ///< all steps downhill left for what is not admissible
   std::string note;                    ///< why it did not converge
 };
 

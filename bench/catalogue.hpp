@@ -57,6 +57,7 @@ struct Problem {
   /// The same system in long double, where it is written in it: tissue is not.
   std::optional<ExtendedSystem> extended = std::nullopt;
   std::shared_ptr<const TissueBody> body = nullptr;  ///< of tissue, whose states have no names
+  std::vector<std::int64_t> tetrahedron_numbers{};   ///< of it, as users know them (bench/body_balance.hpp)
 };
 
 /// What a user may change of a problem.

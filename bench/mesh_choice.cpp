@@ -105,7 +105,10 @@ LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
   OpenedMesh opened = open_mesh(text);
   if (!opened.from_file) {
     if (unit) throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
-    return {.name = text, .mesh = std::move(opened.file.mesh), .import = {}};
+    return {.name = text,
+            .mesh = std::move(opened.file.mesh),
+            .import = {},
+            .numbers = std::move(opened.file.numbers)};
   }
   if (!unit)
     throw InputError(fmt::format(
@@ -116,6 +119,8 @@ LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
     MeshImport import = import_mesh(opened.file, *unit);
     LoadedMesh loaded{.name = text, .mesh = std::move(import.mesh), .import = {}};
     loaded.idle_points = import.file_point_count - loaded.mesh.point_count();
+    for (const TetMesh::Index place : import.file_tetrahedra)
+      loaded.numbers.push_back(opened.file.numbers[static_cast<std::size_t>(place)]);
     if (refinements_of(parse_mesh_request(text)) == 0) {
       import.mesh = {};
       loaded.import = std::move(import);

@@ -31,6 +31,8 @@ struct LoadedMesh {
   TetMesh mesh;
   std::optional<MeshImport> import;  ///< of a file that was not refined; its mesh is empty, being above
   Eigen::Index idle_points = 0;      ///< of the file, left out here
+  /// Of the tetrahedra, as their file counts them; from 1 where the mesh has a name or was refined.
+  std::vector<std::int64_t> numbers{};
 };
 
 /// @param unit  metres in one unit of a file's coordinates, as the user states it. Files do not say it and it

@@ -9,6 +9,7 @@
 #include "analysis/amplification.hpp"
 #include "analysis/coupled_motion.hpp"
 #include "analysis/equilibrium.hpp"
+#include "bench/body_balance.hpp"
 #include "bench/mode_curve.hpp"
 #include "bench/tissue_problem.hpp"
 #include "integrators/spectral_radius.hpp"
@@ -143,8 +144,7 @@ Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y
 namespace {
 /// A body is at rest where forces are nothing beside those that rounding of its points makes; under a load
 /// its balance is found with its stiffness, half as many unknowns.
-std::optional<EquilibriumSearch> balance_of_body(const Problem& problem) {
-  if (!problem.body || !problem.body->is_autonomous() || !problem.y0.isZero(0)) return std::nullopt;
+EquilibriumSearch balance_of_body(const Problem& problem) {
   const TissueBody& body = *problem.body;
   const StaticModel model = static_model(problem, 1);
   Eigen::VectorXd q = Eigen::VectorXd::Zero(body.dofs()), f = q;
@@ -158,13 +158,17 @@ std::optional<EquilibriumSearch> balance_of_body(const Problem& problem) {
   search.state = problem.y0;
   if (f.cwiseAbs().maxCoeff() <= rounding) return search;
   const StaticSolution solution = solve_static(model, {.tolerance = 1e-12}, [] { return 0.0; });
-  if (!solution.converged) return std::nullopt;
+  if (!solution.converged) {
+    search.outcome = EquilibriumOutcome::no_equilibrium;
+    search.message = "no balance was found: " + why_unbalanced(problem, solution);
+    return search;
+  }
   search.state.head(body.dofs()) = solution.q;
   return search;
 }
 
 EquilibriumSearch equilibrium_of(const Problem& problem) {
-  if (const auto balance = balance_of_body(problem)) return *balance;
+  if (problem.body) return balance_of_body(problem);
   return std::visit(
       [&]<class Sys>(const Sys& system) {
         return find_equilibrium(system, 0, typename Sys::State(problem.y0));

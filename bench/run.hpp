@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "integrators/jacobian.hpp"
-#include "integrators/sparse_solver.hpp"
+#include "integrators/linear_solve.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
 

@@ -420,7 +420,8 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
         "equal_masses is {} but must be 1, the same mass at every point, or 0, by the volume around it",
         to_text(parameters.equal_masses)));
 
-  const TetMesh mesh = load_mesh(id.mesh, settings.unit).mesh;
+  const LoadedMesh loaded = load_mesh(id.mesh, settings.unit);
+  const TetMesh& mesh = loaded.mesh;
   require_sensible(id, parameters, mesh);
   auto body = std::make_shared<const TissueBody>(mesh, settings_of(id, parameters, mesh));
   Problem problem{.id = tissue_id(id.model, id.mesh, id.load),
@@ -432,7 +433,8 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .y0 = body->y0(),
                   .t_end = 1,
                   .system = AnySystem(SharedBody{body}),
-                  .body = body};
+                  .body = body,
+                  .tetrahedron_numbers = loaded.numbers};
   for (std::size_t i = 0; i < parameter_names.size(); ++i) {
     const auto& [each, member] = parameter_names[i];
     if (i < common_parameters || parameters.*member != TissueParameters{}.*member)
@@ -446,26 +448,5 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
 }
 
 std::string start_in_words(const Problem& problem) { return problem.body ? "rest" : describe(problem.y0); }
-
-double largest_displacement(const Eigen::VectorXd& q) {
-  return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
-}
-
-StaticModel static_model(const Problem& problem, double load_scale) {
-  const auto body = problem.body;
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
-  Eigen::VectorXd load = zero;
-  body->force(0, zero, zero, load);
-  load *= load_scale - 1;
-  return {.dofs = body->dofs(),
-          .force =
-              [body, zero, load](const Eigen::VectorXd& q, Eigen::VectorXd& f) {
-                f.resize(q.size());
-                body->force(0, q, zero, f);
-                f += load;
-              },
-          .stiffness = [body, zero](const Eigen::VectorXd& q,
-                                    StaticModel::Matrix& K) { body->stiffness(0, q, zero, K); }};
-}
 
 }  // namespace hmax

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "analysis/static_solution.hpp"
 #include "bench/catalogue.hpp"
 
 namespace hmax {
@@ -26,11 +25,5 @@ Problem make_tissue_problem(const std::string& id, const ProblemSettings& settin
 
 /// Where a problem starts: its numbers, or "rest" of a body, which always does.
 std::string start_in_words(const Problem& problem);
-
-/// The longest displacement of a point [m], q of shape (dofs).
-double largest_displacement(const Eigen::VectorXd& q);
-
-/// The balance of forces of such a problem under a multiple of its load, which must not change with time.
-StaticModel static_model(const Problem& problem, double load_scale);
 
 }  // namespace hmax

@@ -9,6 +9,7 @@
 #include "analysis/extreme_eigenvalues.hpp"
 #include "analysis/growth.hpp"
 #include "analysis/static_solution.hpp"
+#include "bench/body_balance.hpp"
 #include "bench/mode_curve.hpp"
 #include "bench/predict.hpp"
 #include "bench/tissue_problem.hpp"

@@ -9,6 +9,7 @@
 
 #include "analysis/linear_model.hpp"
 #include "analysis/spectrum.hpp"
+#include "bench/body_balance.hpp"
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"
 #include "cli/body_picture.hpp"

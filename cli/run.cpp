@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/body_balance.hpp"
 #include "bench/catalogue.hpp"
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/extreme_eigenvalues.hpp"
+#include "bench/body_balance.hpp"
 #include "bench/fastest_mode.hpp"
 #include "bench/predict.hpp"
 #include "cli/choices.hpp"
@@ -38,6 +39,12 @@ Eigen::MatrixXd on_points(const TissueBody& body, const Eigen::VectorXd& shape) 
   return field * (0.1 * size / field.colwise().norm().maxCoeff());
 }
 
+/// The largest K_ii / m_i [1/s^2].
+double stiffest_point(const MechanicalPart& part) {
+  const Eigen::VectorXd diagonal = std::get<Eigen::SparseMatrix<double>>(part.K).diagonal();
+  return diagonal.cwiseQuotient(part.mass).cwiseAbs().maxCoeff();
+}
+
 void modes(const ModesOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   if (!problem.body)
@@ -63,6 +70,8 @@ void modes(const ModesOptions& options, Console& console) {
         fmt::format("the modes of {} degrees of freedom did not converge; ask for fewer", body.dofs()));
 
   const ElementSum elements = elements_of(body);
+  // Modes that strain nothing but for rounding have no frequency, and no element has a share of them.
+  const double rigid = 1e-10 * stiffest_point(part);
   Eigen::VectorXd mass(body.dofs() / 3);
   for (Eigen::Index i = 0; i < mass.size(); ++i) mass[i] = body.mass()[3 * i];
   Json list = Json::array();
@@ -71,20 +80,25 @@ void modes(const ModesOptions& options, Console& console) {
   MeshFields fields;
   for (std::size_t i = 0; i < found.kappa.size(); ++i) {
     const Eigen::VectorXd u = found.shapes.col(static_cast<Eigen::Index>(i));
-    const double omega = std::sqrt(std::max(found.kappa[i], 0.0));
+    const bool strains = std::abs(found.kappa[i]) > rigid;
+    const double omega = strains ? std::sqrt(std::max(found.kappa[i], 0.0)) : 0;
     const double gamma = u.dot(Eigen::VectorXd(std::get<Eigen::SparseMatrix<double>>(part.C) * u));
     const double zeta = omega > 0 ? gamma / (2 * omega) : 0;
     const ModeOwner owner = owner_of(elements, mass, u);
+    const NamedElement element = named_element(problem, owner.element);
     list.push_back({{"kappa", found.kappa[i]},
                     {"omega", omega},
                     {"frequency", omega / (2 * std::numbers::pi)},
                     {"zeta", zeta},
                     {"moving_points", owner.moving_points},
-                    {"element", owner.element},
-                    {"element_share", owner.share}});
+                    {"element", strains ? Json(element.number) : Json()},
+                    {"element_kind", strains ? Json(element.kind) : Json()},
+                    {"element_share", strains ? Json(owner.share) : Json()}});
     table.add({std::to_string(i + 1), short_number(omega / (2 * std::numbers::pi)), short_number(omega),
                short_number(zeta, 4), short_number(owner.moving_points, 3),
-               fmt::format("{} with {} %", owner.element, short_number(100 * owner.share, 3))});
+               strains ? fmt::format("{} {} with {} %", element.kind, element.number,
+                                     short_number(100 * owner.share, 3))
+                       : "none: it moves as one"});
     fields.points.push_back({fmt::format("mode_{}", i + 1), on_points(body, u)});
   }
   if (!options.output.empty()) write_file(options.output, vtu_text(body.mesh(), fields));
@@ -99,8 +113,8 @@ void modes(const ModesOptions& options, Console& console) {
                             problem.material.empty() ? "" : ", " + problem.material, body.dofs(),
                             table.text(console)));
   console.print(
-      "\nElements are counted from 0 as in the mesh. Moving points: 1 over the sum of squares of the points' "
-      "shares\nof kinetic energy.\n");
+      "\nTetrahedra have the numbers of their file, or count from 1. Moving points: 1 over the sum of squares of "
+      "the\npoints' shares of kinetic energy.\n");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/non_normality.hpp"
+#include "bench/body_balance.hpp"
 #include "bench/fastest_mode.hpp"
 #include "bench/predict.hpp"
 #include "bench/tissue_problem.hpp"
@@ -71,7 +72,8 @@ struct PredictedRow {
 };
 
 /// The fastest mode of a body at rest, with the ratios by which bounds of it make steps too small.
-Json to_json(const FastestMode& mode) {
+Json to_json(const Problem& problem, const FastestMode& mode) {
+  const NamedElement owner = named_element(problem, mode.owner.element);
   const auto bound = [&](double kappa) {
     return Json{{"kappa", kappa}, {"pessimism", std::sqrt(kappa / mode.kappa)}};
   };
@@ -82,7 +84,8 @@ Json to_json(const FastestMode& mode) {
            {{"element", bound(mode.bounds.element)},
             {"nodal", bound(mode.bounds.nodal)},
             {"gershgorin", bound(mode.bounds.gershgorin)}}},
-          {"element", mode.owner.element},
+          {"element", owner.number},
+          {"element_kind", owner.kind},
           {"points", mode.points},
           {"centre", {mode.centre.x(), mode.centre.y(), mode.centre.z()}},
           {"energy_share", mode.owner.share},
@@ -97,13 +100,14 @@ Json to_json(const FastestMode& mode) {
 }
 
 /// The same in words.
-std::string words_of(const FastestMode& mode) {
+std::string words_of(const Problem& problem, const FastestMode& mode) {
+  const NamedElement owner = named_element(problem, mode.owner.element);
   const auto pessimism = [&](double kappa) { return short_number(std::sqrt(kappa / mode.kappa), 4); };
   return fmt::format(
-      "fastest mode at rest {} rad/s: element {} has {} % of its energy, {} points move; bounds are larger by {} "
+      "fastest mode at rest {} rad/s: {} {} has {} % of its energy, {} points move; bounds are larger by {} "
       "(elements), {} (points), {} (Gershgorin)\nan undamped step would grow by {} without that element, by {} "
       "with twice its mass ({} % of the body); {}\n",
-      short_number(std::sqrt(mode.kappa)), mode.owner.element, short_number(100 * mode.owner.share, 3),
+      short_number(std::sqrt(mode.kappa)), owner.kind, owner.number, short_number(100 * mode.owner.share, 3),
       short_number(mode.owner.moving_points, 3), pessimism(mode.bounds.element), pessimism(mode.bounds.nodal),
       pessimism(mode.bounds.gershgorin), short_number(mode.without, 4), short_number(mode.with_mass, 4),
       short_number(100 * mode.added_mass, 3),
@@ -135,7 +139,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
     if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
   }
   if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
-  if (problem.body) document["fastest_mode"] = to_json(fastest_mode_of(*problem.body));
+  if (problem.body) document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body));
   return document;
 }
 
@@ -286,7 +290,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
       if (console.json) models.push_back(model_json(problem, near));
       if (states.empty()) {
         states = fmt::format("\n{}: {}\n", problem.id, near.state);
-        if (problem.body && !console.json) states += words_of(fastest_mode_of(*problem.body));
+        if (problem.body && !console.json) states += words_of(problem, fastest_mode_of(*problem.body));
       }
       const std::size_t before = rows.size();
       rows.resize(before + chosen.size());

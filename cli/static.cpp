@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/static_solution.hpp"
+#include "bench/body_balance.hpp"
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"
 #include "cli/body_picture.hpp"
@@ -180,13 +181,12 @@ void solve(const StaticOptions& options, Console& console) {
   const double start = thread_cpu_seconds();
   const StaticSolution solution = solve_static(model, settings, thread_cpu_seconds);
   const double seconds = thread_cpu_seconds() - start;
-  const auto [volume, element] = problem.body->least_volume(0, solution.q);
-  const bool inverted = !(volume > 0);
-  const std::string outcome = inverted ? "inverted" : solution.converged ? "converged" : "not_converged";
-  std::string status = solution.note;
-  if (inverted)
-    status += fmt::format("{}element {} is turned inside out: its volume is {} of that at rest",
-                          status.empty() ? "" : "; ", element, short_number(volume, 3));
+  const double volume = problem.body->least_volume(0, solution.q).first;
+  const std::string outcome = !(volume > 0)        ? "inverted"
+                              : solution.barred    ? "collapsed"
+                              : solution.converged ? "converged"
+                                                   : "not_converged";
+  const std::string status = why_unbalanced(problem, solution);
   if (outcome != "converged") console.exit_code = Exit::failed;
 
   if (!options.output.empty()) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <new>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -46,6 +47,22 @@ struct SingleLane<std::complex<Real>> {
   static void store(Scalar* p, const V& v) { *p = {v.re, v.im}; }
 };
 
+/// Memory at addresses that the widest registers may load from.
+template <class T>
+struct AlignedAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t alignment{64};
+
+  AlignedAllocator() = default;
+  template <class U>
+  explicit AlignedAllocator(const AlignedAllocator<U>&) {}
+  static T* allocate(std::size_t count) {
+    return static_cast<T*>(::operator new(count * sizeof(T), alignment));
+  }
+  static void deallocate(T* at, std::size_t) { ::operator delete(at, alignment); }
+  bool operator==(const AlignedAllocator&) const = default;
+};
+
 template <class Scalar>
 const PanelKernels<Scalar>& panel_kernels() {
   if constexpr (std::is_same_v<Scalar, double>) {
@@ -81,8 +98,8 @@ class PanelFactor {
     d_.resize(n);
     inverse_.resize(n);
     x_.resize(n);
-    own_.resize(chunks(PanelShape::padded(plan_.widest)));
-    part_.resize(chunks(PanelShape::padded(plan_.tallest)) + 1);
+    own_.resize(PanelShape::padded(plan_.widest));
+    part_.resize(PanelShape::padded(plan_.tallest) + PanelShape::lanes);
   }
 
   /// Operations of one factorisation, of which half are multiplications.
@@ -92,8 +109,8 @@ class PanelFactor {
   /// @returns false when a pivot is zero or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
     if (values_.empty()) {  // the first time, since iterations may come to need none
-      values_.resize(chunks(plan_.values));
-      for (int k : {0, 1}) stacks_[k].resize(chunks(plan_.stacks[k]));
+      values_.resize(plan_.values);
+      for (int k : {0, 1}) stacks_[k].resize(plan_.stacks[k]);
     }
     waiting_.clear();
     for (std::size_t p = 0; p < plan_.panels.size(); ++p)
@@ -110,7 +127,7 @@ class PanelFactor {
   void solve(X& x) {
     const Index n = static_cast<Index>(plan_.to.size());
     for (Index i = 0; i < n; ++i) x_[plan_.to[i]] = x[i];
-    Scalar *const own = own_.data()->values, *const part = part_.data()->values;
+    Scalar *const own = own_.data(), *const part = part_.data();
     for (const Panel& panel : plan_.panels) {
       const auto [T, B] = parts(panel);
       Scalar* const unknowns = x_.data() + panel.first;
@@ -136,20 +153,15 @@ class PanelFactor {
 
  private:
   using Panel = PanelAnalysis::Panel;
-  /// Numbers at an address that every register may load from.
-  struct alignas(64) Chunk {
-    Scalar values[PanelShape::lanes];
-  };
+  using AlignedVector = std::vector<Scalar, detail::AlignedAllocator<Scalar>>;
   struct Parts {
     Scalar *T, *B;
   };
-  static std::size_t chunks(std::size_t count) { return count / PanelShape::lanes; }
-
   Parts parts(const Panel& panel) {
-    Scalar* const T = values_.data()->values + panel.values;
+    Scalar* const T = values_.data() + panel.values;
     return {T, T + PanelShape::padded(panel.width) * panel.width};
   }
-  Scalar* update(const Panel& panel) { return stacks_[panel.stack].data()->values + panel.update; }
+  Scalar* update(const Panel& panel) { return stacks_[panel.stack].data() + panel.update; }
 
   static void load(const Scalar* from, Index count, Scalar* to) {
     std::copy_n(from, count, to);
@@ -186,7 +198,7 @@ class PanelFactor {
   void take_entries(std::size_t p, const Scalar* A) {
     const auto& all = plan_.entries;
     const std::size_t end = p + 1 < plan_.panels.size() ? plan_.panels[p + 1].entries : all.size();
-    Scalar* const values = values_.data()->values;
+    Scalar* const values = values_.data();
     for (std::size_t r = plan_.panels[p].entries; r < end; ++r) {
       const Scalar* const from = A + all[r].from;
       Scalar* const to = values + all[r].to;
@@ -238,7 +250,7 @@ class PanelFactor {
 
   const PanelKernels<Scalar>* kernels_ = &detail::panel_kernels<Scalar>();
   PanelAnalysis plan_;
-  std::vector<Chunk> values_, stacks_[2], own_, part_;
+  AlignedVector values_, stacks_[2], own_, part_;
   std::vector<Scalar> d_, inverse_, x_;
   std::vector<Index> waiting_;  // panels whose updates have not been taken up
 };

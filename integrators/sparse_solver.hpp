@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -13,23 +15,10 @@
 #include <Eigen/SparseLU>
 
 #include "integrators/conjugate_gradients.hpp"
+#include "integrators/linear_solve.hpp"
 #include "integrators/panel_factor.hpp"
 
 namespace hmax {
-
-/// How sparse symmetric equations are solved.
-struct LinearSolve {
-  enum class By {
-    automatic,           ///< conjugate gradients until their work would have paid for a factorisation
-    direct,              ///< a factorisation, whatever it costs
-    conjugate_gradients  ///< always
-  };
-  By by = By::automatic;
-  double tolerance = 1e-10;  ///< of conjugate gradients: |residual| <= tolerance |right-hand side|
-  int iterations = 0;        ///< at most so many, as simulators that truncate do; 0: until it is solved
-
-  bool operator==(const LinearSolve&) const = default;
-};
 
 /// Solves A x = b for a sparse A, shape (n, n). Where A is symmetric: L D L^T or, of real numbers, conjugate
 /// gradients; else L U with partial pivoting. The pattern is analysed once and again only when it changes.
@@ -106,6 +95,12 @@ class SparseSolver {
   }
 
   [[nodiscard]] bool is_symmetric() const { return symmetric_; }
+
+  /// How many eigenvalues of a real symmetric A are negative, where L D L^T was made and so tells.
+  [[nodiscard]] std::optional<std::int64_t> negative_eigenvalues() const requires may_iterate {
+    if (!symmetric_ || iterates_) return std::nullopt;
+    return std::ranges::count_if(panels_.pivots(), [](Scalar d) { return d < 0; });
+  }
 
   /// Of the last solution by conjugate gradients.
   [[nodiscard]] int iterations() const { return iterations_; }
@@ -219,7 +214,7 @@ class SparseSolver {
     return lu_->info() == Eigen::Success;
   }
 
-  /// Infinite where the factors of a body in space do not fit into memory.
+  /// Infinite where the factors of a body in space take too long.
   double factorisation_work(const Matrix& A) {
     if (A.rows() > largest_to_factor) return std::numeric_limits<double>::infinity();
     analyse_symmetric(A);
@@ -237,6 +232,7 @@ class SparseSolver {
     iterates_ = !factor_symmetric(gradients_.matrix());
   }
 
+  /// Unknowns; a few seconds and a gigabyte, which may come again with every step.
   static constexpr Eigen::Index largest_to_factor = 60'000;
 
   LinearSolve choice_;

@@ -112,6 +112,48 @@ TEST(StaticSolution, SaysWhyThereIsNone) {
   EXPECT_NE(tired.note.find("sor"), std::string::npos) << tired.note;
 }
 
+/// A shallow arch under a load at its top, E = (q^2 - 2 q)^2 / 4 - P q: it bears P = 2 / (3 sqrt(3)), and
+/// under more snaps through to the other side.
+StaticModel shallow_arch(double load) {
+  return {.dofs = 1,
+          .force = [=](const VectorXd& q,
+                       VectorXd& f) { f = load - ((q.array() - 2) * q.array() * (q.array() - 1)); },
+          .stiffness =
+              [](const VectorXd& q, Sparse& K) {
+                K.resize(1, 1);
+                K.coeffRef(0, 0) = 3 * q[0] * q[0] - 6 * q[0] + 2;
+                K.makeCompressed();
+              },
+          .energy = [=](const VectorXd& q) { return std::pow(q[0] * q[0] - 2 * q[0], 2) / 4 - load * q[0]; }};
+}
+
+TEST(StaticSolution, SnapsThroughWhereTheEnergyLeads) {
+  StaticModel arch = shallow_arch(0.4);
+  for (const InnerSolver inner : {InnerSolver::direct, InnerSolver::sor, InnerSolver::conjugate_gradients})
+    for (const int steps : {1, 7}) {
+      const StaticSolution found = solve_static(arch, {.inner = inner, .load_steps = steps}, no_clock);
+      ASSERT_TRUE(found.converged) << name_of(inner) << ' ' << found.note;
+      EXPECT_TRUE(found.note.empty()) << found.note;
+      EXPECT_NEAR((found.q[0] - 2) * found.q[0] * (found.q[0] - 1), 0.4, 1e-8);
+      EXPECT_GT(found.q[0], 2);
+    }
+  // The residual alone has a valley where the arch gives way.
+  arch.energy = nullptr;
+  EXPECT_FALSE(solve_static(arch, {}, no_clock).converged);
+  // What it still bears it bears on this side.
+  EXPECT_LT(solve_static(shallow_arch(0.3), {.load_steps = 5}, no_clock).q[0], 1);
+}
+
+TEST(StaticSolution, StopsWhereItMayNotGoOn) {
+  StaticModel arch = shallow_arch(0.4);
+  arch.admissible = [](const VectorXd& q) { return q[0] < 1.5; };
+  const StaticSolution found = solve_static(arch, {}, no_clock);
+  EXPECT_FALSE(found.converged);
+  EXPECT_TRUE(found.barred);
+  EXPECT_LT(found.q[0], 1.5);
+  EXPECT_GT(found.q[0], 1.4);
+}
+
 TEST(StaticSolution, WithoutALoadIsRest) {
   const StaticSolution found = solve_static(pulled_chain(4, 1, 0), {}, no_clock);
   EXPECT_TRUE(found.converged);

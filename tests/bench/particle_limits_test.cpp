@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/static_solution.hpp"
+#include "bench/body_balance.hpp"
 #include "bench/predict.hpp"
 #include "bench/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"

@@ -1,4 +1,5 @@
 /// Bodies on meshes as problems: every method steps them, and linear ones move as their modes say.
+#include "bench/body_balance.hpp"
 #include "bench/tissue_problem.hpp"
 
 #include <gtest/gtest.h>

@@ -87,6 +87,28 @@ TEST(Static, FindsOneBalanceBySeveralWays) {
     EXPECT_NEAR(displacement(how), newton, 1e-6 * newton) << how;
 }
 
+TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
+  // The weight of this ball is more than Green's strain bears, by a few parts in a hundred.
+  const Told told = Shell{}.hmax("static --mesh ball:n=2 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  const Json found = told.json();
+  EXPECT_EQ(found.at("outcome"), "collapsed");
+  EXPECT_GT(found.at("least_volume"), 0.0);
+  EXPECT_LT(found.at("least_volume"), 1e-3);
+  EXPECT_NE(found.at("status").get<std::string>().find("fem_neo_hookean"), std::string::npos);
+  EXPECT_EQ(json_of("static --mesh ball:n=2 --load-scale 0.95 --json").at("outcome"), "converged");
+  EXPECT_EQ(json_of("static --mesh ball:n=2 --model fem_neo_hookean --json").at("outcome"), "converged");
+  // What is known at rest is still said of it.
+  const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --method rk4");
+  EXPECT_NE(predicted.out.find("no balance was found: the body collapses"), std::string::npos) << predicted.out;
+}
+
+TEST(Static, SaysThatNothingHoldsABody) {
+  const Told told = Shell{}.hmax("static --mesh phantom --set support=0 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.json().at("status").get<std::string>().find("supports"), std::string::npos);
+}
+
 TEST(Static, EndsWithOneWhenThereIsNoBalance) {
   const Told result = Shell{}.hmax("static --mesh phantom --load press --load-scale 1e4 --json");
   EXPECT_EQ(result.exit_code, 1);
