@@ -108,7 +108,8 @@ LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
     return {.name = text,
             .mesh = std::move(opened.file.mesh),
             .import = {},
-            .numbers = std::move(opened.file.numbers)};
+            .numbers = std::move(opened.file.numbers),
+            .regions = {0}};
   }
   if (!unit)
     throw InputError(fmt::format(
@@ -121,6 +122,7 @@ LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
     loaded.idle_points = import.file_point_count - loaded.mesh.point_count();
     for (const TetMesh::Index place : import.file_tetrahedra)
       loaded.numbers.push_back(opened.file.numbers[static_cast<std::size_t>(place)]);
+    loaded.regions = import.file_regions;
     if (refinements_of(parse_mesh_request(text)) == 0) {
       import.mesh = {};
       loaded.import = std::move(import);

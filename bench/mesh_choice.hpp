@@ -33,6 +33,8 @@ struct LoadedMesh {
   Eigen::Index idle_points = 0;      ///< of the file, left out here
   /// Of the tetrahedra, as their file counts them; from 1 where the mesh has a name or was refined.
   std::vector<std::int64_t> numbers{};
+  /// What the file calls regions 0, 1, ...
+  std::vector<TetMesh::Index> regions{};
 };
 
 /// @param unit  metres in one unit of a file's coordinates, as the user states it. Files do not say it and it

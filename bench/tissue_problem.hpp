@@ -1,17 +1,12 @@
 /// Tissue on meshes as problems of the catalogue: "fem_green@liver", "mass_spring@ball:n=8/press".
 #pragma once
 
-#include <span>
 #include <string>
 #include <string_view>
 
 #include "bench/catalogue.hpp"
 
 namespace hmax {
-
-/// Ids of the models a mesh can be made of, and of what moves it. The first is the default.
-std::span<const std::string_view> tissue_models();
-std::span<const std::string_view> tissue_loads();
 
 /// The id of a problem, MODEL@MESH or MODEL@MESH/LOAD; empty parts are the defaults.
 std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load);

@@ -6,6 +6,7 @@
 
 #include "bench/mesh_choice.hpp"
 #include "bench/tableau_file.hpp"
+#include "bench/tissue_parameters.hpp"
 #include "bench/tissue_problem.hpp"
 #include "results/errors.hpp"
 

@@ -11,6 +11,7 @@
 #include "analysis/spectrum.hpp"
 #include "bench/body_balance.hpp"
 #include "bench/timing.hpp"
+#include "bench/tissue_parameters.hpp"
 #include "bench/tissue_problem.hpp"
 #include "cli/body_picture.hpp"
 #include "cli/reproduce_tissue_parts.hpp"

@@ -231,8 +231,10 @@ ReportSection path_limits(const fs::path& folder, const TissueOptions& options, 
                  .x = {.label = "time [s]"},
                  .y = {.label = "h_max beside that at rest [1]"}};
     int colour = 0;
+    std::vector<std::pair<std::string, double>> parameters;
+    if (load == "press") parameters.emplace_back("force", path_force);
     for (const std::string_view model : path_models) {
-      const Problem problem = study_tissue(model, options.mesh(), load, {{"force", path_force}});
+      const Problem problem = study_tissue(model, options.mesh(), load, parameters);
       about = made_of(problem);
       for (Panel* panel : {&share, &motion}) {
         const bool of_load = panel == &share;

@@ -1,12 +1,13 @@
 /// Bodies on meshes as problems: every method steps them, and linear ones move as their modes say.
-#include "bench/body_balance.hpp"
 #include "bench/tissue_problem.hpp"
 
 #include <gtest/gtest.h>
 
+#include "bench/body_balance.hpp"
 #include "bench/predict.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
+#include "tests/results/scratch.hpp"
 
 namespace hmax {
 namespace {
@@ -163,6 +164,86 @@ TEST(TissueProblem, RefusesWhatItsModelMeshOrLoadDoesNotHave) {
   EXPECT_NE(refusal("fem_green@phantom", {{"skin", -1}}).find("negative"), std::string::npos);
   EXPECT_NE(refusal("fem_green/breathing@phantom", {{"support", 0}}).find("support"), std::string::npos);
   EXPECT_NE(refusal("fem_green@phantom", {{"skin_thickness", 0}}).find("positive"), std::string::npos);
+}
+
+TEST(TissueProblem, RefusesNumbersThatNothingReads) {
+  const auto refusal = [](const std::string& id, const std::string& name, double value) {
+    try {
+      make_problem(id, {.material = {}, .parameters = {{name, value}}, .y0 = {}});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_NE(refusal("fem_green@phantom", "force", 2).find("--load press"), std::string::npos);
+  EXPECT_NE(refusal("fem_green/press@phantom", "g", 1).find("--load gravity"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", "depth", 1).find("--load tool"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", "damper", 1).find("mass_spring"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", "skin_thickness", 1).find("skin=1000"), std::string::npos);
+  EXPECT_EQ(refusal("fem_green/pull@phantom", "force", 2), "taken");
+  EXPECT_EQ(refusal("fem_green/breathing@phantom", "depth", 0.02), "taken");
+  // What is listed of a body makes it again.
+  EXPECT_EQ(refusal("fem_green@phantom", "force", 0.5), "taken");
+}
+
+TEST(TissueProblem, HasSpringsByTable) {
+  const auto body = [](std::vector<std::pair<std::string, double>> parameters) {
+    parameters.emplace_back("force", 0.3);
+    return make_problem("mass_spring/press@phantom", {.material = {}, .parameters = parameters, .y0 = {}});
+  };
+  const auto energy = [&](std::vector<std::pair<std::string, double>> parameters) {
+    const Problem problem = body(std::move(parameters));
+    const auto& free = problem.body->free_points();
+    VectorXd q(problem.body->dofs());
+    for (std::size_t i = 0; i < free.size(); ++i)
+      q.segment<3>(3 * static_cast<Eigen::Index>(i)) = 0.1 * problem.body->mesh().points.col(free[i]);
+    return problem.body->energy(0, q);
+  };
+  // The line phi = s is the linear law; twice as steep has twice the elastic energy, of which loads have
+  // none.
+  const double linear = energy({}), loads = 2 * linear - energy({{"phi:-1", -2}, {"phi:1", 2}});
+  EXPECT_NEAR(energy({{"phi:0.5", 0.5}}), linear, 1e-12 * std::abs(linear));
+  EXPECT_NEAR(energy({{"phi:-0.5", -1.5}, {"phi:0.5", 1.5}}) - loads, 3 * (linear - loads),
+              1e-9 * std::abs(linear));
+  const Problem problem = body({{"phi:0.5", 0.75}});
+  const auto& listed = problem.parameters;
+  EXPECT_NE(std::ranges::find(listed, std::pair<std::string, double>("phi:0.5", 0.75)), listed.end());
+  EXPECT_THROW(body({{"phi:0", 1}}), InputError);
+  EXPECT_THROW(body({{"phi:0.5", 1}, {"phi:0.50", 2}}), InputError);
+  EXPECT_THROW(body({{"phi:soft", 1}}), InputError);
+  EXPECT_THROW(body({{"phi:0.5", 1}, {"cubic", 2}}), InputError);
+  EXPECT_THROW(make_problem("fem_green@phantom", {.material = {}, .parameters = {{"phi:0.5", 1}}, .y0 = {}}),
+               InputError);
+}
+
+TEST(TissueProblem, HasAMaterialForEachRegionOfItsFile) {
+  const Scratch folder;
+  // Two tetrahedra on a common face, regions 7 and 3 of the file.
+  write_text(folder / "two.mesh",
+             "MeshVersionFormatted 1\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n"
+             "0 0 1 0\n1 1 1 0\nTetrahedra\n2\n1 2 3 4 7\n2 3 4 5 3\nEnd\n");
+  const std::string id = "fem_green@" + (folder / "two.mesh").string();
+  const auto materials = [&](std::vector<std::pair<std::string, double>> parameters) {
+    return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1})
+        .body->settings()
+        .materials;
+  };
+  const auto made = materials({{"nu", 0.3}, {"E:7", 9000}, {"nu:3", 0.4}, {"rho:3", 900}});
+  ASSERT_EQ(made.size(), 2u);  // region 3 first
+  EXPECT_EQ(made[0].young, 5500);
+  EXPECT_EQ(made[1].young, 9000);
+  EXPECT_EQ(made[0].poisson, 0.4);
+  EXPECT_EQ(made[1].poisson, 0.3);
+  EXPECT_EQ(made[0].density, 900);
+  EXPECT_EQ(made[1].density, 1060);
+  try {
+    materials({{"E:4", 1}});
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no region 4; it has 3, 7"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(materials({{"E:x", 1}}), InputError);
+  EXPECT_THROW(materials({{"alpha:3", 1}}), InputError);
 }
 
 TEST(TissueProblem, SaysWhatIsWrongWithItsName) {

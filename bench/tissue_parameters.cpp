@@ -1,0 +1,360 @@
+#include "bench/tissue_parameters.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <ranges>
+
+#include <fmt/format.h>
+
+#include "bench/suggest.hpp"
+#include "problems/tissue/materials.hpp"
+#include "problems/tissue/topology.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> models{"fem_green", "fem_cauchy", "fem_corotational",
+                                                 "fem_neo_hookean", "mass_spring"};
+constexpr std::array<std::string_view, 5> loads{"gravity", "press", "pull", "tool", "breathing"};
+
+void require_known(std::string_view what, const std::string& word, std::span<const std::string_view> known) {
+  if (std::ranges::find(known, word) != known.end()) return;
+  throw InputError(fmt::format("unknown {} '{}'; {}", what, word,
+                               suggestion(word, std::vector<std::string>(known.begin(), known.end()))));
+}
+
+/// One number that users may set.
+struct Named {
+  std::string_view name;
+  double TissueParameters::*value;
+  bool everybody = true;     ///< shown of every body, else where it is not the default
+  std::string_view of = {};  ///< words of the model or the loads that read it; empty: all do
+};
+constexpr std::string_view springs = "mass_spring";
+constexpr std::array<Named, 29> all_named{{
+    {"E", &TissueParameters::E},
+    {"nu", &TissueParameters::nu},
+    {"rho", &TissueParameters::rho},
+    {"mass", &TissueParameters::mass},
+    {"alpha", &TissueParameters::alpha},
+    {"beta", &TissueParameters::beta},
+    {"damper", &TissueParameters::damper, true, springs},
+    {"g", &TissueParameters::g, true, "gravity"},
+    {"force", &TissueParameters::force, true, "press pull"},
+    {"depth", &TissueParameters::depth, true, "tool breathing"},
+    {"support", &TissueParameters::support},
+    {"axis", &TissueParameters::axis},
+    {"equal_masses", &TissueParameters::equal_masses},
+    {"period", &TissueParameters::period, false, "breathing"},
+    {"inclusion", &TissueParameters::inclusion, false},
+    {"skin", &TissueParameters::skin, false},
+    {"skin_thickness", &TissueParameters::skin_thickness, false},
+    {"k", &TissueParameters::k, false, springs},
+    {"cubic", &TissueParameters::cubic, false, springs},
+    {"exponential", &TissueParameters::exponential, false, springs},
+    {"bending", &TissueParameters::bending, false, springs},
+    {"second_ring", &TissueParameters::second_ring, false, springs},
+    {"doubled_skin", &TissueParameters::doubled_skin, false, springs},
+    {"xmin", &TissueParameters::xmin, false},
+    {"xmax", &TissueParameters::xmax, false},
+    {"ymin", &TissueParameters::ymin, false},
+    {"ymax", &TissueParameters::ymax, false},
+    {"zmin", &TissueParameters::zmin, false},
+    {"zmax", &TissueParameters::zmax, false},
+}};
+
+/// Squares of rates and of forces must stay numbers, whatever masses and stiffnesses come together.
+void require_computable(std::string_view name, double value) {
+  constexpr double least = 1e-30, most = 1e30;
+  const double size = std::abs(value);
+  if (size == 0 || (size >= least && size <= most)) return;
+  throw InputError(fmt::format(
+      "{} is {}, and computing with it would leave the range of numbers; give it in SI units, between {} and {}",
+      name, to_text(value), to_text(least), to_text(most)));
+}
+
+/// What has a value in each region.
+struct NamedOfRegion {
+  std::string_view name;
+  double TissueMaterial::*value;
+};
+constexpr std::array<NamedOfRegion, 3> named_of_region{
+    {{"E", &TissueMaterial::young}, {"nu", &TissueMaterial::poisson}, {"rho", &TissueMaterial::density}}};
+constexpr std::string_view table_name = "phi";
+
+/// @throws InputError  when neither the model nor the load reads it: it would change nothing
+void require_read(std::string_view parameter, std::string_view readers, const TissueId& id) {
+  if (readers.empty() || readers == id.model) return;
+  const bool of_springs = readers == springs;
+  if (!of_springs && std::ranges::any_of(readers | std::views::split(' '), [&](const auto& word) {
+        return std::string_view(word.begin(), word.end()) == id.load;
+      }))
+    return;
+  if (of_springs)
+    throw InputError(fmt::format("{} is of springs, and {} has none; leave it out or take mass_spring",
+                                 parameter, id.model));
+  const std::string_view first = readers.substr(0, readers.find(' '));
+  throw InputError(
+      fmt::format("{} is not of the load {}; leave it out or take --load {}", parameter, id.load, first));
+}
+
+/// "E:3=8000" and "phi:0.1=0.14". @returns false when the name is not of that kind
+bool take_indexed(TissueParameters& parameters, const std::string& name, double value, const TissueId& id) {
+  const std::size_t colon = name.find(':');
+  if (colon == std::string::npos) return false;
+  const std::string what = name.substr(0, colon), index = name.substr(colon + 1);
+  const auto number = to_number(index);
+  if (what == table_name) {
+    require_read(name, springs, id);
+    if (!number || !std::isfinite(*number))
+      throw InputError(fmt::format("'{}' in {} is no strain; write it like phi:0.1=0.14", index, name));
+    parameters.table.emplace_back(*number, value);
+    return true;
+  }
+  const auto it = std::ranges::find(named_of_region, what, &NamedOfRegion::name);
+  if (it == named_of_region.end())
+    throw InputError(fmt::format("'{}' has no value for each region; E, nu and rho do, like E:3=8000", what));
+  TetMesh::Index region = 0;
+  const auto [end, error] = std::from_chars(index.data(), index.data() + index.size(), region);
+  if (error != std::errc{} || end != index.data() + index.size())
+    throw InputError(
+        fmt::format("'{}' in {} is no region; `hmax mesh info` names those of a mesh", index, name));
+  parameters.of_regions.push_back({it->value, region, value});
+  return true;
+}
+
+TetMesh::Index region_count(const TetMesh& mesh) {
+  return mesh.regions.empty() ? 1 : std::ranges::max(mesh.regions) + 1;
+}
+
+/// One end of a mesh along an axis, to which loads are opposite.
+struct HeldEnd {
+  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  ///< unit vector that points from the free end to it
+
+  explicit HeldEnd(double axis) { towards[static_cast<int>(std::abs(axis)) - 1] = axis > 0 ? -1 : 1; }
+  explicit HeldEnd(Eigen::Vector3d direction) : towards(std::move(direction)) {}
+
+  /// Points within `share` of the extent of the mesh from the held end.
+  [[nodiscard]] std::vector<TetMesh::Index> points(const TetMesh& mesh, double share) const {
+    const Eigen::RowVectorXd along = towards.transpose() * mesh.points;
+    const double far = along.maxCoeff(), reach = share * (far - along.minCoeff());
+    std::vector<TetMesh::Index> held;
+    for (TetMesh::Index i = 0; i < mesh.point_count(); ++i)
+      if (along[i] >= far - reach) held.push_back(i);
+    return held;
+  }
+
+  /// The middle one of the points that are farthest from it.
+  [[nodiscard]] TetMesh::Index opposite(const TetMesh& mesh) const {
+    std::vector<TetMesh::Index> far = HeldEnd(-towards).points(mesh, 0.02);
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const TetMesh::Index i : far) middle += mesh.points.col(i) / static_cast<double>(far.size());
+    return *std::ranges::min_element(
+        far, {}, [&](TetMesh::Index i) { return (mesh.points.col(i) - middle).squaredNorm(); });
+  }
+};
+
+/// @throws InputError  when what is asked for is not that of the model, the mesh or the load
+void require_sensible(const TissueId& id, const TissueParameters& p, const TetMesh& mesh) {
+  const auto refuse_negative = [](std::string_view name, double value) {
+    if (value < 0) throw InputError(fmt::format("{} is {} but must not be negative", name, to_text(value)));
+  };
+  for (const auto& [name, value] :
+       std::initializer_list<std::pair<std::string_view, double>>{{"k", p.k},
+                                                                  {"cubic", p.cubic},
+                                                                  {"exponential", p.exponential},
+                                                                  {"bending", p.bending},
+                                                                  {"second_ring", p.second_ring},
+                                                                  {"doubled_skin", p.doubled_skin},
+                                                                  {"inclusion", p.inclusion},
+                                                                  {"skin", p.skin}})
+    refuse_negative(name, value);
+  if ((p.cubic != 0) + (p.exponential != 0) + !p.table.empty() > 1)
+    throw InputError("cubic, exponential and phi are laws of the same springs; choose one of them");
+  for (const auto& [name, value] : {std::pair("skin_thickness", p.skin_thickness), {"period", p.period}})
+    if (!(value > 0)) throw InputError(fmt::format("{} is {} but must be positive", name, to_text(value)));
+  if (p.skin_thickness != TissueParameters{}.skin_thickness && p.skin == 0)
+    throw InputError(
+        "skin_thickness is that of a skin; give its stiffness too, like skin=1000, or leave it out");
+  if (p.inclusion != 0 && region_count(mesh) < 2)
+    throw InputError(fmt::format(
+        "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh));
+  if (id.load == "breathing" && p.support == 0 && !p.has_box())
+    throw InputError(
+        "breathing moves the held end, and with support = 0 nothing is held; give support a share");
+}
+
+/// @throws InputError  when there are none
+std::vector<TetMesh::Index> points_of_box(const TissueParameters& p, const TetMesh& mesh) {
+  std::vector<TetMesh::Index> points =
+      points_in_box(mesh, {p.xmin, p.ymin, p.zmin}, {p.xmax, p.ymax, p.zmax});
+  if (points.empty())
+    throw InputError(
+        "no point of the mesh lies in the box from xmin, ymin, zmin to xmax, ymax, zmax; give a larger one, in metres");
+  return points;
+}
+
+/// @throws std::invalid_argument  for strains that are repeated, and for phi(0) other than 0
+TableSpring law_of_table(std::vector<std::pair<double, double>> points) {
+  if (std::ranges::find(points, 0.0, [](const auto& point) { return point.first; }) == points.end())
+    points.emplace_back(0, 0);
+  std::ranges::sort(points);
+  std::vector<double> strain, phi;
+  for (const auto& [s, value] : points) strain.push_back(s), phi.push_back(value);
+  return {std::move(strain), std::move(phi)};
+}
+
+/// @throws InputError  for a region that the mesh does not have
+void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loaded,
+                              std::vector<TissueMaterial>& materials) {
+  if (p.of_regions.empty()) return;
+  materials.resize(static_cast<std::size_t>(region_count(loaded.mesh)), materials.front());
+  for (const auto& [what, region, value] : p.of_regions) {
+    const auto it = std::ranges::find(loaded.regions, region);
+    if (it == loaded.regions.end())
+      throw InputError(fmt::format("{} has no region {}; it has {}", loaded.name, region,
+                                   fmt::join(loaded.regions, ", ")));
+    materials[static_cast<std::size_t>(it - loaded.regions.begin())].*what = value;
+  }
+}
+
+}  // namespace
+
+std::span<const std::string_view> tissue_models() { return models; }
+std::span<const std::string_view> tissue_loads() { return loads; }
+
+TissueId::TissueId(const std::string& id) {
+  const std::size_t at = id.find('@');
+  model = id.substr(0, at);
+  mesh = id.substr(at + 1);
+  const std::size_t slash = model.find('/');
+  load = slash == std::string::npos ? std::string(loads.front()) : model.substr(slash + 1);
+  model.resize(std::min(slash, model.size()));
+  require_known("model", model, models);
+  require_known("load", load, loads);
+}
+
+TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& settings) {
+  TissueParameters parameters;
+  // A beam is clamped, a liver hangs from the diaphragm, everything else stands.
+  if (id.mesh.starts_with("beam")) parameters.axis = 1;
+  if (id.mesh.starts_with("liver")) parameters.axis = -3;
+  if (!settings.material.empty()) {
+    // The oscillators' names of the same materials serve as well.
+    const TissueSettings made = with_tissue_material(
+        {}, settings.material.starts_with("liver:") ? settings.material : "liver:" + settings.material);
+    parameters.E = made.materials.front().young;
+    parameters.nu = made.materials.front().poisson;
+    parameters.mass = made.total_mass.value();
+    parameters.alpha = made.alpha;
+  }
+  for (const auto& [parameter, value] : settings.parameters) {
+    if (!std::isfinite(value))
+      throw InputError(fmt::format("{} is {}, which is not a finite number", parameter, to_text(value)));
+    require_computable(parameter, value);
+    if (take_indexed(parameters, parameter, value, id)) continue;
+    const auto it = std::ranges::find(all_named, parameter, &Named::name);
+    if (it == all_named.end()) {
+      std::vector<std::string> known;
+      for (const Named& each : all_named) known.emplace_back(each.name);
+      throw InputError(
+          fmt::format("unknown parameter '{}' of tissue; {}", parameter, suggestion(parameter, known)));
+    }
+    if (value != TissueParameters{}.*(it->value)) require_read(parameter, it->of, id);
+    parameters.*(it->value) = value;
+  }
+  if (!(parameters.support >= 0 && parameters.support < 1))
+    throw InputError(fmt::format("support is {} but must be a share of the body, at least 0 and below 1",
+                                 to_text(parameters.support)));
+  if (const double axis = std::abs(parameters.axis); axis != 1 && axis != 2 && axis != 3)
+    throw InputError(fmt::format(
+        "axis is {} but must be 1, 2 or 3 for the low end along x, y or z, or -1, -2 or -3 for the high one",
+        to_text(parameters.axis)));
+  if (parameters.equal_masses != 0 && parameters.equal_masses != 1)
+    throw InputError(fmt::format(
+        "equal_masses is {} but must be 1, the same mass at every point, or 0, by the volume around it",
+        to_text(parameters.equal_masses)));
+  return parameters;
+}
+
+std::vector<std::pair<std::string, double>> named_values(const TissueParameters& parameters) {
+  std::vector<std::pair<std::string, double>> values;
+  for (const Named& each : all_named)
+    if (const double value = parameters.*each.value;
+        each.everybody || value != TissueParameters{}.*each.value)
+      values.emplace_back(each.name, value);
+  for (const auto& [what, region, value] : parameters.of_regions)
+    values.emplace_back(
+        fmt::format("{}:{}", std::ranges::find(named_of_region, what, &NamedOfRegion::value)->name, region),
+        value);
+  for (const auto& [strain, phi] : parameters.table)
+    values.emplace_back(fmt::format("{}:{}", table_name, to_text(strain)), phi);
+  return values;
+}
+
+TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, const LoadedMesh& loaded) {
+  const TetMesh& mesh = loaded.mesh;
+  require_sensible(id, p, mesh);
+  TissueSettings settings{.model = tissue_model(id.model),
+                          .materials = {{.young = p.E, .poisson = p.nu, .density = p.rho}},
+                          .alpha = p.alpha,
+                          .beta = p.beta};
+  if (p.mass != 0) settings.total_mass = p.mass;
+  settings.equal_masses = p.equal_masses != 0;
+  settings.springs = {.stiffness = p.k,
+                      .damper_time = p.damper,
+                      .surface_bending = p.bending,
+                      .second_ring = p.second_ring,
+                      .doubled_skin = p.doubled_skin};
+  if (p.cubic != 0) settings.springs.law = CubicSpring{p.cubic};
+  if (p.exponential != 0) settings.springs.law = ExponentialSpring{p.exponential};
+  if (!p.table.empty()) settings.springs.law = law_of_table(p.table);
+  if (p.skin != 0)
+    settings.skin = {
+        .kind = id.model == "mass_spring" ? SkinSettings::Kind::springs : SkinSettings::Kind::membrane,
+        .young = p.skin * p.E,
+        .thickness = p.skin_thickness};
+  if (p.inclusion != 0) {
+    settings.materials.resize(static_cast<std::size_t>(region_count(mesh)), settings.materials.front());
+    for (TissueMaterial& other : settings.materials | std::views::drop(1)) other.young *= p.inclusion;
+  }
+  set_materials_of_regions(p, loaded, settings.materials);
+  const HeldEnd end(p.axis);
+  if (p.has_box())
+    settings.supports.push_back({.points = points_of_box(p, mesh)});
+  else if (p.support > 0)
+    settings.supports.push_back({.points = end.points(mesh, p.support)});
+
+  const MeshSurface surface = surface_of(mesh);
+  const Eigen::Vector3d tip = mesh.points.col(end.opposite(mesh));
+  const double size = (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+  if (id.load == "gravity") {
+    settings.gravity = {0, 0, -p.g};
+  } else if (id.load == "breathing") {
+    // The end that hangs on the diaphragm goes to and fro with it.
+    settings.supports.front().travel = p.depth * end.towards;
+    settings.supports.front().profile = {.kind = TimeProfile::Kind::sine,
+                                         .omega = 2 * std::numbers::pi / p.period};
+  } else if (id.load == "tool") {
+    // A sphere that begins where it touches the free end and moves towards the held one.
+    SphereTool tool{.points = surface.points, .radius = 0.05 * size};
+    tool.start = tip - tool.radius * end.towards;
+    tool.travel = p.depth * end.towards;
+    tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};
+    settings.tools.push_back(tool);
+  } else {
+    // The patch of the surface around the free end.
+    PressingForce force{.points = {}, .force = (id.load == "press" ? p.force : -p.force) * end.towards};
+    for (const TetMesh::Index i : surface.points)
+      if ((mesh.points.col(i) - tip).norm() <= 0.15 * size) force.points.push_back(i);
+    settings.forces.push_back(force);
+  }
+  return settings;
+}
+
+}  // namespace hmax

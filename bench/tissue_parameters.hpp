@@ -1,0 +1,85 @@
+/// What users may set of a body on a mesh, and the settings of the model that come of it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bench/catalogue.hpp"
+#include "bench/mesh_choice.hpp"
+#include "problems/tissue/tissue_settings.hpp"
+
+namespace hmax {
+
+/// Ids of the models a mesh can be made of, and of what moves it. The first is the default.
+std::span<const std::string_view> tissue_models();
+std::span<const std::string_view> tissue_loads();
+
+/// "fem_green/press@liver" in its parts; the load may be missing.
+struct TissueId {
+  std::string model, load, mesh;
+
+  /// @throws InputError  for an unknown model or load
+  explicit TissueId(const std::string& id);
+};
+
+/// What a user may set of a body on a mesh.
+struct TissueParameters {
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+  double E = TissueMaterial{}.young, nu = TissueMaterial{}.poisson, rho = TissueMaterial{}.density;
+  double mass = 0;             ///< of the whole body [kg]; 0: by the density
+  double alpha = 0, beta = 0;  ///< Rayleigh [1/s], [s]
+  double damper = 0;           ///< of springs: c / k [s]
+  double g = 9.81;             ///< along -z [m/s^2], under the load gravity
+  double force = 0.5;          ///< towards the held end or away from it, of press and pull [N]
+  double depth = 0.01;      ///< that the tool moves into the body in its first half second, or that the held
+                            ///< end moves to and fro, of breathing [m]
+  double period = 4;        ///< of breathing [s]
+  double support = 0.1;     ///< share of the body along the axis that is held
+  double axis = 3;          ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
+  double equal_masses = 0;  ///< 1: every point has the same mass
+  // What a body has only when it is asked for.
+  double inclusion = 0;                    ///< E of every region of the mesh but the first, over E
+  double skin = 0, skin_thickness = 1e-4;  ///< E of a skin over E, [m]
+  double k = 0;                            ///< of the springs on the edges; 0: from E [N/m]
+  double cubic = 0, exponential = 0;       ///< b of such springs
+  double bending = 0, second_ring = 0, doubled_skin = 0;  ///< further springs, relative to the edges
+  /// Box whose points are held, instead of a share of an end [m].
+  double xmin = -infinity, xmax = infinity, ymin = -infinity, ymax = infinity, zmin = -infinity,
+         zmax = infinity;
+
+  /// Of one region, by the name that its file gives it: `E:3=8000`, `nu:3=0.4`, `rho:3=1000`.
+  struct OfRegion {
+    double TissueMaterial::*what;
+    TetMesh::Index region;
+    double value;
+  };
+  std::vector<OfRegion> of_regions{};
+  /// Points (strain, phi) of a law of springs by table (problems/tissue/springs.hpp): `phi:0.1=0.14`. (0, 0)
+  /// is always one.
+  std::vector<std::pair<double, double>> table{};
+
+  [[nodiscard]] bool has_box() const {
+    return std::ranges::any_of(std::array{-xmin, xmax, -ymin, ymax, -zmin, zmax},
+                               [](double side) { return side < infinity; });
+  }
+};
+
+/// Those of a mesh and material, with what the user sets.
+/// @throws InputError  for unknown names, numbers out of range, and what the model or the load does not have
+TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& settings);
+
+/// Those that every body has, and of the others those that were asked for.
+std::vector<std::pair<std::string, double>> named_values(const TissueParameters& parameters);
+
+/// @throws InputError  for regions and boxes of points that the mesh does not have
+TissueSettings tissue_settings(const TissueId& id, const TissueParameters& parameters,
+                               const LoadedMesh& mesh);
+
+}  // namespace hmax
