@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace hmax {
 
@@ -11,6 +12,10 @@ namespace {
 
 /// From one quarter to the other growth in proportion to time makes at most a factor of four.
 const double in_proportion = std::log(4.0) + ExpectedGrowth{}.visible;
+
+double threshold_of(const ExpectedGrowth& expected) {
+  return expected.linear ? in_proportion : expected.visible;
+}
 
 }  // namespace
 
@@ -22,8 +27,9 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
   const bool ended = run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
     const double here = distance(y);
     broken = broken || !std::isfinite(here);
-    if (n == 0)
-      start = here;
+    // A first step from velocities that fast damping is about to stop carries them far, once.
+    if (n <= 1)
+      start = std::max(start, here);
     else if (n > steps / 4 && n <= steps / 2)
       early = std::max(early, here);
     else if (n > 3 * steps / 4)
@@ -38,15 +44,19 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
   return start > 0 && late > far_out * start ? std::max(growth, std::log(late / start)) : growth;
 }
 
+std::int64_t steps_to_see(const ExpectedGrowth& expected) {
+  constexpr double least = 512, most = most_observed_steps;
+  // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
+  const double to_grow = 2 * threshold_of(expected) / (expected.share * expected.above);
+  const double to_decay = 4 * expected.fall / -expected.beside;
+  return static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
+}
+
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
-  constexpr double least = 512, most = most_observed_steps;
-  const double threshold = expected.linear ? in_proportion : expected.visible;
-  // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
-  const double to_grow = 2 * threshold / (expected.share * expected.above);
-  const double to_decay = 4 * expected.fall / -expected.beside;
+  const double threshold = threshold_of(expected);
   ObservedLimit limit;
-  limit.steps = static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
+  limit.steps = steps_to_see(expected);
   const auto excess = [&](double h) { return observed_growth(run, distance, h, limit.steps) - threshold; };
   double low = 0.999 * predicted, high = 1.001 * predicted;
   double at_low = excess(low), at_high = excess(high);
@@ -93,21 +103,27 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
   return limit;
 }
 
-ShowSteps without_root(ShowSteps run, Eigen::VectorXd rest,
-                       std::function<std::complex<double>(double h)> root) {
+ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
+                        std::function<std::vector<std::complex<double>>(double h)> roots) {
   return [=](double h, std::int64_t steps, const auto& show) {
-    const std::complex<double> r = root(h);
-    Eigen::VectorXd before(rest.size()), here(rest.size()), shown(rest.size());
-    std::int64_t n = 0;
-    return run(h, steps + 2, [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
-      if (n >= 2) {
-        shown = y - 2 * r.real() * here + std::norm(r) * before - (std::norm(r) - 2 * r.real()) * rest;
-        show(shown);
-      }
-      before.swap(here);
-      here = y;
-      ++n;
-    });
+    // The coefficients of the product, ascending in E.
+    std::vector<std::complex<double>> c{1};
+    for (const std::complex<double> root : roots(h)) {
+      c.insert(c.begin(), 0);
+      for (std::size_t j = 0; j + 1 < c.size(); ++j) c[j] -= root * c[j + 1];
+    }
+    const std::size_t size = c.size();
+    std::vector<Eigen::VectorXd> d(size);
+    Eigen::VectorXd shown(rest.size());
+    std::size_t n = 0;
+    return run(h, steps + static_cast<std::int64_t>(size) - 1,
+               [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+                 d[n % size] = y - rest;
+                 if (++n < size) return;
+                 shown = rest;
+                 for (std::size_t j = 0; j < size; ++j) shown += c[j].real() * d[(n + j) % size];
+                 show(shown);
+               });
   };
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -22,8 +23,8 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 
 /// By how much the logarithm of the distance grew between the second and the last quarter of a run, each by
 /// its largest distance: oscillation within a quarter takes no part. Infinity when the run broke down,
-/// -infinity when nothing was left. Since the start where the distance is ten thousand times that of the
-/// start.
+/// -infinity when nothing was left. Since the first step where the distance is ten thousand times that of
+/// before and after it.
 /// @param noise  a distance below this share of the first one is no growth yet
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise = 0);
@@ -54,19 +55,23 @@ struct ExpectedGrowth {
   double resolution = 1e-6;  ///< to which the limit is sought, relative
 };
 
+/// How long a run has to be that shows a share of the growth that is expected at 1.001 of the limit, after
+/// the rest has died away before the first quarter that is compared; 512 steps at least, most_observed_steps
+/// at most.
+std::int64_t steps_to_see(const ExpectedGrowth& expected);
+
 /// Integrates at 0.999 and at 1.001 of a predicted limit, then closes in, by secants and by halves, between a
 /// step that does not grow and one that does; away from the prediction where both sides behave alike, so that
-/// a wrong prediction is reported with what is true. The runs are long enough to see a share of the growth
-/// that is expected at 1.001 of the limit, and for the rest to die away before the first quarter that is
-/// compared.
+/// a wrong prediction is reported with what is true. The runs are as long as steps_to_see() says.
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected);
 
-/// The same run without a motion that steps multiply by root and its conjugate, |root| not one: shows
-///   rest + d_(n+1) - 2 Re(root) d_n + |root|^2 d_(n-1),  d_n = y_n - rest,
-/// two states less, where other motions are as they were but for constant factors.
-ShowSteps without_root(ShowSteps run, Eigen::VectorXd rest,
-                       std::function<std::complex<double>(double h)> root);
+/// The same run without motions that steps multiply by given roots, among which stands the conjugate of each
+/// that is not real: shows
+///   rest + product of (E - root) d_n,  E d_n = d_(n+1),  d_n = y_n - rest,
+/// so many states less as there are roots; other motions are as they were but for constant factors.
+ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
+                        std::function<std::vector<std::complex<double>>(double h)> roots);
 
 /// Whether a run of so many steps at a step far beyond every time scale of the model grows faster than in
 /// proportion to its length, which no stable method does.

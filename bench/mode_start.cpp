@@ -124,6 +124,7 @@ ModeStart structure_start(const Linearised& near, const VectorXd& rest, Complex 
   const StructureMode mode = structure_mode(near, wanted);
   ModeStart start = energy_start(part, rest, mode.shape.real(), (mode.lambda * mode.shape).real());
   start.defective = mode.defective;
+  if (part.decouples()) start.shape = mode.shape.real();
   if (!start.defective) start.amplitude = amplitude_from(rest, part, mode);
   return start;
 }
@@ -155,6 +156,13 @@ VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
 ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
                            double h) {
   return energy_start(part, rest, shape, 2 / h * shape);
+}
+
+Distance motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape, double h) {
+  return [rest, row = VectorXd(part.mass.cwiseProduct(shape)), h](const Eigen::Ref<const VectorXd>& y) {
+    const Eigen::Index n = row.size();
+    return std::hypot(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
+  };
 }
 
 ModeStart start_from_mode(const Linearised& near, const VectorXd& rest, Complex wanted, double fastest) {

@@ -12,6 +12,8 @@ struct ModeStart {
   Distance distance;
   Distance amplitude =
       {};  ///< of the mode alone, which takes no notice of others; empty where it is not known
+  /// u of a structure whose motion decouples, u^T M u = 1, shape (dofs); empty for others.
+  Eigen::VectorXd shape = {};
   bool defective = false;  ///< the mode shares its eigenvector with another
   /// The rest is so little of the distance that growth of the mode shows at once, without waiting for it to
   /// die away.
@@ -33,6 +35,11 @@ ModeStart start_from_mode(const Linearised& near, const Eigen::VectorXd& rest, C
 /// velocity strong damping would leave nearly all of it to creep.
 ModeStart start_from_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
                            const Eigen::VectorXd& shape, double h);
+
+/// What a mode of shape u moves: its velocity u^T M v and what its displacement is a step of size h,
+/// u^T M q / h, which no other mode has a part in, whatever damps it.
+Distance motion_of_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
+                         const Eigen::VectorXd& shape, double h);
 
 /// The shape of a mode of a structure whose motion decouples, u^T M u = 1, shape (dofs).
 Eigen::VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode);

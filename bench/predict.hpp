@@ -65,10 +65,14 @@ struct Observation {
   double gap = 0;          ///< (observed - predicted) / predicted; NaN without a number on both sides
   std::int64_t steps = 0;  ///< of each run
   bool agrees = false;     ///< bounded below the prediction, growing above it
+  /// Does not agree for a reason that the note of the row says, and that is no mistake of the prediction.
+  bool excused = false;
   double step_defect = 0;  ///< how far steps of the code are from what is analysed, as of step_defect.hpp
 
   /// Whether both confirm the prediction: the limit, and steps that show errors too small to move it.
   [[nodiscard]] bool confirms() const { return agrees && has_steps_of_analysis(); }
+  /// Whether they show that something is wrong.
+  [[nodiscard]] bool contradicts() const { return !has_steps_of_analysis() || (!agrees && !excused); }
   [[nodiscard]] bool has_steps_of_analysis() const { return step_defect <= rounding_of_steps; }
 };
 

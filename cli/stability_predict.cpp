@@ -310,8 +310,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
       if (interrupted)
         std::erase_if(rows, [](const PredictedRow& row) { return row.prediction.method.empty(); });
       for (const PredictedRow& row : std::span(rows).subspan(before))
-        if (const auto& seen = row.prediction.observed;
-            seen && (!seen->has_steps_of_analysis() || (!seen->agrees && row.prediction.note.empty())))
+        if (const auto& seen = row.prediction.observed; seen && seen->contradicts())
           console.exit_code = Exit::failed;
       if (options.along.empty() || interrupted) continue;
       progress.update(static_cast<double>(rows.size()) / total, "along the " + options.along);
@@ -327,10 +326,6 @@ void predict_rows(const PredictOptions& options, Console& console) {
   }
   console.print(for_people(rows, options, console));
   std::string remarks = states;
-  for (const PredictedRow& each : rows)
-    if (const auto& seen = each.prediction.observed; seen && !seen->has_steps_of_analysis())
-      remarks += fmt::format("{}: its steps are not those of its analysis, they differ by {}\n",
-                             each.prediction.method, short_number(seen->step_defect, 3));
   std::string said;
   for (const PredictedRow& each : rows)
     if (const std::string& note = each.path_note; !note.empty() && note != said) {

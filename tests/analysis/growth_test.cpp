@@ -47,6 +47,16 @@ TEST(ObservedGrowth, CountsARunThatBreaksDownAsGrowth) {
   EXPECT_TRUE(std::isinf(observed_growth(not_a_number, size, 1, 100)));
 }
 
+TEST(ObservedGrowth, DoesNotCountTheJumpOfAFirstStep) {
+  const ShowSteps jumps = [](double, std::int64_t steps, const auto& show) {
+    show(Eigen::VectorXd::Constant(1, 1e-9));
+    for (std::int64_t n = 1; n <= steps; ++n)
+      show(Eigen::VectorXd::Constant(1, std::pow(0.99, static_cast<double>(n))));
+    return true;
+  };
+  EXPECT_LT(observed_growth(jumps, size, 1, 512), 0);
+}
+
 TEST(GrowsAt, DoesNotCountWhatGrowsInProportionToTime) {
   const ShowSteps line = [](double, std::int64_t steps, const auto& show) {
     for (std::int64_t n = 0; n <= steps; ++n) show(Eigen::VectorXd::Constant(1, static_cast<double>(n + 1)));
@@ -56,19 +66,20 @@ TEST(GrowsAt, DoesNotCountWhatGrowsInProportionToTime) {
   EXPECT_TRUE(grows_at(powers([](double) { return 1.001; }), size, 1));
 }
 
-TEST(WithoutRoot, LeavesWhatStepsMultiplyByAnotherRoot) {
+TEST(WithoutRoots, LeavesWhatStepsMultiplyByAnotherRoot) {
   const std::complex<double> root = std::polar(0.98, 0.4);
-  const auto two_motions = [&](double, std::int64_t steps, const auto& show) {
+  const auto three_motions = [&](double, std::int64_t steps, const auto& show) {
     Eigen::VectorXd y(1);
     for (std::int64_t n = 0; n <= steps; ++n) {
-      y[0] = 7 + std::pow(root, n).real() + 1e-6 * std::pow(-1.01, n);
+      y[0] = 7 + std::pow(root, n).real() + 50 * std::pow(0.9999, n) + 1e-6 * std::pow(-1.01, n);
       show(y);
     }
     return true;
   };
   std::vector<double> left;
-  const ShowSteps filtered =
-      without_root(two_motions, Eigen::VectorXd::Constant(1, 7), [&](double) { return root; });
+  const ShowSteps filtered = without_roots(three_motions, Eigen::VectorXd::Constant(1, 7), [&](double) {
+    return std::vector<std::complex<double>>{root, std::conj(root), 0.9999};
+  });
   EXPECT_TRUE(
       filtered(0.1, 100, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { left.push_back(y[0] - 7); }));
   ASSERT_EQ(left.size(), 101U);
