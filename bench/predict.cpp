@@ -1,6 +1,7 @@
 #include "bench/predict.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -93,9 +94,10 @@ void require_usual_rates(const Spectrum& spectrum) {
   for (const Complex lambda : spectrum.lambda)
     if (!(std::abs(lambda) <= most))
       throw InputError(fmt::format(
-          "the model has an eigenvalue of {:.3g} 1/s, and beyond {:.0e} the products of rates leave "
+          "the model has an eigenvalue {}, and beyond {:.0e} 1/s the products of rates leave "
           "the range of numbers; give masses, stiffness and damping in units of one size",
-          std::abs(lambda), most));
+          std::isfinite(std::abs(lambda)) ? fmt::format("of {:.3g} 1/s", std::abs(lambda)) : "without a size",
+          most));
 }
 
 /// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
@@ -141,23 +143,27 @@ Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y
   return near;
 }
 
-namespace {
-/// A body is at rest where forces are nothing beside those that rounding of its points makes; under a load
-/// its balance is found with its stiffness, half as many unknowns.
-EquilibriumSearch balance_of_body(const Problem& problem) {
-  const TissueBody& body = *problem.body;
-  const StaticModel model = static_model(problem, 1);
-  Eigen::VectorXd q = Eigen::VectorXd::Zero(body.dofs()), f = q;
-  StaticModel::Matrix K;
-  model.force(q, f);
-  model.stiffness(q, K);
+bool is_at_rest(const TissueBody& body) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
+  Eigen::VectorXd f = rest;
+  TissueBody::DofMatrix K;
+  body.force(0, rest, rest, f);
+  body.stiffness(0, rest, rest, K);
   const double rounding =
       1e-13 * K.diagonal().cwiseAbs().maxCoeff() * body.mesh().points.cwiseAbs().maxCoeff();
+  return f.cwiseAbs().maxCoeff() <= rounding;
+}
+
+namespace {
+/// Under a load the balance of a body is found with its stiffness, half as many unknowns.
+EquilibriumSearch balance_of_body(const Problem& problem) {
+  const TissueBody& body = *problem.body;
   EquilibriumSearch search;
   search.outcome = EquilibriumOutcome::found;
   search.state = problem.y0;
-  if (f.cwiseAbs().maxCoeff() <= rounding) return search;
-  const StaticSolution solution = solve_static(model, {.tolerance = 1e-12}, [] { return 0.0; });
+  if (is_at_rest(body)) return search;
+  const StaticSolution solution =
+      solve_static(static_model(problem, 1), {.tolerance = 1e-12}, [] { return 0.0; });
   if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
     search.message = "no balance was found: " + why_unbalanced(problem, solution);
@@ -203,10 +209,24 @@ Bound bound_without_limit(const Method& method, const Problem& problem, const Li
                                                                                      : Bound::accuracy;
 }
 
-void is_of_growing_model(Prediction& row, Complex lambda) {
+/// The one of two eigenvalues that grows faster.
+Complex growing_of(const std::array<Complex, 2>& pair) {
+  return pair[0].real() > pair[1].real() ? pair[0] : pair[1];
+}
+
+void is_of_growing_model(Prediction& row, Complex lambda, const Problem& problem, const Linearised& near) {
   row.bound = Bound::model;
   row.limiting = mode_of(lambda);
-  row.note = "the model itself grows: an eigenvalue has a positive real part";
+  if (problem.body && near.at_equilibrium && lambda.imag() == 0)
+    row.note = fmt::format(
+        "the body buckles: its stiffness in this balance has a negative eigenvalue, and it leaves the balance as "
+        "exp({:.4g} t) whatever the step; take less load, `--along load` shows up to which share it does not",
+        lambda.real());
+  else
+    row.note = fmt::format(
+        "the model itself grows as exp({:.4g} t) here, which no step changes; the limits that steps have are those "
+        "along its motion, `--along motion`",
+        lambda.real());
 }
 
 /// Names what limits the step: nothing, or a mode.
@@ -225,7 +245,8 @@ void conclude(Prediction& row, double h_max, Complex lambda, const Method& metho
 /// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
 void predict_on_curve(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
   if (near.curve->kappa_min < 0)
-    return is_of_growing_model(row, eigenvalues_of(near.curve->at(near.curve->kappa_min))[0]);
+    return is_of_growing_model(row, growing_of(eigenvalues_of(near.curve->at(near.curve->kappa_min))),
+                               problem, near);
   LimitOnCurve limit = limit_on_curve(*method.amplification, near, radius_told(problem, near));
   row.modes = std::move(limit.modes);
   conclude(row, limit.h_max, limit.lambda, method, problem, near);
@@ -239,7 +260,7 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
   for (const Complex each : lambda)
     row.modes.push_back({mode_of(each), std::numeric_limits<double>::quiet_NaN(), Eigenmode(each)});
   if (const auto growing = growing_modes(lambda); !growing.empty())
-    return is_of_growing_model(row, lambda[growing.front()]);
+    return is_of_growing_model(row, lambda[growing.front()], problem, near);
   const MechanicalPart& part = *near.model.mechanical;
   row.coupled = CoupledMotion(*method.amplification->motion, part).first_exit(*method.amplification);
   if (!row.coupled) {
@@ -314,9 +335,14 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   for (std::size_t i = 0; i < lambda.size(); ++i)
     row.modes.push_back({mode_of(lambda[i]), limit.of_modes[i], told[i]});
 
-  if (!limit.growing.empty())
-    is_of_growing_model(row, lambda[limit.growing.front()]);
-  else
+  if (!limit.growing.empty()) {
+    const std::size_t first = limit.growing.front();
+    is_of_growing_model(row,
+                        method.amplification->of_oscillation
+                            ? growing_of(eigenvalues_of(near.spectrum.mechanical[first]))
+                            : lambda[first],
+                        problem, near);
+  } else
     conclude(row, limit.h_max, lambda[limit.limiting], method, problem, near);
   return row;
 }

@@ -42,6 +42,10 @@ struct Linearised {
   std::string state;  ///< in words: which state, whose Jacobian
 };
 
+/// Whether nothing loads a body at rest: its forces are nothing beside those that rounding of its points
+/// makes.
+bool is_at_rest(const TissueBody& body);
+
 /// A problem near its equilibrium, found by Newton's method from its initial state with time standing still
 /// at 0; near the initial state itself where there is none, which `state` then says.
 /// @throws InputError  as linearise()

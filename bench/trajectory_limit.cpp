@@ -23,6 +23,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+std::string short_share(double share) { return fmt::format("{:.4g}", share); }
+
 /// The tangent of a model, of large bodies by the ends of its spectrum.
 Linearised tangent(const Problem& problem, double t, const Eigen::VectorXd& y) {
   if (!problem.body || problem.body->dofs() <= small_enough_for_dense) return linearised(problem, t, y);
@@ -65,6 +67,11 @@ Path load_path(const Problem& problem, int points) {
         fmt::format("the load of {} changes with time; take gravity, press or pull, or look along "
                     "the motion",
                     problem.id));
+  if (is_at_rest(*problem.body))
+    throw InputError(fmt::format(
+        "nothing loads {}, so no load can grow; give it one with --set, g of gravity or force of press "
+        "and pull, or leave --along load out",
+        problem.id));
   Path path;
   for (int i = 0; i <= points; ++i) {
     const double share = static_cast<double>(i) / points;
@@ -73,8 +80,9 @@ Path load_path(const Problem& problem, int points) {
       const StaticSolution balance = solve_static(
           static_model(problem, share), {.load_steps = 1 + static_cast<int>(4 * share)}, [] { return 0.0; });
       if (!balance.converged) {
-        path.note =
-            fmt::format("no balance was found under more than {} of the load", to_text(path.at.back()));
+        path.note = fmt::format("{} of the load is the largest share with a balance; under {} of it {}",
+                                short_share(path.at.back()), short_share(share),
+                                why_unbalanced(problem, balance));
         break;
       }
       y.head(balance.q.size()) = balance.q;

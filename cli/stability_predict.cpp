@@ -177,6 +177,22 @@ Json to_json(const Prediction& row) {
   return document;
 }
 
+/// Where on a path tangents grow, so that the limits there are those of no step.
+std::string words_of_growth(const TrajectoryLimit& along, bool of_load) {
+  const auto first = std::ranges::find_if(along.h_max, [](double h) { return std::isnan(h); });
+  if (along.growing == 0 || first == along.h_max.end()) return {};
+  const double at = along.t[static_cast<std::size_t>(first - along.h_max.begin())];
+  return of_load
+             ? fmt::format(
+                   "the body buckles from {} of the load on: the stiffness of its balance has a negative eigenvalue "
+                   "there; take less load, or look where it goes with `--along motion`",
+                   short_number(at, 4))
+             : fmt::format(
+                   "the tangent grows on {} % of the motion, from t = {} s on, where neighbours part "
+                   "whatever the step",
+                   short_number(100 * along.growing, 3), short_number(at, 4));
+}
+
 Json to_json(const TrajectoryLimit& along, bool of_load, bool of_body, const std::string& note) {
   Json path = Json::array();
   for (std::size_t i = 0; i < along.t.size(); ++i)
@@ -190,7 +206,9 @@ Json to_json(const TrajectoryLimit& along, bool of_load, bool of_body, const std
     document["y"] = std::vector<double>(y.begin(), y.end());
   document["growing_share"] = along.growing;
   document["path"] = std::move(path);
-  if (!note.empty()) document["status"] = note;
+  const std::string growth = words_of_growth(along, of_load);
+  if (!growth.empty() || !note.empty())
+    document["status"] = growth + (growth.empty() || note.empty() ? "" : "; ") + note;
   return document;
 }
 
@@ -240,20 +258,48 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
   return table.text(console);
 }
 
-/// Puts the limits along a motion or under a load into the rows of one problem.
-void look_along(const PredictOptions& options, const Problem& problem, std::span<const Method> methods,
-                std::span<PredictedRow> rows) {
+/// What --along looks along.
+Path path_of(const PredictOptions& options, const Problem& problem) {
+  if (options.along_load()) return load_path(problem);
   const double t_end = options.t_end.value_or(problem.t_end);
-  const Path path = options.along_load() ? load_path(problem)
-                    : problem.body       ? motion_path(problem, t_end, 100)
-                                         : motion_path(problem, t_end);
+  return problem.body ? motion_path(problem, t_end, 100) : motion_path(problem, t_end);
+}
+
+/// What is to be said of rows, once of all methods of which it is to be said.
+std::string words_of_notes(const std::vector<PredictedRow>& rows) {
+  struct Said {
+    std::string note, material;
+    std::vector<std::string> methods;
+  };
+  std::vector<Said> all;
+  for (const PredictedRow& each : rows) {
+    const Prediction& row = each.prediction;
+    if (row.note.empty() || row.bound == Bound::error_control) continue;
+    const auto same = std::ranges::find_if(
+        all, [&](const Said& said) { return said.note == row.note && said.material == row.material; });
+    if (same == all.end())
+      all.push_back({row.note, row.material, {row.method}});
+    else
+      same->methods.push_back(row.method);
+  }
+  std::string text;
+  for (const auto& [note, material, methods] : all)
+    text +=
+        fmt::format("{}{}: {}\n", fmt::join(methods, ", "), material.empty() ? "" : ", " + material, note);
+  return text;
+}
+
+/// Puts the limits along a path into the rows of one problem.
+void look_along(const PredictOptions& options, const Problem& problem, const Path& path,
+                std::span<const Method> methods, std::span<PredictedRow> rows) {
   const std::vector<std::optional<TrajectoryLimit>> limits = limits_along(methods, problem, path);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].along = limits[i];
     rows[i].path_note = path.note;
     if (options.verify && !options.along_load() && limits[i] && limits[i]->least > 0 &&
         std::isfinite(limits[i]->least))
-      rows[i].from_start = limit_from_start(methods[i], problem, t_end, limits[i]->least);
+      rows[i].from_start =
+          limit_from_start(methods[i], problem, options.t_end.value_or(problem.t_end), limits[i]->least);
   }
 }
 
@@ -286,6 +332,8 @@ void predict_rows(const PredictOptions& options, Console& console) {
     const auto total = static_cast<double>(problems.size() * chosen.size());
     for (std::size_t which = 0; which < problems.size() && !interrupted; ++which) {
       const Problem& problem = problems[which];
+      const std::optional<Path> path =
+          options.along.empty() ? std::nullopt : std::optional(path_of(options, problem));
       const Linearised near = linearised(problem);
       if (console.json) models.push_back(model_json(problem, near));
       if (states.empty()) {
@@ -312,9 +360,9 @@ void predict_rows(const PredictOptions& options, Console& console) {
       for (const PredictedRow& row : std::span(rows).subspan(before))
         if (const auto& seen = row.prediction.observed; seen && seen->contradicts())
           console.exit_code = Exit::failed;
-      if (options.along.empty() || interrupted) continue;
+      if (!path || interrupted) continue;
       progress.update(static_cast<double>(rows.size()) / total, "along the " + options.along);
-      look_along(options, problem, chosen, std::span(rows).last(chosen.size()));
+      look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()));
     }
   }
   if (console.json) {
@@ -327,17 +375,15 @@ void predict_rows(const PredictOptions& options, Console& console) {
   console.print(for_people(rows, options, console));
   std::string remarks = states;
   std::string said;
-  for (const PredictedRow& each : rows)
-    if (const std::string& note = each.path_note; !note.empty() && note != said) {
-      remarks +=
-          each.prediction.material.empty() ? note + "\n" : each.prediction.material + ": " + note + "\n";
-      said = note;
-    }
-  for (const auto& [row, along, note, from_start] : rows)
-    if (!row.note.empty() && row.bound != Bound::error_control)
-      remarks +=
-          fmt::format("{}{}: {}\n", row.method, row.material.empty() ? "" : ", " + row.material, row.note);
-  console.print(remarks);
+  for (const PredictedRow& each : rows) {
+    std::string words = each.along ? words_of_growth(*each.along, options.along_load()) : "";
+    if (!words.empty()) words += "\n";
+    if (!each.path_note.empty()) words += each.path_note + "\n";
+    if (words.empty() || words == said) continue;
+    remarks += each.prediction.material.empty() ? words : each.prediction.material + ": " + words;
+    said = words;
+  }
+  console.print(remarks + words_of_notes(rows));
   if (interrupted) throw Interrupted{};
 }
 

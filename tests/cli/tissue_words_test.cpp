@@ -75,5 +75,33 @@ TEST(TissueWords, TellHowToGetAPictureOfWhatHasDiverged) {
   EXPECT_FALSE(std::filesystem::exists(shell / "a.svg"));
 }
 
+TEST(TissueWords, SayThatABodyBucklesAndWhatToDo) {
+  const std::string beam =
+      "stability predict --mesh beam:n=2 --load press --set force=0.46 --methods rk4,symplectic_euler ";
+  const Told told = Shell{}.hmax(beam);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.out.find("rk4, symplectic_euler: the body buckles"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("take less load, `--along load`"), std::string::npos) << told.out;
+  const Json rows = Shell{}.hmax(beam + "--json").json().at("rows");
+  for (const Json& row : rows) {
+    EXPECT_EQ(row.at("bound"), "model");
+    EXPECT_TRUE(row.at("h_max").is_null());
+    EXPECT_NE(row.at("status").get<std::string>().find("buckles"), std::string::npos);
+    EXPECT_EQ(row.at("limiting").at("zeta"), -1) << "the eigenvalue that grows is named, not its partner";
+  }
+  const Told along = Shell{}.hmax(beam + "--along load");
+  EXPECT_NE(along.out.find("the body buckles from 0.925 of the load on"), std::string::npos) << along.out;
+  const Json path = Shell{}.hmax(beam + "--along load --json").json().at("rows").at(0).at("along");
+  EXPECT_NE(path.at("status").get<std::string>().find("buckles from 0.925"), std::string::npos);
+  EXPECT_GT(path.at("growing_share").get<double>(), 0);
+  EXPECT_NE(Shell{}.hmax(beam + "--along").out.find("the tangent grows on"), std::string::npos);
+}
+
+TEST(TissueWords, SayThatNothingLoadsABody) {
+  for (const char* set : {"press --set force=0", "gravity --set g=0"})
+    expect_refusal(std::string("stability predict --mesh phantom --methods rk4 --along load --load ") + set,
+                   "nothing loads fem_green");
+}
+
 }  // namespace
 }  // namespace hmax
