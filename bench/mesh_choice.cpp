@@ -44,6 +44,8 @@ void refuse_parameter(const std::string& mesh, const std::string& text) {
   std::string like;
   for (const auto& [name, value] : known->parameters)
     like += fmt::format("{}{}={}", like.empty() ? "" : ",", name, to_text(value));
+  if (text.empty())
+    throw InputError(fmt::format("nothing stands behind the colon of '{}:'; leave the colon out", mesh));
   throw InputError(
       fmt::format("behind the mesh {} '{}' is no parameter; write them in small letters like {}:{}", mesh,
                   text, mesh, like.empty() ? "refine=1" : like));
@@ -95,9 +97,11 @@ double unit_in_metres(std::string_view text) {
   if (text == "cm") return 0.01;
   if (text == "mm") return 0.001;
   const auto metres = to_number(text);
-  if (!metres || !(*metres > 0 && std::isfinite(*metres)))
-    throw InputError(
-        fmt::format("'{}' is no unit of length; write m, cm, mm, or metres as a number like 0.0254", text));
+  constexpr double least = 1e-12, most = 1e12;
+  if (!metres || !(*metres >= least && *metres <= most))
+    throw InputError(fmt::format(
+        "'{}' is no unit of length; write m, cm, mm, or metres as a number from {} to {} like 0.0254", text,
+        to_text(least), to_text(most)));
   return *metres;
 }
 

@@ -253,6 +253,8 @@ SweepSpec spec_from(const SweepRequest& request) {
                                 .parameters = request.parameters,
                                 .y0 = request.y0.value_or(std::vector<double>{}),
                                 .unit = request.unit}});
+  if (request.unit && std::ranges::none_of(spec.problems, is_tissue_id, &SweepProblem::name))
+    throw InputError("a unit is of a mesh file, and no problem of this sweep has a mesh; leave it out");
   if (request.methods) spec.methods = *request.methods;
   if (request.tableaux) spec.tableaux.assign(request.tableaux->begin(), request.tableaux->end());
   if (request.h) spec.h = *request.h;

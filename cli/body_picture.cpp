@@ -64,6 +64,11 @@ SpacePoint towards_viewer(const std::string& from) {
   return {n[0], n[1], n[2]};
 }
 
+void require_value(const TissueBody& body, BodyValue value) {
+  if (value == BodyValue::energy_density && body.settings().model == TissueModel::mass_spring)
+    throw InputError("springs have no energy density; take --colour displacement, or finite elements");
+}
+
 /// A round number at or above.
 double rounded_up(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
@@ -74,9 +79,14 @@ double rounded_up(double value) {
 
 }  // namespace
 
+std::string title_of(const std::string& problem) {
+  const std::size_t at = problem.find('@'), folder = problem.rfind('/');
+  if (folder == std::string::npos || (at != std::string::npos && folder < at)) return problem;
+  return problem.substr(0, at == std::string::npos ? 0 : at + 1) + problem.substr(folder + 1);
+}
+
 BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, BodyValue value) {
-  if (value == BodyValue::energy_density && body.settings().model == TissueModel::mass_spring)
-    throw InputError("springs have no energy density; take --colour displacement, or finite elements");
+  require_value(body, value);
   const TetMesh& mesh = body.mesh();
   const Eigen::Matrix3Xd x = body.positions(t, q);
   BodyView view{.points = space_points(x),
@@ -172,6 +182,8 @@ void PictureChoice::check() const {
   (void)towards_viewer(from);
   check_writable(file);
 }
+
+void PictureChoice::check(const TissueBody& body) const { require_value(body, value()); }
 
 BodyValue PictureChoice::value() const {
   if (colour.empty()) return BodyValue::displacement;

@@ -23,6 +23,9 @@ BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, B
 /// much larger: at the edge of a support they grow without bound as the mesh is refined.
 BodyColours colours_of(BodyValue value, const std::vector<BodyView>& views);
 
+/// The id of a problem for a title: a mesh file without its folders.
+std::string title_of(const std::string& problem);
+
 /// A mesh, in the colours of its worst element at each triangle of the surface: one of those that have a
 /// corner of it.
 BodyView mesh_view(const TetMesh& mesh);
@@ -37,6 +40,7 @@ struct PictureChoice {
   [[nodiscard]] bool wanted() const { return !file.empty(); }
   /// Throws now what would be thrown after a long computation.
   void check() const;
+  void check(const TissueBody& body) const;
   [[nodiscard]] BodyValue value() const;
   /// Writes the picture, seen from --from.
   void write(BodyPicture picture) const;

@@ -69,6 +69,9 @@ std::string ProblemChoice::id() const {
 }
 
 ProblemSettings ProblemChoice::settings() const {
+  if (!body.unit.empty() && body.mesh.empty() && !is_tissue_id(problem))
+    throw InputError(fmt::format(
+        "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", problem));
   ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}, .unit = body.metres()};
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));

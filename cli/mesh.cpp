@@ -37,7 +37,7 @@ struct MeshOptions {
   std::string mesh, output, unit, times = "1", slivers = "5";
   bool fix = false, renumber = false;
   // Of SOFA's scenes.
-  std::string model = "fem_corotational", material, gravity, support;
+  std::string model, material, gravity, support;
   std::optional<double> h;
   PictureChoice picture;
 
@@ -86,7 +86,7 @@ void info(const MeshOptions& options, Console& console) {
   const auto regions = regions_of(mesh);
   if (options.picture.wanted())
     options.picture.write(
-        {.title = options.mesh,
+        {.title = title_of(options.mesh),
          .caption =
              fmt::format("{} points, {} tetrahedra, {} triangles on the surface, {} cm³; mean ratio {} at "
                          "worst, {} on average: 1 for the regular tetrahedron, 0 for a flat one.{}",
@@ -253,7 +253,7 @@ std::vector<TetMesh::Index> supported_points(const MeshOptions& options, const T
 
 std::string scene_of(const MeshOptions& options, const TetMesh& mesh) {
   TissueSettings settings;
-  settings.model = tissue_model(options.model);
+  settings.model = tissue_model(options.model.empty() ? "fem_corotational" : options.model);
   if (!options.material.empty()) settings = with_tissue_material(settings, options.material);
   if (!options.gravity.empty()) {
     const std::vector<double> g = parse_numbers("--gravity", options.gravity);
@@ -274,10 +274,11 @@ void deliver(const MeshOptions& options, const TetMesh& mesh, bool metres, Json 
     throw InputError(fmt::format(
         "meshes are written as .msh, .vtu or .scn and not as '{}'; change the extension", options.output));
   const bool scene = extension == ".scn";
-  const bool physics =
-      options.h || !options.material.empty() || !options.gravity.empty() || !options.support.empty();
+  const bool physics = options.h || !options.model.empty() || !options.material.empty() ||
+                       !options.gravity.empty() || !options.support.empty();
   if (physics && !scene)
-    throw InputError("--material, --h, --gravity and --support belong to a SOFA scene; write to a file .scn");
+    throw InputError(
+        "--model, --material, --h, --gravity and --support belong to a SOFA scene; write to a file .scn");
   if (scene && !metres)
     throw InputError(
         fmt::format("{} does not say its unit, and a body of {} could be anything; state it with --unit",
@@ -356,7 +357,7 @@ auto with_sentences(Run run, std::shared_ptr<MeshOptions> options, Console& cons
 void add_mesh_argument(CLI::App& command, MeshOptions& options) {
   command
       .add_option(
-          "mesh", options.mesh,
+          "mesh,--mesh", options.mesh,
           "A file (.msh .vtk .vtu .node .ele .mesh), or liver, phantom, beam, cube, ball; parameters like "
           "ball:n=6, all take :refine=K")
       ->required();

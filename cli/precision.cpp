@@ -25,18 +25,16 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct PrecisionOptions {
-  std::string problem = "liver_forced", material, y0, methods, rtol, h, control, repeats, store, output;
-  std::vector<std::string> set;
+  ProblemChoice problem;
+  std::string methods, rtol, h, control, repeats, store, output;
   std::optional<double> t_end, atol_over_rtol;
 };
 
 PrecisionSpec spec_of(const PrecisionOptions& options) {
   PrecisionSpec spec;
-  spec.problem.name = options.problem;
-  spec.problem.settings.material = options.material;
-  for (const std::string& assignment : options.set)
-    spec.problem.settings.parameters.push_back(parse_assignment("--set", assignment));
-  if (!options.y0.empty()) spec.problem.settings.y0 = parse_numbers("--y0", options.y0);
+  ProblemChoice problem = options.problem;
+  if (problem.problem.empty() && problem.body.mesh.empty()) problem.problem = SweepProblem{}.name;
+  spec.problem = {.name = problem.id(), .settings = problem.settings()};
   if (options.methods.empty())
     throw InputError(
         "no methods are given; name them with --methods, like ode45,dop_853, or a family of `hmax list "
@@ -173,22 +171,17 @@ void precision(const PrecisionOptions& options, Console& console) {
 
 void add_precision(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
-      app, console, "precision", "Compare methods by what an error costs: CPU time and evaluations of f",
+      app, console, "precision",
+      "Compare methods by what an error costs: CPU time and evaluations of f; on liver_forced by default",
       {"hmax precision --problem liver_forced --methods ode45,dop_853 --rtol 1e-4,1e-8",
+       "hmax precision --mesh phantom --methods rk4,newmark --h 1e-3,5e-4 --t-end 0.05",
        "hmax precision --problem liver_forced --methods explicit_runge_kutta --output "
        "results/runs/precision"});
   auto options = std::make_shared<PrecisionOptions>();
   const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
     return command.add_option(flag, value, description)->type_name(type);
   };
-  text("--problem", options->problem, "An id of `hmax list problems`, or a file of formulas FILE.toml", "ID")
-      ->capture_default_str();
-  text("--material", options->material, "An id of `hmax list materials`", "ID");
-  command.add_option("--set", options->set, "Change a parameter, like c=6; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->take_all()
-      ->allow_extra_args(false);
-  text("--y0", options->y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
+  options->problem.add_to(command);
   text("--methods,--method", options->methods, "Ids, aliases or families of `hmax list methods`, or all",
        "A,B");
   text("--rtol", options->rtol, "Tolerances of adaptive methods; 1e-3 to 1e-12 by default", "NUMBERS");

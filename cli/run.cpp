@@ -13,6 +13,7 @@
 #include "cli/body_picture.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "integrators/control.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_writers.hpp"
@@ -62,7 +63,9 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
   return spec;
 }
 
-bool is_series(const RunOptions& options) { return options.output.ends_with(".pvd"); }
+bool is_series(const RunOptions& options) {
+  return form_of(options.output, {{".csv", "the motion"}, {".pvd", "a body, for ParaView"}}) == ".pvd";
+}
 
 /// A series for ParaView has a file for each of its instants.
 constexpr double most_frames = 1e4;
@@ -83,11 +86,6 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
     throw InputError(fmt::format(
         "{} would be a series of meshes, and {} is no body on a mesh; write to FILE.csv, or name a body with --mesh",
         options.output, problem.id));
-  for (const char* other : {".vtu", ".svg", ".json", ".msh"})
-    if (options.output.ends_with(other))
-      throw InputError(fmt::format(
-          "{} would not be what its name says; --output writes FILE.csv, and of bodies FILE.pvd for ParaView",
-          options.output));
   const double interval = options.every.value_or(spec.h),
                most = is_series(options) ? most_frames : most_points;
   if (interval > 0 && spec.t_end / interval > most)
@@ -335,7 +333,7 @@ BodyPicture picture_of(const RunOptions& options, const Problem& problem, const 
   const Eigen::VectorXd q = record.y.head(body.dofs());
   const BodyValue value = options.picture.value();
   BodyPicture picture{
-      .title = fmt::format("{}{} after {} s: {} mm at most", problem.id,
+      .title = fmt::format("{}{} after {} s: {} mm at most", title_of(problem.id),
                            problem.material.empty() ? "" : " of " + problem.material,
                            short_number(record.t, 4), short_number(1000 * largest_displacement(q), 3)),
       .caption =
@@ -345,6 +343,13 @@ BodyPicture picture_of(const RunOptions& options, const Problem& problem, const 
       .views = {body_view(body, record.t, q, value)}};
   picture.colours = colours_of(value, picture.views);
   return picture;
+}
+
+/// How far a body has moved, in its own size.
+double sizes_moved(const TissueBody& body, const Eigen::VectorXd& y) {
+  const Eigen::Matrix3Xd& points = body.mesh().points;
+  return largest_displacement(y.head(body.dofs())) /
+         (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
 void run(const RunOptions& options, Console& console) {
@@ -357,13 +362,27 @@ void run(const RunOptions& options, Console& console) {
     throw InputError(fmt::format("{} steers its steps by rules of its own; leave --control out", method.id));
   if (!options.jacobian.empty() && !method.needs_jacobian)
     throw InputError(fmt::format("{} uses no Jacobian; leave --jacobian out", method.id));
-  if (!options.linear.empty() && !method.needs_jacobian)
-    throw InputError(fmt::format("{} solves no equations; leave --linear out", method.id));
+  if (!options.linear.empty()) {
+    if (!method.needs_jacobian)
+      throw InputError(fmt::format("{} solves no equations; leave --linear out", method.id));
+    if (method.engine != "hmax")
+      throw InputError(
+          fmt::format("{} solves its equations as {} does; leave --linear out", method.id, method.engine));
+    if (!problem.body)
+      throw InputError(fmt::format(
+          "{} is no body on a mesh, and its equations are too few to choose how they are solved; leave --linear out",
+          problem.id));
+  }
+  if (options.full && !(console.json && problem.body))
+    throw InputError(fmt::format(
+        "--full puts the whole state of a body on a mesh into JSON; {}",
+        problem.body ? "add --json, or leave it out" : "others always stand there whole, leave it out"));
   check_output(options, spec, problem);
   if (options.picture.wanted() && !problem.body)
     throw InputError(fmt::format(
         "{} is no body on a mesh, so there is nothing to draw; leave --picture out, or name a mesh with --mesh",
         problem.id));
+  if (options.picture.wanted()) options.picture.check(*problem.body);
 
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
@@ -379,6 +398,15 @@ void run(const RunOptions& options, Console& console) {
         "the picture {} is not drawn, since what has diverged has no shape; {}", options.picture.file,
         spec.adaptive ? "end the run before that with --t-end"
                       : "take a smaller --h, `hmax stability predict` says how small"));
+
+  // A step that is not stable may reach the end of a short run all the same.
+  constexpr double far = 10;
+  if (problem.body && result.record.outcome == Outcome::reached_end)
+    if (const double moved = sizes_moved(*problem.body, result.record.y); moved > far)
+      console.remark(fmt::format(
+          "the body has moved {} times its own size; either nothing holds it, or the motion is on its way to diverge{}",
+          short_number(moved, 3),
+          spec.adaptive ? "" : " and wants a smaller --h, `hmax stability predict` says how small"));
 
   if (console.json) {
     Json document = to_json(problem, method, spec, result, options.full);

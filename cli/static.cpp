@@ -13,6 +13,7 @@
 #include "cli/body_picture.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "cli/static_comparison.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -27,7 +28,7 @@ using Json = nlohmann::ordered_json;
 struct StaticOptions {
   ProblemChoice problem;
   std::optional<double> load_scale, tolerance, inner_tolerance, relaxation;
-  std::string solver = "newton", linear = "direct", output, iterations, load_steps, frames, per_frame;
+  std::string solver, linear, output, iterations, load_steps, frames, per_frame;
   bool no_line_search = false;
   std::string compare;
   PictureChoice picture;
@@ -36,11 +37,13 @@ struct StaticOptions {
 StaticSettings settings_of(const StaticOptions& options) {
   StaticSettings settings;
   constexpr std::array<std::string_view, 3> solvers{"newton", "modified_newton", "linear"};
-  const std::string solver = parse_choice("--solver", options.solver, solvers);
+  const std::string solver =
+      parse_choice("--solver", options.solver.empty() ? solvers[0] : options.solver, solvers);
   for (const StaticMethod each : {StaticMethod::linear, StaticMethod::newton, StaticMethod::modified_newton})
     if (name_of(each) == solver) settings.method = each;
   constexpr std::array<std::string_view, 3> inner{"direct", "sor", "cg"};
-  const std::string linear = parse_choice("--linear", options.linear, inner);
+  const std::string linear =
+      parse_choice("--linear", options.linear.empty() ? inner[0] : options.linear, inner);
   for (const InnerSolver each : {InnerSolver::direct, InnerSolver::sor, InnerSolver::conjugate_gradients})
     if (name_of(each) == linear) settings.inner = each;
   const auto count = [](std::string_view name, const std::string& text, int& into) {
@@ -145,10 +148,11 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
 BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
                        const StaticSolution& solution, const std::string& outcome) {
   const BodyValue value = options.picture.value();
+  const char* no_balance = outcome == "inverted" ? "no balance, turned inside out, " : "no balance, ";
   BodyPicture picture{
-      .title = fmt::format("{}{}: {}{} mm at most", problem.id,
+      .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
                            problem.material.empty() ? "" : " of " + problem.material,
-                           outcome == "converged" ? "" : outcome + ", ",
+                           outcome == "converged" ? "" : no_balance,
                            short_number(1000 * largest_displacement(solution.q), 3)),
       .caption = fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
                              describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
@@ -158,8 +162,56 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
   return picture;
 }
 
+/// Throws when an option has no say in what is asked for.
+void refuse_ignored(const StaticOptions& options) {
+  const bool compares = !options.compare.empty();
+  const bool frames = !options.per_frame.empty() || !options.frames.empty();
+  const bool iterative = compares || (!options.linear.empty() && options.linear != "direct");
+  struct Ignored {
+    const char* option;
+    bool given;
+    const char* why;
+  };
+  const auto refuse = [](std::initializer_list<Ignored> all) {
+    for (const auto& [option, given, why] : all)
+      if (given) throw InputError(fmt::format("{} {}", option, why));
+  };
+  if (compares && frames)
+    throw InputError("--compare and --pseudo-dynamic or --frames are both given; choose one of them");
+  if (compares)
+    refuse(
+        {{"--solver", !options.solver.empty(),
+          "has no say in --compare, which takes every solver; leave it out"},
+         {"--linear", !options.linear.empty(),
+          "has no say in --compare, which takes every one; leave it out"},
+         {"--output", !options.output.empty(),
+          "writes the residuals of one solver; --compare has its data beside the figure, so leave --output out"}});
+  if (frames)
+    refuse(
+        {{"--output", !options.output.empty(),
+          "writes the residuals of one balance; leave it out, or --pseudo-dynamic and --frames"},
+         {"--load-steps", !options.load_steps.empty(), "has no say in frames, each is a step; give --frames"},
+         {"--iterations", !options.iterations.empty(), "has no say in frames; give --pseudo-dynamic NUMBER"},
+         {"--no-line-search", options.no_line_search, "is what frames do in any case; leave it out"}});
+  if (!iterative)
+    refuse(
+        {{"--linear-tolerance", options.inner_tolerance.has_value(),
+          "is of iterative linear solvers, and direct has none; leave it out, or take --linear sor or cg"}});
+  if (!compares && options.linear != "sor")
+    refuse({{"--relaxation", options.relaxation.has_value(),
+             "is of sor alone; leave it out, or take --linear sor"}});
+  if (options.solver == "linear" && !frames) {
+    const char* why = "has no say in --solver linear, which solves one system; leave it out, or take newton";
+    refuse({{"--load-steps", !options.load_steps.empty(), why},
+            {"--iterations", !options.iterations.empty(), why},
+            {"--tolerance", options.tolerance.has_value(), why},
+            {"--no-line-search", options.no_line_search, why}});
+  }
+}
+
 void solve(const StaticOptions& options, Console& console) {
   options.picture.check();
+  refuse_ignored(options);
   Problem problem = options.problem.make();
   if (!problem.body)
     throw InputError(fmt::format(
@@ -171,7 +223,11 @@ void solve(const StaticOptions& options, Console& console) {
     throw InputError(fmt::format("--load-scale is {} but must be a finite number", scale));
   const StaticModel model = static_model(problem, scale);
   const StaticSettings settings = settings_of(options);
-  if (!options.output.empty()) check_writable(options.output);
+  if (!options.output.empty()) {
+    form_of(options.output, {{".csv", "the history of residuals"}});
+    check_writable(options.output);
+  }
+  if (options.picture.wanted()) options.picture.check(*problem.body);
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
   if ((frames || !options.compare.empty()) && options.picture.wanted())
     throw InputError("a picture shows one balance; leave --pseudo-dynamic, --frames and --compare out");

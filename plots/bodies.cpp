@@ -22,6 +22,8 @@ constexpr double pieces_of_picture = 14'000;  // faces and parts of faces
 constexpr double finest = 6, coarsest = 14;   // pixels of the side of such a part
 constexpr double shaft_length = 5;            // radii of the ball
 constexpr std::size_t caption_line = 142;     // characters
+constexpr std::size_t title_line = 90;        // characters, which are larger
+constexpr double title_height = 21;           // pixels of a line
 
 struct Box {
   double low_x = std::numeric_limits<double>::infinity(), low_y = low_x, high_x = -low_x, high_y = -low_x;
@@ -280,7 +282,7 @@ class Page {
     const double most = columns_ == 1 ? tallest : 0.95 * share_;
     scale_ = std::min((share_ - gap - 8) / std::max(across, 1e-300), most / std::max(up, 1e-300));
     height_of_view_ = up * scale_;
-    top_ = picture_.title.empty() ? 10 : 40;
+    top_ = picture_.title.empty() ? 10 : 19 + title_height * static_cast<double>(title().size());
     row_ = (titled_ ? 24 : 0) + 16 * static_cast<double>(notes_) + height_of_view_ + 26;
     const auto rows =
         (picture_.views.size() + static_cast<std::size_t>(columns_) - 1) / static_cast<std::size_t>(columns_);
@@ -348,13 +350,26 @@ class Page {
     const std::size_t lines = caption().size();
     const bool scaled = !picture_.colours.quantity.empty();
     const double height = foot_ + (scaled ? 58 : 40) + 15 * static_cast<double>(lines) + 8;
+    std::string headline;
+    double y = 26;
+    for (const std::string& line : title()) {
+      headline += svg_text(margin, y, line, "font-size=\"16\"");
+      y += title_height;
+    }
     return fmt::format(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 "
                "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n"
                "<style>.small{{font-size:11px;fill:#606060}}{2}</style>\n"
                "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
                width, height, painter_style) +
-           (picture_.title.empty() ? "" : svg_text(margin, 26, picture_.title, "font-size=\"16\""));
+           headline;
+  }
+
+  /// Lines that fit; a word that does not is cut.
+  std::vector<std::string> title() const {
+    std::vector<std::string> lines = lines_of(picture_.title, title_line);
+    for (std::string& line : lines) line = shortened(line, title_line);
+    return lines;
   }
 
   std::vector<std::string> caption() const {

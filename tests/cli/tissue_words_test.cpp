@@ -43,6 +43,7 @@ TEST(TissueWords, SayWhichMeshesThereAre) {
   of_mesh("cube:edge=1e-300", "from 1e-12 to 1e+12");
   of_mesh("ball:N=3", "'N=3' is no parameter; write them in small letters like ball:n=4,radius=0.05");
   of_mesh("ball:refine", "'refine' is no parameter");
+  of_mesh("ball:", "leave the colon out");
   of_mesh("liver:fine", "like liver:refine=1");
 }
 
@@ -97,10 +98,81 @@ TEST(TissueWords, SayThatABodyBucklesAndWhatToDo) {
   EXPECT_NE(Shell{}.hmax(beam + "--along").out.find("the tangent grows on"), std::string::npos);
 }
 
+TEST(TissueWords, OfTitlesFitIntoTheirPicture) {
+  const Shell shell;
+  const std::string
+      folder = "a_folder_of_somebody/whose_names_are/longer_than_the_title/of_a_picture_has_room_for/",
+      name = "the_liver_of_patient_number_seventeen_at_forty_cells.msh";
+  ASSERT_EQ(shell.hmax("mesh make cube:n=1 --output " + folder + name).exit_code, 0);
+  EXPECT_EQ(shell
+                .hmax("static --mesh " + folder + name +
+                      " --unit m --model fem_corotational --load press --solver "
+                      "linear --material liver:female_normal:heavy --picture a.svg")
+                .exit_code,
+            0);
+  const std::string svg = read_text(shell / "a.svg");
+  EXPECT_EQ(svg.find("a_folder_of_somebody"), std::string::npos);
+  EXPECT_NE(svg.find(name), std::string::npos);
+  std::size_t titles = 0;
+  for (std::size_t at = svg.find("font-size=\"16\""); at != std::string::npos;
+       at = svg.find("font-size=\"16\"", at + 1)) {
+    ++titles;
+    const std::size_t from = svg.find('>', at) + 1;
+    EXPECT_LE(svg.find('<', from) - from, 90U) << svg.substr(from, 200);
+  }
+  EXPECT_EQ(titles, 2U);
+}
+
 TEST(TissueWords, SayThatNothingLoadsABody) {
   for (const char* set : {"press --set force=0", "gravity --set g=0"})
     expect_refusal(std::string("stability predict --mesh phantom --methods rk4 --along load --load ") + set,
                    "nothing loads fem_green");
+}
+
+TEST(TissueWords, RefuseOptionsOfStaticBalancesThatHaveNoSay) {
+  const auto refused = [](const std::string& options, const std::string& option) {
+    expect_refusal("static --mesh phantom --load press " + options, option);
+  };
+  refused("--relaxation 1.2", "--relaxation is of sor");
+  refused("--relaxation 1.2 --linear cg", "--relaxation is of sor");
+  refused("--linear-tolerance 1e-3", "--linear-tolerance is of iterative");
+  for (const char* option : {"--load-steps 3", "--iterations 3", "--tolerance 1e-3", "--no-line-search"})
+    refused(std::string("--solver linear ") + option, "has no say in --solver linear");
+  refused("--compare out --solver newton", "--solver has no say in --compare");
+  refused("--compare out --linear direct", "--linear has no say in --compare");
+  refused("--compare out --output a.csv", "--output writes the residuals of one solver");
+  refused("--compare out --pseudo-dynamic 2", "choose one");
+  refused("--frames 3 --output a.csv", "--output writes the residuals of one balance");
+  refused("--frames 3 --load-steps 3", "--load-steps has no say in frames");
+  refused("--pseudo-dynamic 2 --iterations 3", "--iterations has no say in frames");
+  refused("--pseudo-dynamic 2 --no-line-search", "--no-line-search is what frames do");
+  refused("--output a.svg", "FILE.csv");
+  refused("--model mass_spring --picture a.svg --colour energy_density", "springs have no energy density");
+}
+
+TEST(TissueWords, RefuseOptionsOfOtherProblems) {
+  const std::string body = "run --mesh phantom --method newmark --h 0.01 --t-end 0.1 ",
+                    two = "run --problem liver_linear --method newmark --h 0.01 --t-end 0.1 ";
+  expect_refusal(body + "--full", "--json");
+  expect_refusal(two + "--full --json", "leave it out");
+  expect_refusal(two + "--linear cg", "leave --linear out");
+  expect_refusal(two + "--unit mm", "--unit is of a mesh file");
+  for (const Json& method : Shell{}.hmax("list methods --json").json())
+    if (method.at("engine") != "hmax" && method.at("needs_jacobian") && method.at("fixed_step"))
+      expect_refusal("run --mesh phantom --h 0.01 --t-end 0.1 --linear cg --method " +
+                         method.at("id").get<std::string>(),
+                     "leave --linear out");
+  expect_refusal("sweep --problem liver_linear --methods rk4 --h 0.1 --fixed --unit mm --t-end 1",
+                 "leave it out");
+  expect_refusal(body + "--output a.svg", "FILE.pvd");
+  EXPECT_EQ(Shell{}.hmax("mesh info --mesh phantom").exit_code, 0) << "as other commands name it";
+  EXPECT_EQ(Shell{}.hmax("precision --mesh phantom --methods rk4 --h 1e-3 --t-end 0.01").exit_code, 0);
+  expect_refusal("mesh convert phantom a.vtu --model fem_green", "--model");
+  // Before the hour of integrating, not after it.
+  expect_refusal(
+      "run --mesh phantom --model mass_spring --method rk4 --h 1e-6 --t-end 1000 --picture a.svg --colour "
+      "energy_density",
+      "springs have no energy density");
 }
 
 }  // namespace

@@ -1,0 +1,20 @@
+/// Files that are written in the form that the ending of their name says.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace hmax {
+
+struct FileForm {
+  std::string_view ending;  ///< ".csv"
+  std::string_view holds;   ///< what is written so, for the error
+};
+
+/// The ending of the form in which a file is written: that of its name, or the first where the name has none,
+/// as those of pipes and devices.
+/// @throws InputError  naming the forms, when the name ends in another way
+std::string_view form_of(const std::string& file, std::initializer_list<FileForm> forms);
+
+}  // namespace hmax
