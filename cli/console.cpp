@@ -73,7 +73,7 @@ bool lacks_digits(const Json& value) {
   return value.is_array() && std::ranges::any_of(value, lacks_digits);
 }
 
-/// Gives every object in which numbers become null a `status` that names them, unless it has one.
+/// Gives every object in which numbers become null a `status` that names them, after what it says already.
 void explain_nulls(Json& value) {
   if (value.is_structured())
     for (Json& part : value) explain_nulls(part);
@@ -83,8 +83,8 @@ void explain_nulls(Json& value) {
     if (lacks_digits(part)) names += (names.empty() ? "" : ", ") + name;
   if (names.empty()) return;
   Json& status = value["status"];
-  if (!status.is_string() || status.get_ref<const std::string&>().empty())
-    status = fmt::format("beyond the range of numbers: {}", names);
+  const std::string before = status.is_string() ? status.get<std::string>() : "";
+  status = fmt::format("{}{}beyond the range of numbers: {}", before, before.empty() ? "" : "; ", names);
 }
 
 std::string remaining_time(double seconds) {

@@ -47,6 +47,22 @@ TEST(TissueWords, SayWhichMeshesThereAre) {
   of_mesh("liver:fine", "like liver:refine=1");
 }
 
+TEST(TissueWords, NameUnitsAndLengthsThatNoBodyHas) {
+  const Shell shell;
+  ASSERT_EQ(shell.hmax("mesh make cube:n=1 --output a.msh").exit_code, 0);
+  for (const char* unit : {"1e300", "1e-300", "0", "nan", "ft"})
+    expect_refused(shell.hmax(std::string("static --mesh a.msh --unit ") + unit), "is no unit of length");
+  // Points so far apart that volumes are no numbers.
+  ASSERT_EQ(shell.line("sed 's/0\\.1/1e200/g' a.msh > far.msh").exit_code, 0);
+  const Told told = shell.hmax("mesh info far.msh");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_FALSE(holds_no_number(told.out)) << told.out;
+  const Json found = shell.hmax("mesh info far.msh --json").json();
+  EXPECT_TRUE(found.at("volume").is_null());
+  EXPECT_NE(found.at("status").get<std::string>().find("beyond the range of numbers: volume"),
+            std::string::npos);
+}
+
 TEST(TissueWords, HaveNoNumberWhereAMotionHasDiverged) {
   const std::string run = "run --mesh phantom --model fem_cauchy --method rk4 --h 0.05 --t-end 50 ";
   const Told told = Shell{}.hmax(run);
