@@ -80,9 +80,9 @@ Path load_path(const Problem& problem, int points) {
       const StaticSolution balance = solve_static(
           static_model(problem, share), {.load_steps = 1 + static_cast<int>(4 * share)}, [] { return 0.0; });
       if (!balance.converged) {
-        path.note = fmt::format("{} of the load is the largest share with a balance; under {} of it {}",
-                                short_share(path.at.back()), short_share(share),
-                                why_unbalanced(problem, balance));
+        path.note =
+            fmt::format("no balance was found under more than {} of the load: under {} of it {}",
+                        short_share(path.at.back()), short_share(share), why_unbalanced(problem, balance));
         break;
       }
       y.head(balance.q.size()) = balance.q;
