@@ -127,14 +127,17 @@ class Iteration {
     residual_at(q_);
     if (!(has_energy ? set_descent() : set_direction())) return false;
     ++solved_;
-    const double energy = has_energy ? energy_at(q_) : 0, slope = residual_.dot(d_);
+    const double slope = residual_.dot(d_);
     // A step downhill cannot fail to lower the energy but by rounding, which the residual sees through.
     constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12;
     double length = 1, next = 0;
+    std::optional<double> energy;  // here, where the residual has not been enough
     const auto falls = [&] {
       barred_ = model_.admissible && !model_.admissible(trial_);
       if (barred_) return false;
-      return next < size_ || (has_energy && energy_at(trial_) <= energy - share_of_slope * length * slope);
+      if (next < size_ || !has_energy) return next < size_;
+      if (!energy) energy = energy_at(q_);
+      return energy_at(trial_) <= *energy - share_of_slope * length * slope;
     };
     const auto walk = [&] {
       trial_ = q_ + length * d_;
