@@ -132,9 +132,12 @@ class Iteration {
     constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12;
     double length = 1, next = 0;
     std::optional<double> energy;  // here, where the residual has not been enough
+    bool barred = false;           // on the way
     const auto falls = [&] {
-      barred_ = model_.admissible && !model_.admissible(trial_);
-      if (barred_) return false;
+      if (model_.admissible && !model_.admissible(trial_)) {
+        barred = true;
+        return false;
+      }
       if (next < size_ || !has_energy) return next < size_;
       if (!energy) energy = energy_at(q_);
       return energy_at(trial_) <= *energy - share_of_slope * length * slope;
@@ -145,16 +148,20 @@ class Iteration {
     };
     walk();
     bool fallen = !searches || falls();
-    while (!fallen && length > (barred_ ? shortest_when_barred : shortest)) {
+    while (!fallen && length > (barred ? shortest_when_barred : shortest)) {
       length /= 2;
       walk();
       fallen = falls();
     }
+    // Whoever creeps along the border of what is admissible does not come away from it.
+    constexpr double creeping = 1e-3;
+    constexpr int most_creeping = 3;
+    creeping_ = barred && length < creeping ? creeping_ + 1 : 0;
+    barred_ = barred && (!fallen || creeping_ == most_creeping);
+    if (barred_) return give_up("all ways down the energy lead to elements turned inside out");
     if (!std::isfinite(next)) return give_up("the forces are no longer finite; take more load steps");
     if (!fallen && size_ > settings_.tolerance)
-      return give_up(
-          barred_ ? "all ways down the energy lead to elements turned inside out"
-                  : "no step along the last direction makes the residual smaller; take more load steps");
+      return give_up("no step along the last direction makes the residual smaller; take more load steps");
     q_ = trial_;
     size_ = next;
     return true;
@@ -239,7 +246,7 @@ class Iteration {
   double scale_ = 0, share_ = 1, size_ = 0, start_;
   double size_before_ = 0, forcing_ = 0;  // of the last iterate, 0: none
   double shift_ = 0;                      // the last one that was needed
-  int solved_ = 0;
+  int solved_ = 0, creeping_ = 0;
   bool taken_ = false, barred_ = false;
   std::string note_;
 };
@@ -296,17 +303,21 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     solution.history.push_back({1, 0, 0, 0});
     return solution;
   }
+  const auto record = [&](int step) {
+    solution.history.push_back(iteration.iterate(step));
+    if (settings.seen) settings.seen(solution.history.back());
+  };
   const bool linear = settings.method == StaticMethod::linear;
   const int steps = linear ? 1 : settings.load_steps;
   for (int step = 1; step <= steps; ++step) {
     iteration.set_share(static_cast<double>(step) / steps);
-    solution.history.push_back(iteration.iterate(step));
+    record(step);
     int k = 0;
     // A linear solution is what one system gives, and its residual says what the model leaves out.
     const int most = linear ? 1 : settings.iterations;
     while (k < most && iteration.residual() > settings.tolerance && iteration.advance()) {
       ++k;
-      solution.history.push_back(iteration.iterate(step));
+      record(step);
     }
     solution.converged = linear ? k == 1 : iteration.residual() <= settings.tolerance;
     if (!solution.converged) {

@@ -48,6 +48,14 @@ enum class InnerSolver {
 /// "direct", "sor", "cg".
 std::string_view name_of(InnerSolver solver);
 
+/// One iterate.
+struct StaticIterate {
+  int load_step;       ///< from 1
+  double residual;     ///< |F| / |F(0)| under the load of the step
+  double seconds;      ///< since the start, with the analysis of the pattern
+  std::int64_t inner;  ///< iterations of the inner solver so far; 0 for direct
+};
+
 struct StaticSettings {
   StaticMethod method = StaticMethod::newton;
   InnerSolver inner = InnerSolver::direct;
@@ -60,16 +68,9 @@ struct StaticSettings {
   /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
   /// its convergence allows [eisenstat1996choosing], else 1e-4.
   std::optional<double> inner_tolerance{};
-  int inner_iterations = 2000;  ///< at most, of sor and conjugate gradients
-  double relaxation = 1.5;      ///< omega of SOR, in (0, 2)
-};
-
-/// One iterate.
-struct StaticIterate {
-  int load_step;       ///< from 1
-  double residual;     ///< |F| / |F(0)| under the load of the step
-  double seconds;      ///< since the start, with the analysis of the pattern
-  std::int64_t inner;  ///< iterations of the inner solver so far; 0 for direct
+  int inner_iterations = 2000;                       ///< at most, of sor and conjugate gradients
+  double relaxation = 1.5;                           ///< omega of SOR, in (0, 2)
+  std::function<void(const StaticIterate&)> seen{};  ///< called with every iterate
 };
 
 struct StaticSolution {

@@ -38,8 +38,8 @@ std::string why_unbalanced(const Problem& problem, const StaticSolution& solutio
   const auto [volume, tetrahedron] = problem.body->least_volume(0, solution.q);
   if (solution.barred)
     return fmt::format(
-        "the body collapses: tetrahedron {} has {:.3g} of its volume left, and every way down the energy turns "
-        "an element inside out; take a smaller load{}",
+        "tetrahedron {} is crushed to {:.3g} of its volume, and every way down the energy turns an element "
+        "inside out; take a smaller load{}",
         tetrahedron_number(problem, tetrahedron), volume,
         problem.body->settings().model == TissueModel::fem_neo_hookean
             ? " or a stiffer material"

@@ -235,7 +235,18 @@ void solve(const StaticOptions& options, Console& console) {
   if (frames) return print_frames(options, problem, model, settings, console);
 
   const double start = thread_cpu_seconds();
-  const StaticSolution solution = solve_static(model, settings, thread_cpu_seconds);
+  const StaticSolution solution = [&] {
+    Progress progress(console, "static");
+    StaticSettings shown = settings;
+    shown.seen = [&](const StaticIterate& iterate) {
+      const double near =
+          std::log(std::max(iterate.residual, settings.tolerance)) / std::log(settings.tolerance);
+      progress.update(
+          (iterate.load_step - 1 + std::clamp(near, 0.0, 1.0)) / settings.load_steps,
+          fmt::format("load step {}, residual {}", iterate.load_step, short_number(iterate.residual, 3)));
+    };
+    return solve_static(model, shown, thread_cpu_seconds);
+  }();
   const double seconds = thread_cpu_seconds() - start;
   const double volume = problem.body->least_volume(0, solution.q).first;
   const std::string outcome = !(volume > 0)        ? "inverted"
