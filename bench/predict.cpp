@@ -224,8 +224,8 @@ void is_of_growing_model(Prediction& row, Complex lambda, const Problem& problem
         lambda.real());
   else
     row.note = fmt::format(
-        "the model itself grows as exp({:.4g} t) here, which no step changes; the limits that steps have are those "
-        "along its motion, `--along motion`",
+        "the model itself grows as exp({:.4g} t) here: an eigenvalue has a positive real part, which no step changes; "
+        "the limits that steps have are those along its motion, `--along motion`",
         lambda.real());
 }
 
