@@ -120,8 +120,8 @@ std::string for_people(const std::vector<Row>& rows, const Console& console) {
     table.add(
         {row.key.method,
          row.key.mode == "fixed" ? "h " + short_number(row.key.h) : "rtol " + short_number(row.key.rtol),
-         short_number(row.error_global, 2), short_number(summarise(row.cpu_s).median, 3),
-         std::to_string(row.rhs), row.outcome});
+         std::isnan(row.error_global) ? "-" : short_number(row.error_global, 2),
+         short_number(summarise(row.cpu_s).median, 3), std::to_string(row.rhs), row.outcome});
   return table.text(console);
 }
 

@@ -43,7 +43,9 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
   if (options.h && (options.rtol || options.atol))
     throw InputError("--h and tolerances are both given; take --h for fixed steps, or --rtol and --atol");
   if (!options.h && !options.rtol && !options.atol)
-    throw InputError("no step is given; take --h for fixed steps, or --rtol and --atol for adaptive ones");
+    throw InputError(
+        "no step is given; take --h for fixed steps, `hmax stability predict` says how large they may be, or --rtol "
+        "and --atol for adaptive ones");
   if (!options.h && !(options.rtol && options.atol))
     throw InputError(fmt::format("{} is missing; an adaptive run needs both --rtol and --atol",
                                  options.rtol ? "--atol" : "--rtol"));
