@@ -32,6 +32,9 @@ double falling_share(const StabilityMap& map, std::size_t right, std::size_t up)
 
 double value_of(const Problem& problem, std::string_view name) {
   const auto it = std::ranges::find(problem.parameters, name, [](const auto& entry) { return entry.first; });
+  if (problem.body)
+    throw InputError(
+        fmt::format("alpha and beta of {} are parameters of its own; leave --rayleigh out", problem.id));
   if (it == problem.parameters.end())
     throw InputError(
         fmt::format("{} has no {}, so no plane of Rayleigh's damping c = alpha m + beta k1; take a liver "

@@ -183,7 +183,8 @@ TEST(TissueWords, RefuseOptionsOfOtherProblems) {
   expect_refusal(body + "--output a.svg", "FILE.pvd");
   EXPECT_EQ(Shell{}.hmax("mesh info --mesh phantom").exit_code, 0) << "as other commands name it";
   EXPECT_EQ(Shell{}.hmax("precision --mesh phantom --methods rk4 --h 1e-3 --t-end 0.01").exit_code, 0);
-  expect_refusal("stability map --mesh phantom --method rk4 --rayleigh --x alpha=0:10:3 --y beta=0:0.1:3", "leave --rayleigh out");
+  expect_refusal("stability map --mesh phantom --method rk4 --rayleigh --x alpha=0:10:3 --y beta=0:0.1:3",
+                 "leave --rayleigh out");
   expect_refusal("mesh convert phantom a.vtu --model fem_green", "--model");
   // Before the hour of integrating, not after it.
   expect_refusal(
