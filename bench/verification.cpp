@@ -140,8 +140,8 @@ std::optional<double> creeping(const MechanicalMode& mode) {
 }
 
 /// Where fast damping sets the limit of an oscillation, what creeps fades so slowly that it would be waited
-/// for the longest, and hides a growth that begins small: it is taken out, of all modes that creep but for
-/// their distance from this one.
+/// for the longest, and hides a growth that begins small: it is taken out, twice, since other modes creep
+/// with roots nearby, of which the square of the distance is left.
 void take_out_creep(Watch& watch, const Eigen::VectorXd& rest, const StepPolynomial& polynomial,
                     const MechanicalMode& mode, double h_max) {
   const std::optional<double> lambda = creeping(mode);
@@ -153,12 +153,13 @@ void take_out_creep(Watch& watch, const Eigen::VectorXd& rest, const StepPolynom
   const Complex creep = root_of_creep(h_max);
   // Not where it is what grows, and not where it dies away by itself.
   constexpr double soon = 0.9;
-  if (creep.imag() != 0 || std::abs(creep) < soon || creep.real() < 0) return;
+  if (creep.real() < soon || std::abs(creep.imag()) > 1e-9) return;
   std::vector<Complex> others = polynomial.roots(h_max);
   others.erase(std::ranges::find(others, creep));
   watch.expected.beside = std::log(fading(others));
-  watch.run = without_roots(
-      watch.run, rest, [root_of_creep](double h) { return std::vector<Complex>{root_of_creep(h).real()}; });
+  watch.run = without_roots(watch.run, rest, [root_of_creep](double h) {
+    return std::vector<Complex>(2, root_of_creep(h).real());
+  });
 }
 
 /// Runs from the limiting mode of a row, watched by their distance from rest.
