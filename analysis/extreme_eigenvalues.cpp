@@ -29,6 +29,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 constexpr double tolerance = 1e-10;
+/// How far beyond an end of the spectrum a shifted matrix is regular, relative to a bound.
+constexpr double outside = 1e-8;
 
 /// @throws InputError  when the question has no answer
 void require_sensible(Index n, Index count) {
@@ -109,6 +111,7 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index(0));
   const VectorXd& kappa = solver.eigenvalues();
+  result.negative = (kappa.array() < -outside * scaled.gershgorin()).count();
   std::ranges::stable_sort(order, [&](Index a, Index b) {
     return largest ? kappa[a] > kappa[b] : std::abs(kappa[a]) < std::abs(kappa[b]);
   });
@@ -133,6 +136,7 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   factor.analyse(shifted);
   ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, 0), .converged = false};
   if (!factor.factor(shifted)) return result;
+  result.negative = std::ranges::count_if(factor.pivots(), [](double pivot) { return pivot < 0; });
   const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) {
     y = x;
     factor.solve(y);
@@ -157,7 +161,7 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
   const double bound = scaled.gershgorin();
   const Index n = scaled.k.rows();
   // Outside the spectrum by more than rounding: the shifted matrix stays regular.
-  if (!largest) return nearest_stiffnesses(scaled, count, -1e-8 * bound);
+  if (!largest) return nearest_stiffnesses(scaled, count, -outside * bound);
   const SymmetricProduct rows(scaled.k, VectorXd::Ones(n));
   const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
   ExtremeStiffnesses result;
@@ -174,7 +178,7 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
               .converged = pairs.converged};
   }
   return result.converged || n > most_factored ? result
-                                               : nearest_stiffnesses(scaled, count, (1 + 1e-8) * bound);
+                                               : nearest_stiffnesses(scaled, count, (1 + outside) * bound);
 }
 
 #if HMAX_HAVE_SPECTRA

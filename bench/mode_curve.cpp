@@ -10,7 +10,6 @@
 #include "analysis/block_product.hpp"
 #include "analysis/extreme_eigenvalues.hpp"
 #include "analysis/lanczos.hpp"
-#include "integrators/panel_factor.hpp"
 
 namespace hmax {
 namespace {
@@ -21,21 +20,11 @@ Complex name_of_mode(const MechanicalMode& mode) {
   return pair[0].imag() != 0 ? pair[0] : pair[1];
 }
 
-/// The least eigenvalue of K u = kappa M u where there is one below zero by more than rounding, by the signs
-/// of the pivots of K + shift M (Sylvester's law of inertia).
-std::optional<double> negative_stiffness(const MechanicalPart& part, double kappa_max) {
-  using Sparse = Eigen::SparseMatrix<double>;
-  if (!is_sparse(part.K)) return std::nullopt;
-  const auto& K = std::get<Sparse>(part.K);
-  const double shift = 1e-8 * kappa_max;
-  Sparse mass(K.rows(), K.cols());
-  mass = part.mass.asDiagonal();
-  Sparse shifted = K.selfadjointView<Eigen::Lower>();
-  shifted += shift * mass;
-  shifted.makeCompressed();
-  PanelFactor<double> factor;
-  factor.analyse(shifted);
-  if (!factor.factor(shifted) || std::ranges::min(factor.pivots()) > 0) return std::nullopt;
+/// The least eigenvalue of K u = kappa M u.
+double least_stiffness(const MechanicalPart& part, double kappa_max) {
+  const Eigen::SparseMatrix<double> K =
+      is_sparse(part.K) ? std::get<Eigen::SparseMatrix<double>>(part.K)
+                        : Eigen::SparseMatrix<double>(std::get<Eigen::MatrixXd>(part.K).sparseView());
   const SymmetricProduct product(K, part.mass.cwiseSqrt().cwiseInverse());
   const LanczosPair pair = largest_eigenpair(
       [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
@@ -43,7 +32,7 @@ std::optional<double> negative_stiffness(const MechanicalPart& part, double kapp
         y = kappa_max * x - y;
       },
       part.mass.size(), {.tolerance = 1e-8, .with_vector = false});
-  return std::min(kappa_max - pair.value, -shift);
+  return kappa_max - pair.value;
 }
 
 }  // namespace
@@ -59,7 +48,9 @@ bool set_curve(Linearised& near, Eigen::Index small) {
   if (const ExtremeStiffnesses least = smallest_stiffnesses(part); least.converged) {
     // Those nearest to zero; a body that buckles has others.
     curve.kappa_min = std::abs(least.kappa.at(0)) <= 1e-12 * curve.kappa_max ? 0 : least.kappa.at(0);
-    if (const auto negative = negative_stiffness(part, curve.kappa_max)) curve.kappa_min = *negative;
+    // Known to be below zero by that much, whatever the iteration for the least of them says.
+    if (least.negative > 0)
+      curve.kappa_min = std::min(least_stiffness(part, curve.kappa_max), -1e-8 * curve.kappa_max);
   }
   for (const double kappa : {curve.kappa_min, curve.kappa_max}) {
     near.spectrum.mechanical.push_back(curve.at(kappa));

@@ -117,6 +117,29 @@ TEST(ExtremeEigenvalues, AFreeBodyHasAModeWithoutStiffness) {
   }
 }
 
+TEST(ExtremeEigenvalues, OfAnIndefiniteStiffnessTheNegativeOnesAreCounted) {
+  for (const Index n : {Index(50), Index(400)}) {
+    // A free chain has kappa_j = 4 k / m sin^2(j pi / 2 n); all of them moved down by one amount.
+    const double k = 100, m = 0.01;
+    const auto kappa = [&](Index j) {
+      const double sine = std::sin(static_cast<double>(j) * std::numbers::pi / static_cast<double>(2 * n));
+      return 4 * k / m * sine * sine;
+    };
+    for (const Index below : {Index(0), Index(1), Index(7)}) {
+      const double down = below == 0 ? -1e4 : (kappa(below - 1) + kappa(below)) / 2;
+      Sparse K(n, n);
+      for (Index i = 0; i + 1 < n; ++i) {
+        K.coeffRef(i, i) += k;
+        K.coeffRef(i + 1, i + 1) += k;
+        K.coeffRef(i, i + 1) = K.coeffRef(i + 1, i) = -k;
+      }
+      for (Index i = 0; i < n; ++i) K.coeffRef(i, i) -= down * m;
+      const auto part = mechanical_part(VectorXd::Constant(n, m), K, Sparse(n, n));
+      EXPECT_EQ(smallest_stiffnesses(part, 2, krylov).negative, below) << n;
+    }
+  }
+}
+
 TEST(ExtremeEigenvalues, SmallSystemsAndAllOfThemAreServedByDenseMethods) {
   const SpringChainParameters p{.n = 4};
   const auto part = chain_model(p).mechanical.value();
