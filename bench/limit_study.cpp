@@ -102,6 +102,9 @@ std::vector<NonlinearRow> nonlinear_limits(const std::vector<LimitCase>& cases,
                                            const std::function<void(double)>& progress,
                                            const std::function<bool()>& interrupted) {
   const std::vector<Linearised> near = linearised(cases);
+  std::vector<MotionSize> sizes;
+  for (const LimitCase& each : cases)
+    sizes.push_back(each.linear ? MotionSize{} : size_of_motion(each.problem, each.problem.t_end));
   return over_pairs<NonlinearRow>(
       cases, false, methods,
       [&](std::size_t which, const Method& method) {
@@ -111,7 +114,7 @@ std::vector<NonlinearRow> nonlinear_limits(const std::vector<LimitCase>& cases,
         row.along = limit_along(method, problem, problem.t_end);
         double guess = row.along ? row.along->least : 1;
         if (!(guess > 0 && std::isfinite(guess))) guess = 1;
-        row.from_start = limit_from_start(method, problem, problem.t_end, guess);
+        row.from_start = limit_from_start(method, problem, problem.t_end, guess, sizes[which]);
         return row;
       },
       progress, interrupted);

@@ -37,28 +37,57 @@ Linearised tangent(const Problem& problem, double t, const Eigen::VectorXd& y) {
   return near;
 }
 
-}  // namespace
+void look(const Watcher& watcher) {
+  if (watcher) watcher();
+}
 
-Path motion_path(const Problem& problem, double t_end, int points) {
-  Path path;
+/// Shows the motion from y0 to t_end at `points` instants, or where it is 0 after every step.
+void show_motion(const Problem& problem, double t_end, int points, const Watcher& watcher, const Sink& show) {
   RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = 1e-10, .atol = 1e-12};
-  spec.every = t_end / points;
+  if (points > 0) spec.every = t_end / points;
   spec.max_steps = most_observed_steps;
   const Method method = find_method("dormand_prince_54");
   check(spec, method, problem);
   const RunRecord record =
       method.bind(problem).run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        path.at.push_back(t);
-        path.y.emplace_back(y);
+        look(watcher);
+        show(t, y);
       });
   if (record.outcome != Outcome::reached_end)
     throw InputError(
         fmt::format("the motion of {} does not reach t = {} s ({} at {} s); take a shorter --t-end",
                     problem.id, to_text(t_end), to_string(record.outcome), to_text(record.t)));
+}
+
+/// The size of one state.
+MotionSize size_of(const Eigen::Ref<const Eigen::VectorXd>& y, bool mechanical) {
+  if (!mechanical) return {.positions = y.norm(), .velocities = 0};
+  const Eigen::Index n = y.size() / 2;
+  return {.positions = y.head(n).norm(), .velocities = y.tail(n).norm()};
+}
+
+}  // namespace
+
+Path motion_path(const Problem& problem, double t_end, int points, const Watcher& watcher) {
+  Path path;
+  show_motion(problem, t_end, points, watcher, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    path.at.push_back(t);
+    path.y.emplace_back(y);
+  });
   return path;
 }
 
-Path load_path(const Problem& problem, int points) {
+MotionSize size_of_motion(const Problem& problem, double t_end, const Watcher& watcher) {
+  MotionSize size;
+  show_motion(problem, t_end, 0, watcher, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    const MotionSize here = size_of(y, is_second_order(problem));
+    size.positions = std::max(size.positions, here.positions);
+    size.velocities = std::max(size.velocities, here.velocities);
+  });
+  return size;
+}
+
+Path load_path(const Problem& problem, int points, const Watcher& watcher) {
   if (!problem.body)
     throw InputError(
         fmt::format("{} is no body on a mesh, so no load is brought on; look along its motion", problem.id));
@@ -74,6 +103,7 @@ Path load_path(const Problem& problem, int points) {
         problem.id));
   Path path;
   for (int i = 0; i <= points; ++i) {
+    look(watcher);
     const double share = static_cast<double>(i) / points;
     Eigen::VectorXd y = problem.y0;
     if (i > 0) {
@@ -94,7 +124,8 @@ Path load_path(const Problem& problem, int points) {
 }
 
 std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method> methods,
-                                                         const Problem& problem, const Path& path) {
+                                                         const Problem& problem, const Path& path,
+                                                         const Watcher& watcher) {
   std::vector<std::optional<TrajectoryLimit>> limits;
   for (const Method& method : methods) {
     limits.emplace_back();
@@ -105,6 +136,7 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
                                     .y_least = path.y.front()};
   }
   for (std::size_t i = 0; i < path.at.size(); ++i) {
+    look(watcher);
     const Linearised near = tangent(problem, path.at[i], path.y[i]);
     for (std::size_t k = 0; k < methods.size(); ++k) {
       if (!limits[k]) continue;
@@ -132,18 +164,18 @@ std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& 
 }
 
 std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
-                                       double guess) {
+                                       double guess, const MotionSize& size, const Watcher& watcher) {
   if (!method.fixed_step || !suits(method, problem)) return std::nullopt;
   if (t_end > 0.1 * guess * static_cast<double>(most_observed_steps)) return std::nullopt;
-  double allowed = 0;
-  for (const Eigen::VectorXd& y : motion_path(problem, t_end, 1000).y)
-    allowed = std::max(allowed, 3 * y.norm());
+  const bool mechanical = is_second_order(problem);
   const Runner runner = method.bind(problem);
   const auto stays = [&](double h) {
     bool inside = true;
     RunSpec spec{.t_end = t_end, .h = h};
     const RunRecord record = runner.run(spec, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
-      inside = inside && y.norm() <= allowed;
+      look(watcher);
+      const MotionSize here = size_of(y, mechanical);
+      inside = inside && here.positions <= 3 * size.positions && here.velocities <= 3 * size.velocities;
     });
     return inside && record.outcome == Outcome::reached_end;
   };

@@ -2,6 +2,7 @@
 /// from a start of its own.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,9 @@
 #include "bench/catalogue.hpp"
 
 namespace hmax {
+
+/// Called from time to time while something long goes on; what it throws ends that.
+using Watcher = std::function<void()>;
 
 /// States that a model passes.
 struct Path {
@@ -21,12 +25,12 @@ struct Path {
 /// The motion from y0 to t_end by dormand_prince_54 at a tolerance of 1e-10, looked at `points` times.
 /// @throws InputError  when t_end is no end of a run, or the motion does not reach it within
 /// most_observed_steps attempts
-Path motion_path(const Problem& problem, double t_end, int points = 400);
+Path motion_path(const Problem& problem, double t_end, int points = 400, const Watcher& watcher = {});
 
 /// The balances of a body under shares of its load from 0 to 1 in `points` equal strides, as far as there are
 /// any.
 /// @throws InputError  for what is no body, and for loads that change with time
-Path load_path(const Problem& problem, int points = 40);
+Path load_path(const Problem& problem, int points = 40, const Watcher& watcher = {});
 
 /// h_max of the tangent along a path. It is no proof: a step longer than the least may be stable where a
 /// motion passes that point quickly, and a shorter one unstable where modes turn into one another. It says
@@ -45,18 +49,30 @@ struct TrajectoryLimit {
 /// are computed, and the limit is the least on the curve of damping between them.
 /// @throws InputError  when damping couples the modes of such a body
 std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method> methods,
-                                                         const Problem& problem, const Path& path);
+                                                         const Problem& problem, const Path& path,
+                                                         const Watcher& watcher = {});
 
 /// The same of one method and the motion from y0.
 std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& problem, double t_end,
                                            int points = 400);
 
-/// The largest step up to which every run at fixed step from y0 to t_end stays within three times the largest
-/// distance from the origin of the true motion, to one part in ten thousand: found upwards in strides of 2 %
-/// from a tenth of `guess`, then by bisection. Infinity when steps up to a hundred guesses, or a tenth of the
-/// run, do; nothing when the first one already does not, or the run is shorter than twenty guesses, or takes
-/// more steps than that.
+/// How far a motion goes from the origin, in parts that have one unit each.
+struct MotionSize {
+  double positions = 0;   ///< the largest |q|; of problems that are not mechanical |y|
+  double velocities = 0;  ///< the largest |v|; 0 for those
+};
+
+/// Of the motion from y0 to t_end, looked at after every step; no state is kept.
+/// @throws InputError  as motion_path()
+MotionSize size_of_motion(const Problem& problem, double t_end, const Watcher& watcher = {});
+
+/// The largest step up to which every run at fixed step from y0 to t_end stays within three times the size of
+/// the true motion, positions and velocities apart, to one part in ten thousand: found upwards in strides of
+/// 2 % from a tenth of `guess`, then by bisection. Infinity when steps up to a hundred guesses, or a tenth of
+/// the run, do; nothing when the first one already does not, or the run is shorter than twenty guesses, or
+/// takes more steps than that.
+/// @param size  of that motion, the same for every method
 std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
-                                       double guess);
+                                       double guess, const MotionSize& size, const Watcher& watcher = {});
 
 }  // namespace hmax

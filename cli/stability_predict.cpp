@@ -258,11 +258,18 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
   return table.text(console);
 }
 
+/// Ends a long task after Ctrl-C.
+/// @throws Interrupted
+void leave_when_interrupted() {
+  if (interrupt_flag()) throw Interrupted{};
+}
+
 /// What --along looks along.
+/// @throws Interrupted  after Ctrl-C
 Path path_of(const PredictOptions& options, const Problem& problem) {
-  if (options.along_load()) return load_path(problem);
-  const double t_end = options.t_end.value_or(problem.t_end);
-  return problem.body ? motion_path(problem, t_end, 100) : motion_path(problem, t_end);
+  if (options.along_load()) return load_path(problem, 40, leave_when_interrupted);
+  return motion_path(problem, options.t_end.value_or(problem.t_end), problem.body ? 100 : 400,
+                     leave_when_interrupted);
 }
 
 /// What is to be said of rows, once of all methods of which it is to be said.
@@ -290,16 +297,23 @@ std::string words_of_notes(const std::vector<PredictedRow>& rows) {
 }
 
 /// Puts the limits along a path into the rows of one problem.
+/// @throws Interrupted  after Ctrl-C; what is in the rows by then is finished
 void look_along(const PredictOptions& options, const Problem& problem, const Path& path,
                 std::span<const Method> methods, std::span<PredictedRow> rows) {
-  const std::vector<std::optional<TrajectoryLimit>> limits = limits_along(methods, problem, path);
+  const std::vector<std::optional<TrajectoryLimit>> limits =
+      limits_along(methods, problem, path, leave_when_interrupted);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].along = limits[i];
     rows[i].path_note = path.note;
-    if (options.verify && !options.along_load() && limits[i] && limits[i]->least > 0 &&
-        std::isfinite(limits[i]->least))
-      rows[i].from_start =
-          limit_from_start(methods[i], problem, options.t_end.value_or(problem.t_end), limits[i]->least);
+  }
+  if (!options.verify || options.along_load()) return;
+  const double t_end = options.t_end.value_or(problem.t_end);
+  std::optional<MotionSize> size;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!limits[i] || !(limits[i]->least > 0) || !std::isfinite(limits[i]->least)) continue;
+    if (!size) size = size_of_motion(problem, t_end, leave_when_interrupted);
+    rows[i].from_start =
+        limit_from_start(methods[i], problem, t_end, limits[i]->least, *size, leave_when_interrupted);
   }
 }
 
@@ -332,8 +346,12 @@ void predict_rows(const PredictOptions& options, Console& console) {
     const auto total = static_cast<double>(problems.size() * chosen.size());
     for (std::size_t which = 0; which < problems.size() && !interrupted; ++which) {
       const Problem& problem = problems[which];
-      const std::optional<Path> path =
-          options.along.empty() ? std::nullopt : std::optional(path_of(options, problem));
+      std::optional<Path> path;
+      try {
+        if (!options.along.empty()) path = path_of(options, problem);
+      } catch (const Interrupted&) {
+        break;  // the flag stays set: what is finished is printed
+      }
       const Linearised near = linearised(problem);
       if (console.json) models.push_back(model_json(problem, near));
       if (states.empty()) {
@@ -362,7 +380,11 @@ void predict_rows(const PredictOptions& options, Console& console) {
           console.exit_code = Exit::failed;
       if (!path || interrupted) continue;
       progress.update(static_cast<double>(rows.size()) / total, "along the " + options.along);
-      look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()));
+      try {
+        look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()));
+      } catch (const Interrupted&) {
+        break;
+      }
     }
   }
   if (console.json) {

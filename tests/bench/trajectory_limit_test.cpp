@@ -1,6 +1,7 @@
 #include "bench/trajectory_limit.hpp"
 
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -166,15 +167,60 @@ TEST(LimitFromAStart, OfALinearModelIsThatOfItsSpectrum) {
   for (const char* name : {"explicit_euler", "rk4", "central_difference"}) {
     const Method method = find_method(name);
     const double predicted = predict(method, problem, linearised(problem)).h_max.value();
-    const auto observed = limit_from_start(method, problem, 4000, predicted);
+    const auto observed = limit_from_start(method, problem, 4000, predicted, size_of_motion(problem, 4000));
     ASSERT_TRUE(observed) << name;
     EXPECT_NEAR(*observed / predicted, 1, 2e-3) << name;
   }
 }
 
+TEST(SizeOfAMotion, IsThatOfPositionsAndOfVelocitiesApart) {
+  // x = cos(w t)
+  const double w = 50;
+  const MotionSize size = size_of_motion(oscillator(0, w * w, 0, {1, 0}), 2);
+  EXPECT_NEAR(size.positions, 1, 1e-6);
+  EXPECT_NEAR(size.velocities, w, 2e-3 * w);
+  const MotionSize first_order = size_of_motion(make_problem("van_der_pol"), 2);
+  EXPECT_GT(first_order.positions, 1);
+  EXPECT_EQ(first_order.velocities, 0);
+}
+
+TEST(LimitFromAStart, AsksPositionsAndVelocitiesToStayNear) {
+  // At 50 rad/s a displacement of three times its size is nothing beside the velocity.
+  const Problem problem = oscillator(0, 2500, 0, {1, 0});
+  const Method method = find_method("symplectic_euler");
+  const MotionSize size = size_of_motion(problem, 10);
+  EXPECT_TRUE(limit_from_start(method, problem, 10, 0.04, size));
+  EXPECT_FALSE(limit_from_start(method, problem, 10, 0.04, {.positions = 0.3, .velocities = 1e9}));
+  EXPECT_FALSE(limit_from_start(method, problem, 10, 0.04, {.positions = 1e9, .velocities = 15}));
+}
+
+TEST(LimitsAlong, EndWhenWhoWatchesThrows) {
+  const Problem problem = oscillator(0.6, 2, 0, {1, 0});
+  const std::vector<Method> methods{find_method("rk4")};
+  const Path path = motion_path(problem, 20);
+  const MotionSize size = size_of_motion(problem, 20);
+  struct Enough {};
+  int looks = 0;
+  const Watcher watcher = [&looks] {
+    if (++looks == 3) throw Enough{};
+  };
+  const std::vector<std::function<void()>> tasks{
+      [&] { motion_path(problem, 20, 400, watcher); }, [&] { limits_along(methods, problem, path, watcher); },
+      [&] { limit_from_start(methods.front(), problem, 20, 0.2, size, watcher); },
+      [&] {
+        load_path(cube("fem_cauchy/press", {{"force", 1}}), 40, watcher);
+      }};
+  for (const auto& task : tasks) {
+    looks = 0;
+    EXPECT_THROW(task(), Enough);
+    EXPECT_EQ(looks, 3);
+  }
+}
+
 TEST(LimitFromAStart, OfAMethodStableAtEveryStepIsUnbounded) {
+  const Problem problem = oscillator(0.6, 2, 0, {1, 0});
   const auto observed =
-      limit_from_start(find_method("implicit_euler"), oscillator(0.6, 2, 0, {1, 0}), 200, 1);
+      limit_from_start(find_method("implicit_euler"), problem, 200, 1, size_of_motion(problem, 200));
   ASSERT_TRUE(observed);
   EXPECT_TRUE(std::isinf(*observed));
 }

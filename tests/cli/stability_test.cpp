@@ -409,5 +409,18 @@ TEST(StabilityPredict, VerifiesFormulasOfManyStatesAndSaysWhereItDoesNot) {
             std::string::npos);
 }
 
+// The limit at rest and along the motion are there at once, the runs from the start would take a minute.
+TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
+  const Told told = Shell().line(
+      "timeout -s INT 4 '" HMAX_PROGRAM
+      "' stability predict --problem liver_forced --methods rk4 --along --verify --t-end 3000 --json; echo $? >&2");
+  EXPECT_NE(told.err.find("124"), std::string::npos) << "`timeout` had to interrupt: " << told.err;
+  const Json rows = told.json()["rows"];
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_TRUE(rows[0]["h_max"].is_number());
+  EXPECT_TRUE(rows[0]["along"]["h_min"].is_number());
+  EXPECT_FALSE(rows[0].contains("observed_from_start"));
+}
+
 }  // namespace
 }  // namespace hmax
