@@ -48,6 +48,11 @@ std::vector<Complex> without_conjugates(const std::vector<Complex>& lambda) {
   return kept;
 }
 
+constexpr const char* without_common_modes =
+    "the stiff part and the rest of this model have no common modes here, so that no mode alone says what a step "
+    "makes of it; at rest without load (g of 0) or with linear tissue both are one, an implicit method has no such "
+    "parts, and `hmax run` with --method and --h shows whether a step holds";
+
 /// Beyond this many rows parts of a Jacobian are not looked into for common modes.
 constexpr Eigen::Index most_dense_parts = 400;
 
@@ -265,7 +270,8 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
   row.coupled = CoupledMotion(*method.amplification->motion, part).first_exit(*method.amplification);
   if (!row.coupled) {
     row.note = fmt::format(
-        "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method",
+        "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method; take "
+        "stormer_verlet or symplectic_euler, which need no search, a smaller mesh, or beta and dampers of 0",
         part.mass.size());
     return;
   }
@@ -293,9 +299,11 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   const Amplification& amplification = *method.amplification;
   if (near.curve) {
     if (method.needs_split && relative_distance(near.model.J, *near.model.J_stiff) > 1e-13)
-      row.note = "the stiff part and the rest of this model have no common modes";
+      row.note = without_common_modes;
     else if (amplification.motion && !amplification.motion->lumped.empty() && near.curve->beta != 0)
-      row.note = "the method solves for a part of the damping alone, which couples the modes of this model";
+      row.note =
+          "the method solves for a part of the damping alone, which couples the modes of this model; take "
+          "stormer_verlet, which does not, a smaller mesh, or alpha in place of beta";
     else
       predict_on_curve(row, method, problem, near);
     return row;
@@ -325,7 +333,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
     if (method.needs_split) {
       const auto parts = stiff_parts(near, lambda);
       if (!parts) {
-        row.note = "the stiff part and the rest of this model have no common modes";
+        row.note = without_common_modes;
         return row;
       }
       for (std::size_t i = 0; i < told.size(); ++i) told[i].stiff = (*parts)[i];
