@@ -9,6 +9,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "analysis/structural_amplification.hpp"
+
 namespace hmax {
 
 namespace {
@@ -75,6 +77,13 @@ bool singles_leave_at_minus_one(const Amplification& single, const MotionMap& ma
                              sign * mode.kappa * value_of(map.spring, -1).real());
            return exit == at_minus_one || std::abs(exit - at_minus_one) <= 1e-9 * exit;
          });
+}
+
+/// The map for which lumping_keeps_stable() is true.
+bool has_kicks_with_lumped_damping(const MotionMap& map) {
+  const MotionMap kicks = kick_drift_kick_amplification(KickDamping::lumped).motion.value();
+  return map.inertia == kicks.inertia && map.damper == kicks.damper && map.lumped == kicks.lumped &&
+         map.spring == kicks.spring;
 }
 
 bool singles_never_leave(const Amplification& single) {
@@ -286,6 +295,17 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
   return CoupledLimit{.h_max = infinity};
 }
 
+bool CoupledMotion::lumping_keeps_stable(double h) const {
+  if (!is_definite(c_ + 1e-12 * c_.trace() * MatrixXd::Identity(n_, n_))) return false;
+  // K <= rho C: at least what the diagonals say, and of no use where it is much more.
+  const double least = (k_.diagonal().array() / c_.diagonal().array()).maxCoeff();
+  for (double rho = least; rho <= 1e3 * least; rho *= 1.2) {
+    if (!is_definite(rho * (c_ + 1e-12 * c_.trace() * MatrixXd::Identity(n_, n_)) - k_)) continue;
+    return is_definite(MatrixXd::Identity(n_, n_) + h / 2 * c_ + h * h * rho / 2 * (c_ - d_));
+  }
+  return false;
+}
+
 std::optional<CoupledLimit> CoupledMotion::first_exit(const Amplification& single) const {
   if (rate_ == 0)
     return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
@@ -296,7 +316,11 @@ std::optional<CoupledLimit> CoupledMotion::first_exit(const Amplification& singl
     if (singles_leave_at_minus_one(single, map_))
       if (const auto h = leaves_at_minus_one()) return with_shape(*h, -1, true);
   }
-  return by_strides(leaves_at_minus_one());
+  const std::optional<double> at_minus_one = leaves_at_minus_one();
+  if (at_minus_one && has_kicks_with_lumped_damping(map_) && has_no_negative_eigenvalue(k_) &&
+      lumping_keeps_stable(*at_minus_one))
+    return with_shape(*at_minus_one, -1, true);
+  return by_strides(at_minus_one);
 }
 
 }  // namespace hmax

@@ -43,6 +43,7 @@ class CoupledMotion {
   /// where M, C and K are symmetric, K and C without negative eigenvalues, it is proved that no step is
   /// unstable if that holds for all single oscillations; and if those always leave at zeta = -1, so does the
   /// whole: at the h where the symmetric P(-1, h) ceases to be definite.
+  /// Central differences with lumped damping leave there too where lumping_keeps_stable().
   /// In all other cases the radius is looked at in strides, which are the wider the larger the system is, and
   /// the exit is the solution of P(exp(i theta), h) x = 0 for theta, h and x by Newton's method.
   /// @param single  the map of single oscillations
@@ -54,6 +55,17 @@ class CoupledMotion {
   using Matrix = Eigen::MatrixXd;
   [[nodiscard]] Eigen::MatrixXcd at(Complex zeta, double h) const;
   [[nodiscard]] std::optional<double> leaves_at_minus_one() const;
+  /// Whether it is proved of
+  ///   inertia = zeta (zeta-1)^2, damper = (zeta-1) (3 zeta-1) / 2, lumped = (zeta-1)^3 / 2, spring = zeta^2
+  /// that no step up to h, where P(-1, .) ceases to be definite, is unstable. With g = h x* C x / 2,
+  /// d = h x* diag(C) x / 2 and k = h^2 x* K x, x* x = 1, every root is one of the cubic of three numbers
+  ///   (1+d) zeta^3 + (k-2+3g-3d) zeta^2 + (1-4g+3d) zeta + g-d,
+  /// of which k >= 0 and k + 8 g <= 4 + 8 d, what P(-1) says, leave one of Jury's conditions open,
+  ///   2 g (1 + g) + (g - d) k >= 0.
+  /// Where K <= rho C, k <= 2 h rho g, it holds if 1 + g + h rho (g - d) >= 0 for all x: if
+  ///   I + h/2 C + h^2 rho/2 (C - diag C)
+  /// is positive definite; and, if it is at h, at all steps below [jury1964theory].
+  [[nodiscard]] bool lumping_keeps_stable(double h) const;
   [[nodiscard]] std::optional<CoupledLimit> by_strides(std::optional<double> at_minus_one) const;
   [[nodiscard]] CoupledLimit refined(double stable, double unstable) const;
   [[nodiscard]] CoupledLimit leaves_with(double h, const Eigen::VectorXcd& x, bool proved) const;
