@@ -409,17 +409,27 @@ TEST(StabilityPredict, VerifiesFormulasOfManyStatesAndSaysWhereItDoesNot) {
             std::string::npos);
 }
 
-// The limit at rest and along the motion are there at once, the runs from the start would take a minute.
+// Limits at rest and along the motion are there within a second, runs from the start take a quarter of a
+// minute.
 TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer is too slow for times of a test";
+#endif
   const Told told = Shell().line(
-      "timeout -s INT 4 '" HMAX_PROGRAM
-      "' stability predict --problem liver_forced --methods rk4 --along --verify --t-end 3000 --json; echo $? >&2");
-  EXPECT_NE(told.err.find("124"), std::string::npos) << "`timeout` had to interrupt: " << told.err;
+      "timeout -s INT 5 '" HMAX_PROGRAM
+      "' stability predict --problem liver_forced --methods explicit_runge_kutta,adams --along --verify "
+      "--t-end 20000 --json");
+  EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+  EXPECT_EQ(told.err, "hmax: interrupted; what was finished is kept\n");
   const Json rows = told.json()["rows"];
-  ASSERT_EQ(rows.size(), 1U);
-  EXPECT_TRUE(rows[0]["h_max"].is_number());
-  EXPECT_TRUE(rows[0]["along"]["h_min"].is_number());
-  EXPECT_FALSE(rows[0].contains("observed_from_start"));
+  ASSERT_GT(rows.size(), 20U);
+  int unfinished = 0;
+  for (const Json& row : rows)
+    if (row["bound"] == "stability") {
+      EXPECT_TRUE(row["along"]["h_min"].is_number());
+      unfinished += row.contains("observed_from_start") ? 0 : 1;
+    }
+  EXPECT_GT(unfinished, 0);
 }
 
 }  // namespace
