@@ -83,6 +83,21 @@ TEST(TissueWords, SayWhyANullIsOneAlsoWhereTheEndIsReached) {
   EXPECT_EQ(found.at("status"), "beyond the range of numbers: energy");
 }
 
+TEST(TissueWords, RemarkOnABodyThatHasMovedFartherThanAnyDoes) {
+  const Told told = Shell{}.hmax("run --mesh phantom --model fem_cauchy --method rk4 --h 0.05 --t-end 1.2");
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_NE(told.err.find("times its own size"), std::string::npos) << told.err;
+  EXPECT_NE(told.err.find("smaller --h"), std::string::npos) << told.err;
+  EXPECT_EQ(Shell{}.hmax("run --mesh phantom --method rk4 --h 0.001 --t-end 0.1").err, "");
+}
+
+TEST(TissueWords, HaveADashWhereARunHasNoError) {
+  const Told told = Shell{}.hmax("precision --mesh phantom --methods rk4 --h 0.1,0.001 --t-end 0.3");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.out.find("diverged"), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("undefined"), std::string::npos) << told.out;
+}
+
 TEST(TissueWords, TellHowToGetAPictureOfWhatHasDiverged) {
   const Shell shell;
   const Told told =
