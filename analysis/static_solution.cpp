@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -63,9 +65,11 @@ class Inner {
     return K.diagonal().cwiseAbs().minCoeff() > 0;
   }
 
-  /// Whether K is known to have negative eigenvalues; what iterates cannot tell.
+  /// Whether K has negative eigenvalues, or is so near to singular that its factors do not tell. What
+  /// iterates finds out where it solves no more.
   [[nodiscard]] bool is_indefinite() const {
-    return settings_.inner != InnerSolver::sor && solver_.negative_eigenvalues().value_or(0) > 0;
+    const int unknown = settings_.inner == InnerSolver::direct ? 1 : 0;
+    return settings_.inner != InnerSolver::sor && solver_.negative_eigenvalues().value_or(unknown) > 0;
   }
 
   /// @returns false when the solver gave up
@@ -115,9 +119,13 @@ class Iteration {
   /// Takes up another share of the load.
   void set_share(double share) {
     share_ = share;
-    forcing_ = size_before_ = 0;
+    forcing_ = size_before_ = shift_ = 0;
+    creeping_ = 0;
     size_ = residual_at(q_);
   }
+
+  /// Whether what is left of the residual is rounding.
+  [[nodiscard]] bool is_rounding() const { return size_ * scale_ <= model_.rounding; }
 
   /// One step along the solution of a linear system.
   /// @returns false when no step could be made; note() then says why
@@ -127,38 +135,84 @@ class Iteration {
     residual_at(q_);
     if (!(has_energy ? set_descent() : set_direction())) return false;
     ++solved_;
+    return walk(searches, has_energy);
+  }
+
+  /// Leaves a balance that is a saddle of the energy, along the direction in which K is most negative.
+  /// @param knows  the last K that Newton's method has seen tells, which costs nothing
+  /// @returns false where the balance is stable, or nothing is known of it
+  bool leave_saddle(bool knows) {
+    if (!settings_.line_search || !model_.energy || settings_.method == StaticMethod::linear) return false;
+    if (model_.dofs > most_factored || (knows && !indefinite_)) return false;
+    model_.stiffness(q_, shifted_);
+    SparseSolver<double> solver;
+    solver.set({.by = LinearSolve::By::direct});
+    double tau = 0;
+    const auto is_definite = [&] { return solver.factor(shifted_) && solver.negative_eigenvalues() == 0; };
+    if (is_definite()) return false;
+    const double size = shifted_.diagonal().cwiseAbs().mean();
+    for (double next = 1e-6 * size; !is_definite(); next *= 2) {
+      if (next > 1e3 * size) return false;
+      shifted_.diagonal().array() += next - tau;
+      tau = next;
+    }
+    // Inverse iteration from a start that is along no symmetry of the body.
+    VectorXd z = VectorXd::LinSpaced(model_.dofs, 1, static_cast<double>(model_.dofs)).array().sin();
+    for (int k = 0; k < 30; ++k) {
+      solver.solve(z);
+      z.normalize();
+    }
+    const VectorXd image = shifted_ * z;
+    if (!(z.dot(image) - tau < 0)) return false;
+    const double energy = energy_at(q_);
+    for (double length = 0.1 * q_.norm(); length > 1e-6 * q_.norm(); length /= 4)
+      for (const double way : {length, -length}) {
+        trial_ = q_ + way * z;
+        if ((!model_.admissible || model_.admissible(trial_)) && energy_at(trial_) < energy) {
+          q_ = trial_;
+          size_ = residual_at(q_);
+          return true;
+        }
+      }
+    return false;
+  }
+
+ private:
+  static constexpr Eigen::Index most_factored = 60'000;  // seconds and a gigabyte
+
+  /// Goes along d_ as far as the energy or the residual falls.
+  bool walk(bool searches, bool has_energy) {
     const double slope = residual_.dot(d_);
-    // A step downhill cannot fail to lower the energy but by rounding, which the residual sees through.
-    constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12;
+    constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12, rounding = 1e-13;
+    // The residual alone would be led into saddles.
+    const bool residual_counts = !has_energy || !was_shifted_;
     double length = 1, next = 0;
     std::optional<double> energy;  // here, where the residual has not been enough
-    bool barred = false;           // on the way
+    bool barred = false;           // by the last trial
     const auto falls = [&] {
-      if (model_.admissible && !model_.admissible(trial_)) {
-        barred = true;
-        return false;
-      }
-      if (next < size_ || !has_energy) return next < size_;
-      if (!energy) energy = energy_at(q_);
-      return energy_at(trial_) <= *energy - share_of_slope * length * slope;
-    };
-    const auto walk = [&] {
       trial_ = q_ + length * d_;
       next = residual_at(trial_);
+      barred = model_.admissible && !model_.admissible(trial_);
+      if (barred) return false;
+      if (residual_counts && next < size_) return true;
+      if (!has_energy) return false;
+      if (!energy) energy = energy_at(q_);
+      if (length * slope <= rounding * std::abs(*energy)) return next < size_;
+      return energy_at(trial_) <= *energy - share_of_slope * length * slope;
     };
-    walk();
-    bool fallen = !searches || falls();
+    bool was_barred = false, fallen = falls() || !searches;
     while (!fallen && length > (barred ? shortest_when_barred : shortest)) {
+      was_barred = was_barred || barred;
       length /= 2;
-      walk();
       fallen = falls();
     }
     // Whoever creeps along the border of what is admissible does not come away from it.
     constexpr double creeping = 1e-3;
     constexpr int most_creeping = 3;
-    creeping_ = barred && length < creeping ? creeping_ + 1 : 0;
-    barred_ = barred && (!fallen || creeping_ == most_creeping);
-    if (barred_) return give_up("all ways down the energy lead to elements turned inside out");
+    creeping_ = searches && was_barred && length < creeping ? creeping_ + 1 : 0;
+    barred_ = searches && ((barred && !fallen) || creeping_ == most_creeping);
+    if (barred_)
+      return give_up("the steps of the search lead to elements turned inside out; take more load steps");
     if (!std::isfinite(next)) return give_up("the forces are no longer finite; take more load steps");
     if (!fallen && size_ > settings_.tolerance)
       return give_up("no step along the last direction makes the residual smaller; take more load steps");
@@ -167,7 +221,6 @@ class Iteration {
     return true;
   }
 
- private:
   /// d_ = K^-1 residual_.
   bool set_direction() {
     const bool constant = settings_.method != StaticMethod::newton;
@@ -180,9 +233,12 @@ class Iteration {
     size_before_ = size_;
     if (!inner_.solve(residual_, d_))
       return give_up(
-          fmt::format("{} did not solve a linear system in {} iterations; take direct, or more "
-                      "iterations",
-                      name_of(settings_.inner), settings_.inner_iterations));
+          settings_.inner == InnerSolver::sor
+              ? fmt::format(
+                    "sor did not solve a linear system in {} sweeps, as where supports do not hold the "
+                    "body; take direct, which tells, or a larger tolerance of linear systems",
+                    settings_.inner_iterations)
+              : fmt::format("{} did not solve a linear system; take direct", name_of(settings_.inner)));
     // Of a matrix that only rounding keeps regular.
     if (!taken_ && !((residual_ - K_ * d_).norm() < 0.5 * residual_.norm())) return give_up(not_held);
     taken_ = true;
@@ -191,12 +247,15 @@ class Iteration {
 
   /// d_ = (K + tau I)^-1 residual_, downhill, with tau = 0 where that will do.
   bool set_descent() {
-    const auto is_descent = [&] { return !inner_.is_indefinite() && residual_.dot(d_) > 0; };
+    const auto is_descent = [&] { return residual_.dot(d_) > 0 && !inner_.is_indefinite(); };
+    was_shifted_ = indefinite_ = false;
     const bool solved = set_direction();
+    indefinite_ = solved && inner_.is_indefinite();
     if (solved && is_descent()) return true;
     if (!taken_ || settings_.method != StaticMethod::newton) return solved;
+    was_shifted_ = true;
     constexpr double least = 1e-4, growth = 4;
-    constexpr int most = 20;  // to a million times K
+    constexpr int most = 20;
     const double size = K_.diagonal().cwiseAbs().mean();
     double tau = std::max(least * size, shift_ / (growth * growth));
     for (int k = 0; k < most; ++k, tau *= growth) {
@@ -208,7 +267,7 @@ class Iteration {
         return true;
       }
     }
-    return solved;
+    return give_up("no direction leads down the energy; take more load steps");
   }
 
   /// E(q) + (1 - share) F(0).q, whose downward slope is the residual.
@@ -248,6 +307,7 @@ class Iteration {
   double shift_ = 0;                      // the last one that was needed
   int solved_ = 0, creeping_ = 0;
   bool taken_ = false, barred_ = false;
+  bool indefinite_ = false, was_shifted_ = false;  // the last K; the last direction is that of K + tau I
   std::string note_;
 };
 
@@ -312,21 +372,38 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
   for (int step = 1; step <= steps; ++step) {
     iteration.set_share(static_cast<double>(step) / steps);
     record(step);
-    int k = 0;
+    int k = 0, left = 0;
     // A linear solution is what one system gives, and its residual says what the model leaves out.
     const int most = linear ? 1 : settings.iterations;
-    while (k < most && iteration.residual() > settings.tolerance && iteration.advance()) {
-      ++k;
-      record(step);
+    constexpr int most_saddles = 10;
+    const auto is_balance = [&] { return iteration.residual() <= settings.tolerance; };
+    for (bool goes_on = true; goes_on;) {
+      double before = std::numeric_limits<double>::infinity();
+      // At the level of rounding as long as it gets better.
+      while (k < most && !is_balance() && !(iteration.is_rounding() && iteration.residual() > before / 2)) {
+        before = iteration.residual();
+        if (!iteration.advance()) break;
+        ++k;
+        record(step);
+      }
+      solution.converged = linear ? k == 1 : is_balance() || iteration.is_rounding();
+      goes_on =
+          solution.converged && !linear && left++ < most_saddles && iteration.leave_saddle(step < steps);
+      if (goes_on) record(step);
     }
-    solution.converged = linear ? k == 1 : iteration.residual() <= settings.tolerance;
-    if (!solution.converged) {
-      solution.note = !iteration.note().empty()
-                          ? iteration.note()
-                          : fmt::format(
-                                "the residual is still {:.3g} after {} iterations of load step {}; "
-                                "take more iterations or more load steps",
-                                iteration.residual(), k, step);
+    solution.note = iteration.note();
+    if (solution.converged) {
+      solution.note.clear();
+      if (!linear && !is_balance())
+        solution.note =
+            fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
+                        iteration.residual());
+    } else {
+      if (solution.note.empty())
+        solution.note = fmt::format(
+            "the residual is still {:.3g} after {} iterations of load step {}; take more iterations or more load "
+            "steps",
+            iteration.residual(), k, step);
       solution.barred = iteration.barred();
       break;
     }
@@ -360,7 +437,10 @@ std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSe
     for (int k = 0; k < thorough.iterations && exact.residual() > 1e-12 && exact.advance(); ++k) {
     }
     const double size = exact.q().norm();
-    all.push_back({share, shown.residual(), size > 0 ? (shown.q() - exact.q()).norm() / size : 0, seconds});
+    const bool known = exact.residual() <= thorough.tolerance || exact.is_rounding();
+    const double error = size > 0 ? (shown.q() - exact.q()).norm() / size : 0;
+    all.push_back(
+        {share, shown.residual(), known ? error : std::numeric_limits<double>::quiet_NaN(), seconds});
     if (!std::isfinite(shown.residual())) break;
   }
   return all;

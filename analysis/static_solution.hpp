@@ -25,6 +25,8 @@ struct StaticModel {
   std::function<void(const Eigen::VectorXd& q, Matrix& K)> stiffness;
   /// E(q) [J], of which F is the downward slope, F = -dE/dq. Empty: line searches have the residual alone.
   std::function<double(const Eigen::VectorXd& q)> energy{};
+  /// |F| that is rounding: no iteration can be asked for less [N].
+  double rounding = 0;
   /// Whether line searches may go there: an element turned inside out has balances of its own, which no body
   /// comes to. Empty: everywhere.
   std::function<bool(const Eigen::VectorXd& q)> admissible{};
@@ -62,13 +64,14 @@ struct StaticSettings {
   double tolerance = 1e-9;  ///< |F| <= tolerance |F(0)|
   int iterations = 100;     ///< at most, in each load step
   int load_steps = 1;       ///< equal ones
-  /// Halves a step until the energy or the residual falls, and where K is not positive definite, as in a body
-  /// that buckles, steps with K + tau I, downhill [nocedal2006numerical, sections 3.1 and 3.4].
+  /// Halves a step until the energy or the residual falls. With an energy, where K is not positive definite,
+  /// as in a body that buckles, steps with K + tau I, downhill, and leaves a balance that is not stable
+  /// [nocedal2006numerical, sections 3.1 and 3.4].
   bool line_search = true;
   /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
   /// its convergence allows [eisenstat1996choosing], else 1e-4.
   std::optional<double> inner_tolerance{};
-  int inner_iterations = 2000;                       ///< at most, of sor and conjugate gradients
+  int inner_iterations = 2000;                       ///< at most, of sor
   double relaxation = 1.5;                           ///< omega of SOR, in (0, 2)
   std::function<void(const StaticIterate&)> seen{};  ///< called with every iterate
 };
@@ -78,8 +81,8 @@ struct StaticSolution {
   Eigen::VectorXd q;                   ///< the last iterate, shape (dofs) [m]
   std::vector<StaticIterate> history;  ///< the state at rest first
   int iterations = 0;                  ///< linear systems solved
-  bool barred = false;                 ///< all steps downhill left for what is not admissible
-  std::string note;                    ///< why it did not converge
+  bool barred = false;                 ///< the search ended where its steps led to what is not admissible
+  std::string note;                    ///< why it did not converge, or only to rounding
 };
 
 /// Tells the time [s] that histories record.
@@ -93,8 +96,8 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
 struct StaticFrame {
   double load;      ///< share of the load that acts
   double residual;  ///< |F| / |F(0)| that the frame is left with
-  double error;     ///< |q - q*| / |q*| against the solution q* of the frame
-  double seconds;   ///< that the frame took
+  double error;    ///< |q - q*| / |q*| against the solution q* of the frame; not a number where none is found
+  double seconds;  ///< that the frame took
 };
 
 /// Brings the load on linearly over `frames` frames, each of which begins where the last one ended and has

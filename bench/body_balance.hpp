@@ -15,8 +15,17 @@ namespace hmax {
 /// The balance of forces of a body under a multiple of its load as it is at t = 0.
 StaticModel static_model(const Problem& problem, double load_scale);
 
-/// Why a search of such a balance failed, the element that gives way if one does, and the remedy.
-std::string why_unbalanced(const Problem& problem, const StaticSolution& solution);
+/// The balance under the whole load at once or, where that leads to elements turned inside out, under a load
+/// that is brought on in ten steps; the history then holds both.
+/// @param settings  of one load step
+StaticSolution found_balance(const StaticModel& model, const StaticSettings& settings, const Clock& clock);
+
+/// "converged", "not_converged", "collapsed" where the search ended at elements about to turn inside out, or
+/// "inverted" where some are.
+std::string_view outcome_of(const Problem& problem, const StaticSolution& solution);
+
+/// What is to be said of a solution: why there is none, the element that gives way if one does, the remedy.
+std::string status_of(const Problem& problem, const StaticSolution& solution);
 
 /// The longest displacement of a point [m], q of shape (dofs).
 double largest_displacement(const Eigen::VectorXd& q);

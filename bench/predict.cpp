@@ -166,12 +166,13 @@ EquilibriumSearch balance_of_body(const Problem& problem) {
   EquilibriumSearch search;
   search.outcome = EquilibriumOutcome::found;
   search.state = problem.y0;
-  if (is_at_rest(body)) return search;
+  // What moves it later does not load it yet; only supports that start at once drag at their neighbours.
+  if (!body.is_autonomous() || is_at_rest(body)) return search;
   const StaticSolution solution =
-      solve_static(static_model(problem, 1), {.tolerance = 1e-12}, [] { return 0.0; });
+      found_balance(static_model(problem, 1), {.tolerance = 1e-12}, [] { return 0.0; });
   if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
-    search.message = "no balance was found: " + why_unbalanced(problem, solution);
+    search.message = "no balance was found: " + status_of(problem, solution);
     return search;
   }
   search.state.head(body.dofs()) = solution.q;

@@ -1,4 +1,4 @@
-/// Tissue on meshes as problems of the catalogue: "fem_green@liver", "mass_spring@ball:n=8/press".
+/// Tissue on meshes as problems of the catalogue: "fem_green@liver", "mass_spring/press@ball:n=8".
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace hmax {
 
-/// The id of a problem, MODEL@MESH or MODEL@MESH/LOAD; empty parts are the defaults.
+/// The id of a problem, MODEL@MESH or MODEL/LOAD@MESH; empty parts are the defaults.
 std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load);
 
 /// Whether `id` is meant to name a tissue problem.

@@ -112,7 +112,7 @@ Path load_path(const Problem& problem, int points, const Watcher& watcher) {
       if (!balance.converged) {
         path.note =
             fmt::format("no balance was found under more than {} of the load: under {} of it {}",
-                        short_share(path.at.back()), short_share(share), why_unbalanced(problem, balance));
+                        short_share(path.at.back()), short_share(share), status_of(problem, balance));
         break;
       }
       y.head(balance.q.size()) = balance.q;

@@ -93,7 +93,8 @@ void modes(const ModesOptions& options, Console& console) {
                     {"moving_points", owner.moving_points},
                     {"element", strains ? Json(element.number) : Json()},
                     {"element_kind", strains ? Json(element.kind) : Json()},
-                    {"element_share", strains ? Json(owner.share) : Json()}});
+                    {"element_share", strains ? Json(owner.share) : Json()},
+                    {"status", strains ? "" : "the body moves as one, which strains no element"}});
     table.add({std::to_string(i + 1), short_number(omega / (2 * std::numbers::pi)), short_number(omega),
                short_number(zeta, 4), short_number(owner.moving_points, 3),
                strains ? fmt::format("{} {} with {} %", element.kind, element.number,

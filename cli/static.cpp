@@ -67,13 +67,22 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
     each = static_cast<int>(
         std::min<std::int64_t>(parse_count("--pseudo-dynamic", options.per_frame, 1), 1'000'000));
   const auto rows = pseudo_dynamic(model, settings, frames, each, thread_cpu_seconds);
-  double worst = 0, seconds = 0;
+  double worst = 0, seconds = 0, lost = 0;
   for (const StaticFrame& row : rows) {
+    if (std::isnan(row.error) && lost == 0) lost = row.load;
     worst = std::max(worst, row.error);
     seconds = std::max(seconds, row.seconds);
   }
-  const bool bounded =
-      !rows.empty() && rows.size() == static_cast<std::size_t>(frames) && std::isfinite(worst);
+  const bool bounded = !rows.empty() && rows.size() == static_cast<std::size_t>(frames) &&
+                       std::isfinite(worst) && std::isfinite(rows.back().residual) && lost == 0;
+  const std::string status =
+      bounded ? ""
+      : lost != 0
+          ? fmt::format(
+                "from {} of the load on no balance was found to hold the frames against; take a smaller "
+                "load, or look at it with `hmax static` alone",
+                short_number(lost, 3))
+          : "the frames diverged; take more frames or more iterations a frame";
   if (!bounded) console.exit_code = Exit::failed;
   if (console.json) {
     Json list = Json::array();
@@ -82,6 +91,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
           {{"load", row.load}, {"residual", row.residual}, {"error", row.error}, {"seconds", row.seconds}});
     return console.print_json({{"problem", problem.id},
                                {"outcome", bounded ? "converged" : "not_converged"},
+                               {"status", status},
                                {"iterations_per_frame", each},
                                {"largest_error", worst},
                                {"longest_frame_seconds", seconds},
@@ -98,6 +108,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                   "frame {} ms\n",
                   problem.id, frames, each, each == 1 ? "" : "s", name_of(settings.method),
                   table.text(console), short_number(worst, 3), short_number(1000 * seconds, 3)));
+  if (!bounded) console.print(status + "\n");
 }
 
 /// Every solver on the same balance: a table, and the figure of their residuals.
@@ -114,12 +125,12 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
   TextTable table({"solver", "linear", "iterations", "residual", "time", "outcome"});
   for (const StaticWay& way : ways) {
     const StaticSolution& solution = way.solution;
-    const std::string outcome = solution.converged ? "converged" : "not_converged";
+    const std::string outcome(outcome_of(problem, solution));
     const double residual = solution.history.back().residual;
     list.push_back({{"solver", name_of(way.method)},
                     {"linear", name_of(way.inner)},
                     {"outcome", outcome},
-                    {"status", solution.note},
+                    {"status", status_of(problem, solution)},
                     {"iterations", solution.iterations},
                     {"residual", residual},
                     {"seconds", way.seconds()}});
@@ -135,8 +146,8 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
                             table.text(console)));
   std::string notes;
   for (const StaticWay& way : ways)
-    if (!way.solution.note.empty())
-      notes += fmt::format("{}, {}: {}\n", name_of(way.method), name_of(way.inner), way.solution.note);
+    if (const std::string status = status_of(problem, way.solution); !status.empty())
+      notes += fmt::format("{}, {}: {}\n", name_of(way.method), name_of(way.inner), status);
   if (!notes.empty()) console.print("\n" + notes);
   if (figure.drawn())
     console.print(fmt::format("\nThe figure: {}\n", file));
@@ -245,15 +256,12 @@ void solve(const StaticOptions& options, Console& console) {
           (iterate.load_step - 1 + std::clamp(near, 0.0, 1.0)) / settings.load_steps,
           fmt::format("load step {}, residual {}", iterate.load_step, short_number(iterate.residual, 3)));
     };
-    return solve_static(model, shown, thread_cpu_seconds);
+    return options.load_steps.empty() ? found_balance(model, shown, thread_cpu_seconds)
+                                      : solve_static(model, shown, thread_cpu_seconds);
   }();
   const double seconds = thread_cpu_seconds() - start;
   const double volume = problem.body->least_volume(0, solution.q).first;
-  const std::string outcome = !(volume > 0)        ? "inverted"
-                              : solution.barred    ? "collapsed"
-                              : solution.converged ? "converged"
-                                                   : "not_converged";
-  const std::string status = why_unbalanced(problem, solution);
+  const std::string outcome(outcome_of(problem, solution)), status = status_of(problem, solution);
   if (outcome != "converged") console.exit_code = Exit::failed;
 
   if (!options.output.empty()) {
@@ -276,7 +284,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (options.picture.wanted())
     options.picture.write(picture_of(options, problem, settings, solution, outcome));
 
-  const double energy = problem.body->energy(0, solution.q);
+  const double energy = model.energy(solution.q);
   if (console.json) {
     Json residuals = Json::array(), times = Json::array();
     for (const StaticIterate& row : solution.history) {

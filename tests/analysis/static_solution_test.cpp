@@ -144,6 +144,64 @@ TEST(StaticSolution, SnapsThroughWhereTheEnergyLeads) {
   EXPECT_LT(solve_static(shallow_arch(0.3), {.load_steps = 5}, no_clock).q[0], 1);
 }
 
+/// A column pressed along x that gives way to either side y, E = x^2 / 2 + (1 - x) y^2 / 2 + y^4 / 4 - P x.
+/// Beyond P = 1 the straight balance (P, 0) is a saddle, and the stable ones are x = 2 P - 1, y^2 = x - 1.
+StaticModel column(double P) {
+  return {.dofs = 2,
+          .force =
+              [=](const VectorXd& q, VectorXd& f) {
+                const double x = q[0], y = q[1];
+                f.resize(2);
+                f << P - x + y * y / 2, -(1 - x) * y - y * y * y;
+              },
+          .stiffness =
+              [](const VectorXd& q, Sparse& K) {
+                const double x = q[0], y = q[1];
+                Eigen::Matrix2d dense;
+                dense << 1, -y, -y, 1 - x + 3 * y * y;
+                K.resize(2, 2);
+                for (int i = 0; i < 2; ++i)
+                  for (int j = 0; j < 2; ++j) K.coeffRef(i, j) = dense(i, j);
+                K.makeCompressed();
+              },
+          .energy =
+              [=](const VectorXd& q) {
+                const double x = q[0], y = q[1];
+                return x * x / 2 + (1 - x) * y * y / 2 + y * y * y * y / 4 - P * x;
+              }};
+}
+
+TEST(StaticSolution, LeavesABalanceThatIsNotStable) {
+  for (const InnerSolver inner : {InnerSolver::direct, InnerSolver::conjugate_gradients})
+    for (const double P : {1.2, 2.0, 5.0})
+      for (const int steps : {1, 4}) {
+        const StaticSolution found = solve_static(column(P), {.inner = inner, .load_steps = steps}, no_clock);
+        ASSERT_TRUE(found.converged) << name_of(inner) << ' ' << P << ' ' << found.note;
+        EXPECT_NEAR(found.q[0], 2 * P - 1, 1e-7) << name_of(inner) << ' ' << P << ' ' << steps;
+        EXPECT_NEAR(std::abs(found.q[1]), std::sqrt(2 * P - 2), 1e-7) << name_of(inner) << ' ' << P;
+      }
+  EXPECT_NEAR(solve_static(column(0.9), {}, no_clock).q[0], 0.9, 1e-9);
+  // Without a search Newton's method takes the straight one.
+  EXPECT_NEAR(solve_static(column(2), {.line_search = false}, no_clock).q[0], 2, 1e-7);
+}
+
+TEST(StaticSolution, EndsWhereRoundingDoes) {
+  // Forces that are known to 1e-6 of the load.
+  StaticModel noisy = pulled_chain(6, 1, 1);
+  const auto exact = noisy.force;
+  noisy.force = [=](const VectorXd& q, VectorXd& f) {
+    exact(q, f);
+    f[3] += 1e-6 * std::sin(1e9 * q[3]);
+  };
+  EXPECT_FALSE(solve_static(noisy, {.tolerance = 1e-10}, no_clock).converged);
+  noisy.rounding = 2e-6;
+  const StaticSolution found = solve_static(noisy, {.tolerance = 1e-10}, no_clock);
+  EXPECT_TRUE(found.converged);
+  EXPECT_NE(found.note.find("rounding"), std::string::npos) << found.note;
+  EXPECT_LT(found.iterations, 20);
+  EXPECT_LT((found.q - expected(6, 1, 1)).norm(), 1e-5 * found.q.norm());
+}
+
 TEST(StaticSolution, StopsWhereItMayNotGoOn) {
   StaticModel arch = shallow_arch(0.4);
   arch.admissible = [](const VectorXd& q) { return q[0] < 1.5; };
@@ -166,6 +224,13 @@ TEST(StaticSolution, RefusesSettingsOutOfRange) {
   EXPECT_THROW(solve_static(model, {.load_steps = 0}, no_clock), InputError);
   EXPECT_THROW(solve_static(model, {.relaxation = 2}, no_clock), InputError);
   EXPECT_THROW(pseudo_dynamic(model, {}, 0, 1, no_clock), InputError);
+}
+
+TEST(PseudoDynamic, HasNoErrorWhereThereIsNoBalance) {
+  const auto frames = pseudo_dynamic(pulled_chain(3, -1, 3), {}, 10, 1, no_clock);
+  ASSERT_FALSE(frames.empty());
+  EXPECT_FALSE(std::isnan(frames.front().error));
+  EXPECT_TRUE(std::isnan(frames.back().error));
 }
 
 TEST(PseudoDynamic, FollowsTheLoadTheBetterTheMoreIterationsAFrameHas) {

@@ -88,19 +88,60 @@ TEST(Static, FindsOneBalanceBySeveralWays) {
 }
 
 TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
-  // The weight of this ball is more than Green's strain bears, by a few parts in a hundred.
-  const Told told = Shell{}.hmax("static --mesh ball:n=2 --json");
+  const Told told = Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --json");
   EXPECT_EQ(told.exit_code, 1);
   const Json found = told.json();
   EXPECT_EQ(found.at("outcome"), "collapsed");
   EXPECT_GT(found.at("least_volume"), 0.0);
-  EXPECT_LT(found.at("least_volume"), 1e-3);
+  EXPECT_LT(found.at("least_volume"), 1e-2);
   EXPECT_NE(found.at("status").get<std::string>().find("fem_neo_hookean"), std::string::npos);
-  EXPECT_EQ(json_of("static --mesh ball:n=2 --load-scale 0.95 --json").at("outcome"), "converged");
-  EXPECT_EQ(json_of("static --mesh ball:n=2 --model fem_neo_hookean --json").at("outcome"), "converged");
+  EXPECT_EQ(json_of("static --mesh ball:n=2 --load-scale 0.5 --json").at("outcome"), "converged");
+  // Each solver says the same of it.
+  const Json ways =
+      Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --compare out --json").json().at("ways");
+  EXPECT_EQ(ways.at(0).at("outcome"), "collapsed");
+  EXPECT_NE(ways.at(0).at("status").get<std::string>().find("tetrahedron"), std::string::npos);
   // What is known at rest is still said of it.
-  const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --method rk4");
+  const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --set g=30 --method rk4");
   EXPECT_NE(predicted.out.find("no balance was found: tetrahedron"), std::string::npos) << predicted.out;
+}
+
+TEST(Static, BringsALoadOnInStepsWhereAllAtOnceIsTooMuch) {
+  const std::string pressed =
+      "static --mesh ball:n=3 --model fem_neo_hookean --load press --load-scale 8 --json";
+  const Json found = json_of(pressed);
+  EXPECT_EQ(found.at("outcome"), "converged");
+  EXPECT_NE(found.at("status").get<std::string>().find("ten steps"), std::string::npos);
+  EXPECT_GT(found.at("least_volume"), 0.05);
+  // Who says how many steps gets so many.
+  EXPECT_EQ(Shell{}.hmax(pressed + " --load-steps 1").json().at("outcome"), "collapsed");
+}
+
+TEST(Static, FindsBalancesOfSmallLoadsAndStiffBodiesToRounding) {
+  for (const char* body : {"--mesh beam:n=2 --set E=2e11 --set rho=7800", "--mesh liver --set E=1e7",
+                           "--mesh phantom --load press --set force=0.001"}) {
+    EXPECT_EQ(json_of(std::string("static --json ") + body).at("outcome"), "converged") << body;
+    const Told told = Shell{}.hmax(std::string("stability predict --method rk4 ") + body);
+    EXPECT_NE(told.out.find(": equilibrium of"), std::string::npos) << told.out;
+  }
+}
+
+TEST(Static, HasTheEnergyOfTheLoadThatActs) {
+  const auto energy = [](const std::string& scale) {
+    return json_of("static --mesh phantom --model fem_cauchy --load press --json --load-scale " + scale)
+        .at("energy")
+        .get<double>();
+  };
+  EXPECT_NEAR(energy("2"), 4 * energy("1"), 1e-9 * std::abs(energy("1")));
+  EXPECT_LT(energy("1"), 0);
+}
+
+TEST(Static, SaysFromWhichLoadFramesHaveNoBalanceToBeHeldAgainst) {
+  const Told told =
+      Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --pseudo-dynamic 3 --frames 10 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_EQ(told.json().at("outcome"), "not_converged");
+  EXPECT_NE(told.json().at("status").get<std::string>().find("of the load"), std::string::npos);
 }
 
 TEST(Static, SaysThatNothingHoldsABody) {
