@@ -36,7 +36,7 @@ struct Named {
   std::string_view of = {};  ///< words of the model or the loads that read it; empty: all do
 };
 constexpr std::string_view springs = "mass_spring";
-constexpr std::array<Named, 29> all_named{{
+constexpr std::array<Named, 31> all_named{{
     {"E", &TissueParameters::E},
     {"nu", &TissueParameters::nu},
     {"rho", &TissueParameters::rho},
@@ -51,6 +51,8 @@ constexpr std::array<Named, 29> all_named{{
     {"axis", &TissueParameters::axis},
     {"equal_masses", &TissueParameters::equal_masses},
     {"period", &TissueParameters::period, false, "breathing"},
+    {"tool_radius", &TissueParameters::tool_radius, false, "tool"},
+    {"tool_stiffness", &TissueParameters::tool_stiffness, false, "tool"},
     {"inclusion", &TissueParameters::inclusion, false},
     {"skin", &TissueParameters::skin, false},
     {"skin_thickness", &TissueParameters::skin_thickness, false},
@@ -172,11 +174,14 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
                                                                   {"second_ring", p.second_ring},
                                                                   {"doubled_skin", p.doubled_skin},
                                                                   {"inclusion", p.inclusion},
-                                                                  {"skin", p.skin}})
+                                                                  {"skin", p.skin},
+                                                                  {"tool_radius", p.tool_radius}})
     refuse_negative(name, value);
   if ((p.cubic != 0) + (p.exponential != 0) + !p.table.empty() > 1)
     throw InputError("cubic, exponential and phi are laws of the same springs; choose one of them");
-  for (const auto& [name, value] : {std::pair("skin_thickness", p.skin_thickness), {"period", p.period}})
+  for (const auto& [name, value] : {std::pair("skin_thickness", p.skin_thickness),
+                                    {"period", p.period},
+                                    {"tool_stiffness", p.tool_stiffness}})
     if (!(value > 0)) throw InputError(fmt::format("{} is {} but must be positive", name, to_text(value)));
   if (p.skin_thickness != TissueParameters{}.skin_thickness && p.skin == 0)
     throw InputError(
@@ -199,13 +204,28 @@ std::vector<TetMesh::Index> points_of_box(const TissueParameters& p, const TetMe
   return points;
 }
 
-/// @throws std::invalid_argument  for strains that are repeated, and for phi(0) other than 0
+/// @throws InputError  for a law that does not rise, std::invalid_argument for phi(0) other than 0
 TableSpring law_of_table(std::vector<std::pair<double, double>> points) {
-  if (std::ranges::find(points, 0.0, [](const auto& point) { return point.first; }) == points.end())
+  if (const auto rest = std::ranges::find(points, 0.0, [](const auto& point) { return point.first; });
+      rest == points.end())
     points.emplace_back(0, 0);
+  else if (rest->second != 0)
+    throw InputError(fmt::format("{}:0 is {}, but a spring of its own length has no tension; leave it out",
+                                 table_name, to_text(rest->second)));
   std::ranges::sort(points);
   std::vector<double> strain, phi;
-  for (const auto& [s, value] : points) strain.push_back(s), phi.push_back(value);
+  for (const auto& [s, value] : points) {
+    if (s <= -1)
+      throw InputError(fmt::format("{}:{} is a strain at which a spring has no length; give it above -1",
+                                   table_name, to_text(s)));
+    // Else it would be slack, or shorten by itself, and have no stable length.
+    if (!phi.empty() && !(value > phi.back()))
+      throw InputError(fmt::format(
+          "the law of springs does not rise from strain {} to {}; give {} values that do, through (0, 0)",
+          to_text(strain.back()), to_text(s), table_name));
+    strain.push_back(s);
+    phi.push_back(value);
+  }
   return {std::move(strain), std::move(phi)};
 }
 
@@ -342,7 +362,8 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
                                          .omega = 2 * std::numbers::pi / p.period};
   } else if (id.load == "tool") {
     // A sphere that begins where it touches the free end and moves towards the held one.
-    SphereTool tool{.points = surface.points, .radius = 0.05 * size};
+    SphereTool tool{.points = surface.points, .radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size};
+    tool.stiffness = p.tool_stiffness;
     tool.start = tip - tool.radius * end.towards;
     tool.travel = p.depth * end.towards;
     tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};

@@ -38,12 +38,14 @@ struct TissueParameters {
   double damper = 0;           ///< of springs: c / k [s]
   double g = 9.81;             ///< along -z [m/s^2], under the load gravity
   double force = 0.5;          ///< towards the held end or away from it, of press and pull [N]
-  double depth = 0.01;      ///< that the tool moves into the body in its first half second, or that the held
-                            ///< end moves to and fro, of breathing [m]
-  double period = 4;        ///< of breathing [s]
-  double support = 0.1;     ///< share of the body along the axis that is held
-  double axis = 3;          ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
-  double equal_masses = 0;  ///< 1: every point has the same mass
+  double depth = 0.01;     ///< that the tool moves into the body in its first half second, or that the held
+                           ///< end moves to and fro, of breathing [m]
+  double period = 4;       ///< of breathing [s]
+  double tool_radius = 0;  ///< [m]; 0: a twentieth of the diagonal of the mesh
+  double tool_stiffness = 1000;  ///< [N/m^1.5] (problems/tissue/loads.hpp)
+  double support = 0.1;          ///< share of the body along the axis that is held
+  double axis = 3;               ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
+  double equal_masses = 0;       ///< 1: every point has the same mass
   // What a body has only when it is asked for.
   double inclusion = 0;                    ///< E of every region of the mesh but the first, over E
   double skin = 0, skin_thickness = 1e-4;  ///< E of a skin over E, [m]

@@ -129,11 +129,17 @@ TimedRun reported_run(const Runner& runner, const RunSpec& spec, const Console& 
 struct BodyEnd {
   double max_displacement;  ///< of a free point [m]
   double energy;            ///< potential and kinetic [J]
+  double least_volume;      ///< of a tetrahedron, relative to that at rest [1]
+  Eigen::Index crushed;     ///< the tetrahedron
 };
 BodyEnd end_of(const TissueBody& body, double t, const Eigen::VectorXd& y) {
   const Eigen::Index n = body.dofs();
   const Eigen::VectorXd q = y.head(n), v = y.tail(n);
-  return {.max_displacement = largest_displacement(q), .energy = body.energy(t, q) + body.kinetic_energy(v)};
+  const auto [volume, tetrahedron] = body.least_volume(t, q);
+  return {.max_displacement = largest_displacement(q),
+          .energy = body.energy(t, q) + body.kinetic_energy(v),
+          .least_volume = volume,
+          .crushed = tetrahedron};
 }
 
 std::string with_unit(double value, std::string_view unit) {
@@ -281,6 +287,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     const BodyEnd end = end_of(*problem.body, record.t, record.y);
     document["max_displacement"] = end.max_displacement;
     document["energy"] = end.energy;
+    document["least_volume"] = end.least_volume;
     document["dofs"] = problem.body->dofs();
     document["realtime_factor"] = record.t / cpu_seconds;
     if (method.needs_jacobian) document["linear"] = to_string(spec.linear_solve);
@@ -409,6 +416,12 @@ void run(const RunOptions& options, Console& console) {
           "the body has moved {} times its own size; either nothing holds it, or the motion is on its way to diverge{}",
           short_number(moved, 3),
           spec.adaptive ? "" : " and wants a smaller --h, `hmax stability predict` says how small"));
+  if (problem.body && result.record.outcome == Outcome::reached_end)
+    if (const BodyEnd end = end_of(*problem.body, result.record.t, result.record.y); !(end.least_volume > 0))
+      console.remark(fmt::format(
+          "tetrahedron {} has ended inside out, with {} of its volume at rest: the body cannot bear this load, or "
+          "the step is too long for it; `hmax static` tells of the load",
+          tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
 
   if (console.json) {
     Json document = to_json(problem, method, spec, result, options.full);

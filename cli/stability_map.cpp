@@ -132,7 +132,7 @@ Panel panel_of(const StabilityMap& map, const std::vector<double>& levels,
                                [&](std::size_t i, std::size_t j) { return map.falls_along_x(i, j); }),
                     cells_with(map, "every step is stable", sky,
                                [&](std::size_t i, std::size_t j) { return std::isinf(map.at(i, j)); }),
-                    cells_with(map, "no step is stable, or the model grows", grey,
+                    cells_with(map, "no step is stable, or the model has no rest", grey,
                                [&](std::size_t i, std::size_t j) { return !(map.at(i, j) > 0); })})
     if (!area.x.empty()) panel.areas.push_back(std::move(area));
 

@@ -34,6 +34,15 @@ struct StaticOptions {
   PictureChoice picture;
 };
 
+/// @throws InputError  for what is no count, and for more than anybody waits for
+int count_of(std::string_view name, const std::string& text) {
+  constexpr std::int64_t most = 1'000'000;
+  const std::int64_t count = parse_count(name, text, 1);
+  if (count > most)
+    throw InputError(fmt::format("{} is {}, but a million is the most; give fewer", name, text));
+  return static_cast<int>(count);
+}
+
 StaticSettings settings_of(const StaticOptions& options) {
   StaticSettings settings;
   constexpr std::array<std::string_view, 3> solvers{"newton", "modified_newton", "linear"};
@@ -47,7 +56,7 @@ StaticSettings settings_of(const StaticOptions& options) {
   for (const InnerSolver each : {InnerSolver::direct, InnerSolver::sor, InnerSolver::conjugate_gradients})
     if (name_of(each) == linear) settings.inner = each;
   const auto count = [](std::string_view name, const std::string& text, int& into) {
-    if (!text.empty()) into = static_cast<int>(std::min<std::int64_t>(parse_count(name, text, 1), 1'000'000));
+    if (!text.empty()) into = count_of(name, text);
   };
   count("--iterations", options.iterations, settings.iterations);
   count("--load-steps", options.load_steps, settings.load_steps);
@@ -61,11 +70,8 @@ StaticSettings settings_of(const StaticOptions& options) {
 void print_frames(const StaticOptions& options, const Problem& problem, const StaticModel& model,
                   const StaticSettings& settings, Console& console) {
   int frames = 100, each = 1;
-  if (!options.frames.empty())
-    frames = static_cast<int>(std::min<std::int64_t>(parse_count("--frames", options.frames, 1), 1'000'000));
-  if (!options.per_frame.empty())
-    each = static_cast<int>(
-        std::min<std::int64_t>(parse_count("--pseudo-dynamic", options.per_frame, 1), 1'000'000));
+  if (!options.frames.empty()) frames = count_of("--frames", options.frames);
+  if (!options.per_frame.empty()) each = count_of("--pseudo-dynamic", options.per_frame);
   const auto rows = pseudo_dynamic(model, settings, frames, each, thread_cpu_seconds);
   double worst = 0, seconds = 0, lost = 0;
   for (const StaticFrame& row : rows) {

@@ -180,6 +180,7 @@ TEST(TissueProblem, RefusesNumbersThatNothingReads) {
   EXPECT_NE(refusal("fem_green@phantom", "depth", 1).find("--load tool"), std::string::npos);
   EXPECT_NE(refusal("fem_green@phantom", "damper", 1).find("mass_spring"), std::string::npos);
   EXPECT_NE(refusal("fem_green@phantom", "skin_thickness", 1).find("skin=1000"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", "tool_radius", 0.01).find("--load tool"), std::string::npos);
   EXPECT_EQ(refusal("fem_green/pull@phantom", "force", 2), "taken");
   EXPECT_EQ(refusal("fem_green/breathing@phantom", "depth", 0.02), "taken");
   // What is listed of a body makes it again.
@@ -201,7 +202,7 @@ TEST(TissueProblem, HasSpringsByTable) {
   };
   // The line phi = s is the linear law; twice as steep has twice the elastic energy, of which loads have
   // none.
-  const double linear = energy({}), loads = 2 * linear - energy({{"phi:-1", -2}, {"phi:1", 2}});
+  const double linear = energy({}), loads = 2 * linear - energy({{"phi:-0.9", -1.8}, {"phi:1", 2}});
   EXPECT_NEAR(energy({{"phi:0.5", 0.5}}), linear, 1e-12 * std::abs(linear));
   EXPECT_NEAR(energy({{"phi:-0.5", -1.5}, {"phi:0.5", 1.5}}) - loads, 3 * (linear - loads),
               1e-9 * std::abs(linear));
@@ -209,6 +210,10 @@ TEST(TissueProblem, HasSpringsByTable) {
   const auto& listed = problem.parameters;
   EXPECT_NE(std::ranges::find(listed, std::pair<std::string, double>("phi:0.5", 0.75)), listed.end());
   EXPECT_THROW(body({{"phi:0", 1}}), InputError);
+  // Slack at rest, shortening by itself, no length left.
+  EXPECT_THROW(body({{"phi:0.1", 0}}), InputError);
+  EXPECT_THROW(body({{"phi:0.1", -0.1}}), InputError);
+  EXPECT_THROW(body({{"phi:-1", -1}}), InputError);
   EXPECT_THROW(body({{"phi:0.5", 1}, {"phi:0.50", 2}}), InputError);
   EXPECT_THROW(body({{"phi:soft", 1}}), InputError);
   EXPECT_THROW(body({{"phi:0.5", 1}, {"cubic", 2}}), InputError);

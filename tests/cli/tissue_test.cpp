@@ -144,6 +144,24 @@ TEST(Static, SaysFromWhichLoadFramesHaveNoBalanceToBeHeldAgainst) {
   EXPECT_NE(told.json().at("status").get<std::string>().find("of the load"), std::string::npos);
 }
 
+TEST(RunOnAMesh, SaysThatElementsHaveEndedInsideOut) {
+  const std::string pressed =
+      "run --mesh phantom --load press --set force=100 --set alpha=20 --method linearly_implicit_euler --h 0.01 ";
+  const Told told = Shell{}.hmax(pressed + "--json");
+  ASSERT_LE(told.json().at("least_volume"), 0.0);
+  EXPECT_NE(Shell{}.hmax(pressed).err.find("inside out"), std::string::npos);
+  EXPECT_GT(json_of("run --mesh phantom --method linearly_implicit_euler --h 0.01 --json").at("least_volume"),
+            0.5);
+}
+
+TEST(StabilityMap, HasNoLimitWhereABodyHasNoBalance) {
+  const Json map =
+      json_of("stability map --mesh ball:n=2 --method rk4 --x g=1:40:2 --y E=5500:6000:2 --json");
+  EXPECT_TRUE(map.at("h_max").at(0).at(0).is_number());
+  EXPECT_TRUE(map.at("h_max").at(0).at(1).is_null());
+  EXPECT_NE(map.at("status").get<std::string>().find("no balance"), std::string::npos);
+}
+
 TEST(Static, SaysThatNothingHoldsABody) {
   const Told told = Shell{}.hmax("static --mesh phantom --set support=0 --json");
   EXPECT_EQ(told.exit_code, 1);
