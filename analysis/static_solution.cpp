@@ -142,7 +142,9 @@ class Iteration {
   /// @param knows  the last K that Newton's method has seen tells, which costs nothing
   /// @returns false where the balance is stable, or nothing is known of it
   bool leave_saddle(bool knows) {
-    if (!settings_.line_search || !model_.energy || settings_.method == StaticMethod::linear) return false;
+    if (!settings_.leave_saddles || !settings_.line_search || !model_.energy ||
+        settings_.method == StaticMethod::linear)
+      return false;
     if (model_.dofs > most_factored || (knows && !indefinite_)) return false;
     model_.stiffness(q_, shifted_);
     SparseSolver<double> solver;
@@ -185,7 +187,7 @@ class Iteration {
     const double slope = residual_.dot(d_);
     constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12, rounding = 1e-13;
     // The residual alone would be led into saddles.
-    const bool residual_counts = !has_energy || !was_shifted_;
+    const bool residual_counts = !has_energy || !was_shifted_ || !settings_.leave_saddles;
     double length = 1, next = 0;
     std::optional<double> energy;  // here, where the residual has not been enough
     bool barred = false;           // by the last trial

@@ -68,6 +68,8 @@ struct StaticSettings {
   /// as in a body that buckles, steps with K + tau I, downhill, and leaves a balance that is not stable
   /// [nocedal2006numerical, sections 3.1 and 3.4].
   bool line_search = true;
+  /// Else line searches end in a saddle too, as the straight balance of a column that buckles is one.
+  bool leave_saddles = true;
   /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
   /// its convergence allows [eisenstat1996choosing], else 1e-4.
   std::optional<double> inner_tolerance{};

@@ -168,8 +168,14 @@ EquilibriumSearch balance_of_body(const Problem& problem) {
   search.state = problem.y0;
   // What moves it later does not load it yet; only supports that start at once drag at their neighbours.
   if (!body.is_autonomous() || is_at_rest(body)) return search;
-  const StaticSolution solution =
-      found_balance(static_model(problem, 1), {.tolerance = 1e-12}, [] { return 0.0; });
+  const StaticModel model = static_model(problem, 1);
+  StaticSolution solution = found_balance(model, {.tolerance = 1e-12}, [] { return 0.0; });
+  // One that is not stable still tells that the body buckles.
+  if (!solution.converged)
+    if (StaticSolution saddle =
+            solve_static(model, {.tolerance = 1e-12, .leave_saddles = false}, [] { return 0.0; });
+        saddle.converged)
+      solution = std::move(saddle);
   if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
     search.message = "no balance was found: " + status_of(problem, solution);

@@ -108,11 +108,11 @@ Path load_path(const Problem& problem, int points, const Watcher& watcher) {
     Eigen::VectorXd y = problem.y0;
     if (i > 0) {
       const StaticSolution balance = solve_static(
-          static_model(problem, share), {.load_steps = 1 + static_cast<int>(4 * share)}, [] { return 0.0; });
+          static_model(problem, share),
+          {.load_steps = 1 + static_cast<int>(4 * share), .leave_saddles = false}, [] { return 0.0; });
       if (!balance.converged) {
-        path.note =
-            fmt::format("no balance was found under more than {} of the load: under {} of it {}",
-                        short_share(path.at.back()), short_share(share), status_of(problem, balance));
+        path.note = fmt::format("no balance was found under more than {} of the load: under {} of it {}",
+                                short_share(path.at.back()), short_share(share), status_of(problem, balance));
         break;
       }
       y.head(balance.q.size()) = balance.q;

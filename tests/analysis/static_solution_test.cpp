@@ -181,7 +181,8 @@ TEST(StaticSolution, LeavesABalanceThatIsNotStable) {
         EXPECT_NEAR(std::abs(found.q[1]), std::sqrt(2 * P - 2), 1e-7) << name_of(inner) << ' ' << P;
       }
   EXPECT_NEAR(solve_static(column(0.9), {}, no_clock).q[0], 0.9, 1e-9);
-  // Without a search Newton's method takes the straight one.
+  // Without a search Newton's method takes the straight one, and so does a search that may end in saddles.
+  EXPECT_NEAR(solve_static(column(2), {.leave_saddles = false}, no_clock).q[0], 2, 1e-7);
   EXPECT_NEAR(solve_static(column(2), {.line_search = false}, no_clock).q[0], 2, 1e-7);
 }
 
