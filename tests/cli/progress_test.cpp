@@ -83,7 +83,7 @@ TEST(Progress, SaysHowFarALongRunIsAndHowLongItTakesAndWipesItselfOut) {
 TEST(Progress, IsForTerminalsAlone) {
   const Shell shell;
   const Told told =
-      shell.line("timeout -s INT 2 '" HMAX_PROGRAM
+      shell.line("timeout --foreground -s INT 2 '" HMAX_PROGRAM
                  "' run --problem liver_forced --method rk4 --h 2e-7 --t-end 100 --max-steps 1e9");
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
   EXPECT_EQ(told.err, "hmax: interrupted\n");

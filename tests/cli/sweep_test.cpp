@@ -119,7 +119,7 @@ TEST(SweepCommand, KeepsWhatIsFinishedWhenItIsInterrupted) {
   const Scratch scratch;
   // The study's smallest step alone takes longer than the second after which Ctrl-C is sent.
   const std::string line = "cd '" + scratch.folder().string() +
-                           "' && timeout -s INT 1 '" HMAX_PROGRAM
+                           "' && timeout --foreground -s INT 1 '" HMAX_PROGRAM
                            "' sweep --methods rk4,ode45,dop_853,fehlberg_78 --out s --json >out 2>err";
   const int status = std::system(line.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 124) << "`timeout` had to interrupt";
