@@ -310,7 +310,9 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     return;
   }
   if (problem.body && !near.at_equilibrium) {
-    row.note = "not verified: no balance was found, so that the body moves away from this state";
+    row.note =
+        "not verified: no balance was found, so that the body moves away from this state; a smaller load, like --set g=0, "
+        "can be verified";
     return;
   }
   if (is_too_slow(method, near)) {
