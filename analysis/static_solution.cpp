@@ -87,9 +87,21 @@ class Inner {
 
   [[nodiscard]] std::int64_t iterations() const { return iterations_; }
 
+  /// A solver that factors, which where it can is the one that has looked at the pattern already: what was
+  /// taken is gone then.
+  SparseSolver<double>& factors() {
+    if (settings_.inner == InnerSolver::direct) return solver_;
+    if (!factors_) {
+      factors_.emplace();
+      factors_->set({.by = LinearSolve::By::direct});
+    }
+    return *factors_;
+  }
+
  private:
   const StaticSettings& settings_;
   SparseSolver<double> solver_;
+  std::optional<SparseSolver<double>> factors_;
   Matrix K_;
   double tolerance_ = 0;
   std::int64_t iterations_ = 0;
@@ -147,8 +159,8 @@ class Iteration {
       return false;
     if (model_.dofs > most_factored || (knows && !indefinite_)) return false;
     model_.stiffness(q_, shifted_);
-    SparseSolver<double> solver;
-    solver.set({.by = LinearSolve::By::direct});
+    SparseSolver<double>& solver = inner_.factors();
+    stale_ = true;
     double tau = 0;
     const auto is_definite = [&] { return solver.factor(shifted_) && solver.negative_eigenvalues() == 0; };
     if (is_definite()) return false;
@@ -226,7 +238,8 @@ class Iteration {
   /// d_ = K^-1 residual_.
   bool set_direction() {
     const bool constant = settings_.method != StaticMethod::newton;
-    if (!constant || !taken_) {
+    if (!constant || !taken_ || stale_) {
+      stale_ = false;
       model_.stiffness(constant ? VectorXd::Zero(model_.dofs) : q_, K_);
       if (!inner_.take(K_))
         return give_up(taken_ ? "the stiffness matrix has become singular; take more load steps" : not_held);
@@ -308,7 +321,7 @@ class Iteration {
   double size_before_ = 0, forcing_ = 0;  // of the last iterate, 0: none
   double shift_ = 0;                      // the last one that was needed
   int solved_ = 0, creeping_ = 0;
-  bool taken_ = false, barred_ = false;
+  bool taken_ = false, stale_ = false, barred_ = false;
   bool indefinite_ = false, was_shifted_ = false;  // the last K; the last direction is that of K + tau I
   std::string note_;
 };

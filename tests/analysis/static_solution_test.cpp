@@ -181,6 +181,11 @@ TEST(StaticSolution, LeavesABalanceThatIsNotStable) {
         EXPECT_NEAR(std::abs(found.q[1]), std::sqrt(2 * P - 2), 1e-7) << name_of(inner) << ' ' << P;
       }
   EXPECT_NEAR(solve_static(column(0.9), {}, no_clock).q[0], 0.9, 1e-9);
+  // With the stiffness at rest too, which is taken up again after the look at that of the balance.
+  const StaticSolution modified = solve_static(
+      column(1.2), {.method = StaticMethod::modified_newton, .iterations = 1000, .load_steps = 3}, no_clock);
+  ASSERT_TRUE(modified.converged) << modified.note;
+  EXPECT_NEAR(modified.q[0], 1.4, 1e-7);
   // Without a search Newton's method takes the straight one, and so does a search that may end in saddles.
   EXPECT_NEAR(solve_static(column(2), {.leave_saddles = false}, no_clock).q[0], 2, 1e-7);
   EXPECT_NEAR(solve_static(column(2), {.line_search = false}, no_clock).q[0], 2, 1e-7);
