@@ -118,7 +118,8 @@ class Iteration {
     scale_ = load_.norm();
   }
 
-  [[nodiscard]] bool has_load() const { return scale_ > 0; }
+  /// False also of forces that only rounding makes.
+  [[nodiscard]] bool has_load() const { return scale_ > model_.rounding; }
   [[nodiscard]] const VectorXd& q() const { return q_; }
   [[nodiscard]] double residual() const { return size_; }
   [[nodiscard]] int solved() const { return solved_; }

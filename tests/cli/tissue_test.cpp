@@ -126,6 +126,15 @@ TEST(Static, FindsBalancesOfSmallLoadsAndStiffBodiesToRounding) {
   }
 }
 
+TEST(Static, WithoutALoadIsRest) {
+  for (const char* nothing : {"--mesh cube:n=8 --set g=0", "--mesh cube:n=4 --load press --set force=0"}) {
+    const Json found = json_of(std::string("static --json ") + nothing);
+    EXPECT_EQ(found.at("outcome"), "converged") << nothing;
+    EXPECT_EQ(found.at("max_displacement"), 0) << nothing;
+    EXPECT_EQ(found.at("status"), "") << nothing;
+  }
+}
+
 TEST(Static, HasTheEnergyOfTheLoadThatActs) {
   const auto energy = [](const std::string& scale) {
     return json_of("static --mesh phantom --model fem_cauchy --load press --json --load-scale " + scale)
