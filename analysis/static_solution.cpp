@@ -125,8 +125,8 @@ class Iteration {
   [[nodiscard]] int solved() const { return solved_; }
   [[nodiscard]] const std::string& note() const { return note_; }
   [[nodiscard]] bool barred() const { return barred_; }
-  [[nodiscard]] StaticIterate iterate(int step) const {
-    return {step, size_, clock_() - start_, inner_.iterations()};
+  [[nodiscard]] StaticIterate iterate(int step, int steps) const {
+    return {step, steps, size_, clock_() - start_, inner_.iterations()};
   }
 
   /// Takes up another share of the load.
@@ -376,15 +376,15 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
   solution.q = iteration.q();
   if (!iteration.has_load()) {
     solution.converged = true;
-    solution.history.push_back({1, 0, 0, 0});
+    solution.history.push_back({1, 1, 0, 0, 0});
     return solution;
   }
-  const auto record = [&](int step) {
-    solution.history.push_back(iteration.iterate(step));
-    if (settings.seen) settings.seen(solution.history.back());
-  };
   const bool linear = settings.method == StaticMethod::linear;
   const int steps = linear ? 1 : settings.load_steps;
+  const auto record = [&](int step) {
+    solution.history.push_back(iteration.iterate(step, steps));
+    if (settings.seen) settings.seen(solution.history.back());
+  };
   for (int step = 1; step <= steps; ++step) {
     iteration.set_share(static_cast<double>(step) / steps);
     record(step);

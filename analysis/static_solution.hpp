@@ -53,6 +53,7 @@ std::string_view name_of(InnerSolver solver);
 /// One iterate.
 struct StaticIterate {
   int load_step;       ///< from 1
+  int load_steps;      ///< of so many
   double residual;     ///< |F| / |F(0)| under the load of the step
   double seconds;      ///< since the start, with the analysis of the pattern
   std::int64_t inner;  ///< iterations of the inner solver so far; 0 for direct

@@ -204,7 +204,8 @@ std::vector<TetMesh::Index> points_of_box(const TissueParameters& p, const TetMe
   return points;
 }
 
-/// @throws InputError  for a law that does not rise, std::invalid_argument for phi(0) other than 0
+/// @throws InputError  for a law that does not rise through (0, 0), std::invalid_argument for repeated
+/// strains
 TableSpring law_of_table(std::vector<std::pair<double, double>> points) {
   if (const auto rest = std::ranges::find(points, 0.0, [](const auto& point) { return point.first; });
       rest == points.end())

@@ -92,9 +92,13 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   if (!bounded) console.exit_code = Exit::failed;
   if (console.json) {
     Json list = Json::array();
-    for (const StaticFrame& row : rows)
-      list.push_back(
-          {{"load", row.load}, {"residual", row.residual}, {"error", row.error}, {"seconds", row.seconds}});
+    for (const StaticFrame& row : rows) {
+      list.push_back({{"load", row.load},
+                      {"residual", row.residual},
+                      {"error", std::isnan(row.error) ? Json() : Json(row.error)},
+                      {"seconds", row.seconds}});
+      if (std::isnan(row.error)) list.back()["status"] = "no balance was found to hold the frame against";
+    }
     return console.print_json({{"problem", problem.id},
                                {"outcome", bounded ? "converged" : "not_converged"},
                                {"status", status},
@@ -171,9 +175,10 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
                            problem.material.empty() ? "" : " of " + problem.material,
                            outcome == "converged" ? "" : no_balance,
                            short_number(1000 * largest_displacement(solution.q), 3)),
-      .caption = fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
-                             describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
-                             settings.load_steps, settings.load_steps == 1 ? "" : "s"),
+      .caption =
+          fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
+                      describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
+                      solution.history.back().load_steps, solution.history.back().load_steps == 1 ? "" : "s"),
       .views = {body_view(*problem.body, 0, solution.q, value)}};
   picture.colours = colours_of(value, picture.views);
   return picture;
@@ -258,9 +263,9 @@ void solve(const StaticOptions& options, Console& console) {
     shown.seen = [&](const StaticIterate& iterate) {
       const double near =
           std::log(std::max(iterate.residual, settings.tolerance)) / std::log(settings.tolerance);
-      progress.update(
-          (iterate.load_step - 1 + std::clamp(near, 0.0, 1.0)) / settings.load_steps,
-          fmt::format("load step {}, residual {}", iterate.load_step, short_number(iterate.residual, 3)));
+      progress.update((iterate.load_step - 1 + std::clamp(near, 0.0, 1.0)) / iterate.load_steps,
+                      fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
+                                  short_number(iterate.residual, 3)));
     };
     return options.load_steps.empty() ? found_balance(model, shown, thread_cpu_seconds)
                                       : solve_static(model, shown, thread_cpu_seconds);

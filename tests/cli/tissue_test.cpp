@@ -112,6 +112,9 @@ TEST(Static, BringsALoadOnInStepsWhereAllAtOnceIsTooMuch) {
   const Json found = json_of(pressed);
   EXPECT_EQ(found.at("outcome"), "converged");
   EXPECT_NE(found.at("status").get<std::string>().find("ten steps"), std::string::npos);
+  const Shell shell;
+  shell.hmax(pressed + " --picture pressed.svg");
+  EXPECT_NE(read_text(shell / "pressed.svg").find("10 load steps"), std::string::npos);
   EXPECT_GT(found.at("least_volume"), 0.05);
   // Who says how many steps gets so many.
   EXPECT_EQ(Shell{}.hmax(pressed + " --load-steps 1").json().at("outcome"), "collapsed");
@@ -151,6 +154,9 @@ TEST(Static, SaysFromWhichLoadFramesHaveNoBalanceToBeHeldAgainst) {
   EXPECT_EQ(told.exit_code, 1);
   EXPECT_EQ(told.json().at("outcome"), "not_converged");
   EXPECT_NE(told.json().at("status").get<std::string>().find("of the load"), std::string::npos);
+  const Json last = told.json().at("frames").back();
+  EXPECT_TRUE(last.at("error").is_null());
+  EXPECT_NE(last.at("status").get<std::string>().find("no balance"), std::string::npos);
 }
 
 TEST(RunOnAMesh, SaysThatElementsHaveEndedInsideOut) {
