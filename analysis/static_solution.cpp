@@ -137,8 +137,20 @@ class Iteration {
     size_ = residual_at(q_);
   }
 
-  /// Whether what is left of the residual is rounding.
-  [[nodiscard]] bool is_rounding() const { return size_ * scale_ <= model_.rounding; }
+  /// Steps until the residual is at most `tolerance`, or rounding that gets no better.
+  /// @param most  steps; counted in k
+  /// @param seen  called after each
+  /// @returns whether the residual is so small
+  bool approach(double tolerance, int most, int& k, const std::function<void()>& seen) {
+    double before = std::numeric_limits<double>::infinity();
+    while (k < most && size_ > tolerance && !(is_rounding() && size_ > before / 2)) {
+      before = size_;
+      if (!advance()) break;
+      ++k;
+      seen();
+    }
+    return size_ <= tolerance || is_rounding();
+  }
 
   /// One step along the solution of a linear system.
   /// @returns false when no step could be made; note() then says why
@@ -235,6 +247,9 @@ class Iteration {
     size_ = next;
     return true;
   }
+
+  /// Whether what is left of the residual is rounding.
+  [[nodiscard]] bool is_rounding() const { return size_ * scale_ <= model_.rounding; }
 
   /// d_ = K^-1 residual_.
   bool set_direction() {
@@ -392,17 +407,9 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     // A linear solution is what one system gives, and its residual says what the model leaves out.
     const int most = linear ? 1 : settings.iterations;
     constexpr int most_saddles = 10;
-    const auto is_balance = [&] { return iteration.residual() <= settings.tolerance; };
     for (bool goes_on = true; goes_on;) {
-      double before = std::numeric_limits<double>::infinity();
-      // At the level of rounding as long as it gets better.
-      while (k < most && !is_balance() && !(iteration.is_rounding() && iteration.residual() > before / 2)) {
-        before = iteration.residual();
-        if (!iteration.advance()) break;
-        ++k;
-        record(step);
-      }
-      solution.converged = linear ? k == 1 : is_balance() || iteration.is_rounding();
+      const bool balanced = iteration.approach(settings.tolerance, most, k, [&] { record(step); });
+      solution.converged = linear ? k == 1 : balanced;
       goes_on =
           solution.converged && !linear && left++ < most_saddles && iteration.leave_saddle(step < steps);
       if (goes_on) record(step);
@@ -410,7 +417,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     solution.note = iteration.note();
     if (solution.converged) {
       solution.note.clear();
-      if (!linear && !is_balance())
+      if (!linear && iteration.residual() > settings.tolerance)
         solution.note =
             fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
                         iteration.residual());
@@ -450,10 +457,10 @@ std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSe
     }
     const double seconds = clock() - start;
     exact.set_share(share);
-    for (int k = 0; k < thorough.iterations && exact.residual() > 1e-12 && exact.advance(); ++k) {
-    }
+    int k = 0;
+    const bool known =
+        exact.approach(1e-12, thorough.iterations, k, [] {}) || exact.residual() <= thorough.tolerance;
     const double size = exact.q().norm();
-    const bool known = exact.residual() <= thorough.tolerance || exact.is_rounding();
     const double error = size > 0 ? (shown.q() - exact.q()).norm() / size : 0;
     all.push_back(
         {share, shown.residual(), known ? error : std::numeric_limits<double>::quiet_NaN(), seconds});
