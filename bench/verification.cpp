@@ -341,7 +341,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
   Observation seen;
-  std::string contradiction;
+  std::string contradiction, excuse;
   if (row.bound != Bound::stability) {
     // Of a large structure: where a step carries what velocities there are too far, it is not linear.
     const double farthest = start.mode_alone ? 1e3 : 1e6, h = farthest / slowest;
@@ -349,7 +349,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     seen.agrees = !grows_at(run, start.distance, h, seen.steps);
     if (!seen.agrees && *outcome == Outcome::newton_failed) {
       row.bound = Bound::newton;
-      row.note = fmt::format(
+      excuse = fmt::format(
           "no step is unstable, but at {} s, {:g} times the slowest time scale, Newton's method does not solve "
           "the equations of a step: it is what limits the step",
           to_text(h), farthest);
@@ -371,14 +371,13 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
             : fmt::format("integration does not show this limit: {} steps of 0.999 of it grow", limit.steps);
   }
   if (!seen.agrees && seen.steps >= most_observed_steps)
-    row.note =
-        fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
+    excuse = fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
   if (!is_linear(problem) && is_driven(problem) && !seen.agrees)
-    row.note =
+    excuse =
         "the force moves the model away from this state, so that small motions are those about another; the limit "
         "along the motion says more";
-  seen.excused = !seen.agrees && !row.note.empty();
-  if (!seen.agrees && !seen.excused) row.note = contradiction;
+  seen.excused = !seen.agrees && !excuse.empty();
+  if (!seen.agrees) row.note = seen.excused ? excuse : contradiction;
   seen.step_defect = step_defect(method);
   if (!seen.has_steps_of_analysis())
     row.note += fmt::format("{}its steps are not those of its analysis, they differ by {}",
