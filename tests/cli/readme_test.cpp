@@ -33,7 +33,8 @@ std::vector<Shown> console_blocks(const std::string& text) {
   return shown;
 }
 
-/// Words of a text; the time after "cpu" and the real-time "factor" are left out, they differ from run to run.
+/// Words of a text; the time after "cpu" and the real-time "factor" are left out, they differ from run to
+/// run.
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   std::istringstream stream(text);

@@ -150,8 +150,8 @@ TEST(Newmark, StaysBoundedUpToThePublishedLimits) {
   }
 }
 
-/// 2 beta >= gamma >= 1/2 for Newmark [hughes2000finite], alpha_m <= alpha_f <= 1/2 and beta >= 1/4 + (alpha_f -
-/// alpha_m) / 2 at order 2 [chung1993time]; a hair is left for rounding of the parameters.
+/// 2 beta >= gamma >= 1/2 for Newmark [hughes2000finite], alpha_m <= alpha_f <= 1/2 and beta >= 1/4 +
+/// (alpha_f - alpha_m) / 2 at order 2 [chung1993time]; a hair is left for rounding of the parameters.
 bool is_unconditionally_stable(const AlphaParameters& p) {
   constexpr long double hair = 1e-15L;
   if (p.alpha_m == 0 && p.alpha_f == 0) return p.gamma >= 0.5L && 2 * p.beta >= p.gamma;
