@@ -8,9 +8,9 @@ install(TARGETS hmax_flags hmax_integrators hmax_problems hmax_results hmax_anal
         EXPORT hmax_targets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
-foreach(engine sundials odeint)
-  if(TARGET hmax_integrators_${engine})
-    install(TARGETS hmax_integrators_${engine} EXPORT hmax_targets
+foreach(optional elementary integrators_sundials integrators_odeint)
+  if(TARGET hmax_${optional})
+    install(TARGETS hmax_${optional} EXPORT hmax_targets
             ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
             FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
   endif()

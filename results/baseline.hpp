@@ -9,8 +9,7 @@
 
 namespace hmax {
 
-/// One run of the suite: errors and work, which do not depend on the machine but for the last bits of its
-/// cosine.
+/// One run of the suite: errors and work, which do not depend on the processor.
 struct AccuracyRow {
   std::string problem, method;
   std::string setting;  ///< "h=0.2", "rtol=1e-4 control=pi", "h=0.2 jacobian=frozen"

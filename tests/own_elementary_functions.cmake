@@ -1,0 +1,20 @@
+# Fails when PROGRAM calls a function of libm whose result is rounded and which hmax_elementary should have: one that is exact
+# (floor, fmod, ldexp, ...) or in long double is libm's own.
+#   cmake -DNM=nm -DLIBM=libm.so.6 -DPROGRAM=FILE -P own_elementary_functions.cmake
+cmake_minimum_required(VERSION 3.25)
+function(symbols output)
+  execute_process(COMMAND "${NM}" -D -P ${ARGN} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX REPLACE "[@ ][^\n]*\n" ";" names "${text}")
+  set(${output} "${names}" PARENT_SCOPE)
+endfunction()
+symbols(of_libm --defined-only "${LIBM}")
+symbols(called --undefined-only "${PROGRAM}")
+set(exact "ceil|floor|l?l?round|trunc|l?l?rint|nearbyint|fmod|remainder|remquo|sqrt|fabs|fma|fmin|fmax|fdim|frexp|ldexp|scalbl?n|i?logb|modf|nextafter|nexttoward|copysign")
+foreach(name IN LISTS called)
+  if(name IN_LIST of_libm AND NOT name MATCHES "^(${exact})f?$" AND NOT name MATCHES "l$")
+    list(APPEND foreign ${name})
+  endif()
+endforeach()
+if(foreign)
+  message(FATAL_ERROR "${PROGRAM} takes from libm: ${foreign}; add them to cmake/elementary_functions.cmake")
+endif()
