@@ -36,7 +36,7 @@ struct Named {
   std::string_view of = {};  ///< words of the model or the loads that read it; empty: all do
 };
 constexpr std::string_view springs = "mass_spring";
-constexpr std::array<Named, 31> all_named{{
+constexpr std::array<Named, 40> all_named{{
     {"E", &TissueParameters::E},
     {"nu", &TissueParameters::nu},
     {"rho", &TissueParameters::rho},
@@ -50,9 +50,18 @@ constexpr std::array<Named, 31> all_named{{
     {"support", &TissueParameters::support},
     {"axis", &TissueParameters::axis},
     {"equal_masses", &TissueParameters::equal_masses},
+    {"gx", &TissueParameters::gx, false, "gravity"},
+    {"gy", &TissueParameters::gy, false, "gravity"},
+    {"gz", &TissueParameters::gz, false, "gravity"},
     {"period", &TissueParameters::period, false, "breathing"},
     {"tool_radius", &TissueParameters::tool_radius, false, "tool"},
     {"tool_stiffness", &TissueParameters::tool_stiffness, false, "tool"},
+    {"tool_x", &TissueParameters::tool_x, false, "tool"},
+    {"tool_y", &TissueParameters::tool_y, false, "tool"},
+    {"tool_z", &TissueParameters::tool_z, false, "tool"},
+    {"tool_dx", &TissueParameters::tool_dx, false, "tool"},
+    {"tool_dy", &TissueParameters::tool_dy, false, "tool"},
+    {"tool_dz", &TissueParameters::tool_dz, false, "tool"},
     {"inclusion", &TissueParameters::inclusion, false},
     {"skin", &TissueParameters::skin, false},
     {"skin_thickness", &TissueParameters::skin_thickness, false},
@@ -230,6 +239,50 @@ TableSpring law_of_table(std::vector<std::pair<double, double>> points) {
   return {std::move(strain), std::move(phi)};
 }
 
+/// The length of the diagonal of the box around a mesh [m].
+double size_of(const TetMesh& mesh) {
+  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+}
+
+/// A force towards the held end on the patch of the surface around the free one.
+PressingForce pressing_force(double force, const TetMesh& mesh, const HeldEnd& end) {
+  PressingForce load{.points = {}, .force = force * end.towards};
+  const Eigen::Vector3d tip = mesh.points.col(end.opposite(mesh));
+  const double radius = 0.15 * size_of(mesh);
+  for (const TetMesh::Index i : surface_of(mesh).points)
+    if ((mesh.points.col(i) - tip).norm() <= radius) load.points.push_back(i);
+  return load;
+}
+
+/// A sphere that touches its starting point with its front and moves on from there.
+/// @throws InputError  when a tool that the user places meets nothing
+SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd& end) {
+  const Eigen::Vector3d place(p.tool_x, p.tool_y, p.tool_z), direction(p.tool_dx, p.tool_dy, p.tool_dz);
+  const bool placed = place.allFinite(), directed = !direction.isZero(0);
+  if (!placed && place.array().isFinite().any())
+    throw InputError("tool_x, tool_y and tool_z are one point; give all three or none");
+  const HeldEnd way = directed ? HeldEnd(direction.normalized()) : end;
+  const Eigen::Vector3d tip = placed ? place : Eigen::Vector3d(mesh.points.col(way.opposite(mesh)));
+  SphereTool tool{.points = surface_of(mesh).points,
+                  .radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size_of(mesh),
+                  .stiffness = p.tool_stiffness};
+  tool.start = tip - tool.radius * way.towards;
+  tool.travel = p.depth * way.towards;
+  tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};
+  const auto is_met = [&](TetMesh::Index i) {
+    const Eigen::Vector3d arm = mesh.points.col(i) - tool.start;
+    const double along = p.depth != 0 ? std::clamp(arm.dot(way.towards) / p.depth, 0.0, 1.0) : 0;
+    return (arm - along * tool.travel).norm() <= tool.radius;
+  };
+  if ((placed || directed) && std::ranges::none_of(tool.points, is_met))
+    throw InputError(fmt::format(
+        "a tool of radius {} m that starts at {}, {}, {} and moves {} m along {}, {}, {} meets no point of the "
+        "body; place it nearer, turn it, or give a larger depth or tool_radius",
+        to_text(tool.radius), to_text(tip(0)), to_text(tip(1)), to_text(tip(2)), to_text(p.depth),
+        to_text(way.towards(0)), to_text(way.towards(1)), to_text(way.towards(2))));
+  return tool;
+}
+
 /// @throws InputError  for a region that the mesh does not have
 void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loaded,
                               std::vector<TissueMaterial>& materials) {
@@ -289,6 +342,15 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
     if (value != TissueParameters{}.*(it->value)) require_read(parameter, it->of, id);
     parameters.*(it->value) = value;
   }
+  const auto is_set = [&](std::string_view name) {
+    return std::ranges::find(settings.parameters, name, &std::pair<std::string, double>::first) !=
+           settings.parameters.end();
+  };
+  if (std::ranges::any_of(gravity_names, is_set) && !is_set("g")) parameters.g = 0;
+  if (std::ranges::any_of(tool_direction_names, is_set) && parameters.tool_dx == 0 &&
+      parameters.tool_dy == 0 && parameters.tool_dz == 0)
+    throw InputError(
+        "tool_dx, tool_dy and tool_dz are all 0, which is no direction; give a vector like 0,-1,0");
   if (!(parameters.support >= 0 && parameters.support < 1))
     throw InputError(fmt::format("support is {} but must be a share of the body, at least 0 and below 1",
                                  to_text(parameters.support)));
@@ -351,30 +413,17 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
   else if (p.support > 0)
     settings.supports.push_back({.points = end.points(mesh, p.support)});
 
-  const MeshSurface surface = surface_of(mesh);
-  const Eigen::Vector3d tip = mesh.points.col(end.opposite(mesh));
-  const double size = (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
   if (id.load == "gravity") {
-    settings.gravity = {0, 0, -p.g};
+    settings.gravity = {p.gx, p.gy, p.gz - p.g};
   } else if (id.load == "breathing") {
     // The end that hangs on the diaphragm goes to and fro with it.
     settings.supports.front().travel = p.depth * end.towards;
     settings.supports.front().profile = {.kind = TimeProfile::Kind::sine,
                                          .omega = 2 * std::numbers::pi / p.period};
   } else if (id.load == "tool") {
-    // A sphere that begins where it touches the free end and moves towards the held one.
-    SphereTool tool{.points = surface.points, .radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size};
-    tool.stiffness = p.tool_stiffness;
-    tool.start = tip - tool.radius * end.towards;
-    tool.travel = p.depth * end.towards;
-    tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};
-    settings.tools.push_back(tool);
+    settings.tools.push_back(tool_of(p, mesh, end));
   } else {
-    // The patch of the surface around the free end.
-    PressingForce force{.points = {}, .force = (id.load == "press" ? p.force : -p.force) * end.towards};
-    for (const TetMesh::Index i : surface.points)
-      if ((mesh.points.col(i) - tip).norm() <= 0.15 * size) force.points.push_back(i);
-    settings.forces.push_back(force);
+    settings.forces.push_back(pressing_force(id.load == "press" ? p.force : -p.force, mesh, end));
   }
   return settings;
 }

@@ -33,19 +33,23 @@ struct TissueParameters {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 
   double E = TissueMaterial{}.young, nu = TissueMaterial{}.poisson, rho = TissueMaterial{}.density;
-  double mass = 0;             ///< of the whole body [kg]; 0: by the density
-  double alpha = 0, beta = 0;  ///< Rayleigh [1/s], [s]
-  double damper = 0;           ///< of springs: c / k [s]
-  double g = 9.81;             ///< along -z [m/s^2], under the load gravity
-  double force = 0.5;          ///< towards the held end or away from it, of press and pull [N]
+  double mass = 0;                ///< of the whole body [kg]; 0: by the density
+  double alpha = 0, beta = 0;     ///< Rayleigh [1/s], [s]
+  double damper = 0;              ///< of springs: c / k [s]
+  double g = 9.81;                ///< along -z [m/s^2], under the load gravity; 0 where gx, gy or gz is set
+  double gx = 0, gy = 0, gz = 0;  ///< gravity in other directions [m/s^2]
+  double force = 0.5;             ///< towards the held end or away from it, of press and pull [N]
   double depth = 0.01;     ///< that the tool moves into the body in its first half second, or that the held
                            ///< end moves to and fro, of breathing [m]
   double period = 4;       ///< of breathing [s]
   double tool_radius = 0;  ///< [m]; 0: a twentieth of the diagonal of the mesh
   double tool_stiffness = 1000;  ///< [N/m^1.5] (problems/tissue/loads.hpp)
-  double support = 0.1;          ///< share of the body along the axis that is held
-  double axis = 3;               ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
-  double equal_masses = 0;       ///< 1: every point has the same mass
+  /// Where the foremost point of the tool starts [m]; infinite: at the free end, as seen along its direction.
+  double tool_x = infinity, tool_y = infinity, tool_z = infinity;
+  double tool_dx = 0, tool_dy = 0, tool_dz = 0;  ///< where the tool moves [1]; 0: towards the held end
+  double support = 0.1;                          ///< share of the body along the axis that is held
+  double axis = 3;          ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
+  double equal_masses = 0;  ///< 1: every point has the same mass
   // What a body has only when it is asked for.
   double inclusion = 0;                    ///< E of every region of the mesh but the first, over E
   double skin = 0, skin_thickness = 1e-4;  ///< E of a skin over E, [m]
@@ -72,6 +76,11 @@ struct TissueParameters {
                                [](double side) { return side < infinity; });
   }
 };
+
+/// The parameters that hold a vector each: "gx", "gy", "gz" and so on.
+inline constexpr std::array<std::string_view, 3> gravity_names{"gx", "gy", "gz"};
+inline constexpr std::array<std::string_view, 3> tool_place_names{"tool_x", "tool_y", "tool_z"};
+inline constexpr std::array<std::string_view, 3> tool_direction_names{"tool_dx", "tool_dy", "tool_dz"};
 
 /// Those of a mesh and material, with what the user sets.
 /// @throws InputError  for unknown names, numbers out of range, and what the model or the load does not have

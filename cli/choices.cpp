@@ -1,5 +1,8 @@
 #include "cli/choices.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -28,6 +31,18 @@ void MeshOptions::add_to(CLI::App& command) {
                   fmt::format("What moves the tissue: {}; {} by default", fmt::join(tissue_loads(), ", "),
                               tissue_loads().front()))
       ->type_name("ID");
+  command
+      .add_option("--gravity", gravity,
+                  "Of a mesh: gravity [m/s2], like 0,-9.81,0; short for --set gx, gy, gz")
+      ->type_name("X,Y,Z");
+  command
+      .add_option("--tool-at", tool_at,
+                  "Of --load tool: where its front starts [m]; short for --set tool_x, tool_y, tool_z")
+      ->type_name("X,Y,Z");
+  command
+      .add_option("--tool-direction", tool_direction,
+                  "Of --load tool: where it moves to, like 0,-1,0; short for --set tool_dx, tool_dy, tool_dz")
+      ->type_name("X,Y,Z");
 }
 
 std::string MeshOptions::problem_id() const {
@@ -39,6 +54,23 @@ std::string MeshOptions::problem_id() const {
 
 std::optional<double> MeshOptions::metres() const {
   return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
+}
+
+std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
+  std::vector<std::pair<std::string, double>> parameters;
+  const auto take = [&](const char* option, const std::string& text,
+                        const std::array<std::string_view, 3>& names) {
+    if (text.empty()) return;
+    const std::vector<double> vector = parse_numbers(option, text);
+    if (vector.size() != names.size())
+      throw InputError(fmt::format("{} has {} numbers but is a vector of three; write it like 0,-1,0", option,
+                                   vector.size()));
+    for (std::size_t i = 0; i < names.size(); ++i) parameters.emplace_back(names[i], vector[i]);
+  };
+  take("--gravity", gravity, gravity_names);
+  take("--tool-at", tool_at, tool_place_names);
+  take("--tool-direction", tool_direction, tool_direction_names);
+  return parameters;
 }
 
 void ProblemChoice::add_to(CLI::App& command) {
@@ -73,6 +105,10 @@ ProblemSettings ProblemChoice::settings() const {
     throw InputError(fmt::format(
         "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", problem));
   ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}, .unit = body.metres()};
+  settings.parameters = body.parameters();
+  if (!settings.parameters.empty() && body.mesh.empty() && !is_tissue_id(problem))
+    throw InputError(fmt::format(
+        "--gravity, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out", problem));
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);

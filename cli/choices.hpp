@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/catalogue.hpp"
@@ -10,9 +11,9 @@
 
 namespace hmax {
 
-/// --mesh with --unit --model --load
+/// --mesh with --unit --model --load, and vectors and sets that act on it
 struct MeshOptions {
-  std::string mesh, unit, model, load;
+  std::string mesh, unit, model, load, gravity, tool_at, tool_direction;
 
   void add_to(CLI::App& command);
   /// The id of the problem, empty without a mesh.
@@ -20,6 +21,8 @@ struct MeshOptions {
   [[nodiscard]] std::string problem_id() const;
   /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
   [[nodiscard]] std::optional<double> metres() const;
+  /// What the options say as parameters of bench/tissue_parameters.hpp.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
 
 /// --problem or a mesh; --set --material --y0

@@ -55,6 +55,7 @@ SweepRequest flags_of(const SweepOptions& options) {
     if (options.fixed) request.readings->emplace_back(reading_names[0]);
     if (options.sampled) request.readings->emplace_back(reading_names[1]);
   }
+  request.parameters = options.body.parameters();
   for (const std::string& assignment : options.set)
     request.parameters.push_back(parse_assignment("--set", assignment));
   request.atol = options.atol;

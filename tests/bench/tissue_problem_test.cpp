@@ -187,6 +187,45 @@ TEST(TissueProblem, RefusesNumbersThatNothingReads) {
   EXPECT_EQ(refusal("fem_green@phantom", "force", 0.5), "taken");
 }
 
+/// The settings of a body of the name `id`.
+TissueSettings settings_with(const std::string& id, std::vector<std::pair<std::string, double>> parameters) {
+  return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}).body->settings();
+}
+
+TEST(TissueProblem, GravityIsAVector) {
+  const auto gravity = [](std::vector<std::pair<std::string, double>> parameters) {
+    return settings_with("fem_green@phantom", std::move(parameters)).gravity;
+  };
+  EXPECT_EQ(gravity({}), Eigen::Vector3d(0, 0, -9.81));
+  EXPECT_EQ(gravity({{"gy", -9.81}}), Eigen::Vector3d(0, -9.81, 0));
+  EXPECT_EQ(gravity({{"gx", 1}, {"gy", 2}, {"gz", 3}}), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(gravity({{"gx", 0}, {"gy", 0}, {"gz", 0}}), Eigen::Vector3d::Zero());
+  EXPECT_EQ(gravity({{"g", 2}, {"gx", 1}}), Eigen::Vector3d(1, 0, -2));
+  EXPECT_THROW(settings_with("fem_green/press@phantom", {{"gy", -9.81}}), InputError);
+}
+
+TEST(TissueProblem, AToolStartsAndMovesWhereItIsTold) {
+  const auto tool = [](std::vector<std::pair<std::string, double>> parameters) {
+    parameters.insert(parameters.end(), {{"depth", 0.02}, {"tool_radius", 0.01}});
+    return settings_with("fem_green/tool@cube:n=4,edge=0.1", std::move(parameters)).tools.at(0);
+  };
+  // The cube stands on z = 0, so the free end is its top.
+  const Eigen::Vector3d middle(0.05, 0.05, 0.1);
+  EXPECT_TRUE(tool({}).start.isApprox(middle + Eigen::Vector3d(0, 0, 0.01), 1e-12));
+  EXPECT_TRUE(tool({}).travel.isApprox(Eigen::Vector3d(0, 0, -0.02), 1e-12));
+  // A direction alone starts at the side that it comes from.
+  const SphereTool sideways = tool({{"tool_dx", 2}});
+  EXPECT_TRUE(sideways.start.isApprox(Eigen::Vector3d(-0.01, 0.05, 0.05), 1e-12)) << sideways.start;
+  EXPECT_TRUE(sideways.travel.isApprox(Eigen::Vector3d(0.02, 0, 0), 1e-12));
+  const SphereTool placed = tool({{"tool_x", 0}, {"tool_y", 0}, {"tool_z", 0.105}});
+  EXPECT_TRUE(placed.start.isApprox(Eigen::Vector3d(0, 0, 0.115), 1e-12));
+  EXPECT_TRUE(placed.travel.isApprox(Eigen::Vector3d(0, 0, -0.02), 1e-12));
+  EXPECT_THROW(tool({{"tool_x", 0}, {"tool_y", 0}, {"tool_z", 0.2}}), InputError);
+  EXPECT_THROW(tool({{"tool_x", 0}}), InputError);
+  EXPECT_THROW(tool({{"tool_dx", 0}}), InputError);
+  EXPECT_THROW(settings_with("fem_green@phantom", {{"tool_dx", 1}}), InputError);
+}
+
 TEST(TissueProblem, HasSpringsByTable) {
   const auto body = [](std::vector<std::pair<std::string, double>> parameters) {
     parameters.emplace_back("force", 0.3);
