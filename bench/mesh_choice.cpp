@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
-#include "problems/tissue/refine.hpp"
+#include "problems/tissue/mesh_defects.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -29,13 +28,6 @@ auto told_to_user(Make make) {
 
 bool has_name(const std::string& name) {
   return std::ranges::find(named_meshes(), name, &NamedMesh::name) != named_meshes().end();
-}
-
-/// Elements counted from 1 in the order they are in.
-void count_elements(MeshFile& file) {
-  file.numbers.resize(static_cast<std::size_t>(file.mesh.tetrahedron_count()));
-  std::iota(file.numbers.begin(), file.numbers.end(), 1);
-  file.places.assign(file.numbers.size(), 0);
 }
 
 /// Of a mesh by name what stands behind its colon without being NAME=NUMBER.
@@ -68,16 +60,8 @@ MeshFile from_file(const MeshRequest& request) {
   MeshFile file = read_mesh_file(request.name);
   if (const int times = refinements_of(request); times > 0) {
     require_valid(file);
-    file.mesh = refined(file.mesh, times);
-    count_elements(file);
+    file = refined(file, times);
   }
-  return file;
-}
-
-MeshFile by_name(const std::string& text, const MeshRequest& request) {
-  MeshFile file{
-      .name = text, .format = "by name", .mesh = mesh_by_name(request), .numbers = {}, .places = {}};
-  count_elements(file);
   return file;
 }
 
@@ -88,7 +72,8 @@ OpenedMesh open_mesh(const std::string& text) {
     if (text.empty()) throw InputError("no mesh is given; name one, like liver or ball:n=6, or a file");
     const MeshRequest request = parse_mesh_request(text);
     const bool named = has_name(request.name);
-    return OpenedMesh{.file = named ? by_name(text, request) : from_file(request), .from_file = !named};
+    return OpenedMesh{.file = named ? counted_from_one(mesh_by_name(request), text) : from_file(request),
+                      .from_file = !named};
   });
 }
 
@@ -109,11 +94,10 @@ LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
   OpenedMesh opened = open_mesh(text);
   if (!opened.from_file) {
     if (unit) throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
+    MeshImport import = import_as_it_is(std::move(opened.file));
     return {.name = text,
-            .mesh = std::move(opened.file.mesh),
-            .import = {},
-            .numbers = std::move(opened.file.numbers),
-            .regions = {0}};
+            .mesh = std::move(import.mesh),
+            .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
   }
   if (!unit)
     throw InputError(fmt::format(
@@ -121,17 +105,10 @@ LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
         "METRES",
         text, box_in_words(opened.file.mesh)));
   return told_to_user([&] {
-    MeshImport import = import_mesh(opened.file, *unit);
-    LoadedMesh loaded{.name = text, .mesh = std::move(import.mesh), .import = {}};
-    loaded.idle_points = import.file_point_count - loaded.mesh.point_count();
-    for (const TetMesh::Index place : import.file_tetrahedra)
-      loaded.numbers.push_back(opened.file.numbers[static_cast<std::size_t>(place)]);
-    loaded.regions = import.file_regions;
-    if (refinements_of(parse_mesh_request(text)) == 0) {
-      import.mesh = {};
-      loaded.import = std::move(import);
-    }
-    return loaded;
+    MeshImport import = import_mesh(std::move(opened.file), *unit);
+    return LoadedMesh{.name = text,
+                      .mesh = std::move(import.mesh),
+                      .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
   });
 }
 

@@ -1,19 +1,19 @@
 /// Meshes as users ask for them: a file or a name, with parameters behind colons.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "problems/tissue/mesh_defects.hpp"
-#include "problems/tissue/mesh_file.hpp"
+#include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/mesh_names.hpp"
 
 namespace hmax {
 
 /// A mesh as it stands in its file, or as its generator makes it, before anybody relies on it.
 struct OpenedMesh {
-  MeshFile file;           ///< refined if that was asked for; then tetrahedra are counted anew
+  MeshFile file;           ///< refined if that was asked for
   bool from_file = false;  ///< else by name, in metres and valid
 };
 
@@ -24,17 +24,12 @@ OpenedMesh open_mesh(const std::string& text);
 /// Metres of "m", "cm", "mm" or of a number of metres.
 double unit_in_metres(std::string_view text);
 
-/// A mesh for models, valid and in metres. Meshes by name keep their order; those from files are renumbered
-/// for locality, and know the way back unless they were refined.
+/// A mesh for models. Meshes by name keep their order; those from files are renumbered for locality, and know
+/// the way back.
 struct LoadedMesh {
   std::string name;  ///< as asked for
   TetMesh mesh;
-  std::optional<MeshImport> import;  ///< of a file that was not refined; its mesh is empty, being above
-  Eigen::Index idle_points = 0;      ///< of the file, left out here
-  /// Of the tetrahedra, as their file counts them; from 1 where the mesh has a name or was refined.
-  std::vector<std::int64_t> numbers{};
-  /// What the file calls regions 0, 1, ...
-  std::vector<TetMesh::Index> regions{};
+  std::shared_ptr<const MeshOrigin> origin;
 };
 
 /// @param unit  metres in one unit of a file's coordinates, as the user states it. Files do not say it and it

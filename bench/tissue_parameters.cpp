@@ -1,6 +1,5 @@
 #include "bench/tissue_parameters.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
+#include "bench/support_sets.hpp"
 #include "problems/tissue/materials.hpp"
 #include "problems/tissue/topology.hpp"
 #include "results/errors.hpp"
@@ -114,7 +114,7 @@ void require_read(std::string_view parameter, std::string_view readers, const Ti
       fmt::format("{} is not of the load {}; leave it out or take --load {}", parameter, id.load, first));
 }
 
-/// "E:3=8000" and "phi:0.1=0.14". @returns false when the name is not of that kind
+/// "E:tumour=8000", "phi:0.1=0.14" and "support:capsule=1". @returns false when the name is not of that kind
 bool take_indexed(TissueParameters& parameters, const std::string& name, double value, const TissueId& id) {
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return false;
@@ -127,15 +127,17 @@ bool take_indexed(TissueParameters& parameters, const std::string& name, double 
     parameters.table.emplace_back(*number, value);
     return true;
   }
+  if (what == support_name) {
+    if (value != 1)
+      throw InputError(fmt::format(
+          "{} is {}, but a set of points is held with 1; leave it out to set it free", name, to_text(value)));
+    parameters.supports.push_back(index);
+    return true;
+  }
   const auto it = std::ranges::find(named_of_region, what, &NamedOfRegion::name);
   if (it == named_of_region.end())
     throw InputError(fmt::format("'{}' has no value for each region; E, nu and rho do, like E:3=8000", what));
-  TetMesh::Index region = 0;
-  const auto [end, error] = std::from_chars(index.data(), index.data() + index.size(), region);
-  if (error != std::errc{} || end != index.data() + index.size())
-    throw InputError(
-        fmt::format("'{}' in {} is no region; `hmax mesh info` names those of a mesh", index, name));
-  parameters.of_regions.push_back({it->value, region, value});
+  parameters.of_regions.push_back({it->value, index, value});
   return true;
 }
 
@@ -198,7 +200,7 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
   if (p.inclusion != 0 && region_count(mesh) < 2)
     throw InputError(fmt::format(
         "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh));
-  if (id.load == "breathing" && p.support == 0 && !p.has_box())
+  if (id.load == "breathing" && p.holds_nothing())
     throw InputError(
         "breathing moves the held end, and with support = 0 nothing is held; give support a share");
 }
@@ -283,18 +285,35 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
   return tool;
 }
 
+/// The region 0, 1, ... that a user calls by its name or, where none has this name, by its number.
+/// @throws InputError  when the mesh does not have it, or several have this name
+std::size_t region_of(const LoadedMesh& loaded, const std::string& called) {
+  const MeshOrigin& origin = *loaded.origin;
+  std::vector<std::string> known;
+  std::vector<std::size_t> named, numbered;
+  for (std::size_t i = 0; i < origin.regions.size(); ++i) {
+    known.push_back(origin.file.region_in_words(origin.regions[i]));
+    if (std::to_string(origin.regions[i]) == called) numbered.push_back(i);
+    if (const auto name = origin.file.names.find(origin.regions[i]);
+        name != origin.file.names.end() && name->second == called)
+      named.push_back(i);
+  }
+  if (named.size() > 1)
+    throw InputError(fmt::format("{} regions of {} are called '{}'; give the number of one", named.size(),
+                                 loaded.name, called));
+  if (!named.empty()) return named.front();
+  if (numbered.empty())
+    throw InputError(
+        fmt::format("{} has no region {}; it has {}", loaded.name, called, fmt::join(known, ", ")));
+  return numbered.front();
+}
+
 /// @throws InputError  for a region that the mesh does not have
 void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loaded,
                               std::vector<TissueMaterial>& materials) {
   if (p.of_regions.empty()) return;
   materials.resize(static_cast<std::size_t>(region_count(loaded.mesh)), materials.front());
-  for (const auto& [what, region, value] : p.of_regions) {
-    const auto it = std::ranges::find(loaded.regions, region);
-    if (it == loaded.regions.end())
-      throw InputError(fmt::format("{} has no region {}; it has {}", loaded.name, region,
-                                   fmt::join(loaded.regions, ", ")));
-    materials[static_cast<std::size_t>(it - loaded.regions.begin())].*what = value;
-  }
+  for (const auto& [what, region, value] : p.of_regions) materials[region_of(loaded, region)].*what = value;
 }
 
 }  // namespace
@@ -351,6 +370,11 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
       parameters.tool_dy == 0 && parameters.tool_dz == 0)
     throw InputError(
         "tool_dx, tool_dy and tool_dz are all 0, which is no direction; give a vector like 0,-1,0");
+  if (!parameters.supports.empty() && !is_set(support_name)) parameters.support = 0;
+  if (!parameters.supports.empty() && (parameters.support != 0 || parameters.has_box()))
+    throw InputError(
+        "--support names the sets of points that are held; give a box as such a set too, and leave out support, "
+        "the share of an end");
   if (!(parameters.support >= 0 && parameters.support < 1))
     throw InputError(fmt::format("support is {} but must be a share of the body, at least 0 and below 1",
                                  to_text(parameters.support)));
@@ -375,6 +399,8 @@ std::vector<std::pair<std::string, double>> named_values(const TissueParameters&
     values.emplace_back(
         fmt::format("{}:{}", std::ranges::find(named_of_region, what, &NamedOfRegion::value)->name, region),
         value);
+  for (const std::string& set : parameters.supports)
+    values.emplace_back(fmt::format("{}:{}", support_name, set), 1);
   for (const auto& [strain, phi] : parameters.table)
     values.emplace_back(fmt::format("{}:{}", table_name, to_text(strain)), phi);
   return values;
@@ -408,7 +434,9 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
   }
   set_materials_of_regions(p, loaded, settings.materials);
   const HeldEnd end(p.axis);
-  if (p.has_box())
+  if (!p.supports.empty())
+    settings.supports.push_back({.points = points_of_sets(p.supports, loaded)});
+  else if (p.has_box())
     settings.supports.push_back({.points = points_of_box(p, mesh)});
   else if (p.support > 0)
     settings.supports.push_back({.points = end.points(mesh, p.support)});

@@ -60,22 +60,28 @@ struct TissueParameters {
   double xmin = -infinity, xmax = infinity, ymin = -infinity, ymax = infinity, zmin = -infinity,
          zmax = infinity;
 
-  /// Of one region, by the name that its file gives it: `E:3=8000`, `nu:3=0.4`, `rho:3=1000`.
+  /// Of one region, by the name or the number that its file gives it: `E:tumour=8000`, `nu:3=0.4`.
   struct OfRegion {
     double TissueMaterial::*what;
-    TetMesh::Index region;
+    std::string region;
     double value;
   };
   std::vector<OfRegion> of_regions{};
+  /// Sets of held points (bench/support_sets.hpp), instead of a share of an end: `support:capsule=1`.
+  std::vector<std::string> supports{};
   /// Points (strain, phi) of a law of springs by table (problems/tissue/springs.hpp): `phi:0.1=0.14`. (0, 0)
   /// is always one.
   std::vector<std::pair<double, double>> table{};
 
+  [[nodiscard]] bool holds_nothing() const { return support == 0 && !has_box() && supports.empty(); }
   [[nodiscard]] bool has_box() const {
     return std::ranges::any_of(std::array{-xmin, xmax, -ymin, ymax, -zmin, zmax},
                                [](double side) { return side < infinity; });
   }
 };
+
+/// What stands before the colon of a parameter that holds a set of points.
+inline constexpr std::string_view support_name = "support";
 
 /// The parameters that hold a vector each: "gx", "gy", "gz" and so on.
 inline constexpr std::array<std::string_view, 3> gravity_names{"gx", "gy", "gz"};
@@ -89,7 +95,7 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
 /// Those that every body has, and of the others those that were asked for.
 std::vector<std::pair<std::string, double>> named_values(const TissueParameters& parameters);
 
-/// @throws InputError  for regions and boxes of points that the mesh does not have
+/// @throws InputError  for regions and points that the mesh does not have
 TissueSettings tissue_settings(const TissueId& id, const TissueParameters& parameters,
                                const LoadedMesh& mesh);
 

@@ -142,7 +142,8 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   const TissueParameters parameters = tissue_parameters(id, settings);
   const LoadedMesh loaded = load_mesh(id.mesh, settings.unit);
   const TetMesh& mesh = loaded.mesh;
-  auto body = std::make_shared<const TissueBody>(mesh, tissue_settings(id, parameters, loaded));
+  auto body =
+      std::make_shared<const TissueBody>(mesh, tissue_settings(id, parameters, loaded), loaded.origin);
   Problem problem{.id = tissue_id(id.model, id.mesh, id.load),
                   .material = settings.material,
                   .note = fmt::format("{} points, {} tetrahedra, {} degrees of freedom", mesh.point_count(),
@@ -153,7 +154,9 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .t_end = 1,
                   .system = AnySystem(SharedBody{body}),
                   .body = body,
-                  .tetrahedron_numbers = loaded.numbers};
+                  .tetrahedron_numbers = {}};
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
+    problem.tetrahedron_numbers.push_back(loaded.origin->tetrahedron_number(t));
   if (id.model == "fem_cauchy" && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;
     problem.exact = exact_motion(body);

@@ -15,6 +15,18 @@
 
 namespace hmax {
 
+void add_support(CLI::App& command, std::vector<std::string>& sets) {
+  command
+      .add_option(
+          "--support", sets,
+          "Of a mesh: points that are held instead of one end: the NAME of a group or region of the file, "
+          "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
+          "may be repeated")
+      ->type_name("SET")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
 void MeshOptions::add_to(CLI::App& command) {
   command
       .add_option("--mesh", mesh,
@@ -35,6 +47,7 @@ void MeshOptions::add_to(CLI::App& command) {
       .add_option("--gravity", gravity,
                   "Of a mesh: gravity [m/s2], like 0,-9.81,0; short for --set gx, gy, gz")
       ->type_name("X,Y,Z");
+  add_support(command, supports);
   command
       .add_option("--tool-at", tool_at,
                   "Of --load tool: where its front starts [m]; short for --set tool_x, tool_y, tool_z")
@@ -70,6 +83,7 @@ std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
   take("--gravity", gravity, gravity_names);
   take("--tool-at", tool_at, tool_place_names);
   take("--tool-direction", tool_direction, tool_direction_names);
+  for (const std::string& set : supports) parameters.emplace_back(fmt::format("{}:{}", support_name, set), 1);
   return parameters;
 }
 
@@ -108,7 +122,8 @@ ProblemSettings ProblemChoice::settings() const {
   settings.parameters = body.parameters();
   if (!settings.parameters.empty() && body.mesh.empty() && !is_tissue_id(problem))
     throw InputError(fmt::format(
-        "--gravity, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out", problem));
+        "--gravity, --support, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out",
+        problem));
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);

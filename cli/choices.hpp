@@ -14,6 +14,7 @@ namespace hmax {
 /// --mesh with --unit --model --load, and vectors and sets that act on it
 struct MeshOptions {
   std::string mesh, unit, model, load, gravity, tool_at, tool_direction;
+  std::vector<std::string> supports;
 
   void add_to(CLI::App& command);
   /// The id of the problem, empty without a mesh.
@@ -24,6 +25,9 @@ struct MeshOptions {
   /// What the options say as parameters of bench/tissue_parameters.hpp.
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
+
+/// --support, sets of points as of bench/support_sets.hpp
+void add_support(CLI::App& command, std::vector<std::string>& sets);
 
 /// --problem or a mesh; --set --material --y0
 struct ProblemChoice {

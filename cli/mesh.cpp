@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,10 +14,10 @@
 #include "cli/commands.hpp"
 #include "problems/tissue/loads.hpp"
 #include "problems/tissue/materials.hpp"
+#include "problems/tissue/mesh_defects.hpp"
+#include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/mesh_quality.hpp"
 #include "problems/tissue/mesh_writers.hpp"
-#include "problems/tissue/refine.hpp"
-#include "problems/tissue/renumber.hpp"
 #include "problems/tissue/sofa_scene.hpp"
 #include "problems/tissue/topology.hpp"
 #include "results/errors.hpp"
@@ -74,6 +75,59 @@ std::map<TetMesh::Index, std::pair<Eigen::Index, double>> regions_of(const TetMe
   return regions;
 }
 
+Json name_json(const MeshFile& file, TetMesh::Index region) {
+  const auto named = file.names.find(region);
+  return named == file.names.end() ? Json() : Json(named->second);
+}
+
+/// Elements and points of a group.
+std::pair<std::size_t, std::size_t> size_of(const MeshGroup& group) {
+  const std::set<TetMesh::Index> points(group.corners.begin(), group.corners.end());
+  return {group.corners.size() / (static_cast<std::size_t>(group.dimension) + 1), points.size()};
+}
+
+Json groups_json(const MeshFile& file) {
+  Json list = Json::array();
+  for (const MeshGroup& group : file.groups) {
+    const auto [elements, points] = size_of(group);
+    list.push_back({{"kind", group_kinds[static_cast<std::size_t>(group.dimension)]},
+                    {"number", group.number},
+                    {"name", group.name.empty() ? Json() : Json(group.name)},
+                    {"elements", elements},
+                    {"points", points}});
+  }
+  return list;
+}
+
+/// What --set E:NAME and --support call by name or number.
+std::string regions_in_words(const MeshFile& file,
+                             const std::map<TetMesh::Index, std::pair<Eigen::Index, double>>& regions,
+                             const Console& console) {
+  std::string text;
+  if (regions.size() > 1 || !file.names.empty()) {
+    TextTable table({"region", "name", "tetrahedra", "volume [m³]"});
+    for (const auto& [region, content] : regions) {
+      const auto named = file.names.find(region);
+      table.add({std::to_string(region), named == file.names.end() ? "-" : named->second,
+                 std::to_string(content.first), short_number(content.second)});
+    }
+    text += "\n" + table.text(console);
+  }
+  if (file.groups.empty()) return text;
+  TextTable table({"group", "name", "elements", "points"});
+  for (const MeshGroup& group : file.groups) {
+    const auto [elements, points] = size_of(group);
+    table.add({fmt::format("{}:{}", group_kinds[static_cast<std::size_t>(group.dimension)], group.number),
+               group.name.empty() ? "-" : group.name, std::to_string(elements), std::to_string(points)});
+  }
+  return text + "\n" + table.text(console);
+}
+
+std::string second_order_in_words(const MeshFile& file) {
+  return fmt::format("{} tetrahedra of second order are read by their corners; their other nodes are idle",
+                     file.second_order);
+}
+
 void info(const MeshOptions& options, Console& console) {
   options.picture.check();
   OpenedMesh opened = open_mesh(options.mesh);
@@ -100,7 +154,10 @@ void info(const MeshOptions& options, Console& console) {
   if (console.json) {
     Json list = Json::array();
     for (const auto& [region, content] : regions)
-      list.push_back({{"region", region}, {"tetrahedra", content.first}, {"volume", content.second}});
+      list.push_back({{"region", region},
+                      {"name", name_json(opened.file, region)},
+                      {"tetrahedra", content.first},
+                      {"volume", content.second}});
     return console.print_json(
         Json{{"mesh", options.mesh},
              {"format", opened.file.format},
@@ -132,7 +189,9 @@ void info(const MeshOptions& options, Console& console) {
              {"longest_edge", quality.longest_edge},
              {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
              {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
-             {"regions", list}});
+             {"second_order", opened.file.second_order},
+             {"regions", list},
+             {"groups", groups_json(opened.file)}});
   }
   std::string text =
       fmt::format("{}, {}\nunit: {}\n\n", options.mesh, opened.file.format, unit_in_words(opened, unit));
@@ -156,10 +215,8 @@ void info(const MeshOptions& options, Console& console) {
   line("dihedral angles", fmt::format("{} to {} degrees", short_number(quality.smallest_angle * degrees, 4),
                                       short_number(quality.largest_angle * degrees, 4)));
   line("parts", fmt::format("{}, unused points {}", topology.components, topology.unused_points));
-  if (regions.size() > 1)
-    for (const auto& [region, content] : regions)
-      line(fmt::format("region {}", region).c_str(),
-           fmt::format("{} tetrahedra, {} m³", content.first, short_number(content.second)));
+  if (opened.file.second_order > 0) text += second_order_in_words(opened.file) + "\n";
+  text += regions_in_words(opened.file, regions, console);
   if (!defects.none())
     text += console.alarming("\nModels cannot use it: `hmax mesh check` names what is wrong.") + "\n";
   console.print(text);
@@ -267,7 +324,8 @@ std::string scene_of(const MeshOptions& options, const TetMesh& mesh) {
 
 /// Writes the mesh in the form that the extension of the output names, and says so.
 /// @param metres  true when the coordinates are metres
-void deliver(const MeshOptions& options, const TetMesh& mesh, bool metres, Json extra, Console& console) {
+void deliver(const MeshOptions& options, const MeshFile& file, bool metres, Json extra, Console& console) {
+  const TetMesh& mesh = file.mesh;
   const fs::path output = options.output;
   const std::string extension = output.extension().string();
   if (std::ranges::find(written, extension) == written.end())
@@ -287,15 +345,16 @@ void deliver(const MeshOptions& options, const TetMesh& mesh, bool metres, Json 
   if (scene) {
     text = scene_of(options, mesh);
   } else if (extension == ".msh") {
-    text = msh_text(mesh);
+    text = msh_text(file);
   } else {
     MeshFields fields;
     fields.tetrahedra.push_back({"mean_ratio", Eigen::MatrixXd(1, mesh.tetrahedron_count())});
     for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
       fields.tetrahedra[0].values(0, t) = mean_ratio(corners_of(mesh, t));
-    text = vtu_text(mesh, fields);
+    text = vtu_text(file, fields);
   }
   write_file(output, text);
+  if (file.second_order > 0) console.remark(second_order_in_words(file));
   if (console.json) {
     Json document{{"mesh", options.mesh},
                   {"output", options.output},
@@ -316,10 +375,9 @@ void convert(const MeshOptions& options, Console& console) {
   const std::optional<double> unit = unit_of(opened, options);
   const Eigen::Index fixed = options.fix ? fix_orientation(opened.file.mesh) : 0;
   require_valid(opened.file);
-  TetMesh mesh = options.renumber ? renumbered(opened.file.mesh, local_order(opened.file.mesh))
-                                  : std::move(opened.file.mesh);
-  mesh.points *= unit.value_or(1);
-  deliver(options, mesh, unit.has_value(), Json{{"fixed", fixed}}, console);
+  if (options.renumber) opened.file = renumbered(opened.file);
+  opened.file.mesh.points *= unit.value_or(1);
+  deliver(options, opened.file, unit.has_value(), Json{{"fixed", fixed}}, console);
 }
 
 void refine(const MeshOptions& options, Console& console) {
@@ -327,9 +385,9 @@ void refine(const MeshOptions& options, Console& console) {
   const std::optional<double> unit = unit_of(opened, options);
   require_valid(opened.file);
   const auto times = static_cast<int>(std::min<std::int64_t>(parse_count("--times", options.times, 0), 1000));
-  TetMesh mesh = refined(opened.file.mesh, times);
-  mesh.points *= unit.value_or(1);
-  deliver(options, mesh, unit.has_value(), Json{{"times", times}}, console);
+  opened.file = refined(opened.file, times);
+  opened.file.mesh.points *= unit.value_or(1);
+  deliver(options, opened.file, unit.has_value(), Json{{"times", times}}, console);
 }
 
 void make(const MeshOptions& options, Console& console) {
@@ -339,7 +397,7 @@ void make(const MeshOptions& options, Console& console) {
         fmt::format("'{}' is a file and not the name of a mesh to make; `hmax mesh convert` changes "
                     "files",
                     options.mesh));
-  deliver(options, opened.file.mesh, true, Json::object(), console);
+  deliver(options, opened.file, true, Json::object(), console);
 }
 
 /// Runs a subcommand; what lower floors refuse is bad input.

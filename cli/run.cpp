@@ -16,6 +16,7 @@
 #include "cli/outputs.hpp"
 #include "integrators/control.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/mesh_writers.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -169,10 +170,11 @@ std::size_t write_series(const RunOptions& options, const RunSpec& spec, const P
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_frames));
     const std::string name = fmt::format("{}_{:05}.vtu", series.stem().string(), frames.size());
-    const Eigen::VectorXd q = y.head(body.dofs());
+    const Eigen::MatrixXd displacement = body.positions(t, y.head(body.dofs())) - body.mesh().points;
     write_file(series.parent_path() / name,
-               vtu_text(body.mesh(), {.points = {{"displacement", body.positions(t, q) - body.mesh().points}},
-                                      .tetrahedra = {}}));
+               vtu_text(problem.body->origin()->file,
+                        {.points = {{"displacement", problem.body->origin()->on_points(displacement)}},
+                         .tetrahedra = {}}));
     frames.emplace_back(t, name);
   });
   write_file(series, pvd_text(frames));
@@ -247,6 +249,22 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
   return "ended at " + at;
 }
 
+/// A state; of a body in the order of the points in its file.
+std::vector<double> listed(const Problem& problem, const Eigen::VectorXd& y) {
+  if (!problem.body || y.size() == 0) return {y.begin(), y.end()};
+  const Eigen::Index n = problem.body->dofs();
+  std::vector<std::pair<TetMesh::Index, Eigen::Index>> places;
+  for (const TetMesh::Index point : problem.body->free_points())
+    places.emplace_back(problem.body->origin()->points[static_cast<std::size_t>(point)],
+                        3 * static_cast<Eigen::Index>(places.size()));
+  std::ranges::sort(places);
+  std::vector<double> values;
+  for (const Eigen::Index half : {Eigen::Index{0}, n})
+    for (const auto& [file_point, dof] : places)
+      for (Eigen::Index k = 0; k < 3; ++k) values.push_back(y[half + dof + k]);
+  return values;
+}
+
 Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run,
              bool full) {
   const auto& [record, cpu_seconds] = run;
@@ -257,7 +275,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
                 {"method", method.id},
                 {"outcome", to_string(record.outcome)},
                 {"t", record.t},
-                {"y", std::vector<double>(record.y.begin(), record.y.end())},
+                {"y", listed(problem, record.y)},
                 {"stats",
                  {{"steps", stats.steps},
                   {"rejected", stats.rejected},

@@ -13,6 +13,7 @@
 #include "cli/choices.hpp"
 #include "cli/stability.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/mesh_writers.hpp"
 #include "results/errors.hpp"
 #include "results/table.hpp"
@@ -100,9 +101,10 @@ void modes(const ModesOptions& options, Console& console) {
                strains ? fmt::format("{} {} with {} %", element.kind, element.number,
                                      short_number(100 * owner.share, 3))
                        : "none: it moves as one"});
-    fields.points.push_back({fmt::format("mode_{}", i + 1), on_points(body, u)});
+    fields.points.push_back(
+        {fmt::format("mode_{}", i + 1), problem.body->origin()->on_points(on_points(body, u))});
   }
-  if (!options.output.empty()) write_file(options.output, vtu_text(body.mesh(), fields));
+  if (!options.output.empty()) write_file(options.output, vtu_text(problem.body->origin()->file, fields));
   if (console.json)
     return console.print_json({{"problem", problem.id},
                                {"material", problem.material.empty() ? Json() : Json(problem.material)},

@@ -44,8 +44,8 @@ void check_profile(const TimeProfile& profile) {
 
 }  // namespace
 
-TissueBody::TissueBody(const TetMesh& mesh, TissueSettings settings)
-    : mesh_(mesh), settings_(std::move(settings)) {
+TissueBody::TissueBody(const TetMesh& mesh, TissueSettings settings, std::shared_ptr<const MeshOrigin> origin)
+    : mesh_(mesh), origin_(std::move(origin)), settings_(std::move(settings)) {
   number_free_points();
   distribute_mass();
   build_elastic_parts();

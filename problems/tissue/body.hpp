@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -22,6 +23,8 @@
 
 namespace hmax {
 
+struct MeshOrigin;  // problems/tissue/mesh_import.hpp
+
 /// A tetrahedral mesh with one elastic model, damping, supports and loads.
 ///
 /// q holds the displacements [m] of the free points, x, y, z of one after the other in the order of the mesh,
@@ -40,7 +43,9 @@ class TissueBody {
   /// @throws std::invalid_argument  when the settings do not fit the mesh or each other, or a number is out
   /// of
   ///         range
-  TissueBody(const TetMesh& mesh, TissueSettings settings);
+  /// @param origin  of the mesh, for those who write results in the order of its file
+  TissueBody(const TetMesh& mesh, TissueSettings settings,
+             std::shared_ptr<const MeshOrigin> origin = nullptr);
 
   [[nodiscard]] Eigen::Index dofs() const { return mass_.size(); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
@@ -73,6 +78,8 @@ class TissueBody {
   [[nodiscard]] double spectral_radius(double t, const State& y) const;
 
   [[nodiscard]] const TetMesh& mesh() const { return mesh_; }
+  /// Where the mesh comes from; null where it was made in memory.
+  [[nodiscard]] const std::shared_ptr<const MeshOrigin>& origin() const { return origin_; }
   [[nodiscard]] const TissueSettings& settings() const { return settings_; }
   /// The points that q moves, in its order.
   [[nodiscard]] const std::vector<Index>& free_points() const { return free_points_; }
@@ -115,6 +122,7 @@ class TissueBody {
   [[nodiscard]] bool needs_velocities() const { return has_dampers_ || !settings_.tools.empty(); }
 
   TetMesh mesh_;
+  std::shared_ptr<const MeshOrigin> origin_;
   TissueSettings settings_;
   bool autonomous_ = true, has_dampers_ = false;
   std::vector<Index> free_points_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "problems/tissue/mesh_readers.hpp"
 
@@ -44,18 +45,40 @@ struct GmshType {
 
 GmshType gmsh_type(std::int64_t type);
 
-/// Adds the element if it is a tetrahedron. @param node  reads the next of its nodes
+/// Reads what follows $PhysicalNames. Names are words in binary files too.
+inline void read_physical_names(MeshText& text, MeshBuilder& builder) {
+  const std::size_t count = text.count("physical names", 6);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t dimension = text.integer("the dimension of a physical group");
+    const std::int64_t number = text.integer("the number of a physical group");
+    builder.name_group(dimension, number, text.quoted("the name of a physical group"), text);
+  }
+}
+
+/// Adds a tetrahedron, or what belongs to a physical group. @param node  reads the next node
 template <class Node>
 void add_gmsh_element(MeshBuilder& builder, const GmshType& type, std::int64_t number, std::int64_t place,
-                      std::int64_t region, const MeshText& text, Node node) {
-  if (type.kind != CellKind::tetrahedron) {
-    for (std::size_t i = 0; i < type.nodes; ++i) node();
-    if (type.kind == CellKind::triangle) builder.add_triangles(1);
-    return;
-  }
+                      std::span<const std::int64_t> groups, const MeshText& text, Node node) {
+  const bool tetrahedron = type.kind == CellKind::tetrahedron;
+  const std::size_t count =
+      tetrahedron || std::ranges::any_of(groups, [](std::int64_t group) { return group != 0; })
+          ? corner_count(type.kind)
+          : 0;
   std::array<TetMesh::Index, 4> corners{};
-  for (TetMesh::Index& corner : corners) corner = builder.numbered_point(node(), text, number);
-  builder.add_tetrahedron(corners, number, place, region, text);
+  for (std::size_t i = 0; i < type.nodes; ++i) {
+    const std::int64_t point = node();
+    if (i < count)
+      corners[i] = builder.numbered_point(point, text, number, tetrahedron ? "tetrahedron" : "element");
+  }
+  if (type.kind == CellKind::triangle) builder.add_triangles(1);
+  if (tetrahedron) {
+    if (type.nodes > count) builder.add_second_order();
+    return builder.add_tetrahedron(corners, number, place, groups.empty() ? 0 : groups.front(), text);
+  }
+  // The sign of a group of Gmsh is that of its orientation.
+  if (count > 0)
+    for (const std::int64_t group : groups)
+      builder.add_to_group(std::abs(group), std::span(corners).first(count));
 }
 
 }  // namespace hmax

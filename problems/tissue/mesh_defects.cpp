@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <stdexcept>
 
-#include "problems/digits.hpp"
 #include "problems/tissue/mesh_quality.hpp"
-#include "problems/tissue/renumber.hpp"
 #include "problems/tissue/topology.hpp"
 
 namespace hmax {
@@ -37,16 +34,6 @@ std::vector<std::pair<Index, Index>> duplicates_of(const TetMesh& mesh) {
   return duplicates;
 }
 
-Eigen::MatrixXd scattered(const Eigen::MatrixXd& now, const std::vector<Index>& order, Eigen::Index columns) {
-  if (now.cols() != static_cast<Eigen::Index>(order.size()))
-    throw std::invalid_argument(std::to_string(now.cols()) +
-                                " columns of values do not belong to a mesh of " +
-                                std::to_string(order.size()) + "; give one for each");
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(now.rows(), columns);
-  for (std::size_t i = 0; i < order.size(); ++i) result.col(order[i]) = now.col(static_cast<Eigen::Index>(i));
-  return result;
-}
-
 }  // namespace
 
 MeshDefects defects_of(const TetMesh& mesh) {
@@ -74,19 +61,6 @@ Eigen::Index fix_orientation(TetMesh& mesh) {
   return fixed;
 }
 
-std::vector<TetMesh::Index> number_regions(TetMesh& mesh) {
-  std::vector<Index> names = mesh.regions;
-  std::ranges::sort(names);
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  if (names.size() < 2) {
-    mesh.regions.clear();
-    return names.empty() ? std::vector<Index>{0} : names;
-  }
-  for (Index& region : mesh.regions)
-    region = static_cast<Index>(std::ranges::lower_bound(names, region) - names.begin());
-  return names;
-}
-
 void require_valid(const MeshFile& file) {
   const MeshDefects defects = defects_of(file.mesh);
   const auto all = [](std::size_t count) {
@@ -111,33 +85,6 @@ void require_valid(const MeshFile& file) {
                                 (every ? " as all others are" : all(defects.inverted.size())) +
                                 "; turn it with `hmax mesh convert FILE OUTPUT --fix`");
   }
-}
-
-Eigen::MatrixXd MeshImport::points_in_file_order(const Eigen::MatrixXd& now) const {
-  return scattered(now, file_points, file_point_count);
-}
-
-Eigen::MatrixXd MeshImport::tetrahedra_in_file_order(const Eigen::MatrixXd& now) const {
-  return scattered(now, file_tetrahedra, static_cast<Eigen::Index>(file_tetrahedra.size()));
-}
-
-MeshImport import_mesh(const MeshFile& file, double unit) {
-  if (!(unit > 0 && std::isfinite(unit)))
-    throw std::invalid_argument("a unit of " + shortest_digits(unit) +
-                                " m is no length; give a positive one");
-  require_valid(file);
-  const Renumbering order = local_order(file.mesh);
-  MeshImport result;
-  result.mesh = renumbered(file.mesh, order);
-  const auto idle = static_cast<Eigen::Index>(unused_points(result.mesh).size());
-  result.file_point_count = file.mesh.point_count();
-  result.file_points = order.points;
-  result.file_points.resize(order.points.size() - static_cast<std::size_t>(idle));  // they are the last
-  result.file_tetrahedra = order.tetrahedra;
-  result.mesh.points.conservativeResize(3, result.file_point_count - idle);
-  result.mesh.points *= unit;
-  result.file_regions = number_regions(result.mesh);
-  return result;
 }
 
 }  // namespace hmax

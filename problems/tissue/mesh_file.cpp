@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <numeric>
+#include <set>
 #include <stdexcept>
 
 #include "problems/tissue/mesh_readers.hpp"
@@ -55,6 +57,22 @@ std::span<const MeshFormat> mesh_formats() { return formats; }
 std::string MeshFile::where(Eigen::Index tetrahedron) const {
   const auto t = static_cast<std::size_t>(tetrahedron);
   return place_in_words(name, places[t], places_are_bytes) + "tetrahedron " + std::to_string(numbers[t]);
+}
+
+std::string MeshFile::region_in_words(TetMesh::Index region) const {
+  const auto named = names.find(region);
+  return std::to_string(region) + (named == names.end() ? "" : " '" + named->second + "'");
+}
+
+MeshFile counted_from_one(TetMesh mesh, std::string name) {
+  MeshFile file{
+      .name = std::move(name), .format = "by name", .mesh = std::move(mesh), .numbers = {}, .places = {}};
+  file.numbers.resize(static_cast<std::size_t>(file.mesh.tetrahedron_count()));
+  file.point_numbers.resize(static_cast<std::size_t>(file.mesh.point_count()));
+  file.places.resize(file.numbers.size());
+  std::iota(file.numbers.begin(), file.numbers.end(), 1);
+  std::iota(file.point_numbers.begin(), file.point_numbers.end(), 1);
+  return file;
 }
 
 MeshFile read_mesh(const std::string& name, std::string_view text) {
@@ -119,7 +137,7 @@ void MeshBuilder::number_points(const MeshText& text) {
 }
 
 MeshBuilder::Index MeshBuilder::numbered_point(std::int64_t number, const MeshText& text,
-                                               std::int64_t element) const {
+                                               std::int64_t element, const char* what) const {
   if (!dense_.empty()) {
     if (number >= 0 && number < static_cast<std::int64_t>(dense_.size())) {
       const Index point = dense_[static_cast<std::size_t>(number)];
@@ -130,20 +148,20 @@ MeshBuilder::Index MeshBuilder::numbered_point(std::int64_t number, const MeshTe
         std::ranges::lower_bound(by_number_, number, {}, &std::pair<std::int64_t, Index>::first);
     if (found != by_number_.end() && found->first == number) return found->second;
   }
-  text.fail("tetrahedron " + std::to_string(element) + " needs node " + std::to_string(number) +
+  text.fail(std::string(what) + " " + std::to_string(element) + " needs node " + std::to_string(number) +
             ", which the file does not have; export the mesh again with all its nodes");
 }
 
-MeshBuilder::Index MeshBuilder::counted_point(std::int64_t number, int first, const MeshText& text,
-                                              std::int64_t element) const {
+MeshBuilder::Index MeshBuilder::counted_point(std::int64_t number, const MeshText& text, std::int64_t element,
+                                              const char* what) const {
   const auto count = static_cast<std::int64_t>(point_count());
-  if (number < first || number >= first + count)
-    text.fail("tetrahedron " + std::to_string(element) + " needs point " + std::to_string(number) +
+  if (number < first_ || number >= first_ + count)
+    text.fail(std::string(what) + " " + std::to_string(element) + " needs point " + std::to_string(number) +
               (count == 0 ? ", but there are no points before it"
-                          : ", but the points are " + std::to_string(first) + " to " +
-                                std::to_string(first + count - 1)) +
+                          : ", but the points are " + std::to_string(first_) + " to " +
+                                std::to_string(first_ + count - 1)) +
               "; export the mesh again with all its points");
-  return static_cast<Index>(number - first);
+  return static_cast<Index>(number - first_);
 }
 
 void MeshBuilder::add_tetrahedron(const std::array<Index, 4>& corners, std::int64_t number,
@@ -161,6 +179,20 @@ void MeshBuilder::set_region(std::size_t tetrahedron, std::int64_t region, const
               std::to_string(region) + ", beyond 32 bits; number the regions from 1");
   regions_[tetrahedron] = static_cast<Index>(region);
   if (region != 0) regions_differ_ = true;
+}
+
+void MeshBuilder::add_to_group(std::int64_t group, std::span<const Index> corners) {
+  if (group == 0) return;
+  std::vector<Index>& all = groups_[{static_cast<int>(corners.size()) - 1, group}];
+  all.insert(all.end(), corners.begin(), corners.end());
+}
+
+void MeshBuilder::name_group(std::int64_t dimension, std::int64_t number, std::string name,
+                             const MeshText& text) {
+  if (std::ranges::any_of(name, [](char c) { return (c >= 0 && c < ' ') || c == 127; }))
+    text.fail("the name " + in_quotes(name) + " of group " + std::to_string(number) +
+              " has a control character; rename the group");
+  names_[{dimension, number}] = std::move(name);
 }
 
 MeshFile MeshBuilder::finish(const MeshText& text, std::string format) {
@@ -183,13 +215,28 @@ MeshFile MeshBuilder::finish(const MeshText& text, std::string format) {
   file.places = std::move(places_);
   file.places_are_bytes = text.counts_bytes();
   file.triangles = static_cast<Eigen::Index>(triangles_);
+  file.second_order = static_cast<Eigen::Index>(second_order_);
+  file.point_numbers.resize(point_count());
+  std::iota(file.point_numbers.begin(), file.point_numbers.end(), first_);
+  for (const auto& [number, point] : by_number_) file.point_numbers[static_cast<std::size_t>(point)] = number;
+  const std::set<Index> used(file.mesh.regions.begin(), file.mesh.regions.end());
+  for (const Index region : used)
+    if (const auto named = names_.find({3, region}); named != names_.end())
+      file.names[region] = named->second;
+  for (auto& [key, corners] : groups_) {
+    const auto named = names_.find(key);
+    file.groups.push_back({.dimension = key.first,
+                           .number = key.second,
+                           .name = named == names_.end() ? "" : named->second,
+                           .corners = std::move(corners)});
+  }
   return file;
 }
 
 void require_readable(CellKind kind, std::int64_t type, std::int64_t element, const MeshText& text) {
   const std::string which = "element " + std::to_string(element) + " is of type " + std::to_string(type);
   if (kind == CellKind::high_order)
-    text.fail(which + ", a tetrahedron of higher order; save the mesh with elements of order 1");
+    text.fail(which + ", a tetrahedron of order 3 or more; save the mesh with elements of order 1 or 2");
   if (kind == CellKind::other_volume)
     text.fail(which + ", a volume that is no tetrahedron; mesh the body with tetrahedra only");
   if (kind == CellKind::unknown) text.fail(which + ", which nobody knows; export the mesh again");

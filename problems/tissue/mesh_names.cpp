@@ -8,6 +8,7 @@
 #include "problems/digits.hpp"
 #include "problems/tissue/mesh_defects.hpp"
 #include "problems/tissue/mesh_generators.hpp"
+#include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/refine.hpp"
 
 namespace hmax {

@@ -118,6 +118,17 @@ std::int64_t MeshText::integer(const char* what) {
   return value;
 }
 
+std::string MeshText::quoted(const char* what) {
+  if (!peek().starts_with('"'))
+    fail(std::string(what) + " should be in double quotes and is " + in_quotes(peek()) +
+         "; export the mesh again");
+  const std::size_t begin = at_ + 1, end = text_.find_first_of("\"\n", begin);
+  if (end == std::string_view::npos || text_[end] == '\n')
+    fail(std::string(what) + " has no closing quote; the file is cut off, so export it again");
+  at_ = end + 1;
+  return std::string(text_.substr(begin, end - begin));
+}
+
 void MeshText::require_room(std::size_t count, const char* what, std::size_t bytes) const {
   if (count > std::size_t{std::numeric_limits<std::int32_t>::max()})
     fail("the file announces " + std::to_string(count) + " " + what +

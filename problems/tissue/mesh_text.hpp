@@ -49,6 +49,8 @@ class MeshText {
   /// A finite number.
   double number(const char* what);
   std::int64_t integer(const char* what);
+  /// A name between double quotes on one line.
+  std::string quoted(const char* what);
   /// How many of something follow, each of at least `bytes` bytes: more than the rest can hold is an error,
   /// so that a header alone makes nobody reserve memory.
   std::size_t count(const char* what, std::size_t bytes);

@@ -53,7 +53,7 @@ MeshFile read_version_1(MeshText& text) {
           text.fail("element " + std::to_string(number) + " of type " + std::to_string(type) + " has " +
                     std::to_string(nodes) + " nodes instead of " + std::to_string(known.nodes) +
                     "; export the mesh again");
-        add_gmsh_element(builder, known, number, place, region, text,
+        add_gmsh_element(builder, known, number, place, std::array{region}, text,
                          [&] { return text.integer("a node of an element"); });
       }
       require_closing(text, "$ENDELM", section);
@@ -72,7 +72,10 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
   GmshFields fields{text, binary, swapped};
   while (!text.at_end()) {
     const std::string section(text.word("a section"));
-    if (section == "$Nodes") {
+    if (section == "$PhysicalNames") {
+      read_physical_names(text, builder);
+      require_closing(text, "$EndPhysicalNames", section);
+    } else if (section == "$Nodes") {
       const std::size_t count = text.count("nodes", binary ? 28 : 8);
       text.line();
       read_points(builder, fields, count);
@@ -110,7 +113,7 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
           }
           const GmshType known = gmsh_type(type);
           require_readable(known.kind, type, number, text);
-          add_gmsh_element(builder, known, number, place, region, text,
+          add_gmsh_element(builder, known, number, place, std::array{region}, text,
                            [&] { return fields.integer("a node of an element"); });
         }
       }
@@ -130,13 +133,13 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
 GmshType gmsh_type(std::int64_t type) {
   using enum CellKind;
   static const std::map<std::int64_t, GmshType> types{
-      {1, {flat, 2}},           {2, {triangle, 3}},       {3, {flat, 4}},           {4, {tetrahedron, 4}},
-      {5, {other_volume, 8}},   {6, {other_volume, 6}},   {7, {other_volume, 5}},   {8, {flat, 3}},
-      {9, {triangle, 6}},       {10, {flat, 9}},          {11, {high_order, 10}},   {12, {other_volume, 27}},
-      {13, {other_volume, 18}}, {14, {other_volume, 14}}, {15, {flat, 1}},          {16, {flat, 8}},
+      {1, {line, 2}},           {2, {triangle, 3}},       {3, {flat, 4}},           {4, {tetrahedron, 4}},
+      {5, {other_volume, 8}},   {6, {other_volume, 6}},   {7, {other_volume, 5}},   {8, {line, 3}},
+      {9, {triangle, 6}},       {10, {flat, 9}},          {11, {tetrahedron, 10}},  {12, {other_volume, 27}},
+      {13, {other_volume, 18}}, {14, {other_volume, 14}}, {15, {point, 1}},         {16, {flat, 8}},
       {17, {other_volume, 20}}, {18, {other_volume, 15}}, {19, {other_volume, 13}}, {20, {triangle, 9}},
       {21, {triangle, 10}},     {22, {triangle, 12}},     {23, {triangle, 15}},     {24, {triangle, 15}},
-      {25, {triangle, 21}},     {26, {flat, 4}},          {27, {flat, 5}},          {28, {flat, 6}},
+      {25, {triangle, 21}},     {26, {line, 4}},          {27, {line, 5}},          {28, {line, 6}},
       {29, {high_order, 20}},   {30, {high_order, 35}},   {31, {high_order, 56}}};
   const auto found = types.find(type);
   return found == types.end() ? GmshType{unknown, 0} : found->second;

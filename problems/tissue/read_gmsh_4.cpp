@@ -8,9 +8,11 @@ namespace hmax {
 
 namespace {
 
-/// The first physical group of each volume.
-std::map<std::int64_t, std::int64_t> read_entities(GmshFields& fields) {
-  std::map<std::int64_t, std::int64_t> groups;
+/// The physical groups of each entity, by its dimension and tag.
+using EntityGroups = std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::int64_t>>;
+
+EntityGroups read_entities(GmshFields& fields) {
+  EntityGroups groups;
   std::array<std::size_t, 4> counts{};
   for (std::size_t& count : counts) count = fields.count("entities", 2, 8);
   for (int dimension = 0; dimension < 4; ++dimension)
@@ -21,7 +23,7 @@ std::map<std::int64_t, std::int64_t> read_entities(GmshFields& fields) {
       const std::size_t physical = fields.count("physical groups", 1, 8);
       for (std::size_t k = 0; k < physical; ++k) {
         const std::int64_t group = fields.integer("a physical group");
-        if (dimension == 3 && k == 0) groups[tag] = group;
+        groups[{dimension, tag}].push_back(group);
       }
       if (dimension == 0) continue;
       const std::size_t boundary = fields.count("parts of a boundary", 1, 8);
@@ -57,24 +59,25 @@ void read_nodes(GmshFields& fields, MeshBuilder& builder) {
   builder.number_points(fields.text);
 }
 
-void read_elements(GmshFields& fields, const std::map<std::int64_t, std::int64_t>& groups,
-                   MeshBuilder& builder) {
+void read_elements(GmshFields& fields, const EntityGroups& entities, MeshBuilder& builder) {
   const std::size_t blocks = fields.count("blocks of elements", 4, 8);
   fields.count("elements", 2, 8);
   for (const char* what : {"the smallest element", "the largest element"}) fields.large(what);
   for (std::size_t block = 0; block < blocks; ++block) {
-    fields.integer("the dimension of an entity");
+    const std::int64_t dimension = fields.integer("the dimension of an entity");
     const std::int64_t tag = fields.integer("the tag of an entity");
     const std::int64_t type = fields.integer("the type of elements");
     const GmshType known = gmsh_type(type);
     const std::size_t count = fields.count("elements of a block", known.nodes + 1, 8);
     if (known.kind == CellKind::tetrahedron) builder.reserve_tetrahedra(count);
-    const auto group = groups.find(tag);
+    const auto entity = entities.find({dimension, tag});
+    const std::span<const std::int64_t> groups =
+        entity == entities.end() ? std::span<const std::int64_t>() : entity->second;
     for (std::size_t i = 0; i < count; ++i) {
       const std::int64_t place = fields.text.place();
       const std::int64_t number = fields.large("the number of an element");
       require_readable(known.kind, type, number, fields.text);
-      add_gmsh_element(builder, known, number, place, group == groups.end() ? 0 : group->second, fields.text,
+      add_gmsh_element(builder, known, number, place, groups, fields.text,
                        [&] { return fields.large("a node of an element"); });
     }
   }
@@ -85,18 +88,21 @@ void read_elements(GmshFields& fields, const std::map<std::int64_t, std::int64_t
 MeshFile read_gmsh_4(MeshText& text, bool binary, bool swapped) {
   MeshBuilder builder;
   GmshFields fields{text, binary, swapped};
-  std::map<std::int64_t, std::int64_t> groups;
+  EntityGroups groups;
   while (!text.at_end()) {
     const std::string section(text.word("a section"));
     if (!section.starts_with("$"))
       text.fail("a section such as $Nodes should be here and not " + in_quotes(section) +
                 "; export the mesh again");
     text.line();
+    if (section == "$PhysicalNames") read_physical_names(text, builder);
     if (section == "$Entities") groups = read_entities(fields);
     if (section == "$Nodes") read_nodes(fields, builder);
     if (section == "$Elements") read_elements(fields, groups, builder);
     const std::string closing = "$End" + section.substr(1);
-    if ((section == "$Nodes" || section == "$Elements" || section == "$Entities") && text.peek() != closing)
+    const bool read = section == "$PhysicalNames" || section == "$Entities" || section == "$Nodes" ||
+                      section == "$Elements";
+    if (read && text.peek() != closing)
       text.fail(closing + " should be here and not " + in_quotes(text.peek()) +
                 "; a count in the section is wrong or the file is cut off, so export it again");
     text.skip_behind(closing);

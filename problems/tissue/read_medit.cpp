@@ -1,4 +1,6 @@
 /// Medit .mesh [frey2001medit], which also GHS3D writes.
+#include <algorithm>
+
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {
@@ -6,6 +8,43 @@ namespace hmax {
 namespace {
 
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
+
+/// A section of elements and how many points each of them has; of second order where they are more than the
+/// corners.
+struct MeditSection {
+  std::string_view name;
+  CellKind kind;
+  std::size_t points;
+};
+constexpr std::array<MeditSection, 6> sections{{{"Tetrahedra", CellKind::tetrahedron, 4},
+                                                {"TetrahedraP2", CellKind::tetrahedron, 10},
+                                                {"Triangles", CellKind::triangle, 3},
+                                                {"TrianglesP2", CellKind::triangle, 6},
+                                                {"Edges", CellKind::line, 2},
+                                                {"EdgesP2", CellKind::line, 3}}};
+
+void read_elements(MeshText& text, MeshBuilder& builder, const MeditSection& section) {
+  const bool tetrahedra = section.kind == CellKind::tetrahedron;
+  const std::size_t count = text.count(tetrahedra ? "tetrahedra" : "elements", 2 * section.points + 2);
+  if (tetrahedra) builder.reserve_tetrahedra(count);
+  if (section.kind == CellKind::triangle) builder.add_triangles(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto number = static_cast<std::int64_t>(tetrahedra ? builder.tetrahedron_count() : i) + 1;
+    const std::int64_t place = text.place();
+    std::array<TetMesh::Index, 4> corners{};
+    for (std::size_t k = 0; k < section.points; ++k) {
+      const std::int64_t vertex = text.integer("a corner of an element");
+      if (k < corner_count(section.kind))
+        corners[k] = builder.counted_point(vertex, text, number, tetrahedra ? "tetrahedron" : "element");
+    }
+    const std::int64_t reference = text.integer("the reference of an element");
+    if (tetrahedra)
+      builder.add_tetrahedron(corners, number, place, reference, text);
+    else
+      builder.add_to_group(reference, std::span(corners).first(corner_count(section.kind)));
+    if (tetrahedra && section.points > 4) builder.add_second_order();
+  }
+}
 
 }  // namespace
 
@@ -16,7 +55,7 @@ MeshFile read_medit(const std::string& name, std::string_view bytes) {
               "; export the mesh again as ASCII (.mesh) or correct the extension");
   text.word("");
   text.integer("the version of the format");
-  MeshBuilder builder;
+  MeshBuilder builder(1);
   bool has_vertices = false, ended = false;
   while (!ended && !text.at_end()) {
     const std::string section(text.word("a section"));
@@ -36,27 +75,17 @@ MeshFile read_medit(const std::string& name, std::string_view bytes) {
       for (std::size_t i = 0; i < count; ++i) {
         const double x = text.number("the x coordinate"), y = text.number("the y coordinate");
         builder.add_point(x, y, text.number("the z coordinate"));
-        text.number("the reference of a vertex");
+        const std::array vertex{static_cast<TetMesh::Index>(i)};
+        builder.add_to_group(text.integer("the reference of a vertex"), vertex);
       }
-    } else if (section == "Tetrahedra") {
-      const std::size_t count = text.count("tetrahedra", 10);
-      builder.reserve_tetrahedra(count);
-      for (std::size_t i = 0; i < count; ++i) {
-        const auto number = static_cast<std::int64_t>(builder.tetrahedron_count()) + 1;
-        std::array<TetMesh::Index, 4> corners{};
-        const std::int64_t place = text.place();
-        for (TetMesh::Index& corner : corners) {
-          const std::int64_t vertex = text.integer("a corner of a tetrahedron");
-          corner = builder.counted_point(vertex, 1, text, number);
-        }
-        builder.add_tetrahedron(corners, number, place, text.integer("the reference of a tetrahedron"), text);
-      }
+    } else if (const auto known = std::ranges::find(sections, section, &MeditSection::name);
+               known != sections.end()) {
+      read_elements(text, builder, *known);
     } else if (section == "Hexahedra" || section == "Prisms" || section == "Pyramids" ||
-               section == "Hexaedra" || section == "TetrahedraP2") {
+               section == "Hexaedra") {
       if (text.count("volumes", 2) > 0)
-        text.fail("the file holds " + section + "; mesh the body with tetrahedra of order 1 only");
+        text.fail("the file holds " + section + "; mesh the body with tetrahedra only");
     } else {
-      if (section == "Triangles") builder.add_triangles(text.count("triangles", 8));
       while (!text.at_end() && !is_letter(text.peek().front())) text.word("");
     }
   }

@@ -19,7 +19,11 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
     const std::int64_t number = nodes.integer("the number of a point");
     const double x = nodes.number("the x coordinate"), y = nodes.number("the y coordinate");
     builder.add_point(number, x, y, nodes.number("the z coordinate"));
-    for (std::size_t k = 0; k < attributes + markers; ++k) nodes.number("an attribute of a point");
+    for (std::size_t k = 0; k < attributes; ++k) nodes.number("an attribute of a point");
+    for (std::size_t k = 0; k < markers; ++k) {
+      const std::array point{static_cast<TetMesh::Index>(i)};
+      builder.add_to_group(nodes.integer("the marker of a point"), point);
+    }
   }
   builder.number_points(nodes);
 
@@ -27,15 +31,17 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
   const std::size_t tetrahedra = elements.count("tetrahedra", 10);
   const std::int64_t corners = elements.integer("the number of points of a tetrahedron");
   const std::size_t values = elements.count("attributes of tetrahedra", 1);
-  if (tetrahedra > 0 && corners != 4)
+  if (tetrahedra > 0 && corners != 4 && corners != 10)
     elements.fail("the tetrahedra have " + std::to_string(corners) +
-                  " points; save the mesh with elements of order 1, which have 4 (tetgen without -o2)");
+                  " points instead of 4, or 10 of second order; export the mesh again");
   builder.reserve_tetrahedra(tetrahedra);
   for (std::size_t t = 0; t < tetrahedra; ++t) {
     const std::int64_t place = elements.place(), number = elements.integer("the number of a tetrahedron");
     std::array<TetMesh::Index, 4> points_of{};
     for (TetMesh::Index& point : points_of)
       point = builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
+    for (std::int64_t k = 4; k < corners; ++k) elements.integer("a point of a tetrahedron");
+    if (corners > 4) builder.add_second_order();
     std::int64_t region = 0;
     for (std::size_t k = 0; k < values; ++k) {
       const double value = elements.number("an attribute of a tetrahedron");

@@ -11,12 +11,15 @@ namespace hmax {
 
 namespace {
 
+constexpr std::int64_t second_order_tetrahedron = 24;
+
 CellKind vtk_kind(std::int64_t type) {
-  if (type == 10) return CellKind::tetrahedron;
+  if (type == 10 || type == second_order_tetrahedron) return CellKind::tetrahedron;
   if (type == 5 || type == 22 || type == 34 || type == 69) return CellKind::triangle;
-  if (type == 24 || type == 71 || type == 78) return CellKind::high_order;
-  constexpr std::array<std::int64_t, 20> flat{0,  1,  2,  3,  4,  6,  7,  8,  9,  21,
-                                              23, 28, 30, 34, 35, 36, 68, 70, 75, 76};
+  if (type == 3 || type == 21) return CellKind::line;
+  if (type == 1) return CellKind::point;
+  if (type == 71 || type == 78) return CellKind::high_order;
+  constexpr std::array<std::int64_t, 16> flat{0, 2, 4, 6, 7, 8, 9, 23, 28, 30, 35, 36, 68, 70, 75, 76};
   if (std::ranges::find(flat, type) != flat.end()) return CellKind::flat;
   return type > 0 && type < 100 ? CellKind::other_volume : CellKind::unknown;
 }
@@ -217,16 +220,26 @@ void add_vtk_cells(MeshBuilder& builder, const VtkCells& cells, std::span<const 
     const CellKind kind = vtk_kind(cells.types[cell]);
     require_readable(kind, cells.types[cell], number, text);
     if (kind == CellKind::triangle) builder.add_triangles(1);
-    if (kind != CellKind::tetrahedron) continue;
-    if (end - begin != 4)
+    const std::int64_t region = regions.empty() ? 0 : regions[cell];
+    const bool tetrahedron = kind == CellKind::tetrahedron;
+    if (!tetrahedron && region == 0) continue;
+    const bool second_order = cells.types[cell] == second_order_tetrahedron;
+    if (tetrahedron && end - begin != (second_order ? 10 : 4))
       text.fail("cell " + std::to_string(cell) + " is a tetrahedron with " + std::to_string(end - begin) +
                 " points; export the mesh again");
+    const std::size_t used = corner_count(kind);
+    if (end - begin < static_cast<std::int64_t>(used))
+      text.fail("cell " + std::to_string(cell) + " has only " + std::to_string(end - begin) +
+                " points; export the mesh again");
     std::array<TetMesh::Index, 4> corners{};
-    for (std::size_t i = 0; i < 4; ++i)
-      corners[i] =
-          builder.counted_point(cells.connectivity[static_cast<std::size_t>(begin) + i], 0, text, number);
-    builder.add_tetrahedron(corners, number, places.size() == 1 ? places[0] : places[cell],
-                            regions.empty() ? 0 : regions[cell], text);
+    for (std::size_t i = 0; i < used; ++i)
+      corners[i] = builder.counted_point(cells.connectivity[static_cast<std::size_t>(begin) + i], text,
+                                         number, tetrahedron ? "tetrahedron" : "cell");
+    if (second_order) builder.add_second_order();
+    if (tetrahedron)
+      builder.add_tetrahedron(corners, number, places.size() == 1 ? places[0] : places[cell], region, text);
+    else if (used > 0)
+      builder.add_to_group(region, std::span(corners).first(used));
   }
 }
 

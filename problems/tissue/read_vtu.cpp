@@ -45,7 +45,22 @@ To converted(std::string_view type, const char* bytes, bool swapped) {
 struct Grid {
   std::size_t points = 0, cells = 0;
   std::optional<XmlTag> coordinates, connectivity, offsets, types, regions;
+  std::optional<XmlTag> region_names, point_numbers, cell_numbers;
+  std::vector<XmlTag> groups;  ///< corners of groups, named "surface:30 NAME"
 };
+
+/// True for "surface:30 capsule", and the like for points and lines.
+bool names_group(std::string_view array) {
+  const auto kinds = std::span(group_kinds).first<3>();
+  const std::size_t colon = std::min(array.find(':'), array.size());
+  return std::ranges::find(kinds, array.substr(0, colon)) != kinds.end() &&
+         array.substr(colon).find_first_of("-0123456789") == 1;
+}
+
+bool all_differ(std::vector<std::int64_t> numbers) {
+  std::ranges::sort(numbers);
+  return std::ranges::adjacent_find(numbers) == numbers.end();
+}
 
 class VtuReader {
  public:
@@ -77,10 +92,72 @@ class VtuReader {
     MeshText place = at(*grid.connectivity);
     const std::array<std::int64_t, 1> places{place.place()};
     add_vtk_cells(builder, cells, places, regions, place);
-    return builder.finish(text_, "VTK XML");
+    if (grid.region_names) read_region_names(*grid.region_names, builder);
+    read_groups(grid, builder);
+    MeshFile file = builder.finish(text_, "VTK XML");
+    take_numbers(grid, file);
+    return file;
   }
 
  private:
+  /// Strings such as "10 parenchyma", each letter a number and 0 behind the last one.
+  void read_region_names(const XmlTag& tag, MeshBuilder& builder) const {
+    if (tag.attribute("format") != "ascii") return;
+    MeshText letters = text_.part(tag.end, std::min(whole_.find('<', tag.end), whole_.size()));
+    std::string entry;
+    while (!letters.at_end()) {
+      const std::int64_t letter = letters.integer("a letter of a name");
+      if (letter < 0 || letter > 255)
+        letters.fail("a letter of a name is " + std::to_string(letter) + "; export the mesh again");
+      if (letter > 0) {
+        entry += static_cast<char>(letter);
+        continue;
+      }
+      const std::size_t blank = std::min(entry.find(' '), entry.size());
+      MeshText number(text_.name(), std::string_view(entry).substr(0, blank));
+      const std::int64_t region = number.integer("the number of a named region");
+      if (blank + 1 < entry.size()) builder.name_group(3, region, entry.substr(blank + 1), letters);
+      entry.clear();
+    }
+  }
+
+  /// The corners of groups, in arrays such as "surface:30 capsule".
+  void read_groups(const Grid& grid, MeshBuilder& builder) const {
+    for (const XmlTag& tag : grid.groups) {
+      const std::string array = unescaped(tag.attribute("Name"));
+      const std::size_t colon = array.find(':'), blank = std::min(array.find(' ', colon), array.size());
+      const auto kind = std::ranges::find(group_kinds, array.substr(0, colon)) - group_kinds.begin();
+      const std::int64_t number =
+          MeshText(text_.name(), std::string_view(array).substr(colon + 1, blank - colon - 1))
+              .integer("the number of a group");
+      if (blank < array.size()) builder.name_group(kind, number, array.substr(blank + 1), at(tag));
+      const std::size_t size = static_cast<std::size_t>(kind) + 1, count = count_of(tag, "NumberOfTuples", 1);
+      const auto points = numbers<std::int64_t>(tag, count, "corners of a group");
+      if (count % size != 0)
+        at(tag).fail("a group has " + std::to_string(count) + " corners, of which each element needs " +
+                     std::to_string(size) + "; export the mesh again");
+      const MeshText place = at(tag);  // counts lines, so not once for each corner
+      std::array<TetMesh::Index, 3> corners{};
+      for (std::size_t i = 0; i < count; i += size) {
+        for (std::size_t k = 0; k < size; ++k)
+          corners[k] = builder.counted_point(points[i + k], place, number, "group");
+        builder.add_to_group(number, std::span(corners).first(size));
+      }
+    }
+  }
+
+  /// The numbers that points and cells had in the file that this one was made from.
+  void take_numbers(const Grid& grid, MeshFile& file) const {
+    if (grid.point_numbers) {
+      auto points = numbers<std::int64_t>(*grid.point_numbers, grid.points, "numbers of points");
+      if (all_differ(points)) file.point_numbers = std::move(points);
+    }
+    if (!grid.cell_numbers) return;
+    const auto cells = numbers<std::int64_t>(*grid.cell_numbers, grid.cells, "numbers of cells");
+    if (!all_differ(cells)) return;
+    for (std::int64_t& number : file.numbers) number = cells[static_cast<std::size_t>(number)];
+  }
+
   /// For errors about what stands behind a tag.
   [[nodiscard]] MeshText at(const XmlTag& tag) const { return text_.part(tag.begin, whole_.size()); }
 
@@ -126,6 +203,10 @@ class VtuReader {
         if (section == "Cells" && name == "offsets") grid.offsets = *tag;
         if (section == "Cells" && name == "types") grid.types = *tag;
         if (section == "CellData" && names_vtk_regions(name)) grid.regions = *tag;
+        if (section == "CellData" && name == "GlobalElementId") grid.cell_numbers = *tag;
+        if (section == "PointData" && name == "GlobalNodeId") grid.point_numbers = *tag;
+        if (section == "FieldData" && name == "region_names") grid.region_names = *tag;
+        if (section == "FieldData" && names_group(name)) grid.groups.push_back(*tag);
       } else if (tag->name == "AppendedData") {
         appended_base64_ = tag->attribute("encoding", "base64") == "base64";
         const std::size_t mark = whole_.find('_', tag->end);

@@ -1,6 +1,7 @@
 #include "problems/tissue/xml_tags.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace hmax {
 
@@ -8,6 +9,19 @@ std::string_view XmlTag::attribute(std::string_view wanted, std::string_view oth
   for (const auto& [key, value] : attributes)
     if (key == wanted) return value;
   return otherwise;
+}
+
+std::string unescaped(std::string_view text) {
+  constexpr std::array<std::pair<std::string_view, char>, 5> entities{
+      {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}}};
+  std::string result;
+  while (!text.empty()) {
+    const auto known =
+        std::ranges::find_if(entities, [&](const auto& entity) { return text.starts_with(entity.first); });
+    result += known == entities.end() ? text.front() : known->second;
+    text.remove_prefix(known == entities.end() ? 1 : known->first.size());
+  }
+  return result;
 }
 
 std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std::size_t from) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct XmlTag {
   /// The value of an attribute, or `otherwise`.
   [[nodiscard]] std::string_view attribute(std::string_view name, std::string_view otherwise = "") const;
 };
+
+/// A text with &amp; and the like as the characters that they stand for.
+std::string unescaped(std::string_view text);
 
 /// The first tag at or behind `from`, without comments and declarations; nothing at the end of the text.
 /// @param text  for the name of the file in errors

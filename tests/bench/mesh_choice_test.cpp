@@ -4,6 +4,7 @@
 
 #include "problems/tissue/mesh_quality.hpp"
 #include "problems/tissue/mesh_writers.hpp"
+#include "problems/tissue/refine.hpp"
 #include "problems/tissue/topology.hpp"
 #include "results/errors.hpp"
 #include "tests/results/scratch.hpp"
@@ -23,7 +24,8 @@ std::string refusal(const std::string& text, std::optional<double> unit = {}) {
 TEST(MeshChoice, ANameIsInMetresAndTakesNoUnit) {
   const LoadedMesh loaded = load_mesh("liver:refine=1");
   EXPECT_EQ(loaded.mesh.tetrahedron_count(), 8 * 1151);
-  EXPECT_FALSE(loaded.import);
+  EXPECT_EQ(loaded.origin->file.mesh.points, loaded.mesh.points);
+  EXPECT_EQ(loaded.origin->tetrahedron_number(0), 1);
   EXPECT_NE(refusal("liver", 0.01).find("leave the unit out"), std::string::npos);
 }
 
@@ -38,9 +40,9 @@ TEST(MeshChoice, AFileIsAskedForItsUnitWithTheSizeOfItsBox) {
   EXPECT_NE(sentence.find("--unit m, cm, mm"), std::string::npos);
   const LoadedMesh loaded = load_mesh(file, unit_in_metres("mm"));
   EXPECT_NEAR(quality_of(loaded.mesh).upper(0), 0.05, 0.002);
-  ASSERT_TRUE(loaded.import);
   const TetMesh original = mesh_by_name("ball:n=2:radius=50");
-  EXPECT_TRUE(loaded.import->points_in_file_order(loaded.mesh.points).isApprox(0.001 * original.points));
+  EXPECT_TRUE(loaded.origin->on_points(loaded.mesh.points).isApprox(0.001 * original.points));
+  EXPECT_EQ(loaded.origin->on_points(loaded.mesh.points), loaded.origin->file.mesh.points);
 }
 
 TEST(MeshChoice, AFileIsRefinedAsANameIs) {
@@ -49,7 +51,7 @@ TEST(MeshChoice, AFileIsRefinedAsANameIs) {
   write_text(file, msh_text(mesh_by_name("cube:n=2")));
   const LoadedMesh loaded = load_mesh(file + ":refine=2", 1);
   EXPECT_EQ(loaded.mesh.tetrahedron_count(), 64 * 48);
-  EXPECT_FALSE(loaded.import);
+  EXPECT_EQ(loaded.origin->file.mesh.tetrahedra, refined(mesh_by_name("cube:n=2"), 2).tetrahedra);
   EXPECT_NE(refusal(file + ":n=2", 1).find("takes refine only"), std::string::npos);
 }
 
@@ -60,7 +62,7 @@ TEST(MeshChoice, IdlePointsOfAFileAreLeftOutAndCounted) {
   mesh.points.rightCols(2).setConstant(7);
   write_text(folder / "a.msh", msh_text(mesh));
   const LoadedMesh loaded = load_mesh((folder / "a.msh").string(), 1);
-  EXPECT_EQ(loaded.idle_points, 2);
+  EXPECT_EQ(loaded.origin->file.mesh.point_count(), 10);
   EXPECT_EQ(loaded.mesh.point_count(), 8);
 }
 

@@ -132,6 +132,61 @@ TEST(Mesh, AScenePutsTheTissueOnTheMesh) {
   expect_refused(shell.hmax("mesh convert phantom a.scn --material steel"), "steel");
 }
 
+/// Two tetrahedra with numbers of their own, a region and a surface with names, and an idle node in front.
+std::string named_tetrahedra() {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 30 \"capsule\"\n3 20 \"tumour\"\n"
+         "$EndPhysicalNames\n$Nodes\n6\n1 9 9 9\n12 0 0 0\n7 1 0 0\n3 0 1 0\n4 0 0 1\n50 1 1 1\n$EndNodes\n"
+         "$Elements\n3\n1 2 2 30 1 12 3 7\n11 4 2 20 1 12 7 3 4\n5 4 2 10 2 7 3 4 50\n$EndElements\n";
+}
+
+TEST(Mesh, InfoListsRegionsAndGroupsByNameAndNumber) {
+  const Shell shell;
+  write_text(shell / "two.msh", named_tetrahedra());
+  const Json info = shell.hmax("mesh info two.msh --unit m --json").json();
+  ASSERT_EQ(info.at("regions").size(), 2U);
+  EXPECT_EQ(info.at("regions")[0].at("region"), 10);
+  EXPECT_TRUE(info.at("regions")[0].at("name").is_null());
+  EXPECT_EQ(info.at("regions")[1].at("name"), "tumour");
+  EXPECT_EQ(info.at("regions")[1].at("tetrahedra"), 1);
+  EXPECT_NEAR(info.at("regions")[1].at("volume").get<double>(), 1. / 6, 1e-15);
+  EXPECT_EQ(info.at("groups"),
+            Json::parse(R"([{"kind": "surface", "number": 30, "name": "capsule", "elements": 1,
+                                               "points": 3}])"));
+  const std::string out = shell.hmax("mesh info two.msh").out;
+  for (const char* part : {"20", "tumour", "surface:30", "capsule"})
+    EXPECT_NE(out.find(part), std::string::npos) << part << out;
+}
+
+TEST(Mesh, ConvertKeepsNumbersOrderAndNames) {
+  const Shell shell;
+  write_text(shell / "two.msh", named_tetrahedra());
+  EXPECT_EQ(shell.hmax("mesh convert two.msh again.msh").exit_code, 0);
+  EXPECT_NE(read_text(shell / "again.msh").find("\n1 2 2 30 30 12 3 7\n11 4 2 20 20 12 7 3 4\n5 4 2 10"),
+            std::string::npos);
+  EXPECT_EQ(shell.hmax("mesh convert two.msh two.vtu").exit_code, 0);
+  EXPECT_EQ(shell.hmax("mesh convert two.vtu back.msh").exit_code, 0);
+  EXPECT_EQ(read_text(shell / "back.msh"), read_text(shell / "again.msh"));
+  // Refined, the points of the file come first and keep their numbers.
+  EXPECT_EQ(shell.hmax("mesh refine two.msh --output fine.msh").exit_code, 0);
+  const std::string fine = read_text(shell / "fine.msh");
+  EXPECT_NE(fine.find("\n50 1 1 1\n51 "), std::string::npos) << fine;
+  EXPECT_EQ(shell.hmax("mesh info fine.msh --json").json().at("groups")[0].at("elements"), 4);
+  EXPECT_EQ(shell.hmax("mesh info fine.msh --json").json().at("regions")[1].at("name"), "tumour");
+}
+
+TEST(Mesh, SecondOrderIsReadWithARemark) {
+  const Shell shell;
+  write_text(
+      shell / "q.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 0 0\n6 .5 .5 0\n"
+      "7 0 .5 0\n8 0 0 .5\n9 .5 0 .5\n10 0 .5 .5\n$EndNodes\n$Elements\n1\n1 11 0 1 2 3 4 5 6 7 8 9 10\n$EndElements\n");
+  EXPECT_EQ(shell.hmax("mesh info q.msh --json").json().at("second_order"), 1);
+  EXPECT_NE(shell.hmax("mesh info q.msh").out.find("second order are read by their corners"),
+            std::string::npos);
+  EXPECT_NE(shell.hmax("mesh convert q.msh l.msh").err.find("second order are read by their corners"),
+            std::string::npos);
+}
+
 TEST(Mesh, RefusesWhatIsNoMesh) {
   const Shell shell;
   expect_refused(shell.hmax("mesh info livr"), "did you mean 'liver'?");

@@ -1,4 +1,7 @@
 /// Bodies on meshes at the command line.
+#include <cstring>
+
+#include "problems/tissue/mesh_writers.hpp"
 #include "results/table.hpp"
 #include "tests/cli/program.hpp"
 
@@ -55,6 +58,68 @@ TEST(TissueRun, WritesHowFarABodyMovesAndASeriesForParaView) {
   EXPECT_EQ(info.json().at("tetrahedra"), 120) << info.err;
   expect_refused(shell.hmax("run --problem liver_linear --method rk4 --h 0.1 --output a.pvd"), "--mesh");
   expect_refused(shell.hmax(run + "--output a.vtu"), "FILE.pvd");
+}
+
+/// A column of tetrahedra whose points are numbered from top to bottom and back, with an idle point in front:
+/// an order that nobody would choose for locality.
+TEST(TissueRun, WritesResultsInTheOrderOfTheFile) {
+  const Shell shell;
+  ASSERT_EQ(shell.hmax("mesh make beam:n=2 --output beam.msh").exit_code, 0);
+  MeshFile file = read_mesh_file(shell / "beam.msh");
+  const Eigen::Index n = file.mesh.point_count();
+  Eigen::Matrix3Xd points(3, n + 1);
+  points.col(0).setConstant(7);
+  for (Eigen::Index i = 0; i < n; ++i) points.col(1 + (i * 17) % n) = file.mesh.points.col(i);
+  for (TetMesh::Index& corner : file.mesh.tetrahedra.reshaped())
+    corner = 1 + static_cast<TetMesh::Index>((corner * 17) % n);
+  file.mesh.points = points;
+  file.mesh.regions.assign(static_cast<std::size_t>(file.mesh.tetrahedron_count()), 40);
+  file.mesh.regions[3] = 70;
+  write_text(shell / "odd.msh", msh_text(counted_from_one(file.mesh)));
+
+  const std::string common = "--mesh odd.msh --unit m --set axis=1 ";
+  EXPECT_EQ(
+      shell.hmax("run --method symplectic_euler --h 0.001 --t-end 0.01 --every 0.01 --output s.pvd " + common)
+          .exit_code,
+      0);
+  EXPECT_EQ(shell.hmax("stability modes --count 1 --output modes.vtu " + common).exit_code, 0);
+  for (const char* name : {"s_00001.vtu", "modes.vtu"}) {
+    const MeshFile written = read_mesh_file(shell / name);
+    EXPECT_EQ(written.mesh.points, file.mesh.points) << name;
+    EXPECT_EQ(written.mesh.tetrahedra, file.mesh.tetrahedra) << name;
+    EXPECT_EQ(written.mesh.regions, file.mesh.regions) << name;
+  }
+  // What falls is not held and not idle: the displacement stands beside its point. The state has this order
+  // too.
+  const std::string frame = read_text(shell / "s_00001.vtu");
+  const std::string tag = "Name=\"displacement\" NumberOfComponents=\"3\" format=\"appended\" offset=\"";
+  const std::size_t begin = frame.find("\n_") + 10 + std::stoul(frame.substr(frame.find(tag) + tag.size()));
+  const Json state =
+      shell.hmax("run --method symplectic_euler --h 0.001 --t-end 0.01 --json --full " + common).json();
+  std::size_t dof = 0;
+  for (Eigen::Index i = 0; i <= n; ++i) {
+    Eigen::Vector3d u;
+    std::memcpy(u.data(), frame.data() + begin + 24 * static_cast<std::size_t>(i), 24);
+    const bool free = i > 0 && points(0, i) > 0.1 * points.rightCols(n).row(0).maxCoeff();
+    EXPECT_EQ(u(2) < 0, free) << i;
+    for (int k = 0; free && k < 3; ++k) EXPECT_NEAR(state.at("y").at(dof++).get<double>(), u(k), 1e-15) << i;
+  }
+  EXPECT_EQ(2 * dof, state.at("y").size());
+}
+
+TEST(TissueRun, HoldsTheSetsOfPointsThatAreNamed) {
+  const std::string common = "run --mesh cube:n=2 --method symplectic_euler --h 0.001 --t-end 0.01 --json ";
+  // The nine points at the bottom, point 1 among them, and the one above it.
+  EXPECT_EQ(json_of(common + "--support points:1,2 --support -1,1,-1,1,-0.001,0.001").at("dofs"),
+            3 * (27 - 10));
+  EXPECT_EQ(json_of(common + "--support points:1,2").at("parameters").at("support:points:1,2"), 1);
+  expect_refusal("run --mesh cube:n=2 --method rk4 --h 0.001 --support top", "no group or region 'top'");
+  expect_refusal("run --problem liver_linear --method rk4 --h 0.001 --support top", "--support");
+  const Json fallen = json_of(common + "--gravity 0,-9.81,0 --full --set support=0");
+  EXPECT_LT(fallen.at("y").at(1).get<double>(), -1e-5);
+  EXPECT_NEAR(fallen.at("y").at(2).get<double>(), 0, 1e-12);
+  expect_refusal("run --mesh cube --method rk4 --h 0.001 --gravity 0,1", "a vector of three");
+  expect_refusal("run --mesh cube --method rk4 --h 0.001 --load tool --tool-at 0,0,9", "meets no point");
 }
 
 TEST(TissueRun, RefusesWhatBelongsToOtherProblems) {

@@ -1,6 +1,5 @@
 #include "problems/tissue/mesh_defects.hpp"
 
-#include <numeric>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -86,52 +85,6 @@ TEST(MeshDefects, ThreeTetrahedraOnAFaceOverlap) {
   mesh.tetrahedra.col(1) << 1, 2, 3, 4;
   mesh.tetrahedra.col(2) << 1, 2, 3, 5;
   EXPECT_NE(refusal(file_of(mesh)).find("shares a face with more than one other"), std::string::npos);
-}
-
-TEST(MeshImport, LeavesIdlePointsOutAndFindsTheWayBack) {
-  MeshFile file = file_of(ball_mesh(1, 2));
-  TetMesh& mesh = file.mesh;
-  mesh.regions.resize(static_cast<std::size_t>(mesh.tetrahedron_count()));
-  std::iota(mesh.regions.begin(), mesh.regions.end(), 0);
-  // Two idle points, one of them in front.
-  Eigen::Matrix3Xd points(3, mesh.point_count() + 2);
-  points << Eigen::Vector3d(9, 9, 9), mesh.points, Eigen::Vector3d(8, 8, 8);
-  mesh.points = points;
-  mesh.tetrahedra.array() += 1;
-
-  const MeshImport import = import_mesh(file, 0.01);
-  EXPECT_EQ(import.mesh.point_count(), mesh.point_count() - 2);
-  EXPECT_EQ(topology_of(import.mesh).unused_points, 0);
-  EXPECT_NEAR(quality_of(import.mesh).volume, 1e-6 * quality_of(mesh).volume, 1e-18);
-  const Eigen::MatrixXd back = import.points_in_file_order(import.mesh.points);
-  EXPECT_TRUE(back.middleCols(1, mesh.point_count() - 2)
-                  .isApprox(0.01 * mesh.points.middleCols(1, mesh.point_count() - 2)));
-  EXPECT_TRUE(back.col(0).isZero());
-  EXPECT_TRUE(back.rightCols(1).isZero());
-  Eigen::RowVectorXd regions(mesh.tetrahedron_count());
-  for (Eigen::Index t = 0; t < regions.size(); ++t) regions(t) = import.mesh.region(t);
-  const Eigen::MatrixXd in_order = import.tetrahedra_in_file_order(regions);
-  for (Eigen::Index t = 0; t < regions.size(); ++t) EXPECT_EQ(in_order(0, t), t);
-  EXPECT_THROW(import.points_in_file_order(Eigen::MatrixXd(3, 2)), std::invalid_argument);
-}
-
-TEST(MeshImport, RegionsAreNumberedFromZero) {
-  MeshFile file = file_of(cube_mesh(1, 1));
-  file.mesh.regions = {2000000000, 7, 7, -3, 7, 2000000000};
-  const MeshImport import = import_mesh(file, 1);
-  EXPECT_EQ(import.file_regions, (std::vector<TetMesh::Index>{-3, 7, 2000000000}));
-  for (Eigen::Index t = 0; t < 6; ++t)
-    EXPECT_EQ(import.file_regions[static_cast<std::size_t>(import.mesh.region(t))],
-              file.mesh.region(import.file_tetrahedra[static_cast<std::size_t>(t)]));
-  file.mesh.regions.assign(6, 7);
-  EXPECT_TRUE(import_mesh(file, 1).mesh.regions.empty());
-  EXPECT_EQ(import_mesh(file, 1).file_regions, std::vector<TetMesh::Index>{7});
-}
-
-TEST(MeshImport, AUnitIsAPositiveLength) {
-  const MeshFile file = file_of(cube_mesh(1, 1));
-  for (const double unit : {0.0, -1.0, 1.0 / 0.0})
-    EXPECT_THROW(import_mesh(file, unit), std::invalid_argument) << unit;
 }
 
 }  // namespace

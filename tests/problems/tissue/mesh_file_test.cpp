@@ -78,6 +78,117 @@ TEST(MeshFiles, SurfacesAreLeftAsideAndCounted) {
   EXPECT_EQ(read_mesh("ghs3d.mesh", golden_text("ghs3d.mesh")).triangles, 1);
 }
 
+TEST(MeshFiles, PointsHaveTheNumbersOfTheirFile) {
+  const auto numbers = [](const std::string& name) {
+    for (const GoldenMesh& golden : golden_meshes())
+      if (golden.name == name) return golden.read().point_numbers;
+    return std::vector<std::int64_t>{};
+  };
+  using Numbers = std::vector<std::int64_t>;
+  EXPECT_EQ(numbers("v1.msh"), (Numbers{2, 4, 6, 8, 10}));
+  EXPECT_EQ(numbers("v41.msh"), (Numbers{1, 3, 5, 7, 9}));
+  EXPECT_EQ(numbers("old.vtk"), (Numbers{0, 1, 2, 3, 4}));
+  EXPECT_EQ(numbers("ascii.vtu"), (Numbers{0, 1, 2, 3, 4}));
+  EXPECT_EQ(numbers("zero.node"), (Numbers{0, 1, 2, 3, 4}));
+  EXPECT_EQ(numbers("one.node"), (Numbers{1, 2, 3, 4, 5}));
+  EXPECT_EQ(numbers("ghs3d.mesh"), (Numbers{1, 2, 3, 4, 5}));
+}
+
+/// The groups of a file as "surface:3 'skin' 0 2 1".
+std::vector<std::string> groups_of(const MeshFile& file) {
+  std::vector<std::string> texts;
+  for (const MeshGroup& group : file.groups) {
+    std::string text(group_kinds[static_cast<std::size_t>(group.dimension)]);
+    text += ":" + std::to_string(group.number) + " '" + group.name + "'";
+    for (const TetMesh::Index corner : group.corners) text += " " + std::to_string(corner);
+    texts.push_back(text);
+  }
+  return texts;
+}
+
+TEST(MeshFiles, PhysicalNamesOfGmshNameRegionsAndGroups) {
+  using Texts = std::vector<std::string>;
+  const std::string names =
+      "$PhysicalNames\n4\n2 3 \"the skin\"\n3 7 \"lobe\"\n3 9 \"\"\n3 11 \"nowhere\"\n$EndPhysicalNames\n";
+  const MeshFile two = read_mesh(
+      "v2.msh",
+      replaced(golden_text("v2.msh"), "$PhysicalNames\n1\n3 7 \"lobe\"\n$EndPhysicalNames\n", names));
+  EXPECT_EQ(two.names, (std::map<TetMesh::Index, std::string>{{7, "lobe"}, {9, ""}}));
+  EXPECT_EQ(groups_of(two), Texts{"surface:3 'the skin' 0 2 1"});
+  // The same in 4.1, where elements belong to entities and these to groups.
+  std::string four = golden_text("v41.msh");
+  four.insert(four.find("$Entities"), names);
+  four = replaced(four, "0 0 0 2\n", "0 0 1 2\n1 0 0 0 1 1 1 2 -3 4 0\n");
+  const MeshFile read = read_mesh("v41.msh", four);
+  EXPECT_EQ(read.names, (std::map<TetMesh::Index, std::string>{{7, "lobe"}, {9, ""}}));
+  EXPECT_EQ(groups_of(read), (Texts{"surface:3 'the skin' 0 2 1", "surface:4 '' 0 2 1"}));
+  EXPECT_EQ(read.region_in_words(7), "7 'lobe'");
+  EXPECT_EQ(read.region_in_words(8), "8");
+  // In binary files names are words too.
+  std::string binary = golden_text("v2_little.msh");
+  binary.insert(binary.find("$Nodes"), names);
+  EXPECT_EQ(read_mesh("b.msh", binary).names.at(7), "lobe");
+  EXPECT_EQ(groups_of(read_mesh("b.msh", binary)), Texts{"surface:3 'the skin' 0 2 1"});
+}
+
+TEST(MeshFiles, DamagedPhysicalNamesAreNamedWithTheirLine) {
+  const std::string& text = golden_text("v2.msh");
+  expect_refused("v2.msh", replaced(text, "3 7 \"lobe\"", "3 7 lobe"),
+                 "v2.msh, line 6: the name of a physical group should be in double quotes");
+  expect_refused("v2.msh", replaced(text, "3 7 \"lobe\"", "3 7 \"lobe"), "no closing quote");
+  expect_refused("v2.msh", replaced(text, "3 7 \"lobe\"", "3 7 \"lo\x1b[31mbe\""), "control character");
+  expect_refused("v2.msh", replaced(text, "$PhysicalNames\n1", "$PhysicalNames\n1000000"),
+                 "announces 1000000 physical names");
+  expect_refused("v2.msh", replaced(text, "$PhysicalNames\n1", "$PhysicalNames\n2"), "whole number");
+}
+
+TEST(MeshFiles, ReferencesMarkersAndLabelsAreGroups) {
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(groups_of(read_mesh("ghs3d.mesh", golden_text("ghs3d.mesh"))),
+            (Texts{"vertices:1 '' 0 1 2 3 4", "surface:4 '' 0 2 1"}));
+  EXPECT_EQ(groups_of(read_tetgen("a.node", "4 3 0 1\n0 0 0 0 0\n1 1 0 0 5\n2 0 1 0 -1\n3 0 0 1 5\n", "a.ele",
+                                  "1 4 0\n0 0 1 2 3\n")),
+            (Texts{"vertices:-1 '' 2", "vertices:5 '' 1 3"}));
+  EXPECT_EQ(groups_of(read_mesh("old.vtk", golden_text("old.vtk"))), Texts{"surface:1 '' 0 2 1"});
+}
+
+/// A tetrahedron of ten nodes and one triangle of six, whose middles come last.
+TEST(MeshFiles, SecondOrderIsReadByTheCorners) {
+  const std::string points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  const std::string middles = ".5 0 0\n.5 .5 0\n0 .5 0\n0 0 .5\n.5 0 .5\n0 .5 .5\n";
+  std::string nodes, rest = points + middles, vertices;
+  for (int i = 1; i <= 10; ++i) {
+    const std::string line = rest.substr(0, rest.find('\n') + 1);
+    nodes += std::to_string(i) + " " + line;
+    vertices += line.substr(0, line.size() - 1) + " 0\n";
+    rest.erase(0, line.size());
+  }
+  const std::string cell = "0 1 2 3 4 5 6 7 8 9\n", from_one = "1 2 3 4 5 6 7 8 9 10";
+  const std::string head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n";
+  const MeshFile gmsh =
+      read_mesh("a.msh", head + nodes + "$EndNodes\n$Elements\n2\n1 9 2 5 1 1 2 3 5 6 7\n2 11 2 8 1 " +
+                             from_one + "\n$EndElements\n");
+  EXPECT_EQ(groups_of(gmsh), std::vector<std::string>{"surface:5 '' 0 1 2"});
+  const MeshFile vtk = read_mesh(
+      "a.vtk", "# vtk DataFile Version 2.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 10 double\n" +
+                   points + middles + "CELLS 1 11\n10 " + cell + "CELL_TYPES 1\n24\n");
+  const MeshFile medit = read_mesh("a.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n10\n" +
+                                                 vertices + "TetrahedraP2\n1\n" + from_one + " 8\nEnd\n");
+  const MeshFile tetgen =
+      read_tetgen("a.node", "10 3 0 0\n" + nodes, "a.ele", "1 10 1\n1 " + from_one + " 8\n");
+  for (const MeshFile* file : {&gmsh, &vtk, &medit, &tetgen}) {
+    SCOPED_TRACE(file->format);
+    EXPECT_EQ(file->second_order, 1);
+    EXPECT_EQ(file->mesh.tetrahedra, unit_tetrahedron().tetrahedra);
+    EXPECT_EQ(file->mesh.points.leftCols(4), unit_tetrahedron().points);
+    EXPECT_EQ(file->mesh.point_count(), 10);
+  }
+  expect_refused("a.vtk",
+                 "# vtk DataFile Version 2.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 10 double\n" +
+                     points + middles + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n24\n",
+                 "a tetrahedron with 4 points");
+}
+
 TEST(MeshFiles, ASurfaceAloneIsRefusedWithAWayToFillIt) {
   expect_refused("s.msh", "$NOD\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$ENDNOD\n$ELM\n1\n1 2 0 0 3 1 2 3\n$ENDELM\n",
                  "1 triangles and no tetrahedra, a surface only; fill it");
@@ -153,8 +264,8 @@ TEST(MeshFiles, OtherElementsAreRefusedWithTheRemedy) {
       "element 1 is of type 5, a volume that is no tetrahedron; mesh the body with tetrahedra only");
   expect_refused(
       "q.msh",
-      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 11 0 1 1 1 1 1 1 1 1 1 1\n$EndElements\n",
-      "order 1");
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 29 0 1 1 1 1 1 1 1 1 1 1\n$EndElements\n",
+      "order 1 or 2");
   expect_refused("h.vtk", replaced(golden_text("old.vtk"), "5 10 10", "5 10 12"), "of type 12");
   expect_refused("h.mesh", replaced(golden_text("ghs3d.mesh"), "RequiredVertices", "Hexahedra"), "Hexahedra");
 }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "problems/tissue/mesh_defects.hpp"
+#include "problems/tissue/mesh_import.hpp"
 #include "tests/problems/tissue/mesh_goldens.hpp"
 
 #if !defined(__SANITIZE_ADDRESS__)
@@ -38,6 +39,11 @@ bool refused(const GoldenMesh& damaged) {
     EXPECT_GE(file.mesh.tetrahedra.minCoeff(), 0);
     EXPECT_LT(file.mesh.tetrahedra.maxCoeff(), points);
     EXPECT_EQ(file.numbers.size(), file.places.size());
+    EXPECT_EQ(static_cast<int>(file.point_numbers.size()), points);
+    for (const MeshGroup& group : file.groups) {
+      EXPECT_EQ(group.corners.size() % static_cast<std::size_t>(group.dimension + 1), 0U);
+      for (const TetMesh::Index corner : group.corners) EXPECT_TRUE(corner >= 0 && corner < points);
+    }
     const MeshDefects defects = defects_of(file.mesh);
     if (!defects.none()) return false;
     EXPECT_GT(import_mesh(file, 1).mesh.tetrahedron_count(), 0);
