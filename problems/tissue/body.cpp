@@ -187,9 +187,7 @@ void TissueBody::build_rayleigh_damping() {
   require(std::isfinite(beta), beta, "the Rayleigh coefficient beta", "finite");
   if (beta != 0) {
     pattern_.shape(rayleigh_);
-    NodeRows rest(at(mesh_.point_count()));
-    for (Eigen::Index i = 0; i < mesh_.point_count(); ++i) as_vector(rest[at(i)]) = mesh_.points.col(i);
-    write_elastic_stiffness(rest, rayleigh_.valuePtr());
+    write_elastic_stiffness(rest(), rayleigh_.valuePtr());
     rayleigh_ *= beta;
     for (Eigen::Index i = 0; i < dofs(); ++i) rayleigh_.coeffRef(i, i) += alpha * mass_[i];
   }
@@ -217,16 +215,35 @@ TissueBody::Scratch& TissueBody::scratch() {
   return rows;
 }
 
-void TissueBody::place(double t, Eigen::Ref<const Dofs> q, NodeRows& x) const {
-  x.resize(at(mesh_.point_count()));
+template <class Visit>
+void TissueBody::visit_displacements(double t, Eigen::Ref<const Dofs> q, const Visit& visit) const {
   for (const Support& support : settings_.supports) {
     const Vector3d moved = support.profile.value(t) * support.travel;
-    for (const Index i : support.points) as_vector(x[at(i)]) = mesh_.points.col(i) + moved;
+    for (const Index i : support.points) visit(i, moved);
   }
-  for (std::size_t i = 0; i < free_points_.size(); ++i) {
-    const Index point = free_points_[i];
-    as_vector(x[at(point)]) = mesh_.points.col(point) + q.segment<3>(3 * static_cast<Eigen::Index>(i));
-  }
+  for (std::size_t i = 0; i < free_points_.size(); ++i)
+    visit(free_points_[i], q.segment<3>(3 * static_cast<Eigen::Index>(i)));
+}
+
+void TissueBody::displace(double t, Eigen::Ref<const Dofs> q, NodeRows& u) const {
+  u.resize(at(mesh_.point_count()));
+  visit_displacements(t, q, [&](Index i, const auto& moved) { as_vector(u[at(i)]) = moved; });
+}
+
+void TissueBody::place(double t, Eigen::Ref<const Dofs> q, Scratch& rows) const {
+  if (settings_.model != TissueModel::mass_spring) displace(t, q, rows.u);
+  if (springs_.empty() && !membrane_ && settings_.tools.empty()) return;
+  rows.x.resize(at(mesh_.point_count()));
+  visit_displacements(
+      t, q, [&](Index i, const auto& moved) { as_vector(rows.x[at(i)]) = mesh_.points.col(i) + moved; });
+}
+
+TissueBody::Scratch TissueBody::rest() const {
+  Scratch rows;
+  rows.u.assign(at(mesh_.point_count()), {});
+  rows.x = rows.u;
+  for (Eigen::Index i = 0; i < mesh_.point_count(); ++i) as_vector(rows.x[at(i)]) = mesh_.points.col(i);
+  return rows;
 }
 
 void TissueBody::move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const {
@@ -242,13 +259,13 @@ void TissueBody::move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const 
 void TissueBody::total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<const Dofs> v,
                              Eigen::Ref<Dofs> f) const {
   Scratch& rows = scratch();
-  place(t, q, rows.x);
+  place(t, q, rows);
   rows.f.assign(at(mesh_.point_count()), {});
   if (needs_velocities()) move(t, v, rows.v);
 
   std::visit(
       [&]<class Model>(const Model& model) {
-        if constexpr (!std::is_same_v<Model, std::monostate>) model.add_force(rows.x, rows.f);
+        if constexpr (!std::is_same_v<Model, std::monostate>) model.add_force(rows.u, rows.f);
       },
       elements_);
   for (const SpringSet& set : springs_) {
@@ -297,26 +314,26 @@ void TissueBody::rhs(double t, const State& y, State& dydt) const {
   dydt.tail(n).array() /= mass_.array();
 }
 
-void TissueBody::write_elastic_stiffness(const NodeRows& x, double* values) const {
+void TissueBody::write_elastic_stiffness(const Scratch& rows, double* values) const {
   std::visit(
       [&]<class Model>(const Model& model) {
         if constexpr (std::is_same_v<Model, GreenElements>) {
-          model.write_stiffness(x, pattern_, values);
+          model.write_stiffness(rows.u, pattern_, values);
         } else {
           std::fill_n(values, pattern_.entries(), 0.0);
-          if constexpr (!std::is_same_v<Model, std::monostate>) model.add_stiffness(x, pattern_, values);
+          if constexpr (!std::is_same_v<Model, std::monostate>) model.add_stiffness(rows.u, pattern_, values);
         }
       },
       elements_);
-  for (const SpringSet& set : springs_) set.add_stiffness(x, pattern_, values);
-  if (membrane_) membrane_->add_stiffness(x, pattern_, values);
+  for (const SpringSet& set : springs_) set.add_stiffness(rows.x, pattern_, values);
+  if (membrane_) membrane_->add_stiffness(rows.x, pattern_, values);
 }
 
 void TissueBody::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
   Scratch& rows = scratch();
-  place(t, q, rows.x);
+  place(t, q, rows);
   pattern_.shape(K);
-  write_elastic_stiffness(rows.x, K.valuePtr());
+  write_elastic_stiffness(rows, K.valuePtr());
   if (!needs_velocities()) return;
   move(t, v, rows.v);
   for (const SpringSet& set : springs_)
@@ -340,7 +357,7 @@ void TissueBody::damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) c
   }
   if (!needs_velocities()) return;
   Scratch& rows = scratch();
-  place(t, q, rows.x);
+  place(t, q, rows);
   move(t, v, rows.v);
   for (const SpringSet& set : springs_)
     if (set.has_dampers()) set.add_damping(rows.x, pattern_, C.valuePtr());
@@ -360,22 +377,22 @@ bool TissueBody::has_symmetric_stiffness() const {
 
 double TissueBody::energy(double t, const Dofs& q) const {
   Scratch& rows = scratch();
-  place(t, q, rows.x);
+  place(t, q, rows);
+  displace(t, q, rows.u);
   double sum = std::visit(
       [&]<class Model>(const Model& model) {
         if constexpr (std::is_same_v<Model, std::monostate>)
           return 0.0;
         else
-          return model.energy(rows.x);
+          return model.energy(rows.u);
       },
       elements_);
   for (const SpringSet& set : springs_) sum += set.energy(rows.x);
   if (membrane_) sum += membrane_->energy(rows.x);
-  const auto moved = [&](Index i) { return Vector3d(as_vector(rows.x[at(i)]) - mesh_.points.col(i)); };
-  for (const Index i : free_points_) sum -= point_mass_[i] * settings_.gravity.dot(moved(i));
+  for (const Index i : free_points_) sum -= point_mass_[i] * settings_.gravity.dot(as_vector(rows.u[at(i)]));
   for (const PressingForce& load : settings_.forces)
     for (std::size_t i = 0; i < load.points.size(); ++i)
-      sum -= load.profile.value(t) * load.shares[i] * load.force.dot(moved(load.points[i]));
+      sum -= load.profile.value(t) * load.shares[i] * load.force.dot(as_vector(rows.u[at(load.points[i])]));
   for (const SphereTool& tool : settings_.tools) {
     const SphereTool::Pose pose = tool.pose(t);
     SphereTool::Touch touch;
@@ -412,16 +429,14 @@ double TissueBody::spectral_radius(double t, const State& y) const {
 }
 
 Eigen::Matrix3Xd TissueBody::positions(double t, const Dofs& q) const {
-  Scratch& rows = scratch();
-  place(t, q, rows.x);
   Eigen::Matrix3Xd x(3, mesh_.point_count());
-  for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = as_vector(rows.x[at(i)]);
+  visit_displacements(t, q, [&](Index i, const auto& moved) { x.col(i) = mesh_.points.col(i) + moved; });
   return x;
 }
 
 Eigen::VectorXd TissueBody::energy_densities(double t, const Dofs& q) const {
   Scratch& rows = scratch();
-  place(t, q, rows.x);
+  place(t, q, rows);
   return std::visit(
       [&]<class Model>(const Model& model) -> Eigen::VectorXd {
         if constexpr (std::is_same_v<Model, std::monostate>) {
@@ -429,7 +444,7 @@ Eigen::VectorXd TissueBody::energy_densities(double t, const Dofs& q) const {
               "springs have no energy density in a tetrahedron; use a model of finite elements");
         } else {
           Eigen::VectorXd density(mesh_.tetrahedron_count());
-          for (Eigen::Index e = 0; e < density.size(); ++e) density[e] = model.energy_density(rows.x, at(e));
+          for (Eigen::Index e = 0; e < density.size(); ++e) density[e] = model.energy_density(rows.u, at(e));
           return density;
         }
       },
@@ -447,24 +462,23 @@ std::pair<double, Eigen::Index> TissueBody::least_volume(double t, const Dofs& q
 }
 
 void TissueBody::visit_rest_stiffness(const ElementVisitor& visit) const {
-  NodeRows rest(at(mesh_.point_count()));
-  for (Eigen::Index i = 0; i < mesh_.point_count(); ++i) as_vector(rest[at(i)]) = mesh_.points.col(i);
+  const Scratch still = rest();
   std::visit(
       [&]<class Model>(const Model& model) {
         if constexpr (!std::is_same_v<Model, std::monostate>)
-          for (std::size_t e = 0; e < model.size(); ++e) visit(model.points(e), model.stiffness(rest, e));
+          for (std::size_t e = 0; e < model.size(); ++e) visit(model.points(e), model.stiffness(still.u, e));
       },
       elements_);
   for (const SpringSet& set : springs_)
     for (std::size_t i = 0; i < set.size(); ++i) {
-      const Eigen::Matrix3d B = set.stiffness(rest, i);
+      const Eigen::Matrix3d B = set.stiffness(still.x, i);
       Eigen::Matrix<double, 6, 6> K;
       K << B, -B, -B, B;
       visit(set.spring(i).points, K);
     }
   if (membrane_)
     for (std::size_t i = 0; i < membrane_->size(); ++i)
-      visit(membrane_->points(i), membrane_->stiffness(rest, i));
+      visit(membrane_->points(i), membrane_->stiffness(still.x, i));
 }
 
 }  // namespace hmax

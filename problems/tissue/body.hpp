@@ -104,7 +104,7 @@ class TissueBody {
   using Elements = std::variant<std::monostate, TetElements<SmallStrain>, GreenElements,
                                 TetElements<Corotational>, TetElements<StableNeoHookean>>;
   struct Scratch {
-    NodeRows x, v, f;
+    NodeRows u, x, v, f;
   };
   static Scratch& scratch();
 
@@ -114,11 +114,16 @@ class TissueBody {
   void build_elastic_parts();
   void build_rayleigh_damping();
 
-  /// Rows of all points from those of the free ones; the supported stand where their motion has them.
-  void place(double t, Eigen::Ref<const Dofs> q, NodeRows& x) const;
+  /// Calls visit(i, u) with the displacement of every point; the supported stand where their motion has them.
+  template <class Visit>
+  void visit_displacements(double t, Eigen::Ref<const Dofs> q, const Visit& visit) const;
+  void displace(double t, Eigen::Ref<const Dofs> q, NodeRows& u) const;
+  /// The displacements u that elements need, and the positions x that springs, skins and tools need.
+  void place(double t, Eigen::Ref<const Dofs> q, Scratch& rows) const;
+  [[nodiscard]] Scratch rest() const;
   void move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const;
   void total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<const Dofs> v, Eigen::Ref<Dofs> f) const;
-  void write_elastic_stiffness(const NodeRows& x, double* values) const;
+  void write_elastic_stiffness(const Scratch& rows, double* values) const;
   [[nodiscard]] bool needs_velocities() const { return has_dampers_ || !settings_.tools.empty(); }
 
   TetMesh mesh_;

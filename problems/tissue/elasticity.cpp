@@ -58,9 +58,6 @@ Matrix3d cofactors(const Matrix3d& F) {
   return C;
 }
 
-/// W(I) of the stable neo-Hookean solid without its volume term.
-constexpr double stretch_at_rest = 4;  // |I|^2 + 1
-
 }  // namespace
 
 Lame lame(double young, double poisson) {
@@ -74,18 +71,18 @@ Lame lame(double young, double poisson) {
   return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
 }
 
-SmallStrain::SmallStrain(const Matrix3d& F, const Lame& lame)
-    : lame_(lame), strain_((F + F.transpose()) / 2 - Matrix3d::Identity()) {}
+SmallStrain::SmallStrain(const Matrix3d& H, const Lame& lame)
+    : lame_(lame), strain_((H + H.transpose()) / 2) {}
 double SmallStrain::energy() const { return hooke_energy(strain_, lame_); }
 Matrix3d SmallStrain::stress() const { return hooke_stress(strain_, lame_); }
 Matrix3d SmallStrain::differential(const Matrix3d& dF) const {
   return hooke_stress((dF + dF.transpose()) / 2, lame_);
 }
 
-GreenStrain::GreenStrain(const Matrix3d& F, const Lame& lame)
+GreenStrain::GreenStrain(const Matrix3d& H, const Lame& lame)
     : lame_(lame),
-      F_(F),
-      strain_((F.transpose() * F - Matrix3d::Identity()) / 2),
+      F_(Matrix3d::Identity() + H),
+      strain_((H + H.transpose() + H.transpose() * H) / 2),
       stress_(hooke_stress(strain_, lame)) {}
 double GreenStrain::energy() const { return hooke_energy(strain_, lame_); }
 Matrix3d GreenStrain::stress() const { return F_ * stress_; }
@@ -94,9 +91,9 @@ Matrix3d GreenStrain::differential(const Matrix3d& dF) const {
   return dF * stress_ + F_ * hooke_stress(change, lame_);
 }
 
-Corotational::Corotational(const Matrix3d& F, const Lame& lame)
-    : lame_(lame), F_(F), R_(nearest_rotation(F)), trace_(dot(R_, F) - 3) {
-  const Matrix3d stretch = R_.transpose() * F, S = (stretch + stretch.transpose()) / 2;
+Corotational::Corotational(const Matrix3d& H, const Lame& lame)
+    : lame_(lame), F_(Matrix3d::Identity() + H), R_(nearest_rotation(F_)), trace_(dot(R_, F_) - 3) {
+  const Matrix3d stretch = R_.transpose() * F_, S = (stretch + stretch.transpose()) / 2;
   const Matrix3d sums = S.trace() * Matrix3d::Identity() - S;
   bool unique = false;
   sums.computeInverseWithCheck(turn_, unique, 1e-12 * std::pow(sums.norm(), 3));
@@ -115,20 +112,24 @@ Matrix3d Corotational::differential(const Matrix3d& dF) const {
   return 2 * lame_.mu * (dF - dR) + lame_.lambda * (A.trace() * R_ + trace_ * dR);
 }
 
-StableNeoHookean::StableNeoHookean(const Matrix3d& F, const Lame& lame)
+StableNeoHookean::StableNeoHookean(const Matrix3d& H, const Lame& lame)
     : mu_(4 * lame.mu / 3),
       lambda_(lame.lambda + 5 * lame.mu / 6),
-      excess_(F.determinant() - 1 - 3 * mu_ / (4 * lambda_)),
-      square_(F.squaredNorm()),
-      F_(F),
-      cofactors_(cofactors(F)) {}
+      square_(2 * H.trace() + H.squaredNorm()),
+      volume_(H.trace() + cofactors(H).trace() + H.determinant()),
+      H_(H),
+      F_(Matrix3d::Identity() + H),
+      cofactors_(cofactors(F_)) {}
 double StableNeoHookean::energy() const {
-  const double at_rest = -3 * mu_ / (4 * lambda_);
-  return mu_ / 2 * (square_ - 3 - std::log((square_ + 1) / stretch_at_rest)) +
-         lambda_ / 2 * (excess_ * excess_ - at_rest * at_rest);
+  // |F|^2 - 3 - 2 (J - 1), which begins with the squares of H.
+  const double shear = H_.squaredNorm() - 2 * (cofactors(H_).trace() + H_.determinant());
+  return mu_ / 2 * (square_ / 4 - std::log1p(square_ / 4) + 3 * shear / 4) + lambda_ / 2 * volume_ * volume_;
 }
 Matrix3d StableNeoHookean::stress() const {
-  return mu_ * (1 - 1 / (square_ + 1)) * F_ + lambda_ * excess_ * cofactors_;
+  // mu' (1 - 1/(|F|^2 + 1)) F + lambda' (J - a) C with the cofactors C: at F = I the two are 3/4 mu' and
+  // cancel.
+  const Matrix3d shear = H_ + H_.transpose() - H_.trace() * Matrix3d::Identity() - cofactors(H_);  // F - C
+  return mu_ * (3 * shear / 4 + square_ / (4 * (square_ + 4)) * F_) + lambda_ * volume_ * cofactors_;
 }
 Matrix3d StableNeoHookean::differential(const Matrix3d& dF) const {
   Matrix3d dC;
@@ -136,9 +137,9 @@ Matrix3d StableNeoHookean::differential(const Matrix3d& dF) const {
     const int k = (j + 1) % 3, l = (j + 2) % 3;
     dC.col(j) = dF.col(k).cross(F_.col(l)) + F_.col(k).cross(dF.col(l));
   }
-  const double n = square_ + 1;
+  const double n = square_ + 4, excess = volume_ - 3 * mu_ / (4 * lambda_);
   return mu_ * ((1 - 1 / n) * dF + 2 * dot(F_, dF) / (n * n) * F_) +
-         lambda_ * (dot(cofactors_, dF) * cofactors_ + excess_ * dC);
+         lambda_ * (dot(cofactors_, dF) * cofactors_ + excess * dC);
 }
 
 }  // namespace hmax

@@ -1,7 +1,8 @@
 /// Strain energies of isotropic solids: what a finite element asks of a material at one deformation gradient.
 ///
-/// A law is made from the deformation gradient F = dx/dX, shape (3, 3), and answers with its energy density W
-/// [J/m^3], its first Piola-Kirchhoff stress P = dW/dF [Pa] and the differential dP of P along a change dF.
+/// A law is made from the displacement gradient H = du/dX = F - I, shape (3, 3), and answers with its energy
+/// density W [J/m^3], its first Piola-Kirchhoff stress P = dW/dF [Pa] and the differential dP of P along a
+/// change dF. F itself would have lost the digits of a small H.
 /// All laws have the stress lambda tr(e) I + 2 mu e at small strains e, so that one pair of Lame coefficients
 /// serves them all.
 #pragma once
@@ -23,11 +24,11 @@ struct Lame {
 /// @throws std::invalid_argument  when a coefficient is out of range
 Lame lame(double young, double poisson);
 
-/// Small strain, e = sym(F) - I:   W = mu e:e + lambda/2 tr(e)^2. Linear; wrong when the body turns.
+/// Small strain, e = sym(H):   W = mu e:e + lambda/2 tr(e)^2. Linear; wrong when the body turns.
 class SmallStrain {
  public:
   static constexpr std::string_view id = "fem_cauchy";
-  SmallStrain(const Eigen::Matrix3d& F, const Lame& lame);
+  SmallStrain(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
@@ -37,13 +38,13 @@ class SmallStrain {
   Eigen::Matrix3d strain_;
 };
 
-/// St. Venant-Kirchhoff, Green's strain E = (F^T F - I) / 2:   W = mu E:E + lambda/2 tr(E)^2,   P = F S,
-/// S = 2 mu E + lambda tr(E) I. Turns freely, but goes soft and gives way under strong compression.
+/// St. Venant-Kirchhoff, Green's strain E = (H + H^T + H^T H) / 2:   W = mu E:E + lambda/2 tr(E)^2,   P = F
+/// S, S = 2 mu E + lambda tr(E) I. Turns freely, but goes soft and gives way under strong compression.
 /// @source  [bonet2008nonlinear]
 class GreenStrain {
  public:
   static constexpr std::string_view id = "fem_green";
-  GreenStrain(const Eigen::Matrix3d& F, const Lame& lame);
+  GreenStrain(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
@@ -60,7 +61,7 @@ class GreenStrain {
 class Corotational {
  public:
   static constexpr std::string_view id = "fem_corotational";
-  Corotational(const Eigen::Matrix3d& F, const Lame& lame);
+  Corotational(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
@@ -79,15 +80,15 @@ class Corotational {
 class StableNeoHookean {
  public:
   static constexpr std::string_view id = "fem_neo_hookean";
-  StableNeoHookean(const Eigen::Matrix3d& F, const Lame& lame);
+  StableNeoHookean(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
 
  private:
-  double mu_, lambda_, excess_;    // excess_: J - a
-  double square_;                  // |F|^2
-  Eigen::Matrix3d F_, cofactors_;  // cofactors_: dJ/dF
+  double mu_, lambda_;
+  double square_, volume_;             // |F|^2 - 3, J - 1
+  Eigen::Matrix3d H_, F_, cofactors_;  // cofactors_: dJ/dF
 };
 
 }  // namespace hmax

@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "problems/tissue/tet_elements.hpp"
+
 namespace hmax {
 namespace {
 
@@ -26,13 +28,13 @@ std::array<TetMesh::Index, 4> corners(const TetMesh& mesh, Eigen::Index tetrahed
 }  // namespace
 
 struct GreenElements::Element {
-  Matrix3d Ds, K;
+  Matrix3d gradients, H;  // Bm, du/dX
   double half_lambda, mu;
-  [[nodiscard]] double volume() const { return 1 / (6 * std::sqrt(K.determinant())); }
-  /// V (lambda/2 tr(E)^2 + mu E:E), where N = G K - I is similar to 2 E.
+  [[nodiscard]] double volume() const { return 1 / (6 * std::abs(gradients.determinant())); }
+  /// V (lambda/2 tr(E)^2 + mu E:E), E = (H + H^T + H^T H) / 2.
   [[nodiscard]] double energy() const {
-    const Matrix3d N = Ds.transpose() * Ds * K - Matrix3d::Identity();
-    return half_lambda * N.trace() * N.trace() / 4 + mu * (N * N).trace() / 4;
+    const Matrix3d C = H + H.transpose() + H.transpose() * H;
+    return half_lambda * C.trace() * C.trace() / 4 + mu * C.squaredNorm() / 4;
   }
 };
 
@@ -59,16 +61,15 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
       const Index tetrahedron = order[i][4];
       const bool used = wanted < count;
       if (used) place_[at(tetrahedron)] = static_cast<Index>(n * lanes + lane);
-      Matrix3d rest;
-      for (std::size_t a = 0; a < 4; ++a) block.points[a][lane] = order[i][a];
-      for (std::size_t a = 1; a < 4; ++a)
-        rest.col(static_cast<Eigen::Index>(a) - 1) =
-            mesh.points.col(order[i][a]) - mesh.points.col(order[i][0]);
-      const Matrix3d gradients = rest.inverse(), K = gradients * gradients.transpose();
-      const double gram[6] = {K(0, 0), K(1, 1), K(2, 2), K(0, 1), K(0, 2), K(1, 2)};
-      for (std::size_t k = 0; k < 6; ++k) block.gram[k][lane] = gram[k];
+      std::array<Index, 4> points;
+      std::copy_n(order[i].begin(), 4, points.begin());
+      for (std::size_t a = 0; a < 4; ++a) block.rows[a][lane] = 4 * points[a];
+      const RestShape rest(mesh, points);
+      for (std::size_t k = 0; k < 9; ++k)
+        block.gradients[k][lane] =
+            rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
       const Lame& material = lame[at(mesh.region(tetrahedron))];
-      const double volume = used ? std::abs(rest.determinant()) / 6 : 0;
+      const double volume = used ? std::abs(rest.volume) : 0;
       block.half_lambda[lane] = volume * material.lambda / 2;
       block.mu[lane] = volume * material.mu;
       for (std::size_t a = 0, pair = 0; a < 4; ++a)
@@ -122,7 +123,7 @@ void GreenElements::place_rim(const BlockPattern& pattern) {
         for (std::size_t a = 0, pair = 0; a < 4; ++a)
           for (std::size_t b = a + 1; b < 4; ++b, ++pair)
             if (slots_[n].block[pair][lane] < 0)
-              visit(in_order(blocks_[n].points[a][lane], blocks_[n].points[b][lane]),
+              visit(in_order(blocks_[n].rows[a][lane] / 4, blocks_[n].rows[b][lane] / 4),
                     slots_[n].block[pair][lane]);
   };
   each_missing([&](const std::array<Index, 2>& pair, Index) {
@@ -137,36 +138,35 @@ void GreenElements::place_rim(const BlockPattern& pattern) {
   });
 }
 
-GreenElements::Element GreenElements::element(const NodeRows& x, std::size_t place) const {
+GreenElements::Element GreenElements::element(const NodeRows& u, std::size_t place) const {
   const TetBlock& block = blocks_[place / lanes];
   const std::size_t lane = place % lanes;
   Element e;
-  for (std::size_t a = 1; a < 4; ++a)
-    e.Ds.col(static_cast<Eigen::Index>(a) - 1) =
-        as_vector(x[at(block.points[a][lane])]) - as_vector(x[at(block.points[0][lane])]);
-  const auto g = [&](std::size_t k) { return block.gram[k][lane]; };
-  e.K << g(0), g(3), g(4), g(3), g(1), g(5), g(4), g(5), g(2);
+  for (std::size_t k = 0; k < 9; ++k)
+    e.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3)) =
+        block.gradients[k][lane];
+  e.H = edge_vectors(u, corners_at(place)) * e.gradients;
   e.half_lambda = block.half_lambda[lane];
   e.mu = block.mu[lane];
   return e;
 }
 
-double GreenElements::energy(const NodeRows& x) const {
+double GreenElements::energy(const NodeRows& u) const {
   double sum = 0;
-  for (const Index place : place_) sum += element(x, at(place)).energy();
+  for (const Index place : place_) sum += element(u, at(place)).energy();
   return sum;
 }
 
-double GreenElements::energy_density(const NodeRows& x, std::size_t i) const {
-  const Element e = element(x, at(place_[i]));
+double GreenElements::energy_density(const NodeRows& u, std::size_t i) const {
+  const Element e = element(u, at(place_[i]));
   return e.energy() / e.volume();
 }
 
-void GreenElements::add_force(const NodeRows& x, NodeRows& f) const {
-  kernels_->green_force(blocks_.data(), blocks_.size(), &x.front().x, &f.front().x);
+void GreenElements::add_force(const NodeRows& u, NodeRows& f) const {
+  kernels_->green_force(blocks_.data(), blocks_.size(), &u.front().x, &f.front().x);
 }
 
-void GreenElements::write_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const {
+void GreenElements::write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const {
   // All rows are zero before and after.
   thread_local BlockPattern::Pairs pairs;
   const std::size_t blocks = at(ring_) + rim_.size() + 1;
@@ -176,7 +176,7 @@ void GreenElements::write_stiffness(const NodeRows& x, const BlockPattern& patte
   std::size_t begin = 0, on_rim = 0;
   Index columns = 0;
   for (const Batch& batch : batches_) {
-    kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch.end - begin, &x.front().x,
+    kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch.end - begin, &u.front().x,
                               &pairs.rows.front().x);
     for (; on_rim < rim_.size() && rim_[on_rim] < batch.columns; ++on_rim)
       for (std::size_t c = 0; c < 3; ++c) {
@@ -191,28 +191,28 @@ void GreenElements::write_stiffness(const NodeRows& x, const BlockPattern& patte
   std::fill_n(pairs.rows.begin() + static_cast<std::ptrdiff_t>(3 * (blocks - 1)), 3, NodeRow{});
 }
 
-std::array<GreenElements::Index, 4> GreenElements::points(std::size_t i) const {
-  const auto place = at(place_[i]);
+std::array<GreenElements::Index, 4> GreenElements::corners_at(std::size_t place) const {
   std::array<Index, 4> p;
-  for (std::size_t a = 0; a < 4; ++a) p[a] = blocks_[place / lanes].points[a][place % lanes];
+  for (std::size_t a = 0; a < 4; ++a) p[a] = blocks_[place / lanes].rows[a][place % lanes] / 4;
   return p;
 }
 
-GreenElements::Stiffness GreenElements::stiffness(const NodeRows& x, std::size_t i) const {
+GreenElements::Stiffness GreenElements::stiffness(const NodeRows& u, std::size_t i) const {
   // As TissueKernels::green_stiffness has it.
-  const Element e = element(x, at(place_[i]));
-  const Matrix3d H = e.Ds * e.K, B = H * e.Ds.transpose();
+  const Element e = element(u, at(place_[i]));
+  const Matrix3d F = Matrix3d::Identity() + e.H, B = F * F.transpose();
+  Eigen::Matrix<double, 3, 4> g;
+  g << -e.gradients.colwise().sum().transpose(), e.gradients.transpose();
+  const Eigen::Matrix<double, 3, 4> h = F * g;
   const double c = e.half_lambda * (B.trace() - 3) - e.mu;
   Stiffness K;
-  for (Eigen::Index a = 0; a < 3; ++a)
-    for (Eigen::Index b = 0; b < 3; ++b)
-      K.block<3, 3>(3 + 3 * a, 3 + 3 * b) =
-          2 * e.half_lambda * H.col(a) * H.col(b).transpose() + e.mu * H.col(b) * H.col(a).transpose() +
-          e.mu * e.K(a, b) * B + (c * e.K(a, b) + e.mu * H.col(a).dot(H.col(b))) * Matrix3d::Identity();
-  for (Eigen::Index c0 = 3; c0 < 12; ++c0)
-    for (Eigen::Index r = 0; r < 3; ++r) K(r, c0) = K(c0, r) = -(K(3 + r, c0) + K(6 + r, c0) + K(9 + r, c0));
-  for (Eigen::Index c0 = 0; c0 < 3; ++c0)
-    for (Eigen::Index r = 0; r < 3; ++r) K(r, c0) = -(K(r, 3 + c0) + K(r, 6 + c0) + K(r, 9 + c0));
+  for (Eigen::Index a = 0; a < 4; ++a)
+    for (Eigen::Index b = 0; b < 4; ++b) {
+      const double k = g.col(a).dot(g.col(b));
+      K.block<3, 3>(3 * a, 3 * b) = 2 * e.half_lambda * h.col(a) * h.col(b).transpose() +
+                                    e.mu * h.col(b) * h.col(a).transpose() + e.mu * k * B +
+                                    (c * k + e.mu * h.col(a).dot(h.col(b))) * Matrix3d::Identity();
+    }
   return K;
 }
 

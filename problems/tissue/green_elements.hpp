@@ -15,9 +15,9 @@
 
 namespace hmax {
 
-/// St. Venant-Kirchhoff elements in Gram form, see TissueKernels. They are taken in the order of their lowest
-/// points, and neighbours in it are dealt to different blocks, so that a sum is not waited for by the next.
-/// The order is fixed by the mesh: the same mesh gives the same bits.
+/// St. Venant-Kirchhoff elements, see TissueKernels. They are taken in the order of their lowest points, and
+/// neighbours in it are dealt to different blocks, so that a sum is not waited for by the next. The order is
+/// fixed by the mesh: the same mesh gives the same bits. Rows u are the displacements of the points.
 class GreenElements {
  public:
   using Index = TetMesh::Index;
@@ -28,21 +28,24 @@ class GreenElements {
   GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
                 const TissueKernels& kernels = tissue_kernels());
 
-  [[nodiscard]] double energy(const NodeRows& x) const;
-  void add_force(const NodeRows& x, NodeRows& f) const;
+  [[nodiscard]] double energy(const NodeRows& u) const;
+  void add_force(const NodeRows& u, NodeRows& f) const;
   /// values = K, in the pattern that the elements were made with.
-  void write_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const;
+  void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const;
 
   [[nodiscard]] std::size_t size() const { return place_.size(); }
   /// Corners of a tetrahedron of the mesh, in ascending order.
-  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const;
-  [[nodiscard]] double energy_density(const NodeRows& x, std::size_t element) const;
-  [[nodiscard]] Stiffness stiffness(const NodeRows& x, std::size_t element) const;
+  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const {
+    return corners_at(static_cast<std::size_t>(place_[element]));
+  }
+  [[nodiscard]] double energy_density(const NodeRows& u, std::size_t element) const;
+  [[nodiscard]] Stiffness stiffness(const NodeRows& u, std::size_t element) const;
 
  private:
   /// One tetrahedron taken out of its block.
   struct Element;
-  [[nodiscard]] Element element(const NodeRows& x, std::size_t place) const;
+  [[nodiscard]] Element element(const NodeRows& u, std::size_t place) const;
+  [[nodiscard]] std::array<Index, 4> corners_at(std::size_t place) const;
 
   /// Elements whose sums are finished with them.
   struct Batch {

@@ -7,7 +7,7 @@
 ///   V, load(p), splat(s)     a register, from aligned memory, from one number
 ///   root(v)                  square root
 ///   Rows                     `width` rows of four numbers
-///   rows(x, points)          those of points
+///   rows(x, from)            those that begin at x + from[i]
 ///   minus(a, b), plus(a, b)  by entries
 ///   columns(rows, v)         to three registers x, y, z
 ///   back(x, y, z)            and from them, the fourth entry 0
@@ -22,72 +22,93 @@ namespace hmax::kernel_loops {
 /// Entry (i, j) of a symmetric matrix stored as 00 11 22 01 02 12.
 constexpr int symmetric[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
-/// Ds = (x1 - x0, x2 - x0, x3 - x0) of some lanes, column a at D[3 a].
-template <class Lanes>
-inline void edges(const TetBlock& block, std::size_t lane, const double* x, typename Lanes::V (&D)[9]) {
-  const typename Lanes::Rows origin = Lanes::rows(x, block.points[0] + lane);
-  for (int a = 0; a < 3; ++a)
-    Lanes::columns(Lanes::minus(Lanes::rows(x, block.points[a + 1] + lane), origin), D + 3 * a);
+/// Asks for a block before it is needed: they are read once, faster than the processor foresees. GCC 12 drops
+/// calls of functions that only do that, unless it must inline them.
+[[gnu::always_inline]] inline void fetch_ahead(const TetBlock* blocks, std::size_t n, std::size_t count) {
+  constexpr std::size_t ahead = 4, line = 64;
+  if (n + ahead >= count) return;
+  const char* const next = reinterpret_cast<const char*>(blocks + n + ahead);
+  for (std::size_t i = 0; i < sizeof(TetBlock); i += line) __builtin_prefetch(next + i);
 }
 
-/// N = G K - I with G = Ds^T Ds, similar to twice Green's strain, and its trace.
+/// H = du/dX = (u1 - u0, u2 - u0, u3 - u0) Bm of some lanes, entry (i, j) at H[i][j], and Bm, row a at g[a].
 template <class Lanes, class V>
-inline V gram_strain(const V (&D)[9], const V (&K)[6], V (&N)[3][3]) {
-  V G[6];
-  const auto dot = [&](int a, int b) {
-    return D[3 * a] * D[3 * b] + D[3 * a + 1] * D[3 * b + 1] + D[3 * a + 2] * D[3 * b + 2];
-  };
-  G[0] = dot(0, 0), G[1] = dot(1, 1), G[2] = dot(2, 2);
-  G[3] = dot(0, 1), G[4] = dot(0, 2), G[5] = dot(1, 2);
+inline void displacement_gradient(const TetBlock& block, std::size_t lane, const double* u, V (*H)[3],
+                                  V (*g)[3]) {
+  V U[3][3];
+  const typename Lanes::Rows origin = Lanes::rows(u, block.rows[0] + lane);
+  for (int a = 0; a < 3; ++a) {
+    Lanes::columns(Lanes::minus(Lanes::rows(u, block.rows[a + 1] + lane), origin), U[a]);
+    for (int j = 0; j < 3; ++j) g[a][j] = Lanes::load(block.gradients[3 * a + j] + lane);
+  }
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      N[i][j] = G[symmetric[i][0]] * K[symmetric[0][j]] + G[symmetric[i][1]] * K[symmetric[1][j]] +
-                G[symmetric[i][2]] * K[symmetric[2][j]];
-  for (int i = 0; i < 3; ++i) N[i][i] -= Lanes::splat(1);
-  return N[0][0] + N[1][1] + N[2][2];
+    for (int j = 0; j < 3; ++j) H[i][j] = U[0][i] * g[0][j] + U[1][i] * g[1][j] + U[2][i] * g[2][j];
+}
+
+/// a.b
+template <class V>
+inline V dot(const V* a, const V* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// V S of the second Piola-Kirchhoff stress S = lambda tr(E) I + 2 mu E, where 2 E = F^T F - I, without the
+/// difference: 2 E_ii = H_ii + (F^T H)_ii.
+template <class Lanes, class V>
+inline void green_stress(const TetBlock& block, std::size_t lane, const V (*H)[3], const V (*F)[3],
+                         V (&S)[6]) {
+  const auto product = [&](int i, int j, const V(*B)[3]) {
+    return F[0][i] * B[0][j] + F[1][i] * B[1][j] + F[2][i] * B[2][j];
+  };
+  for (int i = 0; i < 3; ++i) S[i] = H[i][i] + product(i, i, H);
+  S[3] = product(0, 1, F), S[4] = product(0, 2, F), S[5] = product(1, 2, F);
+  const V mu = Lanes::load(block.mu + lane);
+  const V pressure = Lanes::load(block.half_lambda + lane) * (S[0] + S[1] + S[2]);
+  for (int k = 0; k < 6; ++k) S[k] *= mu;
+  for (int k = 0; k < 3; ++k) S[k] += pressure;
 }
 
 template <class Lanes>
-void green_force(const TetBlock* blocks, std::size_t count, const double* x, double* f) {
+void green_force(const TetBlock* blocks, std::size_t count, const double* u, double* f) {
   using V = typename Lanes::V;
-  for (std::size_t n = 0; n < count; ++n)
+  for (std::size_t n = 0; n < count; ++n) {
+    fetch_ahead(blocks, n, count);
     for (std::size_t lane = 0; lane < TetBlock::lanes; lane += Lanes::width) {
       const TetBlock& block = blocks[n];
-      V D[9], K[6], N[3][3], T[6], H[9];
-      edges<Lanes>(block, lane, x, D);
-      for (int i = 0; i < 6; ++i) K[i] = Lanes::load(block.gram[i] + lane);
-      const V mu = Lanes::load(block.mu + lane);
-      const V c = Lanes::load(block.half_lambda + lane) * gram_strain<Lanes>(D, K, N);
-      // T = c K + V mu K N.
-      const auto product = [&](int i, int j) {
-        return K[symmetric[i][0]] * N[0][j] + K[symmetric[i][1]] * N[1][j] + K[symmetric[i][2]] * N[2][j];
-      };
+      V H[3][3], F[3][3], g[3][3], S[6], P[3][3], pull[3][3];
+      displacement_gradient<Lanes>(block, lane, u, H, g);
       for (int i = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j) T[symmetric[i][j]] = c * K[symmetric[i][j]] + mu * product(i, j);
+        for (int j = 0; j < 3; ++j) F[i][j] = i == j ? H[i][j] + Lanes::splat(1) : H[i][j];
+      green_stress<Lanes>(block, lane, H, F, S);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          P[i][j] =
+              F[i][0] * S[symmetric[0][j]] + F[i][1] * S[symmetric[1][j]] + F[i][2] * S[symmetric[2][j]];
       for (int a = 0; a < 3; ++a)
-        for (int r = 0; r < 3; ++r)
-          H[3 * a + r] =
-              D[r] * T[symmetric[0][a]] + D[3 + r] * T[symmetric[1][a]] + D[6 + r] * T[symmetric[2][a]];
+        for (int i = 0; i < 3; ++i) pull[a][i] = dot(P[i], g[a]);
 
-      const typename Lanes::Rows pull1 = Lanes::back(H[0], H[1], H[2]), pull2 = Lanes::back(H[3], H[4], H[5]),
-                                 pull3 = Lanes::back(H[6], H[7], H[8]);
+      const typename Lanes::Rows pull1 = Lanes::back(pull[0][0], pull[0][1], pull[0][2]),
+                                 pull2 = Lanes::back(pull[1][0], pull[1][1], pull[1][2]),
+                                 pull3 = Lanes::back(pull[2][0], pull[2][1], pull[2][2]);
       const typename Lanes::Rows all = Lanes::plus(Lanes::plus(pull1, pull2), pull3);
+#pragma GCC unroll 8
       for (std::size_t i = 0; i < Lanes::width; ++i) {
-        Lanes::subtract(f + 4 * block.points[1][lane + i], Lanes::row(pull1, i));
-        Lanes::subtract(f + 4 * block.points[2][lane + i], Lanes::row(pull2, i));
-        Lanes::subtract(f + 4 * block.points[3][lane + i], Lanes::row(pull3, i));
-        Lanes::add(f + 4 * block.points[0][lane + i], Lanes::row(all, i));
+        Lanes::subtract(f + block.rows[1][lane + i], Lanes::row(pull1, i));
+        Lanes::subtract(f + block.rows[2][lane + i], Lanes::row(pull2, i));
+        Lanes::subtract(f + block.rows[3][lane + i], Lanes::row(pull3, i));
+        Lanes::add(f + block.rows[0][lane + i], Lanes::row(all, i));
       }
     }
+  }
 }
 
-/// Adds the blocks of one pair of corners, column j at entries + 3 j.
+/// Adds the blocks of one pair of corners, column j at entries[j].
 template <class Lanes>
-inline void scatter_block(const TetSlots& slots, int pair, std::size_t lane, const typename Lanes::V* entries,
-                          double* pairs) {
-  const typename Lanes::Rows columns[3] = {Lanes::back(entries[0], entries[1], entries[2]),
-                                           Lanes::back(entries[3], entries[4], entries[5]),
-                                           Lanes::back(entries[6], entries[7], entries[8])};
+inline void scatter_block(const TetSlots& slots, int pair, std::size_t lane,
+                          const typename Lanes::V (*entries)[3], double* pairs) {
+  const typename Lanes::Rows columns[3] = {Lanes::back(entries[0][0], entries[0][1], entries[0][2]),
+                                           Lanes::back(entries[1][0], entries[1][1], entries[1][2]),
+                                           Lanes::back(entries[2][0], entries[2][1], entries[2][2])};
+#pragma GCC unroll 8
   for (std::size_t i = 0; i < Lanes::width; ++i) {
     double* const to = pairs + 12 * static_cast<std::ptrdiff_t>(slots.block[pair][lane + i]);
     Lanes::add(to, Lanes::row(columns[0], i));
@@ -97,59 +118,43 @@ inline void scatter_block(const TetSlots& slots, int pair, std::size_t lane, con
 }
 
 template <class Lanes>
-void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t count, const double* x,
+void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t count, const double* u,
                      double* pairs) {
   using V = typename Lanes::V;
-  for (std::size_t n = 0; n < count; ++n)
+  for (std::size_t n = 0; n < count; ++n) {
+    fetch_ahead(blocks, n, count);
     for (std::size_t lane = 0; lane < TetBlock::lanes; lane += Lanes::width) {
       const TetBlock& block = blocks[n];
-      V D[9], K[6], h[9], B[6];
-      edges<Lanes>(block, lane, x, D);
-      for (int i = 0; i < 6; ++i) K[i] = Lanes::load(block.gram[i] + lane);
-      const V mu = Lanes::load(block.mu + lane), half = Lanes::load(block.half_lambda + lane),
-              lambda = half + half;
-      for (int a = 0; a < 3; ++a)
-        for (int r = 0; r < 3; ++r)
-          h[3 * a + r] =
-              D[r] * K[symmetric[0][a]] + D[3 + r] * K[symmetric[1][a]] + D[6 + r] * K[symmetric[2][a]];
+      V F[3][3], g[4][3], h[4][3], lh[4][3], mh[4][3], B[6];
+      displacement_gradient<Lanes>(block, lane, u, F, g + 1);
+      for (int i = 0; i < 3; ++i) F[i][i] += Lanes::splat(1);
+      for (int a = 1; a < 4; ++a)
+        for (int i = 0; i < 3; ++i) h[a][i] = dot(F[i], g[a]);
+      for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+      for (int i = 0; i < 3; ++i) h[0][i] = -(h[1][i] + h[2][i] + h[3][i]);
       for (int i = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j)
-          B[symmetric[i][j]] = h[i] * D[j] + h[3 + i] * D[3 + j] + h[6 + i] * D[6 + j];
-      const V c = half * (B[0] + B[1] + B[2] - Lanes::splat(3)) - mu;
-      for (int i = 0; i < 6; ++i) B[i] *= mu;
-      V lh[9], mh[9], s[6];
-      for (int i = 0; i < 9; ++i) lh[i] = lambda * h[i], mh[i] = mu * h[i];
+        for (int j = i; j < 3; ++j) B[symmetric[i][j]] = dot(F[i], F[j]);
+      const V mu = Lanes::load(block.mu + lane), half = Lanes::load(block.half_lambda + lane),
+              lambda = half + half, c = half * (B[0] + B[1] + B[2] - Lanes::splat(3)) - mu;
+      for (int k = 0; k < 6; ++k) B[k] *= mu;
       for (int a = 0; a < 3; ++a)
-        for (int b = a; b < 3; ++b)
-          s[symmetric[a][b]] = c * K[symmetric[a][b]] + (mh[3 * a] * h[3 * b] + mh[3 * a + 1] * h[3 * b + 1] +
-                                                         mh[3 * a + 2] * h[3 * b + 2]);
+        for (int i = 0; i < 3; ++i) mh[a][i] = mu * h[a][i], lh[a + 1][i] = lambda * h[a + 1][i];
 
-      // Entry (i, j) of block (b, a): lambda h_b[i] h_a[j] + mu h_a[i] h_b[j] + mu K_ab B_ij + s_ab e_ij. The
-      // block of b and the first corner is minus the sum over a, to which (a, b) is the transposed of (b, a).
-      V sum[3][9];
-      for (int a = 0; a < 3; ++a)
-        for (int i = 0; i < 3; ++i)
-          for (int j = i; j < 3; ++j) {
-            V entry = (lh[3 * a + i] + mh[3 * a + i]) * h[3 * a + j] + K[a] * B[symmetric[i][j]];
-            if (i == j) entry += s[a];
-            sum[a][3 * i + j] = sum[a][3 * j + i] = -entry;
-          }
-      for (int a = 0, pair = 3; a < 3; ++a)
-        for (int b = a + 1; b < 3; ++b, ++pair) {
-          const V k = K[symmetric[a][b]];
-          V block_ba[9];
+      // Entry (i, j) of block (b, a): lambda h_b[i] h_a[j] + mu h_a[i] h_b[j] + mu K_ab B_ij + s_ab e_ij,
+      // with K_ab = g_a.g_b and s_ab = c K_ab + mu h_a.h_b.
+      for (int a = 0, pair = 0; a < 3; ++a)
+        for (int b = a + 1; b < 4; ++b, ++pair) {
+          const V k = dot(g[a], g[b]), s = c * k + dot(mh[a], h[b]);
+          V entries[3][3];
           for (int j = 0; j < 3; ++j)
             for (int i = 0; i < 3; ++i) {
-              V entry = lh[3 * b + i] * h[3 * a + j] + mh[3 * a + i] * h[3 * b + j] + k * B[symmetric[i][j]];
-              if (i == j) entry += s[symmetric[a][b]];
-              block_ba[3 * j + i] = entry;
-              sum[b][3 * j + i] -= entry;
-              sum[a][3 * i + j] -= entry;
+              entries[j][i] = lh[b][i] * h[a][j] + mh[a][i] * h[b][j] + k * B[symmetric[i][j]];
+              if (i == j) entries[j][i] += s;
             }
-          scatter_block<Lanes>(slots[n], pair, lane, block_ba, pairs);
+          scatter_block<Lanes>(slots[n], pair, lane, entries, pairs);
         }
-      for (int b = 0; b < 3; ++b) scatter_block<Lanes>(slots[n], b, lane, sum[b], pairs);
     }
+  }
 }
 
 template <class Lanes>
@@ -160,16 +165,17 @@ void spring_force(const SpringBlock* blocks, std::size_t count, double b, const 
     for (std::size_t lane = 0; lane < SpringBlock::lanes; lane += Lanes::width) {
       const SpringBlock& block = blocks[n];
       V d[3];
-      Lanes::columns(
-          Lanes::minus(Lanes::rows(x, block.points[1] + lane), Lanes::rows(x, block.points[0] + lane)), d);
+      Lanes::columns(Lanes::minus(Lanes::rows(x, block.rows[1] + lane), Lanes::rows(x, block.rows[0] + lane)),
+                     d);
       // T / l = k L (s + b s^3) / l with s = l / L - 1. Points that coincide have d = 0 and meet no force.
       const V now = Lanes::root(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + Lanes::splat(1e-300));
       const V s = now * Lanes::load(block.per_length + lane) - one;
       const V pull = Lanes::load(block.tension + lane) * s * (one + cubic * (s * s)) / now;
       const typename Lanes::Rows rows = Lanes::back(pull * d[0], pull * d[1], pull * d[2]);
+#pragma GCC unroll 8
       for (std::size_t i = 0; i < Lanes::width; ++i) {
-        Lanes::add(f + 4 * block.points[0][lane + i], Lanes::row(rows, i));
-        Lanes::subtract(f + 4 * block.points[1][lane + i], Lanes::row(rows, i));
+        Lanes::add(f + block.rows[0][lane + i], Lanes::row(rows, i));
+        Lanes::subtract(f + block.rows[1][lane + i], Lanes::row(rows, i));
       }
     }
 }

@@ -19,8 +19,8 @@ struct Lanes {
   static V splat(double s) { return _mm256_set1_pd(s); }
   static V root(V v) { return _mm256_sqrt_pd(v); }
   static Rows rows(const double* x, const std::int32_t* p) {
-    return {{_mm256_load_pd(x + 4 * p[0]), _mm256_load_pd(x + 4 * p[1]), _mm256_load_pd(x + 4 * p[2]),
-             _mm256_load_pd(x + 4 * p[3])}};
+    return {{_mm256_load_pd(x + p[0]), _mm256_load_pd(x + p[1]), _mm256_load_pd(x + p[2]),
+             _mm256_load_pd(x + p[3])}};
   }
   static Rows minus(const Rows& a, const Rows& b) {
     return {{a.r[0] - b.r[0], a.r[1] - b.r[1], a.r[2] - b.r[2], a.r[3] - b.r[3]}};
@@ -38,7 +38,7 @@ struct Lanes {
   static Rows back(V x, V y, V z) {
     const V none = _mm256_setzero_pd();
     const V even = _mm256_unpacklo_pd(x, y), odd = _mm256_unpackhi_pd(x, y);
-    const V even2 = _mm256_unpacklo_pd(z, none), odd2 = _mm256_unpackhi_pd(z, none);
+    const V even2 = _mm256_blend_pd(z, none, 0xa), odd2 = _mm256_unpackhi_pd(z, none);
     return {{_mm256_permute2f128_pd(even, even2, 0x20), _mm256_permute2f128_pd(odd, odd2, 0x20),
              _mm256_permute2f128_pd(even, even2, 0x31), _mm256_permute2f128_pd(odd, odd2, 0x31)}};
   }

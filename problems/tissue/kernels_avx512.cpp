@@ -22,8 +22,8 @@ struct Lanes {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(a)), _mm256_load_pd(b), 1);
   }
   static Rows rows(const double* x, const std::int32_t* p) {
-    return {{two(x + 4 * p[0], x + 4 * p[4]), two(x + 4 * p[1], x + 4 * p[5]),
-             two(x + 4 * p[2], x + 4 * p[6]), two(x + 4 * p[3], x + 4 * p[7])}};
+    return {
+        {two(x + p[0], x + p[4]), two(x + p[1], x + p[5]), two(x + p[2], x + p[6]), two(x + p[3], x + p[7])}};
   }
   static Rows minus(const Rows& a, const Rows& b) {
     return {{a.r[0] - b.r[0], a.r[1] - b.r[1], a.r[2] - b.r[2], a.r[3] - b.r[3]}};
@@ -42,11 +42,13 @@ struct Lanes {
     v[2] = _mm512_permutex2var_pd(xz, high(), xz2);
   }
   static Rows back(V x, V y, V z) {
-    const V none = _mm512_setzero_pd();
     const V even = _mm512_unpacklo_pd(x, y), odd = _mm512_unpackhi_pd(x, y);
-    const V even2 = _mm512_unpacklo_pd(z, none), odd2 = _mm512_unpackhi_pd(z, none);
-    return {{_mm512_permutex2var_pd(even, low(), even2), _mm512_permutex2var_pd(odd, low(), odd2),
-             _mm512_permutex2var_pd(even, high(), even2), _mm512_permutex2var_pd(odd, high(), odd2)}};
+    const auto with_z = [&](V xy, int k) {
+      const __m512i from =
+          _mm512_setr_epi64(k & 2, (k & 2) + 1, 8 + k, 0, 4 + (k & 2), 5 + (k & 2), 12 + k, 0);
+      return _mm512_maskz_permutex2var_pd(0x77, xy, from, z);
+    };
+    return {{with_z(even, 0), with_z(odd, 1), with_z(even, 2), with_z(odd, 3)}};
   }
   static Row row(const Rows& a, std::size_t i) {
     return i < 4 ? _mm512_castpd512_pd256(a.r[i]) : _mm512_extractf64x4_pd(a.r[i - 4], 1);

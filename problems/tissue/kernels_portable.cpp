@@ -20,7 +20,7 @@ struct Lanes {
   static V load(const double* p) { return *reinterpret_cast<const InMemory*>(p); }
   static V splat(double s) { return V{s, s}; }
   static V root(V v) { return V{std::sqrt(v[0]), std::sqrt(v[1])}; }
-  static Row at(const double* x, std::int32_t p) { return {load(x + 4 * p), load(x + 4 * p + 2)}; }
+  static Row at(const double* x, std::int32_t p) { return {load(x + p), load(x + p + 2)}; }
   static Rows rows(const double* x, const std::int32_t* p) { return {{at(x, p[0]), at(x, p[1])}}; }
   static Rows minus(const Rows& a, const Rows& b) {
     return {{{a.r[0].xy - b.r[0].xy, a.r[0].z - b.r[0].z}, {a.r[1].xy - b.r[1].xy, a.r[1].z - b.r[1].z}}};

@@ -154,7 +154,7 @@ SpringSet::SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, 
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const std::size_t wanted = start * lanes + lane * width + (n - start);
       const std::size_t i = std::min(wanted, springs_.size() - 1);
-      for (std::size_t a = 0; a < 2; ++a) blocks_[n].points[a][lane] = springs_[i].points[a];
+      for (std::size_t a = 0; a < 2; ++a) blocks_[n].rows[a][lane] = 4 * springs_[i].points[a];
       blocks_[n].per_length[lane] = 1 / length_[i];
       blocks_[n].tension[lane] = wanted < springs_.size() ? springs_[i].stiffness * length_[i] : 0;
     }
