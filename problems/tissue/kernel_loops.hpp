@@ -24,6 +24,7 @@ constexpr int symmetric[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
 /// Asks for a block before it is needed: they are read once, faster than the processor foresees. GCC 12 drops
 /// calls of functions that only do that, unless it must inline them.
+template <class Lanes>
 [[gnu::always_inline]] inline void fetch_ahead(const TetBlock* blocks, std::size_t n, std::size_t count) {
   constexpr std::size_t ahead = 4, line = 64;
   if (n + ahead >= count) return;
@@ -46,8 +47,8 @@ inline void displacement_gradient(const TetBlock& block, std::size_t lane, const
 }
 
 /// a.b
-template <class V>
-inline V dot(const V* a, const V* b) {
+template <class Lanes>
+inline typename Lanes::V dot(const typename Lanes::V* a, const typename Lanes::V* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -71,7 +72,7 @@ template <class Lanes>
 void green_force(const TetBlock* blocks, std::size_t count, const double* u, double* f) {
   using V = typename Lanes::V;
   for (std::size_t n = 0; n < count; ++n) {
-    fetch_ahead(blocks, n, count);
+    fetch_ahead<Lanes>(blocks, n, count);
     for (std::size_t lane = 0; lane < TetBlock::lanes; lane += Lanes::width) {
       const TetBlock& block = blocks[n];
       V H[3][3], F[3][3], g[3][3], S[6], P[3][3], pull[3][3];
@@ -84,7 +85,7 @@ void green_force(const TetBlock* blocks, std::size_t count, const double* u, dou
           P[i][j] =
               F[i][0] * S[symmetric[0][j]] + F[i][1] * S[symmetric[1][j]] + F[i][2] * S[symmetric[2][j]];
       for (int a = 0; a < 3; ++a)
-        for (int i = 0; i < 3; ++i) pull[a][i] = dot(P[i], g[a]);
+        for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
 
       const typename Lanes::Rows pull1 = Lanes::back(pull[0][0], pull[0][1], pull[0][2]),
                                  pull2 = Lanes::back(pull[1][0], pull[1][1], pull[1][2]),
@@ -122,18 +123,18 @@ void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t 
                      double* pairs) {
   using V = typename Lanes::V;
   for (std::size_t n = 0; n < count; ++n) {
-    fetch_ahead(blocks, n, count);
+    fetch_ahead<Lanes>(blocks, n, count);
     for (std::size_t lane = 0; lane < TetBlock::lanes; lane += Lanes::width) {
       const TetBlock& block = blocks[n];
       V F[3][3], g[4][3], h[4][3], lh[4][3], mh[4][3], B[6];
       displacement_gradient<Lanes>(block, lane, u, F, g + 1);
       for (int i = 0; i < 3; ++i) F[i][i] += Lanes::splat(1);
       for (int a = 1; a < 4; ++a)
-        for (int i = 0; i < 3; ++i) h[a][i] = dot(F[i], g[a]);
+        for (int i = 0; i < 3; ++i) h[a][i] = dot<Lanes>(F[i], g[a]);
       for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
       for (int i = 0; i < 3; ++i) h[0][i] = -(h[1][i] + h[2][i] + h[3][i]);
       for (int i = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j) B[symmetric[i][j]] = dot(F[i], F[j]);
+        for (int j = i; j < 3; ++j) B[symmetric[i][j]] = dot<Lanes>(F[i], F[j]);
       const V mu = Lanes::load(block.mu + lane), half = Lanes::load(block.half_lambda + lane),
               lambda = half + half, c = half * (B[0] + B[1] + B[2] - Lanes::splat(3)) - mu;
       for (int k = 0; k < 6; ++k) B[k] *= mu;
@@ -144,7 +145,7 @@ void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t 
       // with K_ab = g_a.g_b and s_ab = c K_ab + mu h_a.h_b.
       for (int a = 0, pair = 0; a < 3; ++a)
         for (int b = a + 1; b < 4; ++b, ++pair) {
-          const V k = dot(g[a], g[b]), s = c * k + dot(mh[a], h[b]);
+          const V k = dot<Lanes>(g[a], g[b]), s = c * k + dot<Lanes>(mh[a], h[b]);
           V entries[3][3];
           for (int j = 0; j < 3; ++j)
             for (int i = 0; i < 3; ++i) {
