@@ -176,9 +176,9 @@ EquilibriumSearch balance_of_body(const Problem& problem) {
             solve_static(model, {.tolerance = 1e-12, .leave_saddles = false}, [] { return 0.0; });
         saddle.converged)
       solution = std::move(saddle);
-  if (!solution.converged) {
+  if (outcome_of(problem, solution) != "converged") {
     search.outcome = EquilibriumOutcome::no_equilibrium;
-    search.message = "no balance was found: " + status_of(problem, solution);
+    search.message = status_of(problem, solution);
     return search;
   }
   search.state.head(body.dofs()) = solution.q;
