@@ -349,6 +349,8 @@ class Loading {
         if (iteration_.solved() - before <= few) step *= growth;
         continue;
       }
+      // With another stiffness than that of the iterate a step may fail for slowness alone.
+      solution_.is_limit = is_finest && settings_.method == StaticMethod::newton;
       if (is_finest) return;
       step = std::max(finest, cut * step);
     }

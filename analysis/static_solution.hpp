@@ -93,6 +93,7 @@ struct StaticSolution {
   int iterations = 0;                  ///< linear systems solved
   double load_share = 0;               ///< under which the last admissible equilibrium was found,
   Eigen::VectorXd equilibrium;         ///< and that equilibrium, shape (dofs) [m]
+  bool is_limit = false;               ///< adaptive steps ended there: little more load has none
   bool barred = false;                 ///< the search ended where its steps led to what is not admissible
   std::string note;                    ///< why it did not converge, or only to rounding
 };

@@ -81,9 +81,11 @@ StaticSolution relaxed(const StaticModel& model, const StaticSettings& settings,
   StaticSolution solution = solve_static(free, last, clock);
   const bool is_admissible = !model.admissible || model.admissible(solution.q);
   if (!solution.converged) return before;
-  if (!is_admissible)
+  if (!is_admissible) {
     solution.load_share = before.load_share;
-  else if (solution.note.empty())
+    solution.is_limit = before.is_limit;
+  }
+  if (is_admissible && solution.note.empty())
     solution.note = "found by dynamic relaxation, where Newton's method did not";
   for (StaticIterate& iterate : solution.history) iterate.seconds += seconds;
   add_history(before, solution);
@@ -123,11 +125,11 @@ std::string percent(double share) {
 /// E.
 std::string remedy(const Problem& problem, const StaticSolution& solution,
                    std::string_view converging_model) {
-  std::string text = "use a smaller load";
+  std::string text = solution.is_limit ? "use a smaller load" : "use more load steps, a smaller load";
   const auto E = std::ranges::find(problem.parameters, "E", &std::pair<std::string, double>::first);
   const bool scales = std::ranges::none_of(
       problem.parameters, [](const auto& each) { return each.first == "k" || each.first.starts_with("E:"); });
-  if (E != problem.parameters.end() && scales && solution.load_share > 0) {
+  if (E != problem.parameters.end() && scales && solution.is_limit && solution.load_share > 0) {
     const double needed = 1.01 * E->second / solution.load_share;
     const double digit = std::pow(10, std::floor(std::log10(needed)) - 1);
     text += fmt::format(", or E = {:g} Pa", std::ceil(needed / digit) * digit);
@@ -152,9 +154,9 @@ std::string status_of(const Problem& problem, const StaticSolution& solution,
   const std::int64_t number = tetrahedron_number(problem, tetrahedron);
   const std::string share = percent(solution.load_share);
   if (solution.barred)
-    return fmt::format(
-        "no static equilibrium above {} of the load: tetrahedron {} collapses ({:.2g} of its volume); {}",
-        share, number, volume, remedy(problem, solution, converging_model));
+    return fmt::format("no static equilibrium {}: tetrahedron {} collapses ({:.2g} of its volume); {}",
+                       solution.is_limit ? fmt::format("above {} of the load", share) : "was found", number,
+                       volume, remedy(problem, solution, converging_model));
   const bool is_inverted = !(volume > 0);
   if (is_inverted && !may_invert(problem) && solution.converged)
     return fmt::format(

@@ -200,6 +200,8 @@ TEST(StaticSolution, AdaptiveStepsEndAtTheLoadThatTheBodyBears) {
   const StaticSolution ended = solve_static(arch, {.load_steps = 4, .adaptive = true}, no_clock);
   EXPECT_FALSE(ended.converged);
   EXPECT_TRUE(ended.barred);
+  EXPECT_TRUE(ended.is_limit);
+  EXPECT_FALSE(solve_static(arch, {.load_steps = 4}, no_clock).is_limit);
   const double critical = 2 / (3 * std::sqrt(3.0)) / 0.5;
   EXPECT_LE(ended.load_share, critical);
   EXPECT_GT(ended.load_share, 0.98 * critical);

@@ -153,7 +153,7 @@ TEST(Static, FindsOneEquilibriumBySeveralWays) {
 }
 
 TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
-  const Told told = Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --json");
+  const Told told = Shell{}.hmax("static --mesh ball:n=2 --load-scale 2 --json");
   EXPECT_EQ(told.exit_code, 1);
   const Json found = told.json();
   EXPECT_EQ(found.at("outcome"), "collapsed");
@@ -164,21 +164,23 @@ TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
   EXPECT_NE(status.find("no static equilibrium above "), std::string::npos) << status;
   EXPECT_NE(status.find("--model fem_neo_hookean, which converges"), std::string::npos) << status;
   const std::string ball = "static --mesh ball:n=2 --json --load-scale ";
-  EXPECT_EQ(json_of(ball + "3 --model fem_neo_hookean").at("outcome"), "converged");
+  EXPECT_EQ(json_of(ball + "2 --model fem_neo_hookean").at("outcome"), "converged");
   const double share = found.at("load_share");
   EXPECT_GT(share, 0.05);
   EXPECT_LT(share, 1);
-  EXPECT_EQ(json_of(ball + std::to_string(2.99 * share)).at("outcome"), "converged");
-  EXPECT_NE(Shell{}.hmax(ball + std::to_string(3.07 * share)).json().at("outcome"), "converged");
+  EXPECT_EQ(json_of(ball + std::to_string(1.99 * share)).at("outcome"), "converged");
+  EXPECT_NE(Shell{}.hmax(ball + std::to_string(2.06 * share)).json().at("outcome"), "converged");
   const std::size_t stiffer = status.find("E = ");
   ASSERT_NE(stiffer, std::string::npos) << status;
   const double E = std::stod(status.substr(stiffer + 4));
-  EXPECT_EQ(json_of(ball + "3 --set E=" + std::to_string(E)).at("outcome"), "converged");
+  EXPECT_EQ(json_of(ball + "2 --set E=" + std::to_string(E)).at("outcome"), "converged");
   // Each solver says the same of it.
   const Json ways =
       Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --compare out --json").json().at("ways");
   EXPECT_EQ(ways.at(0).at("outcome"), "collapsed");
-  EXPECT_NE(ways.at(0).at("status").get<std::string>().find("tetrahedron"), std::string::npos);
+  // One load step proves nothing.
+  EXPECT_NE(ways.at(0).at("status").get<std::string>().find("no static equilibrium was found: tetrahedron"),
+            std::string::npos);
   // What is known at rest is still said of it.
   const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --set g=30 --method rk4");
   EXPECT_NE(predicted.out.find("no static equilibrium above "), std::string::npos) << predicted.out;
