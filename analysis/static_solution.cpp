@@ -205,8 +205,9 @@ class Iteration {
     if (cautious_) return give_up("the stiffness matrix is not positive definite");
     was_shifted_ = true;
     // Little more than the most negative eigenvalue, which a slender body has close to zero: else the steps
-    // away from a saddle are short.
-    constexpr double least = 1e-8, growth = 4;
+    // away from a saddle are short, as they are to be where it is looked for.
+    const double least = settings_.leave_saddles ? 1e-8 : 1e-4;
+    constexpr double growth = 4;
     constexpr int most = 30;
     const double size = K_.diagonal().cwiseAbs().mean();
     double tau = std::max(least * size, shift_ / (growth * growth));
