@@ -1,24 +1,24 @@
-/// hmax mesh: what a mesh is, whether models can rely on it, and meshes from one form into another.
+/// hmax mesh: what a mesh is, and whether models can rely on it.
+#include "cli/mesh.hpp"
+
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <numbers>
+#include <ranges>
 #include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/mesh_choice.hpp"
+#include "bench/support_sets.hpp"
 #include "cli/body_picture.hpp"
+#include "cli/choices.hpp"
 #include "cli/commands.hpp"
-#include "problems/tissue/loads.hpp"
-#include "problems/tissue/materials.hpp"
 #include "problems/tissue/mesh_defects.hpp"
-#include "problems/tissue/mesh_import.hpp"
+#include "problems/tissue/mesh_parts.hpp"
 #include "problems/tissue/mesh_quality.hpp"
-#include "problems/tissue/mesh_writers.hpp"
-#include "problems/tissue/sofa_scene.hpp"
 #include "problems/tissue/topology.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -28,32 +28,9 @@ namespace hmax {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double degrees = 180 / std::numbers::pi;
-constexpr std::array<std::string_view, 3> written{".msh", ".vtu", ".scn"};
-
-struct MeshOptions {
-  std::string mesh, output, unit, times = "1", slivers = "5";
-  bool fix = false, renumber = false;
-  // Of SOFA's scenes.
-  std::string model, material, gravity, support;
-  std::optional<double> h;
-  PictureChoice picture;
-
-  [[nodiscard]] std::optional<double> metres() const {
-    return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
-  }
-};
-
-/// The unit of a mesh that was opened: stated, or that of meshes by name.
-std::optional<double> unit_of(const OpenedMesh& opened, const MeshOptions& options) {
-  if (opened.from_file) return options.metres();
-  if (!options.unit.empty())
-    throw InputError(fmt::format("the mesh {} is in metres; leave --unit out", options.mesh));
-  return 1.0;
-}
 
 /// What the numbers below stand for.
 std::string unit_in_words(const OpenedMesh& opened, const std::optional<double>& unit) {
@@ -123,12 +100,7 @@ std::string regions_in_words(const MeshFile& file,
   return text + "\n" + table.text(console);
 }
 
-std::string second_order_in_words(const MeshFile& file) {
-  return fmt::format("{} tetrahedra of second order are read by their corners; their other nodes are idle",
-                     file.second_order);
-}
-
-void info(const MeshOptions& options, Console& console) {
+void info(const MeshCommand& options, Console& console) {
   options.picture.check();
   OpenedMesh opened = open_mesh(options.mesh);
   const std::optional<double> unit = unit_of(opened, options);
@@ -230,7 +202,66 @@ void add_findings(std::string& text, const Items& items, Sentence sentence) {
   if (items.size() > most) text += fmt::format("  and {} more\n", items.size() - most);
 }
 
-void check(const MeshOptions& options, Console& console) {
+/// Parts of the mesh that the supports of --support do not hold; none where there is no such option.
+std::vector<std::vector<TetMesh::Index>> loose_parts_of(const MeshCommand& options,
+                                                        const OpenedMesh& opened) {
+  if (options.supports.empty()) return {};
+  MeshFile file = opened.file;
+  file.mesh.points *= unit_of(opened, options).value_or(1);
+  MeshImport import = import_as_it_is(std::move(file));
+  const LoadedMesh loaded{.name = options.mesh,
+                          .mesh = std::move(import.mesh),
+                          .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
+  return loose_parts(loaded.mesh, points_of_sets(options.supports, loaded));
+}
+
+Json numbers_json(const MeshFile& file, const std::vector<TetMesh::Index>& tetrahedra) {
+  Json numbers = Json::array();
+  for (const TetMesh::Index t : tetrahedra) numbers.push_back(file.numbers[static_cast<std::size_t>(t)]);
+  return numbers;
+}
+
+/// All parts but the largest.
+Json parts_json(const MeshFile& file, const std::vector<MeshPart>& parts) {
+  Json list = Json::array();
+  for (const MeshPart& part : parts | std::views::drop(1)) {
+    Json hinges = Json::array();
+    for (const TetMesh::Index i : part.hinges)
+      hinges.push_back(file.point_numbers[static_cast<std::size_t>(i)]);
+    list.push_back({{"tetrahedra", numbers_json(file, part.tetrahedra)}, {"hinge_points", hinges}});
+  }
+  return list;
+}
+
+Json loose_json(const MeshFile& file, const std::vector<std::vector<TetMesh::Index>>& parts) {
+  Json list = Json::array();
+  for (const std::vector<TetMesh::Index>& part : parts) list.push_back(numbers_json(file, part));
+  return list;
+}
+
+/// "tetrahedron 7", "tetrahedra 7, 9", "1200 tetrahedra (7, 9, 10, ...)"
+std::string numbers_in_words(const MeshFile& file, const std::vector<TetMesh::Index>& tetrahedra) {
+  constexpr std::size_t most = 5;
+  std::string numbers;
+  for (std::size_t i = 0; i < std::min(most, tetrahedra.size()); ++i)
+    numbers += fmt::format("{}{}", i == 0 ? "" : ", ", file.numbers[static_cast<std::size_t>(tetrahedra[i])]);
+  if (tetrahedra.size() > most) return fmt::format("{} tetrahedra ({}, ...)", tetrahedra.size(), numbers);
+  return (tetrahedra.size() == 1 ? "tetrahedron " : "tetrahedra ") + numbers;
+}
+
+/// How a part is joined to the others.
+std::string hinges_in_words(const MeshFile& file, const MeshPart& part) {
+  const auto number = [&](std::size_t i) {
+    return file.point_numbers[static_cast<std::size_t>(part.hinges[i])];
+  };
+  const char* hang = part.tetrahedra.size() == 1 ? "hangs" : "hang";
+  if (part.hinges.empty()) return part.tetrahedra.size() == 1 ? "is a separate part" : "are a separate part";
+  if (part.hinges.size() == 1) return fmt::format("{} on point {} only", hang, number(0));
+  if (part.hinges.size() == 2) return fmt::format("{} on the edge {}-{} only", hang, number(0), number(1));
+  return fmt::format("{} on {} points and no face", hang, part.hinges.size());
+}
+
+void check_mesh(const MeshCommand& options, Console& console) {
   const OpenedMesh opened = open_mesh(options.mesh);
   const MeshFile& file = opened.file;
   const double angle = parse_number("--slivers", options.slivers);
@@ -245,7 +276,10 @@ void check(const MeshOptions& options, Console& console) {
     return std::ranges::binary_search(defects.degenerate, static_cast<TetMesh::Index>(s.tetrahedron));
   });
   const MeshTopology topology = topology_of(file.mesh);
-  const bool good = defects.none() && slivers.empty();
+  const std::vector<MeshPart> parts = parts_of(file.mesh);
+  const bool hinged = std::ranges::any_of(parts, [](const MeshPart& part) { return !part.hinges.empty(); });
+  const std::vector<std::vector<TetMesh::Index>> loose = loose_parts_of(options, opened);
+  const bool good = defects.none() && slivers.empty() && !hinged && loose.empty();
   if (!good) console.exit_code = Exit::failed;
   const auto number = [&](Eigen::Index t) { return file.numbers[static_cast<std::size_t>(t)]; };
 
@@ -268,6 +302,8 @@ void check(const MeshOptions& options, Console& console) {
                                    {"duplicates", pairs},
                                    {"crowded", numbers(defects.crowded)},
                                    {"slivers", flat},
+                                   {"parts", parts_json(file, parts)},
+                                   {"loose", loose_json(file, loose)},
                                    {"components", topology.components},
                                    {"unused_points", topology.unused_points}});
   }
@@ -290,6 +326,12 @@ void check(const MeshOptions& options, Console& console) {
   if (topology.unused_points > 0)
     text += fmt::format("{} points are in no tetrahedron; models leave them out\n", topology.unused_points);
   if (topology.components > 1) text += fmt::format("the mesh has {} separate parts\n", topology.components);
+  // The largest part is the body, from which the others hang.
+  for (const MeshPart& part : parts | std::views::drop(1))
+    text += fmt::format("{} {}\n", numbers_in_words(file, part.tetrahedra), hinges_in_words(file, part));
+  for (const std::vector<TetMesh::Index>& part : loose)
+    text += fmt::format("{}: no support holds {}\n", numbers_in_words(file, part),
+                        part.size() == 1 ? "it" : "them");
   if (!defects.inverted.empty()) text += "`hmax mesh convert FILE OUTPUT --fix` turns what is inverted\n";
   text += good ? fmt::format("{}: {} tetrahedra, none is wrong or flatter than {} degrees\n", options.mesh,
                              topology.tetrahedra, short_number(angle))
@@ -297,150 +339,41 @@ void check(const MeshOptions& options, Console& console) {
   console.print(text);
 }
 
-/// The points that SOFA holds still, "XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX".
-std::vector<TetMesh::Index> supported_points(const MeshOptions& options, const TetMesh& mesh) {
-  const std::vector<double> box = parse_numbers("--support", options.support);
-  if (box.size() != 6)
-    throw InputError(fmt::format(
-        "--support has {} numbers but a box has six: xmin,xmax,ymin,ymax,zmin,zmax in metres", box.size()));
-  const auto points = points_in_box(mesh, {box[0], box[2], box[4]}, {box[1], box[3], box[5]});
-  if (points.empty()) throw InputError("no point lies in the box of --support; give a larger one, in metres");
-  return points;
+}  // namespace
+
+std::optional<double> unit_of(const OpenedMesh& opened, const MeshCommand& options) {
+  if (opened.from_file) return options.metres();
+  if (!options.unit.empty())
+    throw InputError(fmt::format("the mesh {} is in metres; leave --unit out", options.mesh));
+  return 1.0;
 }
 
-std::string scene_of(const MeshOptions& options, const TetMesh& mesh) {
-  TissueSettings settings;
-  settings.model = tissue_model(options.model.empty() ? "fem_corotational" : options.model);
-  if (!options.material.empty()) settings = with_tissue_material(settings, options.material);
-  if (!options.gravity.empty()) {
-    const std::vector<double> g = parse_numbers("--gravity", options.gravity);
-    if (g.size() != 3)
-      throw InputError(fmt::format("--gravity has {} numbers but needs three, like 0,0,-9.81", g.size()));
-    settings.gravity = {g[0], g[1], g[2]};
-  }
-  if (!options.support.empty()) settings.supports.push_back({.points = supported_points(options, mesh)});
-  return sofa_text(mesh, settings, options.h.value_or(0.01));
+std::string second_order_in_words(const MeshFile& file) {
+  return fmt::format("{} tetrahedra of second order are read by their corners; their other nodes are idle",
+                     file.second_order);
 }
 
-/// Writes the mesh in the form that the extension of the output names, and says so.
-/// @param metres  true when the coordinates are metres
-void deliver(const MeshOptions& options, const MeshFile& file, bool metres, Json extra, Console& console) {
-  const TetMesh& mesh = file.mesh;
-  const fs::path output = options.output;
-  const std::string extension = output.extension().string();
-  if (std::ranges::find(written, extension) == written.end())
-    throw InputError(fmt::format(
-        "meshes are written as .msh, .vtu or .scn and not as '{}'; change the extension", options.output));
-  const bool scene = extension == ".scn";
-  const bool physics = options.h || !options.model.empty() || !options.material.empty() ||
-                       !options.gravity.empty() || !options.support.empty();
-  if (physics && !scene)
-    throw InputError(
-        "--model, --material, --h, --gravity and --support belong to a SOFA scene; write to a file .scn");
-  if (scene && !metres)
-    throw InputError(
-        fmt::format("{} does not say its unit, and a body of {} could be anything; state it with --unit",
-                    options.mesh, box_in_words(mesh)));
-  std::string text;
-  if (scene) {
-    text = scene_of(options, mesh);
-  } else if (extension == ".msh") {
-    text = msh_text(file);
-  } else {
-    MeshFields fields;
-    fields.tetrahedra.push_back({"mean_ratio", Eigen::MatrixXd(1, mesh.tetrahedron_count())});
-    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
-      fields.tetrahedra[0].values(0, t) = mean_ratio(corners_of(mesh, t));
-    text = vtu_text(file, fields);
-  }
-  write_file(output, text);
-  if (file.second_order > 0) console.remark(second_order_in_words(file));
-  if (console.json) {
-    Json document{{"mesh", options.mesh},
-                  {"output", options.output},
-                  {"points", mesh.point_count()},
-                  {"tetrahedra", mesh.tetrahedron_count()}};
-    document.update(extra);
-    return console.print_json(document);
-  }
-  std::string done;
-  if (extra.contains("fixed") && extra["fixed"] != 0)
-    done = fmt::format(", {} turned", extra["fixed"].get<Eigen::Index>());
-  console.print(fmt::format("{}: {} points, {} tetrahedra{}\n", options.output, mesh.point_count(),
-                            mesh.tetrahedron_count(), done));
-}
-
-void convert(const MeshOptions& options, Console& console) {
-  OpenedMesh opened = open_mesh(options.mesh);
-  const std::optional<double> unit = unit_of(opened, options);
-  const Eigen::Index fixed = options.fix ? fix_orientation(opened.file.mesh) : 0;
-  require_valid(opened.file);
-  if (options.renumber) opened.file = renumbered(opened.file);
-  opened.file.mesh.points *= unit.value_or(1);
-  deliver(options, opened.file, unit.has_value(), Json{{"fixed", fixed}}, console);
-}
-
-void refine(const MeshOptions& options, Console& console) {
-  OpenedMesh opened = open_mesh(options.mesh);
-  const std::optional<double> unit = unit_of(opened, options);
-  require_valid(opened.file);
-  const auto times = static_cast<int>(std::min<std::int64_t>(parse_count("--times", options.times, 0), 1000));
-  opened.file = refined(opened.file, times);
-  opened.file.mesh.points *= unit.value_or(1);
-  deliver(options, opened.file, unit.has_value(), Json{{"times", times}}, console);
-}
-
-void make(const MeshOptions& options, Console& console) {
-  const OpenedMesh opened = open_mesh(options.mesh);
-  if (opened.from_file)
-    throw InputError(
-        fmt::format("'{}' is a file and not the name of a mesh to make; `hmax mesh convert` changes "
-                    "files",
-                    options.mesh));
-  deliver(options, opened.file, true, Json::object(), console);
-}
-
-/// Runs a subcommand; what lower floors refuse is bad input.
-template <class Run>
-auto with_sentences(Run run, std::shared_ptr<MeshOptions> options, Console& console) {
-  return [run, options, &console] {
-    try {
-      run(*options, console);
-    } catch (const std::invalid_argument& error) {
-      throw InputError(error.what());
-    }
-  };
-}
-
-void add_mesh_argument(CLI::App& command, MeshOptions& options) {
+void add_mesh_argument(CLI::App& command, MeshCommand& options) {
   command
       .add_option(
           "mesh,--mesh", options.mesh,
-          "A file (.msh .vtk .vtu .node .ele .mesh), or liver, phantom, beam, cube, ball; parameters like "
+          "A file (.msh .vtk .vtu .node .ele .mesh .veg), or liver, phantom, beam, cube, ball; parameters like "
           "ball:n=6, all take :refine=K")
       ->required();
 }
 
-void add_unit(CLI::App& command, MeshOptions& options) {
+void add_unit(CLI::App& command, MeshCommand& options) {
   command
       .add_option("--unit", options.unit,
                   "Unit of the coordinates of a file: m, cm, mm or a number of metres")
       ->type_name("UNIT");
 }
 
-void add_output(CLI::App& command, MeshOptions& options) {
-  command.add_option("--output", options.output, "File to write: .msh, .vtu or .scn")
-      ->type_name("FILE")
-      ->required();
-}
-
-}  // namespace
-
 void add_mesh(CLI::App& app, Console& console) {
   CLI::App& group = *app.add_subcommand("mesh", "Look at tetrahedral meshes, check, make and convert them");
   group.require_subcommand(1);
 
-  auto options = std::make_shared<MeshOptions>();
+  auto options = std::make_shared<MeshCommand>();
   CLI::App& info_command =
       add_command(group, console, "info", "Show the counts of a mesh, its surface, size and quality",
                   {"hmax mesh info liver", "hmax mesh info ball:n=6:refine=1 --json",
@@ -459,43 +392,11 @@ void add_mesh(CLI::App& app, Console& console) {
       .add_option("--slivers", options->slivers,
                   "Dihedral angle below which a tetrahedron is one; 5 by default")
       ->type_name("DEGREES");
-  check_command.callback(with_sentences(check, options, console));
+  add_unit(check_command, *options);
+  add_support(check_command, options->supports);
+  check_command.callback(with_sentences(check_mesh, options, console));
 
-  CLI::App& make_command = add_command(
-      group, console, "make", "Write a mesh that has a name",
-      {"hmax mesh make ball:n=6,radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"});
-  add_mesh_argument(make_command, *options);
-  add_output(make_command, *options);
-  make_command.callback(with_sentences(make, options, console));
-
-  CLI::App& refine_command =
-      add_command(group, console, "refine", "Cut each tetrahedron into eight, again and again",
-                  {"hmax mesh refine liver --times 2 --output fine.vtu"});
-  add_mesh_argument(refine_command, *options);
-  refine_command.add_option("--times", options->times, "How often; 1 by default")->type_name("NUMBER");
-  add_unit(refine_command, *options);
-  add_output(refine_command, *options);
-  refine_command.callback(with_sentences(refine, options, console));
-
-  CLI::App& convert_command = add_command(
-      group, console, "convert", "Write a mesh in another form: Gmsh, ParaView, or a scene of SOFA",
-      {"hmax mesh convert phantom phantom.vtu",
-       "hmax mesh convert liver liver.scn --material liver:male_normal --gravity 0,0,-9.81 --h 0.01",
-       "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber"});
-  add_mesh_argument(convert_command, *options);
-  convert_command.add_option("output", options->output, "File to write: .msh, .vtu or .scn")->required();
-  add_unit(convert_command, *options);
-  convert_command.add_flag("--fix", options->fix, "Turn inverted tetrahedra");
-  convert_command.add_flag("--renumber", options->renumber, "Number neighbours near each other");
-  convert_command.add_option("--model", options->model, "Model of a scene; fem_corotational by default")
-      ->type_name("ID");
-  convert_command.add_option("--material", options->material, "Tissue of a scene, like liver:male_normal")
-      ->type_name("ID");
-  convert_command.add_option("--gravity", options->gravity, "Gravity of a scene [m/s2]")->type_name("X,Y,Z");
-  convert_command.add_option("--support", options->support, "Box whose points a scene holds still [m]")
-      ->type_name("XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX");
-  add_number(convert_command, "--h", options->h, "Step of a scene [s]; 0.01 by default");
-  convert_command.callback(with_sentences(convert, options, console));
+  add_mesh_writers(group, options, console);
 }
 
 }  // namespace hmax

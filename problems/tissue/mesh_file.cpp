@@ -17,12 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<MeshFormat, 6> formats{{{".msh", "Gmsh 1, 2.2, 4.1", true},
+constexpr std::array<MeshFormat, 7> formats{{{".msh", "Gmsh 1, 2.2, 4.1", true},
                                              {".vtk", "VTK legacy", false},
                                              {".vtu", "VTK XML", true},
                                              {".node", "TetGen, with .ele", false},
                                              {".ele", "TetGen, with .node", false},
-                                             {".mesh", "Medit", false}}};
+                                             {".mesh", "Medit", false},
+                                             {".veg", "Vega", false}}};
 
 std::string read_whole(const fs::path& file) {
   std::error_code error;
@@ -81,6 +82,7 @@ MeshFile read_mesh(const std::string& name, std::string_view text) {
   if (extension == ".vtk") return read_vtk(name, text);
   if (extension == ".vtu") return read_vtu(name, text);
   if (extension == ".mesh") return read_medit(name, text);
+  if (extension == ".veg") return read_vega(name, text);
   std::string known;
   for (const MeshFormat& format : formats)
     known += (known.empty() ? "" : " ") + std::string(format.extension);

@@ -112,6 +112,7 @@ MeshImport import_as_it_is(MeshFile file) {
   result.origin.tetrahedra.resize(at(file.mesh.tetrahedron_count()));
   std::iota(result.origin.points.begin(), result.origin.points.end(), 0);
   std::iota(result.origin.tetrahedra.begin(), result.origin.tetrahedra.end(), 0);
+  result.origin.regions = number_regions(result.mesh);
   result.origin.file = std::move(file);
   return result;
 }

@@ -17,6 +17,7 @@ MeshFile read_gmsh_4(MeshText& text, bool binary, bool swapped);
 MeshFile read_vtk(const std::string& name, std::string_view text);
 MeshFile read_vtu(const std::string& name, std::string_view text);
 MeshFile read_medit(const std::string& name, std::string_view text);
+MeshFile read_vega(const std::string& name, std::string_view text);
 
 /// Collects a mesh point by point, in whatever order and numbering.
 class MeshBuilder {

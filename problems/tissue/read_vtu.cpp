@@ -1,11 +1,12 @@
 /// VTK XML files of unstructured grids, .vtu: numbers as ASCII, as base64, or appended at the end, raw or as
-/// base64 [schroeder2006visualization]. Compressed ones are refused with the remedy.
+/// base64, in plain or in compressed blocks [schroeder2006visualization].
 #include <algorithm>
 #include <array>
 #include <limits>
 
 #include "problems/tissue/base64.hpp"
 #include "problems/tissue/vtk_cells.hpp"
+#include "problems/tissue/vtu_blocks.hpp"
 #include "problems/tissue/xml_tags.hpp"
 
 namespace hmax {
@@ -165,7 +166,7 @@ class VtuReader {
     const std::string_view value = tag.attribute(name);
     if (value.empty()) at(tag).fail(std::string(name) + " is missing; export the mesh again");
     MeshText reader = text_.part(tag.begin, whole_.size());
-    const std::size_t count = whole_.size() / bytes;
+    const std::size_t count = capacity() / bytes;
     const std::int64_t number = MeshText(text_.name(), value).integer("a count");
     if (number < 0 || static_cast<std::size_t>(number) > count)
       reader.fail(std::string(name) + " is " + in_quotes(value) +
@@ -235,9 +236,7 @@ class VtuReader {
       at(tag).fail("the file holds " + in_quotes(tag.attribute("type")) +
                    " and no UnstructuredGrid; save an unstructured grid");
     if (const std::string_view compressor = tag.attribute("compressor"); !compressor.empty())
-      at(tag).fail("the numbers are compressed with " + in_quotes(compressor) +
-                   "; save the mesh uncompressed (in ParaView: Save Data, Compressor Type None; in meshio: "
-                   "compression=None)");
+      take_compressor(tag, compressor);
     const bool file_is_little = tag.attribute("byte_order", "LittleEndian") == "LittleEndian";
     swapped_ = file_is_little != (std::endian::native == std::endian::little);
     const std::string_view header = tag.attribute("header_type", "UInt32");
@@ -246,6 +245,20 @@ class VtuReader {
                    " is not read; export the mesh again with UInt64");
     header_size_ = header == "UInt64" ? 8 : 4;
   }
+
+  void take_compressor(const XmlTag& tag, std::string_view name) {
+    compressor_ = block_compressor(name);
+    if (compressor_ && compressor_->decompress) return;
+    at(tag).fail("the numbers are compressed with " + in_quotes(name) +
+                 (compressor_ ? ", for which this hmax needs the Debian package " +
+                                    std::string(compressor_->package) + " when it is built"
+                              : ", which is not read") +
+                 "; save the mesh uncompressed (in ParaView: Save Data, Compressor Type None; in meshio: "
+                 "compression=None)");
+  }
+
+  /// More bytes than this the arrays of the file cannot have.
+  [[nodiscard]] std::size_t capacity() const { return whole_.size() * (compressor_ ? compressor_->most : 1); }
 
   /// The size of the array that a header announces.
   [[nodiscard]] std::size_t announced(std::string_view header) const {
@@ -275,6 +288,10 @@ class VtuReader {
                    " of an array is not read; it is ascii, binary or appended");
     }
     std::string_view content = whole_.substr(begin, end - begin);
+    if (compressor_) {
+      storage = decompressed(tag, content, base64, size);
+      return storage;
+    }
     if (base64) {
       const auto decoded = decode_base64(content, header_size_ + size);
       if (!decoded) at(tag).fail("an array is no base64; the file was damaged, so export it again");
@@ -287,6 +304,54 @@ class VtuReader {
       at(tag).fail("an array has " + std::to_string(announced(content)) + " bytes instead of " +
                    std::to_string(size) + "; export the mesh again");
     return content.substr(header_size_, size);
+  }
+
+  /// An array of blocks: their number, the size of each and of the last one where that is smaller, their
+  /// compressed sizes, and then the blocks. In base64 the sizes are encoded on their own.
+  std::string decompressed(const XmlTag& tag, std::string_view content, bool base64, std::size_t size) const {
+    const auto cut_off = [&] {
+      at(tag).fail("an array is shorter than it says; the file is cut off, so export it again");
+    };
+    const auto leading = [&](std::size_t bytes) {
+      if (!base64) return std::string(content.substr(0, bytes));
+      auto decoded = decode_base64(content, bytes);
+      if (!decoded) at(tag).fail("an array is no base64; the file was damaged, so export it again");
+      return *std::move(decoded);
+    };
+    const auto size_at = [&](const std::string& head, std::size_t i) {
+      return announced(std::string_view(head).substr(i * header_size_));
+    };
+    std::string head = leading(3 * header_size_);
+    if (head.size() < header_size_) cut_off();
+    const std::size_t blocks = size_at(head, 0);
+    if (blocks > content.size() / header_size_) cut_off();
+    const std::size_t head_size = (blocks == 0 ? 1 : 3 + blocks) * header_size_;
+    head = leading(head_size);
+    if (head.size() < head_size) cut_off();
+    std::size_t stored = 0;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      if (size_at(head, 3 + b) > content.size() - stored) cut_off();
+      stored += size_at(head, 3 + b);
+    }
+    const std::string all = leading(head_size + stored);
+    if (all.size() < head_size + stored) cut_off();
+    std::string bytes;
+    std::size_t begin = head_size;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::size_t last = size_at(head, 2), packed = size_at(head, 3 + b);
+      const std::size_t plain = b + 1 == blocks && last != 0 ? last : size_at(head, 1);
+      // Room is made only for what the block can hold and the array can take.
+      const bool fits = plain <= size - bytes.size() && plain / compressor_->most <= packed;
+      if (fits) bytes.resize(bytes.size() + plain);
+      if (!fits || !compressor_->decompress(std::string_view(all).substr(begin, packed),
+                                            bytes.data() + bytes.size() - plain, plain))
+        at(tag).fail("a compressed block of an array is damaged; export the mesh again");
+      begin += packed;
+    }
+    if (bytes.size() != size)
+      at(tag).fail("an array has " + std::to_string(bytes.size()) + " bytes instead of " +
+                   std::to_string(size) + "; export the mesh again");
+    return bytes;
   }
 
   template <class T>
@@ -310,7 +375,7 @@ class VtuReader {
       }
       return values;
     }
-    if (count > whole_.size())
+    if (count > capacity())
       at(tag).fail("the file announces " + std::to_string(count) + " " + what +
                    ", more than it can hold; it is cut off or its header is wrong, so export it again");
     std::string storage;
@@ -334,6 +399,7 @@ class VtuReader {
   MeshText text_;
   std::string_view whole_;
   std::size_t appended_ = 0, header_size_ = 4;
+  const BlockCompressor* compressor_ = nullptr;
   bool appended_base64_ = true, swapped_ = false;
 };
 

@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 #include "problems/digits.hpp"
+#include "problems/tissue/mesh_import.hpp"
+#include "problems/tissue/topology.hpp"
 
 namespace hmax {
 
@@ -21,34 +23,38 @@ void require_none(bool none, const char* what) {
     throw std::invalid_argument(std::string("a SOFA scene is written without ") + what + "; leave them out");
 }
 
-void check(const TetMesh& mesh, const TissueSettings& settings, double step) {
+bool is_linear(const TissueSettings& settings) {
+  return settings.model == TissueModel::fem_cauchy || settings.model == TissueModel::fem_corotational;
+}
+
+/// True when all materials have the same number.
+bool is_same(const TissueSettings& settings, double TissueMaterial::*what) {
+  const double first = settings.materials.front().*what;
+  return std::ranges::all_of(settings.materials,
+                             [&](const TissueMaterial& material) { return material.*what == first; });
+}
+
+void check(const TissueSettings& settings, double step) {
   if (settings.model == TissueModel::mass_spring)
     throw std::invalid_argument("a SOFA scene is written for finite elements only; choose a model fem_...");
-  if (settings.materials.size() != 1)
-    throw std::invalid_argument("a SOFA scene is written for one material and the body has " +
-                                std::to_string(settings.materials.size()) + "; give it one");
   require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
   require_none(settings.tools.empty(), "tools");
   require_none(settings.forces.empty(), "pressing forces");
-  const TissueMaterial& material = settings.materials[0];
+  for (const Support& support : settings.supports) require_none(support.travel.isZero(), "moving supports");
+  if (!is_same(settings, &TissueMaterial::poisson))
+    throw std::invalid_argument("SOFA's force fields take one Poisson ratio; give all regions the same nu");
+  if (!is_linear(settings) && !is_same(settings, &TissueMaterial::young))
+    throw std::invalid_argument(
+        "SOFA's hyperelastic force field takes one material; choose fem_corotational or fem_cauchy, or give all "
+        "regions the same E");
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
-  const auto not_negative = [](double value) { return value >= 0 && std::isfinite(value); };
-  require(positive(material.young), "Young's modulus", material.young, "give a positive one in Pa");
-  require(material.poisson > -1 && material.poisson < 0.5, "Poisson ratio", material.poisson,
-          "give one between -1 and 0.5");
-  require(positive(material.density), "density", material.density, "give a positive one in kg/m3");
-  if (settings.total_mass)
-    require(positive(*settings.total_mass), "mass", *settings.total_mass, "give a positive one");
-  require(positive(step), "step", step, "give a positive one in seconds");
-  require(not_negative(settings.alpha), "damping alpha", settings.alpha, "give 0 or more");
-  require(not_negative(settings.beta), "damping beta", settings.beta, "give 0 or more");
-  for (int k = 0; k < 3; ++k)
-    require(std::isfinite(settings.gravity(k)), "gravity", settings.gravity(k), "give a finite one");
-  for (const Support& support : settings.supports) {
-    require_none(support.travel.isZero(), "moving supports");
-    for (const TetMesh::Index point : support.points)
-      require(point >= 0 && point < mesh.point_count(), "fixed point", point, "the mesh does not have it");
+  for (const TissueMaterial& material : settings.materials) {
+    require(positive(material.young), "Young's modulus", material.young, "give a positive one in Pa");
+    require(positive(material.density), "density", material.density, "give a positive one in kg/m3");
   }
+  for (const double damping : {settings.alpha, settings.beta})
+    require(damping == 0 || positive(damping), "Rayleigh damping", damping, "give 0 or more");
+  require(step > 0 && std::isfinite(step), "step", step, "give a positive one in seconds");
 }
 
 /// Each number behind a blank.
@@ -60,12 +66,25 @@ std::string listed(const Numbers& numbers) {
   return text;
 }
 
-std::string force_field(const TissueSettings& settings) {
+/// Young's modulus, or that of each tetrahedron.
+std::string young_moduli(const TissueBody& body) {
+  const std::vector<TissueMaterial>& materials = body.settings().materials;
+  if (is_same(body.settings(), &TissueMaterial::young)) return shortest_digits(materials.front().young);
+  const TetMesh& mesh = body.mesh();
+  Eigen::MatrixXd young(1, mesh.tetrahedron_count());
+  for (Eigen::Index t = 0; t < young.cols(); ++t)
+    young(0, t) = materials[static_cast<std::size_t>(mesh.region(t))].young;
+  if (body.origin()) young = body.origin()->on_tetrahedra(young);
+  return listed(young.reshaped());
+}
+
+std::string force_field(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
   const auto& [young, poisson, density] = settings.materials[0];
   const double mu = young / (2 * (1 + poisson));
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
   const std::string linear = "<TetrahedronFEMForceField template=\"Vec3d\" youngModulus=\"" +
-                             shortest_digits(young) + "\" poissonRatio=\"" + shortest_digits(poisson) +
+                             young_moduli(body) + "\" poissonRatio=\"" + shortest_digits(poisson) +
                              "\" method=\"";
   const std::string hyperelastic =
       "<TetrahedronHyperelasticityFEMForceField template=\"Vec3d\" ParameterSet=\"" + shortest_digits(mu) +
@@ -82,29 +101,44 @@ std::string force_field(const TissueSettings& settings) {
   }
 }
 
-std::string mass(const TissueSettings& settings) {
+std::string mass(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  if (settings.equal_masses || !is_same(settings, &TissueMaterial::density)) {
+    Eigen::MatrixXd masses = body.point_mass().transpose();
+    if (body.origin()) masses = body.origin()->on_points(masses);
+    return "<DiagonalMass vertexMass=\"" + listed(masses.reshaped()) + "\"/>";
+  }
   if (settings.total_mass)
     return "<DiagonalMass totalMass=\"" + shortest_digits(*settings.total_mass) + "\"/>";
   return "<DiagonalMass massDensity=\"" + shortest_digits(settings.materials[0].density) + "\"/>";
 }
 
-}  // namespace
-
-std::string sofa_text(const TetMesh& mesh, const TissueSettings& settings, double step) {
-  check(mesh, settings, step);
-  const bool linear =
-      settings.model == TissueModel::fem_cauchy || settings.model == TissueModel::fem_corotational;
+/// Points that a scene holds, by their places in the file: the supports, and those in no tetrahedron.
+std::vector<TetMesh::Index> fixed_points(const TissueBody& body) {
   std::vector<TetMesh::Index> fixed;
-  for (const Support& support : settings.supports)
-    fixed.insert(fixed.end(), support.points.begin(), support.points.end());
+  for (const Support& support : body.settings().supports)
+    for (const TetMesh::Index point : support.points)
+      fixed.push_back(body.origin() ? body.origin()->points[static_cast<std::size_t>(point)] : point);
+  if (body.origin())
+    for (const TetMesh::Index idle : unused_points(body.origin()->file.mesh)) fixed.push_back(idle);
   std::ranges::sort(fixed);
   fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+  return fixed;
+}
 
+}  // namespace
+
+std::string sofa_text(const TissueBody& body, double step) {
+  const TissueSettings& settings = body.settings();
+  check(settings, step);
+  const TetMesh& mesh = body.origin() ? body.origin()->file.mesh : body.mesh();
+  const std::vector<TetMesh::Index> fixed = fixed_points(body);
   std::string text = "<?xml version=\"1.0\"?>\n<Node name=\"root\" dt=\"" + shortest_digits(step) +
                      "\" gravity=\"" + listed(settings.gravity) + "\">\n";
-  for (const char* plugin : {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
-                             linear ? "SolidMechanics.FEM.Elastic" : "SolidMechanics.FEM.HyperElastic",
-                             "StateContainer", "Topology.Container.Dynamic", "Visual"})
+  for (const char* plugin :
+       {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
+        is_linear(settings) ? "SolidMechanics.FEM.Elastic" : "SolidMechanics.FEM.HyperElastic",
+        "StateContainer", "Topology.Container.Dynamic", "Visual"})
     text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + plugin + "\"/>\n";
   text += "  <DefaultAnimationLoop/>\n  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n";
   text += "  <Node name=\"tissue\">\n";
@@ -116,8 +150,8 @@ std::string sofa_text(const TetMesh& mesh, const TissueSettings& settings, doubl
       "\" tetrahedra=\"" + listed(mesh.tetrahedra.reshaped()) + "\"/>");
   add("<TetrahedronSetGeometryAlgorithms template=\"Vec3d\"/>");
   add("<MechanicalObject template=\"Vec3d\" name=\"points\"/>");
-  add(force_field(settings));
-  add(mass(settings));
+  add(force_field(body));
+  add(mass(body));
   if (!fixed.empty()) add("<FixedProjectiveConstraint indices=\"" + listed(fixed) + "\"/>");
   return text + "  </Node>\n</Node>\n";
 }

@@ -126,8 +126,8 @@ TEST(Mesh, AScenePutsTheTissueOnTheMesh) {
   expect_refused(shell.hmax("mesh convert two.msh two.scn"), "state it with --unit");
   expect_refused(shell.hmax("mesh convert phantom a.vtu --h 0.1"), "belong to a SOFA scene");
   expect_refused(shell.hmax("mesh convert phantom a.scn --model mass_spring"), "finite elements only");
-  expect_refused(shell.hmax("mesh convert phantom a.scn --support 1,2"), "six");
-  expect_refused(shell.hmax("mesh convert phantom a.scn --support 5,6,5,6,5,6"), "no point lies in the box");
+  expect_refused(shell.hmax("mesh convert phantom a.scn --support 1,2"), "no group or region '1,2'");
+  expect_refused(shell.hmax("mesh convert phantom a.scn --support 5,6,5,6,5,6"), "give a larger box");
   expect_refused(shell.hmax("mesh convert phantom a.scn --h 0"), "step of a SOFA scene is 0");
   expect_refused(shell.hmax("mesh convert phantom a.scn --material steel"), "steel");
 }
@@ -185,6 +185,44 @@ TEST(Mesh, SecondOrderIsReadWithARemark) {
             std::string::npos);
   EXPECT_NE(shell.hmax("mesh convert q.msh l.msh").err.find("second order are read by their corners"),
             std::string::npos);
+}
+
+TEST(Mesh, CheckNamesPartsThatHangOnAPointOrThatNothingHolds) {
+  const Shell shell;
+  // Tetrahedron 5 shares a point with 11, tetrahedron 8 nothing.
+  write_text(
+      shell / "parts.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n11\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n15 -1 0 0\n16 0 -1 0\n"
+      "17 0 0 -1\n21 5 0 0\n22 6 0 0\n23 5 1 0\n24 5 0 1\n$EndNodes\n$Elements\n3\n11 4 0 1 2 3 4\n5 4 0 1 16 15 17\n"
+      "8 4 0 21 22 23 24\n$EndElements\n");
+  const Told told = shell.hmax("mesh check parts.msh --support points:2");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.out.find("tetrahedron 5 hangs on point 1 only"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("tetrahedron 8 is a separate part"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("tetrahedron 8: no support holds it"), std::string::npos) << told.out;
+  const Json json = shell.hmax("mesh check parts.msh --support points:2,24 --json").json();
+  EXPECT_EQ(json.at("loose"), Json::array());
+  EXPECT_EQ(json.at("parts"), Json::parse(R"([{"tetrahedra": [5], "hinge_points": [1]},
+                                             {"tetrahedra": [8], "hinge_points": []}])"));
+}
+
+TEST(Mesh, ASceneHasTheMaterialsAndSupportsOfItsRegions) {
+  const Shell shell;
+  write_text(shell / "two.msh", named_tetrahedra());
+  const Told told = shell.hmax(
+      "mesh convert two.msh two.scn --unit m --set E:tumour=9000 --set E=4000 --set beta=0.01 --gravity 0,-9.81,0 "
+      "--support capsule");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  const std::string scene = read_text(shell / "two.scn");
+  for (const char* part :
+       {"gravity=\"0 -9.81 0\"", "youngModulus=\"9000 4000\"", "rayleighStiffness=\"0.01\"",
+        "tetrahedra=\"1 2 3 4 2 3 4 5\"", "indices=\"0 1 2 3\"", "position=\"9 9 9 0 0 0"})
+    EXPECT_NE(scene.find(part), std::string::npos) << part << scene;
+  expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --support all"),
+                 "no group or region 'all'");
+  expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --set E:lung=1"), "no region lung");
+  expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --model fem_green --set E:tumour=9"),
+                 "hyperelastic force field takes one material");
 }
 
 TEST(Mesh, RefusesWhatIsNoMesh) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "problems/tissue/mesh_file.hpp"
+#include "problems/tissue/vtu_blocks.hpp"
 
 namespace hmax {
 
@@ -160,13 +161,52 @@ inline std::string vtu_appended_base64() {
   return vtu("", tags, "<AppendedData encoding=\"base64\">_" + data + "</AppendedData>\n");
 }
 
+/// Compressed by the zlib of another program: the coordinates in two blocks of 64 bytes, the last one
+/// smaller.
+inline const std::vector<std::string> zlib_arrays{
+    "AgAAAEAAAAA4AAAAEgAAAA8AAAA=eJxjYMAHHtjjlQbKAwAoHgI/eJxjYMAHHtjjogE+BAR9",
+    "AQAAAEAAAAAAAAAAFgAAAA==eJxjYIAARijNBKWZCYizQGkAAfAAEQ==",
+    "AQAAAACAAAAIAAAADgAAAA==eJxjYWBg4ABiAABIAA0=",
+    "AQAAAACAAAACAAAACgAAAA==eJzj4gIAACAAFQ==",
+    "AQAAAACAAAAEAAAADAAAAA==eJxjZ+BkAAAAMgAR",
+};
+
+inline std::string vtu_zlib() {
+  std::vector<std::string> tags;
+  for (const std::string& array : zlib_arrays) tags.push_back("format=\"binary\">\n" + array + "\n");
+  return vtu(" compressor=\"vtkZLibDataCompressor\"", tags, "");
+}
+
+/// Blocks of LZ4 with literals alone: a token with their count, beyond 14 in further bytes.
+inline std::string vtu_lz4_raw() {
+  Bytes data;
+  const auto add = [&](const std::string& bytes) {
+    std::string block(1, static_cast<char>(std::min<std::size_t>(bytes.size(), 15) << 4));
+    if (bytes.size() >= 15) block += static_cast<char>(bytes.size() - 15);
+    block += bytes;
+    data.longs({1, 32768, static_cast<std::int64_t>(bytes.size()), static_cast<std::int64_t>(block.size())});
+    data.text(block);
+    return std::to_string(data.str().size());
+  };
+  const std::string start = "format=\"appended\" offset=\"";
+  std::vector<std::string> tags{start + "0\">"};
+  for (const std::string& bytes :
+       {Bytes().reals({0, 0, 0, 0.5, 0, 0, 0, 0.5, 0, 0, 0, 0.5, 0.5, 0.5, 0.5}).str(),
+        Bytes().longs({0, 1, 2, 3, 1, 2, 3, 4}).str(), Bytes().ints({4, 8}).str(),
+        Bytes().add<std::uint8_t>({10, 10}).str(), Bytes().add<std::int16_t>({7, 9}).str()})
+    tags.push_back(start + add(bytes) + "\">");
+  tags.pop_back();
+  return vtu(" header_type=\"UInt64\" compressor=\"vtkLZ4DataCompressor\"", tags,
+             "<AppendedData encoding=\"raw\">\n_" + data.str() + "\n</AppendedData>\n");
+}
+
 }  // namespace goldens
 
 inline std::vector<GoldenMesh> golden_meshes() {
   using namespace goldens;
   const std::string binary = "format=\"binary\">\n";
   const std::string ascii = "format=\"ascii\">\n";
-  return {
+  std::vector<GoldenMesh> all{
       {"v1.msh",
        "$NOD\n" + gmsh_nodes +
            "$ENDNOD\n$ELM\n4\n1 15 0 1 1 2\n2 2 3 1 3 2 6 4\n3 4 7 1 4 2 4 6 8\n4 4 9 1 4 4 6 8 10\n$ENDELM\n",
@@ -217,7 +257,15 @@ inline std::vector<GoldenMesh> golden_meshes() {
        "MeshVersionFormatted 2\n\nDimension\n3\n\nVertices\n5\n0 0 0 1\n0.5D+00 0 0 1\n0 5.d-1 0 1\n0 0 0.5 1\n0.5 0.5 0.5 1\n\nTriangles\n1\n1 3 2 4\n\n"
        "RequiredVertices\n2\n1 2\nTetrahedra\n2\n1 2 3 4 7\n2 3 4 5 9\n\nEnd\n",
        "", ""},
+      {"one.veg",
+       "# by hand\n*VERTICES\n5 3 0 0\n1 0 0 0\n2 0.5 0 0\n3 0 0.5 0\n4 0 0 0.5\n5 0.5 0.5 0.5\n\n*ELEMENTS\nTET\n2 4 0\n"
+       "1 1 2 3 4\n2 2 3 4 5\n\n*MATERIAL soft\nENU, 1000, 5000, 0.45\n*SET lobe\n1,2\n*SET tip\n2\n"
+       "*REGION\nlobe, soft\n*REGION\ntip, soft\n",
+       "", "", false},
   };
+  if (block_compressor("vtkZLibDataCompressor")->decompress) all.push_back({"zlib.vtu", vtu_zlib(), "", ""});
+  if (block_compressor("vtkLZ4DataCompressor")->decompress) all.push_back({"lz4.vtu", vtu_lz4_raw(), "", ""});
+  return all;
 }
 
 }  // namespace hmax

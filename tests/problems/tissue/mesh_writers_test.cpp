@@ -1,11 +1,12 @@
 #include "problems/tissue/mesh_writers.hpp"
 
 #include <numeric>
+#include <sstream>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "problems/tissue/mesh_file.hpp"
+#include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/sofa_scene.hpp"
 #include "tests/problems/tissue/mesh_goldens.hpp"
 #include "tests/problems/tissue/meshes.hpp"
@@ -92,7 +93,7 @@ TissueSettings liver() {
 
 TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
   TissueSettings settings = liver();
-  const std::string text = sofa_text(unit_tetrahedron(), settings, 0.02);
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02);
   for (const char* part :
        {"dt=\"0.02\" gravity=\"0 0 -9.81\"", "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"",
         "youngModulus=\"2600\" poissonRatio=\"0.3\" method=\"polar\"", "massDensity=\"1000\"",
@@ -100,7 +101,38 @@ TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
   EXPECT_EQ(std::count(text.begin(), text.end(), '<'), std::count(text.begin(), text.end(), '>'));
   settings.total_mass = 1.5;
-  EXPECT_NE(sofa_text(unit_tetrahedron(), settings, 0.02).find("totalMass=\"1.5\""), std::string::npos);
+  EXPECT_NE(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02).find("totalMass=\"1.5\""),
+            std::string::npos);
+}
+
+/// Two tetrahedra of regions 9 and 4, in a file with an idle point in front.
+TEST(SofaScenes, HoldTheMaterialsOfRegionsInTheOrderOfTheFile) {
+  TetMesh mesh;
+  mesh.points.resize(3, 6);
+  mesh.points << 7, 0, 1, 0, 0, 1, 7, 0, 0, 1, 0, 1, 7, 0, 0, 0, 1, 1;
+  mesh.tetrahedra.resize(4, 2);
+  mesh.tetrahedra << 1, 2, 2, 3, 3, 4, 4, 5;
+  mesh.regions = {9, 4};
+  MeshImport import = import_mesh(counted_from_one(mesh), 1);
+  TissueSettings settings = liver();
+  settings.materials = {{.young = 400, .poisson = 0.3, .density = 4},
+                        {.young = 900, .poisson = 0.3, .density = 9}};
+  settings.supports = {};
+  const TissueBody body(import.mesh, settings, std::make_shared<const MeshOrigin>(import.origin));
+  const std::string text = sofa_text(body, 0.01);
+  // Volumes 1/6 and 1/3: a quarter of each at its points.
+  const double a = 9. / 24, b = 4. / 12;
+  for (const std::string& part :
+       {std::string("tetrahedra=\"1 2 3 4 2 3 4 5\""), std::string("youngModulus=\"900 400\""),
+        std::string("position=\"7 7 7 0 0 0"), std::string("FixedProjectiveConstraint indices=\"0\"")})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  const std::string tag = "vertexMass=\"";
+  std::istringstream read(text.substr(text.find(tag) + tag.size()));
+  for (const double mass : {0., a, a + b, a + b, a + b, b}) {
+    double found = -1;
+    read >> found;
+    EXPECT_NEAR(found, mass, 1e-14);
+  }
 }
 
 /// E = 2600, nu = 0.3: mu = 1000, lambda = 1500, bulk modulus 2166.67.
@@ -108,7 +140,7 @@ TEST(SofaScenes, TranslateTheMaterial) {
   const auto scene = [](TissueModel model) {
     TissueSettings settings = liver();
     settings.model = model;
-    return sofa_text(unit_tetrahedron(), settings, 0.01);
+    return sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
   };
   EXPECT_NE(scene(TissueModel::fem_green).find("ParameterSet=\"1000 1500"), std::string::npos);
   EXPECT_NE(scene(TissueModel::fem_green).find("StVenantKirchhoff"), std::string::npos);
@@ -121,12 +153,16 @@ TEST(SofaScenes, RefuseWhatTheyCannotSay) {
   const auto refused = [](auto change, double step = 0.01) {
     TissueSettings settings = liver();
     change(settings);
-    EXPECT_THROW(sofa_text(unit_tetrahedron(), settings, step), std::invalid_argument);
+    EXPECT_THROW(sofa_text(TissueBody(unit_tetrahedron(), settings), step), std::invalid_argument);
   };
   refused([](TissueSettings& s) { s.materials[0].young = 0; });
   refused([](TissueSettings& s) { s.materials[0].poisson = 0.5; });
   refused([](TissueSettings& s) { s.materials[0].density = -1; });
-  refused([](TissueSettings& s) { s.materials.resize(2); });
+  refused([](TissueSettings& s) { s.materials = {s.materials[0], {.young = 2600, .poisson = 0.4}}; });
+  refused([](TissueSettings& s) {
+    s.model = TissueModel::fem_green;
+    s.materials = {s.materials[0], {.young = 5000, .poisson = 0.3}};
+  });
   refused([](TissueSettings& s) { s.model = TissueModel::mass_spring; });
   refused([](TissueSettings& s) { s.beta = -1; });
   refused([](TissueSettings& s) { s.supports[0].points = {4}; });
