@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/lanczos.hpp"
+
 namespace hmax {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-using Sparse = Eigen::SparseMatrix<double>;
-
-Sparse mass_scaled(const AnyMatrix& matrix, const VectorXd& inverse_root) {
-  const Sparse A =
-      is_sparse(matrix) ? std::get<Sparse>(matrix) : Sparse(std::get<Eigen::MatrixXd>(matrix).sparseView());
-  return inverse_root.asDiagonal() * A * inverse_root.asDiagonal();
-}
-
 /// Values between two ends, the ends included.
 std::vector<double> places(double low, double high, int samples) {
   std::vector<double> all{low, high};
@@ -34,20 +28,29 @@ std::vector<double> places(double low, double high, int samples) {
 
 std::optional<std::array<double, 2>> rayleigh_coefficients(const MechanicalPart& part) {
   if (!part.symmetric) return std::nullopt;
-  const auto n = static_cast<double>(part.mass.size());
+  const Index n = part.mass.size();
   const VectorXd inverse_root = part.mass.cwiseSqrt().cwiseInverse();
-  const Sparse k = mass_scaled(part.K, inverse_root), c = mass_scaled(part.C, inverse_root);
-  const double trace_k = k.diagonal().sum(), trace_c = c.diagonal().sum();
-  // The deviations from the mean of the diagonal, k - trace(k) / n, without the identity in them.
-  const double square = k.squaredNorm() - trace_k * trace_k / n,
-               product = k.cwiseProduct(c).sum() - trace_k * trace_c / n;
-  const double beta = square > 1e-14 * k.squaredNorm() ? product / square : 0;
-  const double alpha = (trace_c - beta * trace_k) / n;
-  Sparse identity(k.rows(), k.cols());
-  identity.setIdentity();
-  const Sparse rest = c - beta * k - alpha * identity;
-  if (rest.norm() > 1e-11 * c.norm()) return std::nullopt;
-  return std::array<double, 2>{std::abs(alpha) <= 1e-13 * c.norm() ? 0 : alpha, beta};
+  const auto scaled = [&](const AnyMatrix& A, const VectorXd& x) {
+    VectorXd y(n);
+    std::visit([&](const auto& held) { y.noalias() = held * inverse_root.cwiseProduct(x); }, A);
+    return VectorXd(y.cwiseProduct(inverse_root));
+  };
+  // (x, k x) (alpha, beta) = c x of one vector in general position; another one says whether that holds.
+  constexpr Index probes = 3;
+  const VectorXd numbers = start_vector(probes * n);
+  double alpha = 0, beta = 0;
+  for (Index probe = 0; probe < probes; ++probe) {
+    const VectorXd x = numbers.segment(probe * n, n), kx = scaled(part.K, x), cx = scaled(part.C, x);
+    if (probe == 0) {
+      const double mean = x.dot(kx) / x.squaredNorm();
+      const VectorXd across = kx - mean * x;
+      beta = across.norm() > 1e-14 * kx.norm() ? across.dot(cx) / across.squaredNorm() : 0;
+      alpha = x.dot(cx) / x.squaredNorm() - beta * mean;
+      if (std::abs(alpha) * x.norm() <= 1e-13 * cx.norm()) alpha = 0;
+    }
+    if ((cx - beta * kx - alpha * x).norm() > 1e-11 * cx.norm()) return std::nullopt;
+  }
+  return std::array<double, 2>{alpha, beta};
 }
 
 CurveLimit smallest_exit(const DampingCurve& curve, const ExitsOf& exits, int samples) {

@@ -22,9 +22,9 @@ struct DampingCurve {
   [[nodiscard]] MechanicalMode at(double kappa) const { return {kappa, alpha + beta * kappa}; }
 };
 
-/// alpha and beta of C = alpha M + beta K by least squares of the mass-scaled matrices, where they leave
-/// nothing but rounding; no product of matrices is needed.
-/// @return  nothing for dampings that are not of this kind
+/// alpha and beta of C = alpha M + beta K, from products of the matrices with a few vectors.
+/// @return  nothing for dampings that are not of this kind: (C - alpha M - beta K) x leaves more than
+/// rounding
 std::optional<std::array<double, 2>> rayleigh_coefficients(const MechanicalPart& part);
 
 /// The smallest first exit along a curve.

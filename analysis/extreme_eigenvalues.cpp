@@ -86,27 +86,51 @@ void trim(LargestEigenvalues& result, Index count) {
 }
 
 /// M^-1/2 K M^-1/2, and what turns its eigenvectors into shapes.
-struct Scaled {
+class Scaled {
+ public:
   VectorXd inverse_root;
-  Sparse k;
 
   explicit Scaled(const MechanicalPart& part) : inverse_root(part.mass.cwiseSqrt().cwiseInverse()) {
     if (!part.symmetric)
       throw std::invalid_argument(
           "extreme stiffnesses need a symmetric K; take the eigenvalues of the Jacobian");
-    const Sparse K =
-        is_sparse(part.K) ? std::get<Sparse>(part.K) : Sparse(std::get<MatrixXd>(part.K).sparseView());
-    k = inverse_root.asDiagonal() * K * inverse_root.asDiagonal();
+    if (is_sparse(part.K)) {
+      K_ = &std::get<Sparse>(part.K);
+    } else {
+      own_ = std::get<MatrixXd>(part.K).sparseView();
+      K_ = &own_;
+    }
+  }
+  Scaled(const Scaled&) = delete;
+  Scaled& operator=(const Scaled&) = delete;
+
+  [[nodiscard]] Index size() const { return inverse_root.size(); }
+  /// A copy, which products do without.
+  [[nodiscard]] Sparse matrix() const {
+    Sparse k = inverse_root.asDiagonal() * *K_ * inverse_root.asDiagonal();
     k.makeCompressed();
+    return k;
   }
+  [[nodiscard]] SymmetricProduct product() const { return {*K_, inverse_root}; }
   [[nodiscard]] double gershgorin() const {
-    return VectorXd(k.cwiseAbs() * VectorXd::Ones(k.cols())).maxCoeff();
+    double largest = 0;
+    for (Index j = 0; j < K_->cols(); ++j) {
+      double sum = 0;
+      for (Sparse::InnerIterator entry(*K_, j); entry; ++entry)
+        sum += std::abs(entry.value()) * inverse_root[entry.row()];
+      largest = std::max(largest, sum * inverse_root[j]);
+    }
+    return largest;
   }
+
+ private:
+  Sparse own_;
+  const Sparse* K_ = nullptr;
 };
 
 ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool largest) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{MatrixXd(scaled.k)};
-  const Index n = scaled.k.rows();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{MatrixXd(scaled.matrix())};
+  const Index n = scaled.size();
   ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, count)};
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index(0));
@@ -126,8 +150,8 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
 /// The eigenvalues nearest to a shift, of which the shifted matrix can be factored without pivoting: always
 /// where the shift is beyond one end of the spectrum.
 ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
-  const Index n = scaled.k.rows();
-  Sparse shifted = scaled.k.selfadjointView<Eigen::Lower>();
+  const Index n = scaled.size();
+  Sparse shifted = scaled.matrix().selfadjointView<Eigen::Lower>();
   Sparse identity(n, n);
   identity.setIdentity();
   shifted -= shift * identity;
@@ -142,12 +166,14 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
     factor.solve(y);
   };
   const LanczosPairs pairs = first_eigenpairs(inverse, n, count, Rank::largest_modulus, tolerance);
+  const SymmetricProduct product = scaled.product();
+  VectorXd image(n);
   result.converged = pairs.converged;
   result.shapes = scaled.inverse_root.asDiagonal() * pairs.vectors;
   for (Index i = 0; i < pairs.vectors.cols(); ++i) {
-    const auto u = pairs.vectors.col(i);
+    const VectorXd u = pairs.vectors.col(i);
     // What the factor gave is held against the matrix itself.
-    const VectorXd image = scaled.k * u;
+    product(u, image);
     result.kappa.push_back(shift + 1 / pairs.values[static_cast<std::size_t>(i)]);
     if (!((image - result.kappa.back() * u).norm() <= 1e-8 * scaled.gershgorin())) result.converged = false;
   }
@@ -159,10 +185,10 @@ constexpr Index most_factored = 200'000;
 
 ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest) {
   const double bound = scaled.gershgorin();
-  const Index n = scaled.k.rows();
+  const Index n = scaled.size();
   // Outside the spectrum by more than rounding: the shifted matrix stays regular.
   if (!largest) return nearest_stiffnesses(scaled, count, -outside * bound);
-  const SymmetricProduct rows(scaled.k, VectorXd::Ones(n));
+  const SymmetricProduct rows = scaled.product();
   const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
   ExtremeStiffnesses result;
   if (count == 1) {

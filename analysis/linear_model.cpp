@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/lanczos.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -40,40 +41,47 @@ void require_masses(const VectorXd& mass) {
                       i + 1, to_text(mass[i])));
 }
 
-/// Whether A = A^T beside the entries of A.
-template <class Matrix>
-bool is_symmetric(const Matrix& A, double relative) {
-  return Matrix(A - Matrix(A.transpose())).norm() <= relative * A.norm();
+/// How an entry acts in a product.
+enum class As { itself, transposed, modulus };
+
+/// M^-1/2 A M^-1/2 x, with the transpose or the moduli of A; no matrix is copied.
+VectorXd mass_scaled(const AnyMatrix& A, const VectorXd& inverse_root, const VectorXd& x, As as) {
+  const VectorXd scaled = inverse_root.cwiseProduct(x);
+  VectorXd product = VectorXd::Zero(x.size());
+  each_entry(A, [&](Index i, Index j, double value) {
+    if (as == As::transposed) std::swap(i, j);
+    product[i] += (as == As::modulus ? std::abs(value) : value) * scaled[j];
+  });
+  return product.cwiseProduct(inverse_root);
 }
 
-/// Whether A B = B A for symmetric A and B, beside what rounding of the terms of the product may be.
-template <class Matrix>
-bool commute(const Matrix& A, const Matrix& B, double relative) {
-  const Matrix product = A * B;
-  const Matrix size = Matrix(A.cwiseAbs()) * Matrix(B.cwiseAbs());
-  return Matrix(product - Matrix(product.transpose())).norm() <= relative * size.norm();
-}
-
-/// A with rows and columns divided by the square roots of the masses: M^-1/2 A M^-1/2.
-template <class Matrix>
-Matrix mass_scaled(const Matrix& A, const VectorXd& inverse_root) {
-  return inverse_root.asDiagonal() * A * inverse_root.asDiagonal();
-}
-
-template <class Matrix>
-void classify(const Matrix& K, const Matrix& C, double relative, MechanicalPart& part) {
-  const VectorXd inverse_root = part.mass.cwiseSqrt().cwiseInverse();
-  const Matrix k = mass_scaled(K, inverse_root), c = mass_scaled(C, inverse_root);
-  part.symmetric = is_symmetric(k, relative) && is_symmetric(c, relative);
-  if (c.norm() == 0)
-    part.damping = Damping::none;
-  else
-    part.damping = part.symmetric && commute(k, c, relative) ? Damping::proportional : Damping::general;
-}
-
-Sparse as_sparse(const AnyMatrix& matrix) {
-  if (const auto* sparse = std::get_if<Sparse>(&matrix)) return *sparse;
-  return std::get<MatrixXd>(matrix).sparseView();
+/// Classifies by products with a few vectors in general position: an identity of matrices that does not hold
+/// fails for almost all of them, and |D x| is the size of D. So no product of matrices is formed, which of a
+/// large mesh would take many times its memory.
+void classify(double relative, MechanicalPart& part) {
+  constexpr Index probes = 3;
+  const VectorXd root = part.mass.cwiseSqrt().cwiseInverse();
+  const Index n = part.mass.size();
+  const VectorXd numbers = start_vector(probes * n);
+  // Beside what rounding of the terms of a product may be.
+  const auto vanishes = [&](const VectorXd& difference, const VectorXd& size) {
+    return difference.norm() <= relative * size.norm();
+  };
+  bool damped = false, commute = true;
+  for (Index probe = 0; probe < probes; ++probe) {
+    const VectorXd x = numbers.segment(probe * n, n), moduli = x.cwiseAbs();
+    const auto k = [&](const VectorXd& v, As as = As::itself) { return mass_scaled(part.K, root, v, as); };
+    const auto c = [&](const VectorXd& v, As as = As::itself) { return mass_scaled(part.C, root, v, as); };
+    const VectorXd kx = k(x), cx = c(x), size_c = c(moduli, As::modulus);
+    damped = damped || size_c.maxCoeff() > 0;
+    part.symmetric = part.symmetric && vanishes(kx - k(x, As::transposed), k(moduli, As::modulus)) &&
+                     vanishes(cx - c(x, As::transposed), size_c);
+    if (!damped || !part.symmetric) break;
+    commute = commute && vanishes(k(cx) - c(kx), k(size_c, As::modulus));
+  }
+  part.damping = !damped                     ? Damping::none
+                 : part.symmetric && commute ? Damping::proportional
+                                             : Damping::general;
 }
 
 }  // namespace
@@ -107,6 +115,27 @@ MatrixXd dense(const AnyMatrix& matrix) {
   return MatrixXd(std::get<Sparse>(matrix));
 }
 
+double relative_distance(const LinearModel& A, const LinearModel& B) {
+  if (!A.mechanical || !B.mechanical) return relative_distance(A.J(), B.J());
+  // Of (0, I; -M^-1 K, -M^-1 C).
+  const MechanicalPart &a = *A.mechanical, &b = *B.mechanical;
+  const VectorXd inverse = a.mass.cwiseInverse();
+  double difference = 0, size = static_cast<double>(a.mass.size());
+  for (const auto& [from, to] : {std::pair{&a.K, &b.K}, std::pair{&a.C, &b.C}}) {
+    std::visit(
+        [&](const auto& first, const auto& second) {
+          using First = std::decay_t<decltype(first)>;
+          if constexpr (std::is_same_v<First, std::decay_t<decltype(second)>>)
+            difference += (inverse.asDiagonal() * First(second - first)).squaredNorm();
+          else
+            difference += (inverse.asDiagonal() * MatrixXd(MatrixXd(second) - MatrixXd(first))).squaredNorm();
+          size += (inverse.asDiagonal() * first).squaredNorm();
+        },
+        *from, *to);
+  }
+  return std::sqrt(difference / size);
+}
+
 double relative_distance(const AnyMatrix& A, const AnyMatrix& B) {
   if (!is_sparse(A) || !is_sparse(B)) return (dense(A) - dense(B)).norm() / dense(A).norm();
   using Sparse = Eigen::SparseMatrix<double>;
@@ -136,12 +165,9 @@ MechanicalPart mechanical_part(VectorXd mass, AnyMatrix K, AnyMatrix C, double r
     part.damping = c == 0 ? Damping::none : Damping::proportional;
     return part;
   }
-  if (is_sparse(part.K) && is_sparse(part.C))
-    classify(std::get<Sparse>(part.K), std::get<Sparse>(part.C), relative, part);
-  else if (is_sparse(part.K) != is_sparse(part.C))
-    classify(as_sparse(part.K), as_sparse(part.C), relative, part);
-  else
-    classify(std::get<MatrixXd>(part.K), std::get<MatrixXd>(part.C), relative, part);
+  classify(relative, part);
+  // A body without damping has the pattern of K for it, which is memory for nothing.
+  if (part.damping == Damping::none && is_sparse(part.C)) part.C = Sparse(part.mass.size(), part.mass.size());
   return part;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -54,11 +55,16 @@ struct MechanicalPart {
 struct LinearModel {
   double t = 0;       ///< [s]
   Eigen::VectorXd y;  ///< the state, shape (n)
-  AnyMatrix J;        ///< J(i, j) = d f_i / d y_j, shape (n, n)
+  /// J(i, j) = d f_i / d y_j, shape (n, n). Of sparse mechanical systems it is assembled by each call: it
+  /// takes twice the memory of K and C together, and most limits need only those.
+  std::function<AnyMatrix()> J;
   JacobianOrigin origin = JacobianOrigin::analytic;
   std::optional<MechanicalPart> mechanical;  ///< of second-order systems, where y = (q, v)
-  std::optional<AnyMatrix> J_stiff;          ///< of the stiff part of split systems, shape (n, n)
+  std::function<AnyMatrix()> J_stiff;        ///< of the stiff part of split systems, shape (n, n); else empty
 };
+
+/// |A - B| / |A| of the Jacobians of two models of one system, in the norm of Frobenius.
+double relative_distance(const LinearModel& A, const LinearModel& B);
 
 /// The matrix as a dense one; a copy.
 Eigen::MatrixXd dense(const AnyMatrix& matrix);
@@ -83,9 +89,11 @@ void require_finite_state(double t, const Eigen::VectorXd& y);
 std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const Eigen::VectorXd& mass);
 
 template <class Matrix>
-AnyMatrix any_matrix(const Matrix& matrix) {
-  if constexpr (is_variant<Matrix>)
-    return std::visit([](const auto& held) { return any_matrix(held); }, matrix);
+AnyMatrix any_matrix(Matrix matrix) {
+  if constexpr (std::is_same_v<Matrix, AnyMatrix>)
+    return matrix;
+  else if constexpr (is_variant<Matrix>)
+    return std::visit([](auto& held) { return any_matrix(std::move(held)); }, matrix);
   else if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>)
     return Eigen::SparseMatrix<double>(matrix.template cast<double>());
   else
@@ -143,7 +151,7 @@ template <System S>
 AnyMatrix jacobian_of_code(const S& system, real_of<typename S::State> t, const typename S::State& y) {
   jacobian_type<S> J = room_for<jacobian_type<S>>(system.dim());
   system.jacobian(t, y, J);
-  return any_matrix(J);
+  return any_matrix(std::move(J));
 }
 
 /// J by central differences, columns one by one or in groups.
@@ -221,35 +229,49 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
   detail::require_finite_state(t, model.y);
 
   const bool analytic = from == JacobianFrom::analytic_if_any && has_jacobian(system);
-  if constexpr (DifferentiableSystem<S>)
-    if (analytic) model.J = detail::jacobian_of_code(system, at, y);
-  if (!analytic) model.J = detail::jacobian_by_differences(system, at, y, model.origin);
-  detail::require_finite(model.J, "the Jacobian", t);
-
   if constexpr (SecondOrderSystem<S>)
-    if (const Eigen::Index n = detail::dofs_of(system); n > 0) {
-      Eigen::VectorXd mass = typename S::Dofs(system.mass()).template cast<double>();
-      if (analytic) {
-        using DofMatrix = typename S::DofMatrix;
-        const typename S::Dofs q = y.head(n), v = y.tail(n);
-        DofMatrix K = detail::room_for<DofMatrix>(n), C = K;
-        system.stiffness(at, q, v, K);
-        system.damping(at, q, v, C);
-        model.mechanical = mechanical_part(std::move(mass), detail::any_matrix(K), detail::any_matrix(C));
-      } else {
-        auto [K, C] = detail::stiffness_and_damping_of(model.J, mass);
+    if (const Eigen::Index n = detail::dofs_of(system); n > 0 && analytic) {
+      using DofMatrix = typename S::DofMatrix;
+      const typename S::Dofs q = y.head(n), v = y.tail(n);
+      DofMatrix K = detail::room_for<DofMatrix>(n), C = detail::room_for<DofMatrix>(n);
+      system.stiffness(at, q, v, K);
+      system.damping(at, q, v, C);
+      model.mechanical = mechanical_part(typename S::Dofs(system.mass()).template cast<double>(),
+                                         detail::any_matrix(std::move(K)), detail::any_matrix(std::move(C)));
+    }
+  const bool on_demand = model.mechanical && is_sparse(model.mechanical->K);
+  const auto keep = [on_demand](const auto& make, std::string_view what, double when) {
+    if (on_demand) return std::function<AnyMatrix()>(make);
+    AnyMatrix J = make();
+    detail::require_finite(J, what, when);
+    return std::function<AnyMatrix()>([J = std::move(J)] { return J; });
+  };
+
+  if constexpr (DifferentiableSystem<S>)
+    if (analytic)
+      model.J = keep([system, at, y] { return detail::jacobian_of_code(system, at, y); }, "the Jacobian", t);
+  if (!analytic) {
+    const AnyMatrix J = detail::jacobian_by_differences(system, at, y, model.origin);
+    detail::require_finite(J, "the Jacobian", t);
+    model.J = [J] { return J; };
+    if constexpr (SecondOrderSystem<S>)
+      if (detail::dofs_of(system) > 0) {
+        Eigen::VectorXd mass = typename S::Dofs(system.mass()).template cast<double>();
+        auto [K, C] = detail::stiffness_and_damping_of(J, mass);
         // Differences know about 8 digits of the largest entries.
         model.mechanical = mechanical_part(std::move(mass), std::move(K), std::move(C), 1e-6);
       }
-    }
+  }
 
   if constexpr (SplitSystem<S>)
-    if (detail::splits(system)) {
-      jacobian_type<S> J = detail::room_for<jacobian_type<S>>(system.dim());
-      system.jacobian_stiff(at, y, J);
-      model.J_stiff = detail::any_matrix(J);
-      detail::require_finite(*model.J_stiff, "the Jacobian of the stiff part", t);
-    }
+    if (detail::splits(system))
+      model.J_stiff = keep(
+          [system, at, y] {
+            jacobian_type<S> J = detail::room_for<jacobian_type<S>>(system.dim());
+            system.jacobian_stiff(at, y, J);
+            return detail::any_matrix(std::move(J));
+          },
+          "the Jacobian of the stiff part", t);
   return model;
 }
 

@@ -307,9 +307,9 @@ EnergyCoordinates energy_coordinates(const MechanicalPart& part) {
 }
 
 MatrixXd jacobian_in_energy_coordinates(const LinearModel& model) {
-  if (!model.mechanical) return dense(model.J);
+  if (!model.mechanical) return dense(model.J());
   const EnergyCoordinates energy = energy_coordinates(*model.mechanical);
-  return energy.to * dense(model.J) * energy.from;
+  return energy.to * dense(model.J()) * energy.from;
 }
 
 }  // namespace hmax

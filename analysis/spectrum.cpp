@@ -277,11 +277,10 @@ std::vector<Complex> all_eigenvalues(const MatrixXd& J) {
 }
 
 Spectrum spectrum_of(const LinearModel& model) {
-  require_dense_size(rows(model.J));
+  require_dense_size(model.y.size());
   Spectrum spectrum;
   if (!model.mechanical) {
-    const auto* full = std::get_if<MatrixXd>(&model.J);
-    spectrum.lambda = full != nullptr ? all_eigenvalues(*full) : all_eigenvalues(dense(model.J));
+    spectrum.lambda = all_eigenvalues(dense(model.J()));
     return spectrum;
   }
   if (!model.mechanical->decouples()) {
@@ -296,8 +295,8 @@ Spectrum spectrum_of(const LinearModel& model) {
 }
 
 Eigenvectors eigenvectors_of(const LinearModel& model) {
-  require_dense_size(rows(model.J));
-  if (!model.mechanical) return general_eigenvectors(dense(model.J), VectorXd::Ones(rows(model.J)));
+  require_dense_size(model.y.size());
+  if (!model.mechanical) return general_eigenvectors(dense(model.J()), VectorXd::Ones(model.y.size()));
   if (model.mechanical->decouples()) return decoupled_eigenvectors(*model.mechanical);
   const Companion companion(*model.mechanical);
   const VectorXd root = companion.inverse_root.cwiseInverse();

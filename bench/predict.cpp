@@ -56,12 +56,17 @@ constexpr const char* without_common_modes =
 /// Beyond this many rows parts of a Jacobian are not looked into for common modes.
 constexpr Eigen::Index most_dense_parts = 400;
 
+/// Whether the part that is declared stiff is the whole.
+bool is_all_stiff(const Linearised& near) {
+  return relative_distance(near.model.J(), near.model.J_stiff()) <= 1e-13;
+}
+
 /// The share of every eigenvalue that is declared stiff. Where both parts have the same eigenvectors the
 /// Rayleigh quotient with them says it.
 std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const std::vector<Complex>& lambda) {
-  if (relative_distance(near.model.J, *near.model.J_stiff) <= 1e-13) return lambda;
-  if (rows(near.model.J) > most_dense_parts) return std::nullopt;
-  const Eigen::MatrixXd J = dense(near.model.J), stiff = dense(*near.model.J_stiff);
+  if (is_all_stiff(near)) return lambda;
+  if (near.model.y.size() > most_dense_parts) return std::nullopt;
+  const Eigen::MatrixXd J = dense(near.model.J()), stiff = dense(near.model.J_stiff());
   if ((J * stiff - stiff * J).norm() > 1e-10 * J.norm() * stiff.norm()) return std::nullopt;
   const Eigenvectors vectors = eigenvectors_of(near.model);
   if (vectors.defective) return std::nullopt;
@@ -108,7 +113,7 @@ void require_usual_rates(const Spectrum& spectrum) {
 /// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
 bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
   const Eigen::VectorXd elsewhere = near.model.y + Eigen::VectorXd::Ones(near.model.y.size());
-  return relative_distance(near.model.J, linear_model(problem, near.model.t, elsewhere).J) <= 1e-12;
+  return relative_distance(near.model, linear_model(problem, near.model.t, elsewhere)) <= 1e-12;
 }
 
 }  // namespace
@@ -305,7 +310,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
 
   const Amplification& amplification = *method.amplification;
   if (near.curve) {
-    if (method.needs_split && relative_distance(near.model.J, *near.model.J_stiff) > 1e-13)
+    if (method.needs_split && !is_all_stiff(near))
       row.note = without_common_modes;
     else if (amplification.motion && !amplification.motion->lumped.empty() && near.curve->beta != 0)
       row.note =

@@ -273,7 +273,7 @@ double small_displacement(const Problem& problem, const Linearised& near, const 
   double size = 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
   const auto change = [&] {
     const Eigen::VectorXd y = near.model.y + size * direction;
-    return relative_distance(near.model.J, linear_model(problem, near.model.t, y).J);
+    return relative_distance(near.model, linear_model(problem, near.model.t, y));
   };
   for (int tenth = 0; tenth < 3 && change() > most; ++tenth) size /= 10;
   return size;

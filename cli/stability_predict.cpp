@@ -128,7 +128,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
   if (near.curve) document["status"] = "of the slowest and the fastest mode; all others lie between them";
   // Some ten operations with dense matrices of twice the size of the model.
   constexpr Eigen::Index most_dense = 400;
-  if (rows(near.model.J) <= most_dense) {
+  if (near.model.y.size() <= most_dense) {
     const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.model);
     const NonNormality normal = non_normality(J);
     document["departure_from_normality"] = normal.departure;

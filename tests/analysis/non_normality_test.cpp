@@ -162,7 +162,7 @@ TEST(EnergyCoordinates, MakeUndampedChainsNormalAndPassiveOnesContract) {
     EXPECT_EQ(found.relative_departure < 1e-13, c == 0) << found.relative_departure;
     EXPECT_EQ(kreiss_constant(J).value, 1);
     // In metres and metres per second the same chain seems to grow.
-    EXPECT_GT(non_normality(dense(model.J)).relative_departure, 0.9);
+    EXPECT_GT(non_normality(dense(model.J())).relative_departure, 0.9);
   }
 }
 
