@@ -9,6 +9,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "analysis/lanczos.hpp"
+#include "analysis/scaled_matrices.hpp"
 #include "analysis/structural_amplification.hpp"
 
 namespace hmax {
@@ -40,6 +42,21 @@ MotionMap without_zeros(MotionMap map) {
     for (Polynomial* p : all)
       if (!p->empty()) p->erase(p->begin());
   return map;
+}
+
+/// The limit at h with a shape that has this kappa, gamma, and damping by the diagonal alone.
+CoupledLimit limit_of_shape(const MotionMap& map, double h, MechanicalMode shape, double lumped,
+                            const VectorXd& displacement, bool proved) {
+  std::vector<Polynomial> p;
+  for (std::size_t j = 0; j <= map.degree(); ++j)
+    p.push_back({coefficient(map.inertia, j),
+                 shape.gamma * coefficient(map.damper, j) + lumped * coefficient(map.lumped, j),
+                 shape.kappa * coefficient(map.spring, j)});
+  return {.h_max = h,
+          .shape = shape,
+          .displacement = displacement.normalized(),
+          .of_shape = StepPolynomial::real(p),
+          .proved = proved};
 }
 
 bool has_no_negative_eigenvalue(const MatrixXd& A) {
@@ -103,6 +120,48 @@ bool couples_modes(const MotionMap& map, const MechanicalPart& part) {
   return beside.norm() > 1e-12 * size;
 }
 
+std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
+                                              const Amplification& single) {
+  if (!part.symmetric || !map.lumped.empty()) return std::nullopt;
+  if (singles_never_leave(single))
+    return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
+  if (!singles_leave_at_minus_one(single, map)) return std::nullopt;
+  const ScaledMatrices scaled(part);
+  const double inertia = value_of(map.inertia, -1).real(), sign = inertia < 0 ? -1 : 1,
+               damper = sign * value_of(map.damper, -1).real(),
+               spring = sign * value_of(map.spring, -1).real();
+  // No eigenvalue of P(-1, h) is larger than this.
+  const double most_c = scaled.largest_c(), most_k = scaled.largest_k();
+  const auto bound = [&](double h) {
+    return std::abs(inertia) + h * std::max(damper * most_c, 0.0) + h * h * std::max(spring * most_k, 0.0);
+  };
+  double h = smallest_root(std::abs(inertia), std::min(damper, 0.0) * most_c, std::min(spring, 0.0) * most_k);
+  if (std::isinf(h)) return std::nullopt;
+  VectorXd cx(part.mass.size()), kx = cx;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    const LanczosPair least = largest_eigenpair(
+        [&](const VectorXd& x, VectorXd& y) {
+          scaled.c(x, cx);
+          scaled.k(x, y);
+          y = (bound(h) - std::abs(inertia)) * x - h * damper * cx - h * h * spring * y;
+        },
+        part.mass.size(), {.tolerance = 1e-9});
+    const VectorXd& x = least.vector;
+    scaled.c(x, cx);
+    scaled.k(x, kx);
+    const double gamma = x.dot(cx), kappa = x.dot(kx);
+    const double next = smallest_root(std::abs(inertia), damper * gamma, spring * kappa);
+    if (std::abs(next - h) <= 1e-10 * h) {
+      if (!least.converged) return std::nullopt;
+      return limit_of_shape(map, next, {.kappa = kappa, .gamma = gamma}, 0,
+                            scaled.inverse_root.cwiseProduct(x), true);
+    }
+    h = next;
+    if (!std::isfinite(h)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)
     : map_(without_zeros(map)),
       n_(part.mass.size()),
@@ -158,21 +217,11 @@ MatrixXcd CoupledMotion::at(Complex zeta, double h) const {
 
 CoupledLimit CoupledMotion::leaves_with(double h, const VectorXcd& x, bool proved) const {
   const auto of_shape = [&](const MatrixXd& A) { return x.dot(A * x).real() / x.squaredNorm(); };
-  const double kappa = of_shape(k_), gamma = of_shape(c_), lumped = of_shape(d_);
-  std::vector<Polynomial> p;
-  for (std::size_t j = 0; j <= map_.degree(); ++j)
-    p.push_back({coefficient(map_.inertia, j),
-                 gamma * coefficient(map_.damper, j) + lumped * coefficient(map_.lumped, j),
-                 kappa * coefficient(map_.spring, j)});
   // Turned so that its largest entry is real.
   Index largest = 0;
   x.cwiseAbs().maxCoeff(&largest);
-  const VectorXd real = root_.cwiseProduct((x / x[largest]).real());
-  return {.h_max = h,
-          .shape = {.kappa = kappa, .gamma = gamma},
-          .displacement = real.normalized(),
-          .of_shape = StepPolynomial::real(p),
-          .proved = proved};
+  return limit_of_shape(map_, h, {.kappa = of_shape(k_), .gamma = of_shape(c_)}, of_shape(d_),
+                        root_.cwiseProduct((x / x[largest]).real()), proved);
 }
 
 CoupledLimit CoupledMotion::with_shape(double h, Complex zeta, bool proved) const {

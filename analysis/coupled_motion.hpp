@@ -80,6 +80,15 @@ class CoupledMotion {
   double rounding_ = 0;  // how far beyond one a root may be by rounding
 };
 
+/// The first exit of a large system without dense matrices, where it is proved as in
+/// CoupledMotion::first_exit: for symmetric M, C and K, K and C without negative eigenvalues, and single
+/// oscillations that never leave, or always at zeta = -1. There the least h with x^T P(-1, h) x = 0 over all
+/// x is approached by the least eigenvectors of P(-1, h), from above.
+/// @param single  the map of single oscillations
+/// @return  nothing where it would not be proved
+std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
+                                              const Amplification& single);
+
 /// The most rows of a companion matrix whose eigenvalues are asked for at one step after another.
 inline constexpr Eigen::Index most_coupled_rows = 1500;
 

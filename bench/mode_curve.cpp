@@ -20,7 +20,7 @@ Complex name_of_mode(const MechanicalMode& mode) {
   return pair[0].imag() != 0 ? pair[0] : pair[1];
 }
 
-/// The least eigenvalue of K u = kappa M u.
+/// The least eigenvalue of K u = kappa M u: of those that iteration finds, the least, which none is above.
 double least_stiffness(const MechanicalPart& part, double kappa_max) {
   const Eigen::SparseMatrix<double> K =
       is_sparse(part.K) ? std::get<Eigen::SparseMatrix<double>>(part.K)
@@ -31,11 +31,33 @@ double least_stiffness(const MechanicalPart& part, double kappa_max) {
         product(x, y);
         y = kappa_max * x - y;
       },
-      part.mass.size(), {.tolerance = 1e-8, .with_vector = false});
+      part.mass.size(),
+      {.tolerance = 1e-8,
+       .most_products = part.mass.size() > most_factored ? 300 : 2000,
+       .with_vector = false});
   return kappa_max - pair.value;
 }
 
+/// The slow end of the curve, from a factor of K; 0 where the factor is too large.
+double slow_end(const MechanicalPart& part, double kappa_max) {
+  if (part.mass.size() > most_factored) return 0;
+  const ExtremeStiffnesses least = smallest_stiffnesses(part);
+  if (!least.converged) return 0;
+  // Those nearest to zero; a body that buckles has others.
+  const double nearest = std::abs(least.kappa.at(0)) <= 1e-12 * kappa_max ? 0 : least.kappa.at(0);
+  // Known to be below zero by that much, whatever the iteration for the least of them says.
+  return least.negative > 0 ? std::min(least_stiffness(part, kappa_max), -1e-8 * kappa_max) : nearest;
+}
+
+/// Whether the model is that of a structure without displacement, whose stiffness has no negative eigenvalue.
+bool is_undeformed(const LinearModel& model) { return model.y.head(model.mechanical->mass.size()).isZero(0); }
+
 }  // namespace
+
+double SlowEnd::of(const Linearised& near) {
+  std::call_once(once_, [&] { kappa_ = slow_end(*near.model.mechanical, near.curve->kappa_max); });
+  return kappa_;
+}
 
 bool set_curve(Linearised& near, Eigen::Index small) {
   if (!near.model.mechanical || near.model.mechanical->mass.size() <= small) return false;
@@ -44,19 +66,23 @@ bool set_curve(Linearised& near, Eigen::Index small) {
   if (!rayleigh) return false;
   const ExtremeStiffnesses largest = largest_stiffnesses(part);
   DampingCurve curve{.alpha = (*rayleigh)[0], .beta = (*rayleigh)[1], .kappa_max = largest.kappa.at(0)};
-  // Where a factor is too large all from zero on are served.
-  if (const ExtremeStiffnesses least = smallest_stiffnesses(part); least.converged) {
-    // Those nearest to zero; a body that buckles has others.
-    curve.kappa_min = std::abs(least.kappa.at(0)) <= 1e-12 * curve.kappa_max ? 0 : least.kappa.at(0);
-    // Known to be below zero by that much, whatever the iteration for the least of them says.
-    if (least.negative > 0)
-      curve.kappa_min = std::min(least_stiffness(part, curve.kappa_max), -1e-8 * curve.kappa_max);
-  }
-  for (const double kappa : {curve.kappa_min, curve.kappa_max}) {
-    near.spectrum.mechanical.push_back(curve.at(kappa));
-    for (const Complex lambda : eigenvalues_of(curve.at(kappa))) near.spectrum.lambda.push_back(lambda);
-  }
+  near.slow_end = std::make_shared<SlowEnd>();
   near.curve = curve;
+  // The slow end takes a factor of K, which most limits do not need; only a body that may buckle does.
+  const Eigen::Index dofs = part.mass.size();
+  if (dofs <= most_cheaply_factored || (dofs <= most_factored && !is_undeformed(near.model))) {
+    near.curve->kappa_min = near.slow_end->of(near);
+    near.slow_end = nullptr;
+  } else if (!is_undeformed(near.model)) {
+    const double least = least_stiffness(part, curve.kappa_max);
+    if (least < -1e-8 * curve.kappa_max) near.curve->kappa_min = least;
+  }
+  const auto add = [&](double kappa) {
+    near.spectrum.mechanical.push_back(near.curve->at(kappa));
+    for (const Complex lambda : eigenvalues_of(near.curve->at(kappa))) near.spectrum.lambda.push_back(lambda);
+  };
+  if (!near.slow_end || near.curve->kappa_min < 0) add(near.curve->kappa_min);
+  add(near.curve->kappa_max);
   return true;
 }
 
@@ -72,11 +98,18 @@ LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised
       least.push_back(std::min(limit.of_modes[2 * i], limit.of_modes[2 * i + 1]));
     return least;
   };
-  const DampingCurve& curve = *near.curve;
-  const CurveLimit least = smallest_exit(curve, exits);
+  DampingCurve curve = *near.curve;
+  CurveLimit least = smallest_exit(curve, exits);
+  const bool is_of_fastest = least.kappa == curve.kappa_max;
+  if (near.slow_end && !is_of_fastest) {
+    curve.kappa_min = near.slow_end->of(near);
+    least = smallest_exit(curve, exits);
+  }
   LimitOnCurve limit{
       .h_max = least.h_max, .lambda = name_of_mode(curve.at(least.kappa)), .modes = {}, .note = {}};
-  std::vector<MechanicalMode> shown{curve.at(curve.kappa_min), curve.at(curve.kappa_max)};
+  std::vector<MechanicalMode> shown;
+  if (!near.slow_end || !is_of_fastest) shown.push_back(curve.at(curve.kappa_min));
+  shown.push_back(curve.at(curve.kappa_max));
   if (least.between) shown.push_back(curve.at(least.kappa));
   const std::vector<double> margins = exits(shown);
   for (std::size_t i = 0; i < shown.size(); ++i) {
@@ -87,6 +120,7 @@ LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised
   if (!least.between || !std::isfinite(least.h_max)) return limit;
   limit.note =
       "no mode has a smaller limit; it is that of a frequency between the slowest and the fastest mode";
+  if (near.model.mechanical->mass.size() > most_factored) return limit;
   const ExtremeStiffnesses nearest = stiffnesses_near(*near.model.mechanical, least.kappa);
   if (nearest.converged) {
     const MechanicalMode mode = curve.at(nearest.kappa.front());

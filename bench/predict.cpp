@@ -12,6 +12,7 @@
 #include "analysis/equilibrium.hpp"
 #include "bench/body_balance.hpp"
 #include "bench/mode_curve.hpp"
+#include "bench/mode_range.hpp"
 #include "bench/tissue_problem.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "problems/tissue/body.hpp"
@@ -144,12 +145,23 @@ LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd
       problem.system);
 }
 
-Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}};
-  if (!set_curve(near)) near.spectrum = spectrum_of(near.model);
-  require_usual_rates(near.spectrum);
+namespace {
+Linearised state_of(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}, .status = {}};
   near.state =
       fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(near.model.origin));
+  return near;
+}
+
+void add_spectrum(Linearised& near) {
+  if (!set_curve(near) && !set_range(near)) near.spectrum = spectrum_of(near.model);
+  require_usual_rates(near.spectrum);
+}
+}  // namespace
+
+Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  Linearised near = state_of(problem, t, y);
+  add_spectrum(near);
   return near;
 }
 
@@ -166,7 +178,7 @@ bool is_at_rest(const TissueBody& body) {
 
 namespace {
 /// Under a load the balance of a body is found with its stiffness, half as many unknowns.
-EquilibriumSearch balance_of_body(const Problem& problem) {
+EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatcher& watcher) {
   const TissueBody& body = *problem.body;
   EquilibriumSearch search;
   search.outcome = EquilibriumOutcome::found;
@@ -174,12 +186,14 @@ EquilibriumSearch balance_of_body(const Problem& problem) {
   // What moves it later does not load it yet; only supports that start at once drag at their neighbours.
   if (!body.is_autonomous() || is_at_rest(body)) return search;
   const StaticModel model = static_model(problem, 1);
-  StaticSolution solution = found_balance(model, {.tolerance = 1e-12}, [] { return 0.0; });
+  StaticSettings settings{.tolerance = 1e-12};
+  if (body.dofs() > most_cheaply_factored) settings.inner = InnerSolver::conjugate_gradients;
+  if (watcher) settings.seen = [&](const StaticIterate& iterate) { watcher(iterate.residual); };
+  StaticSolution solution = found_balance(model, settings, [] { return 0.0; });
   // One that is not stable still tells that the body buckles.
+  settings.leave_saddles = false;
   if (!solution.converged)
-    if (StaticSolution saddle =
-            solve_static(model, {.tolerance = 1e-12, .leave_saddles = false}, [] { return 0.0; });
-        saddle.converged)
+    if (StaticSolution saddle = solve_static(model, settings, [] { return 0.0; }); saddle.converged)
       solution = std::move(saddle);
   if (outcome_of(problem, solution) != "converged") {
     search.outcome = EquilibriumOutcome::no_equilibrium;
@@ -190,8 +204,8 @@ EquilibriumSearch balance_of_body(const Problem& problem) {
   return search;
 }
 
-EquilibriumSearch equilibrium_of(const Problem& problem) {
-  if (problem.body) return balance_of_body(problem);
+EquilibriumSearch equilibrium_of(const Problem& problem, const EquilibriumWatcher& watcher) {
+  if (problem.body) return balance_of_body(problem, watcher);
   return std::visit(
       [&]<class Sys>(const Sys& system) {
         return find_equilibrium(system, 0, typename Sys::State(problem.y0));
@@ -200,21 +214,32 @@ EquilibriumSearch equilibrium_of(const Problem& problem) {
 }
 }  // namespace
 
-LinearModel linear_model(const Problem& problem) {
-  const EquilibriumSearch search = equilibrium_of(problem);
-  return linear_model(problem, 0, search.found() ? search.state : problem.y0);
-}
-
-Linearised linearised(const Problem& problem) {
-  const EquilibriumSearch search = equilibrium_of(problem);
-  Linearised near = linearised(problem, 0, search.found() ? search.state : problem.y0);
+Linearised without_spectrum(const Problem& problem, OperatingPoint at, const EquilibriumWatcher& watcher) {
+  if (at == OperatingPoint::rest) {
+    Linearised near = state_of(problem, 0, problem.y0);
+    near.at_equilibrium = !problem.body || is_at_rest(*problem.body);
+    near.state_kind = "rest";
+    near.state = fmt::format("rest {}{}", near.state, near.at_equilibrium ? "" : "; the load acts on it");
+    return near;
+  }
+  const EquilibriumSearch search = equilibrium_of(problem, watcher);
+  Linearised near = state_of(problem, 0, search.found() ? search.state : problem.y0);
   near.at_equilibrium = search.found();
-  if (!search.found())
+  near.state_kind = search.found() ? "equilibrium" : problem.body ? "rest" : "initial";
+  if (!search.found()) {
+    near.status = search.message;
     near.state = fmt::format("initial state {}; {}", near.state, search.message);
-  else
+  } else {
     near.state = fmt::format(
         "equilibrium {}{}", near.state,
         search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
+  }
+  return near;
+}
+
+Linearised linearised(const Problem& problem, OperatingPoint at, const EquilibriumWatcher& watcher) {
+  Linearised near = without_spectrum(problem, at, watcher);
+  add_spectrum(near);
   return near;
 }
 
@@ -270,16 +295,47 @@ void predict_on_curve(Prediction& row, const Method& method, const Problem& prob
   if (row.note.empty()) row.note = limit.note;
 }
 
+/// Where only the largest eigenvalues are known, and between which damping and stiffness all modes lie.
+void predict_in_range(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  if (near.range->growing) return is_of_growing_model(row, *near.range->growing, problem, near);
+  if (method.needs_split && !is_all_stiff(near)) {
+    row.note = without_common_modes;
+    return;
+  }
+  LimitInRange limit = limit_in_range(*method.amplification, near, radius_told(problem, near));
+  row.modes = std::move(limit.modes);
+  row.unstable_from = limit.unstable_from;
+  const std::string found =
+      !row.unstable_from || std::isinf(*row.unstable_from)
+          ? "none of the fastest modes limits the step"
+          : fmt::format("the fastest modes are unstable from {:.6g} s on", *row.unstable_from);
+  if (row.unstable_from && limit.h_max == 0) {
+    row.note = fmt::format(
+        "damping couples the modes of this body, and no bound of their limits is known; {}", found);
+    return;
+  }
+  conclude(row, limit.h_max, limit.lambda, method, problem, near);
+  if (!row.unstable_from) return;
+  row.limiting.reset();
+  row.note = fmt::format(
+      "a lower bound: damping couples the modes of this body, and no step below h_max is unstable; {}",
+      found);
+}
+
 /// Where the steps couple modes the whole model has one limit.
 void predict_coupled(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
   row.state += "; the steps couple the modes, so that all of them are taken together";
   const std::vector<Complex> lambda = without_conjugates(near.spectrum.lambda);
   for (const Complex each : lambda)
     row.modes.push_back({mode_of(each), std::numeric_limits<double>::quiet_NaN(), Eigenmode(each)});
+  if (near.range && near.range->growing) return is_of_growing_model(row, *near.range->growing, problem, near);
   if (const auto growing = growing_modes(lambda); !growing.empty())
     return is_of_growing_model(row, lambda[growing.front()], problem, near);
   const MechanicalPart& part = *near.model.mechanical;
-  row.coupled = CoupledMotion(*method.amplification->motion, part).first_exit(*method.amplification);
+  const MotionMap& map = *method.amplification->motion;
+  if (near.range) row.coupled = proved_first_exit(map, part, *method.amplification);
+  if (!row.coupled && part.mass.size() <= most_dense_modes)
+    row.coupled = CoupledMotion(map, part).first_exit(*method.amplification);
   if (!row.coupled) {
     row.note = fmt::format(
         "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method; take "
@@ -299,6 +355,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   row.material = problem.material;
   row.method = method.id;
   row.parameters = problem.parameters;
+  row.state_kind = near.state_kind;
   row.state = near.state;
   if (!method.amplification) {
     row.bound = Bound::error_control;
@@ -322,6 +379,10 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   }
   if (amplification.motion && couples_modes(*amplification.motion, *near.model.mechanical)) {
     predict_coupled(row, method, problem, near);
+    return row;
+  }
+  if (near.range) {
+    predict_in_range(row, method, problem, near);
     return row;
   }
   StepLimit limit;

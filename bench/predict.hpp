@@ -1,8 +1,11 @@
 /// The largest stable step of a method on a problem, predicted from spectrum and amplification.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/coupled_motion.hpp"
@@ -32,14 +35,30 @@ std::string_view name_of(Bound bound);
 /// Degrees of freedom up to which all modes are computed, where their motion decouples.
 inline constexpr Eigen::Index most_dense_modes = 1500;
 
+class SlowEnd;
+struct ModeRange;
+
+/// Which state of a body its linear model is asked for.
+enum class OperatingPoint { equilibrium, rest };
+
+/// Called with |F| / |F(0)| of each iterate while a static equilibrium is searched for.
+using EquilibriumWatcher = std::function<void(double residual)>;
+
 /// The model whose limits are asked for: a problem near a state.
 struct Linearised {
   LinearModel model;
   Spectrum spectrum;  ///< all of it, or with `curve` the modes at its ends
   /// Of proportionally damped models of more than most_dense_modes degrees of freedom.
   std::optional<DampingCurve> curve = {};
+  /// Where the slow end of the curve is only bounded by 0, what finds it.
+  std::shared_ptr<SlowEnd> slow_end = {};
+  /// Of models whose damping couples more degrees of freedom than most_dense_coupled; `spectrum` then lists
+  /// the largest eigenvalues.
+  std::shared_ptr<ModeRange> range = {};
   bool at_equilibrium = false;
-  std::string state;  ///< in words: which state, whose Jacobian
+  std::string_view state_kind = "motion";  ///< or "equilibrium", "rest" of a body, "initial"
+  std::string state;                       ///< in words: which state, whose Jacobian
+  std::string status;                      ///< why it is not the state that was asked for
 };
 
 /// Whether nothing loads a body at rest: its forces are nothing beside those that rounding of its points
@@ -47,11 +66,15 @@ struct Linearised {
 bool is_at_rest(const TissueBody& body);
 
 /// A problem near its equilibrium, found by Newton's method from its initial state with time standing still
-/// at 0; near the initial state itself where there is none, which `state` then says.
+/// at 0; near the initial state itself where there is none, which `status` then says. Above
+/// most_cheaply_factored degrees of freedom the equations of a body are solved by conjugate gradients.
+/// @param at  rest: a body without displacement, whatever loads it
 /// @throws InputError  as linearise()
-Linearised linearised(const Problem& problem);
+Linearised linearised(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,
+                      const EquilibriumWatcher& watcher = {});
 /// The same without its spectrum.
-LinearModel linear_model(const Problem& problem);
+Linearised without_spectrum(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,
+                            const EquilibriumWatcher& watcher = {});
 LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y);
 /// Near a state of its own.
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
@@ -85,15 +108,21 @@ struct Prediction {
   std::string problem, material, method;
   std::vector<std::pair<std::string, double>> parameters;
   Bound bound = Bound::unknown;
-  std::optional<double> h_max;    ///< [s]; infinity for accuracy and newton; nothing where there is no answer
-  std::optional<Mode> limiting;   ///< the mode that sets it, or that grows
+  std::optional<double> h_max;   ///< [s]; infinity for accuracy and newton; nothing where there is no answer
+  std::optional<Mode> limiting;  ///< the mode that sets it, or that grows
+  /// Where h_max is a lower bound: from here on a mode is known to be unstable [s]; infinity if none is.
+  std::optional<double> unstable_from = {};
   std::vector<ModeMargin> modes;  ///< every mode; conjugates once
   std::optional<CoupledLimit> coupled =
-      {};  ///< where the steps couple the modes: they have one limit together
+      {};                       ///< where the steps couple the modes: they have one limit together
+  std::string_view state_kind;  ///< as of Linearised
   std::string state;
   std::string note;
   std::optional<Observation> observed;
 };
+
+/// Degrees of freedom of a mesh up to which a factor of K takes less than a second.
+inline constexpr Eigen::Index most_cheaply_factored = 20'000;
 
 /// Predicts for one method.
 /// @param near  the problem linearised, as by linearised(problem)

@@ -11,6 +11,7 @@
 #include "analysis/static_solution.hpp"
 #include "bench/body_balance.hpp"
 #include "bench/mode_curve.hpp"
+#include "bench/mode_range.hpp"
 #include "bench/predict.hpp"
 #include "bench/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
@@ -28,11 +29,11 @@ std::string short_share(double share) { return fmt::format("{:.4g}", share); }
 /// The tangent of a model, of large bodies by the ends of its spectrum.
 Linearised tangent(const Problem& problem, double t, const Eigen::VectorXd& y) {
   if (!problem.body || problem.body->dofs() <= small_enough_for_dense) return linearised(problem, t, y);
-  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}};
-  if (!set_curve(near, small_enough_for_dense))
+  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}, .status = {}};
+  if (!set_curve(near, small_enough_for_dense) && !set_range(near, small_enough_for_dense))
     throw InputError(fmt::format(
-        "dampers, or beta with a body that is deformed, couple its modes, and with {} degrees of freedom all of "
-        "them together are too many along a path; set damper and beta to 0, or take a smaller mesh",
+        "the stiffness of this body is not symmetric along its path, and all modes of {} degrees of freedom "
+        "together are too many; take a smaller mesh, or a load that does not move",
         problem.body->dofs()));
   return near;
 }

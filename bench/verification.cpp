@@ -298,7 +298,7 @@ bool is_too_slow(const Method& method, const Linearised& near) {
 }  // namespace
 
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (!method.fixed_step ||
+  if (!method.fixed_step || row.unstable_from ||
       (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
     return;
   if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.omega > 0; })) return;
@@ -311,8 +311,10 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   }
   if (problem.body && !near.at_equilibrium) {
     row.note =
-        "not verified: no balance was found, so that the body moves away from this state; a smaller load, like --set g=0, "
-        "can be verified";
+        near.status.empty()
+            ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
+            : "not verified: no balance was found, so that the body moves away from this state; a smaller "
+              "load, like --set g=0, can be verified";
     return;
   }
   if (is_too_slow(method, near)) {

@@ -11,6 +11,7 @@
 #include "bench/fastest_mode.hpp"
 #include "bench/predict.hpp"
 #include "cli/choices.hpp"
+#include "cli/operating_point.hpp"
 #include "cli/stability.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_import.hpp"
@@ -28,6 +29,7 @@ struct ModesOptions {
   ProblemChoice problem;
   std::string count = "6", output;
   bool fastest = false;
+  OperatingPointChoice at;
 };
 
 /// A shape on all points of the mesh, its longest displacement a tenth of the body, shape (3, points).
@@ -60,8 +62,13 @@ void modes(const ModesOptions& options, Console& console) {
   const TissueBody& body = *problem.body;
   const auto count = static_cast<Eigen::Index>(
       std::min<std::int64_t>(parse_count("--count", options.count, 1), body.dofs()));
-  const LinearModel model = linear_model(problem);
-  const MechanicalPart& part = *model.mechanical;
+  const OperatingPoint at = options.at.of(problem);
+  announce_equilibrium(console, problem, at);
+  const Linearised near = [&] {
+    Progress progress(console, "modes");
+    return without_spectrum(problem, at, shown_in(progress));
+  }();
+  const MechanicalPart& part = *near.model.mechanical;
   if (!part.symmetric)
     throw InputError("the stiffness of this body is not symmetric here, so it has no modes of free motion");
   const ExtremeStiffnesses found =
@@ -109,12 +116,15 @@ void modes(const ModesOptions& options, Console& console) {
     return console.print_json({{"problem", problem.id},
                                {"material", problem.material.empty() ? Json() : Json(problem.material)},
                                {"dofs", body.dofs()},
+                               {"state_kind", near.state_kind},
+                               {"status", near.status.empty() ? Json() : Json(near.status)},
                                {"end", options.fastest ? "fastest" : "slowest"},
                                {"modes", list},
                                {"output", options.output.empty() ? Json() : Json(options.output)}});
   console.print(fmt::format("{}{}: {} degrees of freedom\n\n{}", problem.id,
                             problem.material.empty() ? "" : ", " + problem.material, body.dofs(),
                             table.text(console)));
+  if (!near.status.empty()) console.print("\n" + near.state + "\n");
   console.print(
       "\nTetrahedra have the numbers of their file, or count from 1. Moving points: 1 over the sum of squares of "
       "the\npoints' shares of kinetic energy.\n");
@@ -130,6 +140,7 @@ void add_stability_modes(CLI::App& stability, Console& console) {
                    "hmax stability modes --mesh phantom --model mass_spring --fastest --count 3 --json"});
   const auto options = std::make_shared<ModesOptions>();
   options->problem.add_to(command);
+  options->at.add_to(command);
   command.add_option("--count", options->count, "How many; 6 by default")->type_name("NUMBER");
   command.add_flag("--fastest", options->fastest, "From the fast end, which limits steps");
   command

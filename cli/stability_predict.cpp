@@ -17,6 +17,7 @@
 #include "bench/two_threads.hpp"
 #include "bench/verification.hpp"
 #include "cli/choices.hpp"
+#include "cli/operating_point.hpp"
 #include "cli/stability.hpp"
 #include "problems/liver_materials.hpp"
 #include "results/errors.hpp"
@@ -36,6 +37,7 @@ struct PredictOptions {
   MethodsChoice methods;
   std::string materials;
   bool verify = false;
+  OperatingPointChoice at;
   std::string along;  ///< a word of path_names, or empty
   std::optional<double> t_end;
 
@@ -66,10 +68,17 @@ Json to_json(const Mode& mode) {
 /// A row and what is asked besides.
 struct PredictedRow {
   Prediction prediction;
+  std::string state_status;  ///< why the state is not the one that was asked for
   std::optional<TrajectoryLimit> along;
   std::string path_note;
   std::optional<double> from_start;
 };
+
+/// Degrees of freedom up to which changes of the mesh are tried, each of which takes a mesh and a Lanczos
+/// iteration of its own.
+constexpr Eigen::Index most_tried = 30'000;
+
+bool tries_gains(const Problem& problem) { return problem.body->dofs() <= most_tried; }
 
 /// The fastest mode of a body at rest, with the ratios by which bounds of it make steps too small.
 Json to_json(const Problem& problem, const FastestMode& mode) {
@@ -91,25 +100,29 @@ Json to_json(const Problem& problem, const FastestMode& mode) {
           {"energy_share", mode.owner.share},
           {"elements_with_nine_tenths", mode.owner.elements},
           {"moving_points", mode.owner.moving_points},
-          {"gain",
-           {{"without_element", mode.without},
-            {"double_mass", mode.with_mass},
-            {"added_mass", mode.added_mass},
-            {"smoothed", mode.smoothed},
-            {"moved_point", mode.moved_point ? Json(*mode.moved_point) : Json()}}}};
+          {"gain", tries_gains(problem)
+                       ? Json{{"without_element", mode.without},
+                              {"double_mass", mode.with_mass},
+                              {"added_mass", mode.added_mass},
+                              {"smoothed", mode.smoothed},
+                              {"moved_point", mode.moved_point ? Json(*mode.moved_point) : Json()}}
+                       : Json()}};
 }
 
 /// The same in words.
 std::string words_of(const Problem& problem, const FastestMode& mode) {
   const NamedElement owner = named_element(problem, mode.owner.element);
   const auto pessimism = [&](double kappa) { return short_number(std::sqrt(kappa / mode.kappa), 4); };
-  return fmt::format(
+  const std::string fastest = fmt::format(
       "fastest mode at rest {} rad/s: {} {} has {} % of its energy, {} points move; bounds are larger by {} "
-      "(elements), {} (points), {} (Gershgorin)\nan undamped step would grow by {} without that element, by {} "
-      "with twice its mass ({} % of the body); {}\n",
+      "(elements), {} (points), {} (Gershgorin)\n",
       short_number(std::sqrt(mode.kappa)), owner.kind, owner.number, short_number(100 * mode.owner.share, 3),
       short_number(mode.owner.moving_points, 3), pessimism(mode.bounds.element), pessimism(mode.bounds.nodal),
-      pessimism(mode.bounds.gershgorin), short_number(mode.without, 4), short_number(mode.with_mass, 4),
+      pessimism(mode.bounds.gershgorin));
+  if (!tries_gains(problem)) return fastest;
+  return fmt::format(
+      "{}an undamped step would grow by {} without that element, by {} with twice its mass ({} % of the body); {}\n",
+      fastest, short_number(mode.without, 4), short_number(mode.with_mass, 4),
       short_number(100 * mode.added_mass, 3),
       mode.moved_point ? fmt::format("by {} with point {} moved towards its neighbours",
                                      short_number(mode.smoothed, 4), *mode.moved_point)
@@ -123,9 +136,14 @@ Json model_json(const Problem& problem, const Linearised& near) {
   Json document{{"problem", problem.id},
                 {"material", problem.material},
                 {"state", near.state},
+                {"state_kind", near.state_kind},
                 {"at_equilibrium", near.at_equilibrium},
                 {"eigenvalues", std::move(eigenvalues)}};
-  if (near.curve) document["status"] = "of the slowest and the fastest mode; all others lie between them";
+  if (near.curve)
+    document["status"] = near.slow_end
+                             ? "of the fastest mode; the slowest is not computed, because no limit needs it"
+                             : "of the slowest and the fastest mode; all others lie between them";
+  if (near.range) document["status"] = "of the fastest modes; damping couples all of them";
   // Some ten operations with dense matrices of twice the size of the model.
   constexpr Eigen::Index most_dense = 400;
   if (near.model.y.size() <= most_dense) {
@@ -139,7 +157,8 @@ Json model_json(const Problem& problem, const Linearised& near) {
     if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
   }
   if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
-  if (problem.body) document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body));
+  if (problem.body)
+    document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
   return document;
 }
 
@@ -163,6 +182,7 @@ Json to_json(const Prediction& row) {
                 {"material", row.material},
                 {"method", row.method},
                 {"h_max", row.h_max ? number_or_word(*row.h_max) : Json()},
+                {"h_unstable", row.unstable_from ? number_or_word(*row.unstable_from) : Json()},
                 {"bound", name_of(row.bound)},
                 {"limiting", row.limiting ? to_json(*row.limiting) : Json()},
                 {"observed", row.observed ? number_or_word(row.observed->h_max) : Json()},
@@ -171,6 +191,7 @@ Json to_json(const Prediction& row) {
                 {"agrees", row.observed ? Json(row.observed->confirms()) : Json()},
                 {"step_defect", row.observed ? number_or_word(row.observed->step_defect) : Json()},
                 {"modes", std::move(modes)},
+                {"state_kind", row.state_kind},
                 {"state", row.state},
                 {"parameters", std::move(parameters)}};
   if (!row.note.empty()) document["status"] = row.note;
@@ -214,6 +235,8 @@ Json to_json(const TrajectoryLimit& along, bool of_load, bool of_body, const std
 
 Json to_json(const PredictedRow& row, const PredictOptions& options) {
   Json document = to_json(row.prediction);
+  if (!row.state_status.empty())
+    document["status"] = row.state_status + (row.prediction.note.empty() ? "" : "; " + row.prediction.note);
   if (row.along)
     document["along"] =
         to_json(*row.along, options.along_load(), is_tissue_id(row.prediction.problem), row.path_note);
@@ -235,7 +258,7 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
     header.insert(header.end(), {"least along [s]", options.along_load() ? "at share [1]" : "at t [s]"});
   if (along_motion && verified) header.emplace_back("from the start [s]");
   TextTable table(std::move(header));
-  for (const auto& [row, along, note, from_start] : rows) {
+  for (const auto& [row, status, along, note, from_start] : rows) {
     std::vector<std::string> cells{row.method,
                                    row.material.empty() ? "-" : row.material,
                                    words_of(row.h_max),
@@ -352,11 +375,14 @@ void predict_rows(const PredictOptions& options, Console& console) {
       } catch (const Interrupted&) {
         break;  // the flag stays set: what is finished is printed
       }
-      const Linearised near = linearised(problem);
+      const OperatingPoint at = options.at.of(problem);
+      announce_equilibrium(console, problem, at);
+      const Linearised near = linearised(problem, at, shown_in(progress));
       if (console.json) models.push_back(model_json(problem, near));
       if (states.empty()) {
         states = fmt::format("\n{}: {}\n", problem.id, near.state);
-        if (problem.body && !console.json) states += words_of(problem, fastest_mode_of(*problem.body));
+        if (problem.body && !console.json)
+          states += words_of(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
       }
       const std::size_t before = rows.size();
       rows.resize(before + chosen.size());
@@ -365,7 +391,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
           chosen.size(),
           [&](std::size_t i, std::size_t worker) {
             const Problem& own = worker == 0 ? problem : of_second;
-            PredictedRow row{predict(chosen[i], own, near), {}, {}, {}};
+            PredictedRow row{predict(chosen[i], own, near), near.status, {}, {}, {}};
             if (options.verify) verify(row.prediction, chosen[i], own, near);
             rows[before + i] = std::move(row);
           },
@@ -431,6 +457,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   command.add_flag(
       "--verify", options->verify,
       "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong");
+  options->at.add_to(command);
   command
       .add_option(
           "--along", options->along,

@@ -4,10 +4,13 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "analysis/amplification.hpp"
+#include "bench/formulas.hpp"
 #include "bench/mode_curve.hpp"
+#include "bench/mode_range.hpp"
 #include "bench/mode_start.hpp"
 #include "bench/predict.hpp"
 #include "bench/verification.hpp"
@@ -173,6 +176,76 @@ TEST(MeshLimits, OfTheEndsAloneAreThoseOfAllModesOrBelow) {
       }
     }
   }
+}
+
+/// A body in its weight, whose stiffness is no longer that which damps it.
+Problem hanging(const std::string& id, double beta) {
+  return mesh_problem(id, {{"g", 9.81}, {"alpha", 1}, {"beta", beta}});
+}
+
+// From weakly damped to creeping fast modes.
+constexpr double betas[]{1e-4, 1e-3, 0.02};
+
+TEST(MeshLimits, OfTheLargestEigenvaluesAreThoseOfAllOrBelow) {
+  int exact = 0;
+  for (const double beta : betas) {
+    const Problem problem = hanging("fem_green@phantom", beta);
+    Linearised all = linearised(problem);
+    ASSERT_EQ(all.model.mechanical->damping, Damping::general);
+    ASSERT_FALSE(all.range);
+    Linearised largest = all;
+    largest.spectrum = {};
+    ASSERT_TRUE(set_range(largest, 20));
+    for (const char* name :
+         {"explicit_euler", "rk2_heun", "rk4", "dormand_prince_54", "adams_bashforth_3", "rkc_2",
+          "symplectic_euler", "stormer_verlet", "newmark", "implicit_euler", "bdf_3"}) {
+      const Method method = choose_methods_and_formulas({name}, {problem}).front();
+      const Prediction truth = predict(method, problem, all), bound = predict(method, problem, largest);
+      const std::string where = fmt::format("{} with beta {}: {}", name, beta, bound.note);
+      ASSERT_TRUE(truth.h_max && bound.h_max) << where;
+      EXPECT_EQ(bound.note.empty(), !bound.unstable_from) << where;
+      if (bound.unstable_from) {
+        EXPECT_LE(*bound.h_max, *truth.h_max * (1 + 1e-9)) << where;
+        EXPECT_GE(*bound.unstable_from, *truth.h_max * (1 - 1e-9)) << where;
+        continue;
+      }
+      ++exact;
+      if (std::isinf(*truth.h_max))
+        EXPECT_EQ(*bound.h_max, *truth.h_max) << where;
+      else
+        EXPECT_NEAR(*bound.h_max, *truth.h_max, 1e-7 * *truth.h_max) << where;
+    }
+  }
+  EXPECT_GE(exact, 20);
+}
+
+TEST(MeshLimits, OfTheLargestEigenvaluesAreObserved) {
+  for (const double beta : betas) {
+    const Problem problem = hanging("fem_green@cube:n=5", beta);
+    const Linearised near = linearised(problem);
+    ASSERT_TRUE(near.range);
+    for (const char* name : {"rk4", "symplectic_euler", "stormer_verlet"}) {
+      const Method method = find_method(name);
+      Prediction row = predict(method, problem, near);
+      ASSERT_FALSE(row.unstable_from) << name << " " << beta;
+      verify(row, method, problem, near);
+      ASSERT_TRUE(row.observed) << name << " " << row.note;
+      EXPECT_TRUE(row.observed->agrees) << name << " " << beta << " " << row.note;
+    }
+  }
+}
+
+TEST(MeshLimits, AtRestAreThoseOfABodyWithoutItsWeight) {
+  const Problem loaded = mesh_problem("fem_green@phantom", {{"g", 9.81}, {"alpha", 4}, {"beta", 0.001}}),
+                free = mesh_problem("fem_green@phantom", {{"alpha", 4}, {"beta", 0.001}});
+  const Method method = find_method("rk4");
+  const Linearised at_rest = linearised(loaded, OperatingPoint::rest), near = linearised(free);
+  EXPECT_EQ(at_rest.state_kind, "rest");
+  EXPECT_FALSE(at_rest.at_equilibrium);
+  EXPECT_EQ(near.state_kind, "equilibrium");
+  EXPECT_DOUBLE_EQ(predict(method, loaded, at_rest).h_max.value(), predict(method, free, near).h_max.value());
+  EXPECT_EQ(predict(method, loaded, at_rest).state_kind, "rest");
+  EXPECT_EQ(linearised(loaded).state_kind, "equilibrium");
 }
 
 TEST(MeshLimits, OfLargeMeshesNeedNoDenseMatrix) {

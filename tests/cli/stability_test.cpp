@@ -433,5 +433,25 @@ TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
   EXPECT_GT(unfinished, 0);
 }
 
+TEST(StabilityPredict, LinearisesABodyAtEquilibriumOrAtRestAndSaysWhere) {
+  const Shell shell;
+  const std::string predict = "stability predict --methods rk4 --json ";
+  const auto row_of = [&](const std::string& rest) {
+    return shell.hmax(predict + rest).json().at("rows").at(0);
+  };
+  const std::string hanging = "--mesh phantom --model fem_green --set g=9.81 ";
+  EXPECT_EQ(row_of(hanging).at("state_kind"), "equilibrium");
+  const Json at_rest = row_of(hanging + "--at rest");
+  EXPECT_EQ(at_rest.at("state_kind"), "rest");
+  EXPECT_FALSE(at_rest.contains("status"));
+  EXPECT_EQ(at_rest.at("h_max"), row_of("--mesh phantom --model fem_green --set g=0").at("h_max"));
+  const Json lost = row_of("--mesh ball:n=2 --set g=30");
+  EXPECT_EQ(lost.at("state_kind"), "rest");
+  EXPECT_NE(lost.at("status").get<std::string>().find("tetrahedron"), std::string::npos);
+  EXPECT_EQ(shell.hmax("stability modes --json --at rest " + hanging).json().at("state_kind"), "rest");
+  expect_refused(shell.hmax(predict + "--problem liver_linear --at rest"), "liver_linear is none; remove it");
+  expect_refused(shell.hmax(predict + "--mesh phantom --at motion"), "rest");
+}
+
 }  // namespace
 }  // namespace hmax
