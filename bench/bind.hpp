@@ -89,6 +89,7 @@ struct StepperEngine {
       StepperT fresh = stepper;
       if constexpr (requires { fresh.set_jacobian_update(spec.jacobian); })
         fresh.set_jacobian_update(spec.jacobian);
+      if constexpr (requires { fresh.set_newton(spec.newton); }) fresh.set_newton(spec.newton);
       if constexpr (requires { fresh.set_linear_solve(spec.linear_solve); })
         fresh.set_linear_solve(spec.linear_solve);
       return integrate(std::move(fresh), system, span, y, control, observer, spec.max_steps);

@@ -13,6 +13,7 @@
 
 #include "integrators/jacobian.hpp"
 #include "integrators/linear_solve.hpp"
+#include "integrators/newton_settings.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
 
@@ -47,6 +48,7 @@ struct RunSpec {
   double rtol = 0, atol = 0;  ///< not read when fixed
   Controllers control = Controllers::deadband;
   JacobianUpdate jacobian{};   ///< read by methods that linearise
+  NewtonSettings newton{};     ///< read by methods that iterate
   LinearSolve linear_solve{};  ///< of symmetric sparse equations, which second-order systems lead to
   double every = 0;            ///< output interval [s]; 0: none, the sink then sees every accepted step
   std::int64_t max_steps = 1'000'000'000;
@@ -61,7 +63,7 @@ struct RunRecord {
   double t = 0;       ///< of the last accepted state, or where it diverged [s]
   Eigen::VectorXd y;  ///< last accepted state, shape (dim)
   Stats stats;
-  std::string_view note{};  ///< a foreign engine's own words for a failure, if it has some
+  std::string_view note{};  ///< why equations were not solved; a foreign engine's own words for a failure
 };
 
 /// One method bound to one problem: three erased calls, each a whole integration in the typed world.

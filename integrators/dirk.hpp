@@ -1,14 +1,17 @@
 /// The one stepper of all diagonally implicit Runge-Kutta methods.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
 #include "integrators/hermite.hpp"
 #include "integrators/newton.hpp"
+#include "integrators/residual_rounding.hpp"
 #include "integrators/slope_at.hpp"
 #include "integrators/state.hpp"
 #include "integrators/stats.hpp"
@@ -50,7 +53,8 @@ class Dirk {
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
-  /// Without them equations are solved to rounding.
+  /// How exactly equations are solved at fixed steps.
+  void set_newton(NewtonSettings settings) { norm_.set(settings); }
   void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
@@ -64,6 +68,7 @@ class Dirk {
     jacobian_.init(system);
     solver_.init(n);
     norm_.init(n);
+    rounding_.init(system);
     work_ = {};
     memory_ = {};
     slopes_known_ = 0;
@@ -83,11 +88,7 @@ class Dirk {
         start_known_ = true;
       }
     attempt_memory_ = memory_;
-    if (!solve_stages(system, t, y, h)) {
-      if (!jacobian_.renew(system, t, y)) return StepStatus::newton_failed;
-      attempt_memory_ = {};
-      if (!solve_stages(system, t, y, h)) return StepStatus::newton_failed;
-    }
+    if (!solve(system, t, y, h)) return StepStatus::newton_failed;
     if constexpr (stiffly_accurate)
       detail::assign(y_new, [&](auto access) { return access(base_) + access(z_); });
     else
@@ -112,7 +113,7 @@ class Dirk {
       if (start_known_) copy_state(stiffly_accurate ? k_[s - 1] : end_slope_, start_slope_);
     }
     jacobian_.accept(attempt_memory_.theta);
-    memory_ = {attempt_memory_.eta, 0};
+    memory_ = {attempt_memory_.eta};
     old_h_ = h_;
   }
 
@@ -195,35 +196,94 @@ class Dirk {
     static constexpr long double weight(std::size_t j) { return tableau.b_err[j]; }
   };
 
+  /// Solves the stages with the Jacobian at hand, else with a new one, else by continuation with one at each
+  /// iterate, where no step can be cut and the user leaves Jacobians to the method.
   template <System Sys>
-  bool solve_stages(const Sys& system, Real t, const State& y, Real h) {
-    if (!solver_.factor(jacobian_.matrix(), jacobian_.id(), h * gamma, work_.factorisations)) return false;
+  bool solve(const Sys& system, Real t, const State& y, Real h) {
+    if (solve_stages(system, t, y, h, std::nullopt)) return true;
+    if (jacobian_.renew(system, t, y)) {
+      attempt_memory_ = {};
+      if (solve_stages(system, t, y, h, std::nullopt)) return true;
+    }
+    if (norm_.has_tolerances() || !jacobian_.decides()) return false;
+    attempt_memory_ = {.theta = 1};
+    return std::ranges::any_of(
+        first_mu, [&](double mu) { return solve_stages(system, t, y, h, static_cast<Real>(mu)); });
+  }
+
+  /// @param continuation  the first mu of continue_newton, which then replaces iterate_newton
+  template <System Sys>
+  bool solve_stages(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
+    if (!continuation && !factor(h * gamma)) return failed(NewtonEnd::singular);
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return (solve_stage<I + explicit_first>(system, t, y, h) && ...);
+      return (solve_stage<I + explicit_first>(system, t, y, h, continuation) && ...);
     }
     (std::make_index_sequence<s - explicit_first>{});
   }
 
+  bool factor(Real h_gamma) {
+    return solver_.factor(jacobian_.matrix(), jacobian_.id(), h_gamma, work_.factorisations);
+  }
+  bool failed(NewtonEnd end) {
+    work_.failure = to_string(end);
+    return false;
+  }
+
   /// Solves h gamma f(t + c_i h, base + z) = z and keeps k_i = z / (h gamma).
   template <std::size_t I, System Sys>
-  bool solve_stage(const Sys& system, Real t, const State& y, Real h) {
+  bool solve_stage(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
     const Real c = static_cast<Real>(tableau.c[I]), h_gamma = h * gamma;
     stage_argument(StageRow<I>{}, y, h, k_, base_);
-    predict(c * h, h_gamma);
     const SlopeAt<Sys> slope(system, t + c * h);
-    const NewtonEnd end =
-        iterate_newton(norm_.iterations(), norm_.stall(), attempt_memory_, work_.newton, [&] {
-          detail::assign(Y_, [&](auto access) { return access(base_) + access(z_); });
-          slope(Y_, d_);
-          detail::assign(d_, [&](auto access) { return h_gamma * access(d_) - access(z_); });
-          solver_.solve(d_);
-          detail::assign(z_, [&](auto access) { return access(z_) + access(d_); });
-          return norm_.squared(d_, Y_);
-        });
-    if (end != NewtonEnd::converged) return false;
+    const auto residual = [&] {
+      detail::assign(Y_, [&](auto access) { return access(base_) + access(z_); });
+      slope(Y_, d_);
+      detail::assign(d_, [&](auto access) { return h_gamma * access(d_) - access(z_); });
+    };
+    const auto correct = [&](Real share) {
+      solver_.solve(d_);
+      detail::assign(d_, [&](auto access) { return share * access(d_); });
+      detail::assign(z_, [&](auto access) { return access(z_) + access(d_); });
+      return norm_.squared(d_, Y_);
+    };
+    const auto rounds = [&](bool estimate) { return rounding(h_gamma, estimate); };
+    NewtonEnd end;
+    if (continuation) {
+      // From a state that stands still: what velocities would carry too far is not even looked at.
+      detail::assign(z_, [&](auto access) { return access(y) - access(base_); });
+      end = continue_newton<Real>(
+          *continuation, attempt_memory_, work_.newton,
+          [&] {
+            residual();
+            return largest_component(d_);
+          },
+          [&](Real mu) -> std::optional<Real> {
+            jacobian_.take(system, t + c * h, Y_);
+            if (!factor(h_gamma / (1 + mu))) return std::nullopt;
+            return correct(1 / (1 + mu));
+          },
+          rounds);
+    } else {
+      predict(c * h, h_gamma);
+      end = iterate_newton(
+          norm_.iterations(), attempt_memory_, work_.newton,
+          [&] {
+            residual();
+            return correct(1);
+          },
+          rounds);
+    }
+    if (end != NewtonEnd::converged) return failed(end);
+    work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
     const Real per_h_gamma = 1 / h_gamma;
     detail::assign(k_[I], [&](auto access) { return access(z_) * per_h_gamma; });
     return true;
+  }
+
+  /// The norm of what rounding of f makes of a correction.
+  Real rounding(Real h_gamma, bool estimate) {
+    return rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
+                     [&](State& x) { solver_.solve(x); });
   }
 
   /// z = h gamma times the slope extrapolated to t + tau; zero as long as no step is behind.
@@ -296,6 +356,7 @@ class Dirk {
   Linearisation<State, Matrix> jacobian_;
   mutable ShiftedSolver<Matrix, typename State::Scalar> solver_;
   NewtonNorm<State> norm_;
+  ResidualRounding<State> rounding_;
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
   Real h_ = 0, old_h_ = 0;

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "integrators/jacobian.hpp"
 #include "integrators/linear_solver.hpp"
+#include "integrators/newton_settings.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/structural.hpp"
 
@@ -96,6 +98,12 @@ class GeneralizedAlpha {
     if constexpr (requires { solver_.set(choice); }) solver_.set(choice);
   }
 
+  /// How exactly equations are solved.
+  void set_newton(NewtonSettings settings) {
+    iterations_ = settings.iterations;
+    tolerance_ = std::max(static_cast<Real>(settings.tolerance), rounding);
+  }
+
   template <SecondOrderSystem Sys>
   void init(const Sys& system, Real t, const State& y) {
     const Eigen::Index n = system.dofs();
@@ -133,13 +141,13 @@ class GeneralizedAlpha {
     new_slow_ = false;
     if (factor(h)) {
       a_new_ = a_;
-      if (iterate(system, t, y, h, y_new, decides() ? 10 : 100, false)) return StepStatus::ok;
+      if (iterate(system, t, y, h, y_new, limit(decides() ? 10 : 100), false)) return StepStatus::ok;
     }
     // The iterates of Newton's method leave K and C alone: an attempt leaves no trace.
     factored_h_ = std::numeric_limits<Real>::quiet_NaN();
     if (!decides()) return StepStatus::newton_failed;
     stand_still(y, h);
-    const bool solved = iterate(system, t, y, h, y_new, 40, true);
+    const bool solved = iterate(system, t, y, h, y_new, limit(40), true);
     new_rate_ = Real(1);
     new_slow_ = true;
     return solved ? StepStatus::ok : StepStatus::newton_failed;
@@ -177,6 +185,9 @@ class GeneralizedAlpha {
   [[nodiscard]] bool decides() const {
     return update_.every == JacobianUpdate::automatic || update_.every == 1;
   }
+
+  /// The iterations that are allowed where the user sets no limit.
+  [[nodiscard]] int limit(int own) const { return iterations_ > 0 ? iterations_ : own; }
 
   void unpack(const State& y) {
     const Eigen::Index n = detail::dofs_of(y);
@@ -239,7 +250,7 @@ class GeneralizedAlpha {
       });
       if (newton) {
         linearise(system, t_f, K_full_, C_full_);
-        if (!factor(h, K_full_, C_full_)) return false;
+        if (!factor(h, K_full_, C_full_)) return fails("the matrix of Newton's method is singular");
       }
       // A d = (F - M ((1 - alpha_m) a_new + alpha_m a)) / (1 - alpha_m)
       system.force(t_f, q_, v_, force_);
@@ -254,21 +265,33 @@ class GeneralizedAlpha {
       // As velocities: the correction, and the motion that it corrects.
       const Real size = h * norm(force_, 0);
       const Real motion = norm(y_new, n) + h * norm(a_new_, 0);
-      if (!(size <= std::numeric_limits<Real>::max())) return false;
+      if (!(size <= std::numeric_limits<Real>::max()))
+        return fails("the forces are not finite in an iterate of Newton's method");
       if (k > 1) {
         rate = size / before;
         if (rate >= 1) {
           // Nothing but rounding may be left, also of positions, which is more than that of a slow motion.
-          if (size <= 50 * rounding * (motion + norm(y_new, 0) / h)) return true;
-          if (!newton) return false;
+          if (size <= 50 * rounding * (motion + norm(y_new, 0) / h)) return solved(size, motion);
+          if (!newton) return fails("Newton's method diverges");
         }
         new_rate_ = rate;
         new_slow_ = rate > Real(slow);
       }
-      if (size * std::min(Real(1), 10 * rate) <= rounding * motion) return true;
+      const Real left = size * std::min(Real(1), 10 * rate);
+      if (left <= tolerance_ * motion) return solved(left, motion);
       before = size;
     }
+    return fails("Newton's method converges too slowly");
+  }
+
+  bool fails(std::string_view why) {
+    work_.failure = why;
     return false;
+  }
+  /// Remembers the error that is left.
+  bool solved(Real left, Real motion) {
+    if (motion > 0) work_.newton_error = std::max(work_.newton_error, static_cast<double>(left / motion));
+    return true;
   }
 
   /// The Euclidean norm of n numbers from `first` on; of one number without a root.
@@ -292,6 +315,8 @@ class GeneralizedAlpha {
 
   Real alpha_m_ = 0, alpha_f_ = 0, beta_ = Real(0.25), gamma_ = Real(0.5);
   JacobianUpdate update_{};
+  Real tolerance_ = rounding;
+  int iterations_ = 0;                                             // limit of the user; 0: none
   DofsT mass_ = blank_state<DofsT>(), a_ = mass_, a_new_ = mass_;  // shape (n)
   DofsT q_ = mass_, v_ = mass_, force_ = mass_;                    // at one iterate, shape (n)
   MatrixT K_ = blank_matrix<MatrixT>(), C_ = K_, K_full_ = K_,

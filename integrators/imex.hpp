@@ -2,6 +2,7 @@
 /// the rest is stepped explicitly.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +11,7 @@
 #include "integrators/hermite.hpp"
 #include "integrators/imex_tableaux.hpp"
 #include "integrators/newton.hpp"
+#include "integrators/residual_rounding.hpp"
 #include "integrators/state.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
@@ -62,7 +64,8 @@ class ImexRk {
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
-  /// Without them equations are solved to rounding.
+  /// How exactly equations are solved at fixed steps.
+  void set_newton(NewtonSettings settings) { norm_.set(settings); }
   void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
@@ -76,6 +79,7 @@ class ImexRk {
     jacobian_.init(StiffPart<Sys>(system));
     solver_.init(n);
     norm_.init(n);
+    rounding_.init(system);
     work_ = {};
     memory_ = {};
     start_known_ = end_known_ = false;
@@ -108,7 +112,7 @@ class ImexRk {
   /// Commits the last attempt: y_new is the new state.
   void accept(const State&) {
     jacobian_.accept(attempt_memory_.theta);
-    memory_ = {attempt_memory_.eta, 0};
+    memory_ = {attempt_memory_.eta};
     start_known_ = end_known_;
     if (!end_known_) return;
     copy_state(end_nonstiff_, nonstiff_[0]);
@@ -211,12 +215,18 @@ class ImexRk {
       ++work_.newton;
       if (!is_bounded(z_)) return false;
     } else {
-      const NewtonEnd end =
-          iterate_newton(norm_.iterations(), norm_.stall(), attempt_memory_, work_.newton, [&] {
+      const NewtonEnd end = iterate_newton(
+          norm_.iterations(), attempt_memory_, work_.newton,
+          [&] {
             correct();
             return norm_.squared(d_, Y_);
-          });
-      if (end != NewtonEnd::converged) return false;
+          },
+          [&](bool estimate) { return rounding(h_gamma, estimate); });
+      if (end != NewtonEnd::converged) {
+        work_.failure = to_string(end);
+        return false;
+      }
+      work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
     }
     const Real per_h_gamma = 1 / h_gamma;
     detail::assign(stiff_[I], [&](auto access) { return access(z_) * per_h_gamma; });
@@ -227,6 +237,12 @@ class ImexRk {
     return true;
   }
 
+  /// The norm of what rounding of f makes of a correction.
+  Real rounding(Real h_gamma, bool estimate) {
+    return rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
+                     [&](State& x) { solver_.solve(x); });
+  }
+
   static constexpr Real gamma = static_cast<Real>(tableau.stiff.a[s - 1][s - 1]);
   std::array<State, s> nonstiff_, stiff_;  // kE_i, kI_i
   State base_ = blank_state<State>(), z_ = base_, Y_ = base_, d_ = base_;
@@ -235,6 +251,7 @@ class ImexRk {
   Linearisation<State, Matrix> jacobian_;
   ShiftedSolver<Matrix, typename State::Scalar> solver_;
   NewtonNorm<State> norm_;
+  ResidualRounding<State> rounding_;
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
   bool start_known_ = false, end_known_ = false;

@@ -61,7 +61,7 @@ struct RunEnd {
   Outcome outcome;
   Real t;
   Stats stats;  ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
-  std::string_view note{};  ///< a foreign engine's own words for a failure, if it has some
+  std::string_view note{};  ///< why equations were not solved; a foreign engine's own words for a failure
 };
 
 namespace detail {
@@ -88,6 +88,8 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     if constexpr (requires { stepper.work(); }) {
       end.stats.factorisations = stepper.work().factorisations;
       end.stats.newton = stepper.work().newton;
+      end.stats.newton_error = stepper.work().newton_error;
+      if (outcome == Outcome::newton_failed) end.note = stepper.work().failure;
     }
     return end;
   };

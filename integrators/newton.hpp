@@ -6,22 +6,26 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
 #include "integrators/jacobian.hpp"
 #include "integrators/linear_solver.hpp"
+#include "integrators/newton_settings.hpp"
 #include "integrators/state.hpp"
 
 namespace hmax {
 
 /// How large a correction is, in units of what the equations have to be solved to.
 /// With tolerances: root mean square of d_i / max(kappa (atol + rtol |y_i|), 4 eps |y_i|), a fraction kappa
-/// of what the error test allows. Without, in runs of fixed steps: max |d_i| / (4 eps max(|y|, |Y|, |d|)), in
-/// the maximum norm, that is solved to rounding.
+/// of what the error test allows. Without, in runs of fixed steps: max |d_i| / (tol max(|y|, |Y|, |d|)), in
+/// the maximum norm, where tol is 4 eps unless the user allows more.
 /// @source [hairer1996solving] IV.8
 template <class StateT>
 class NewtonNorm {
@@ -32,9 +36,12 @@ class NewtonNorm {
 
   explicit NewtonNorm(Real kappa = Real(0.05)) : kappa_(kappa) {}
 
+  void set(NewtonSettings settings) { settings_ = settings; }
+
   /// Forgets tolerances and makes room for states of shape (n).
   void init(Eigen::Index n) {
     rtol_ = atol_ = 0;
+    share_ = std::max(static_cast<Real>(settings_.tolerance), rounding);
     per_weight_.resize(n);
   }
   void set_tolerances(Real rtol, Real atol) {
@@ -46,7 +53,7 @@ class NewtonNorm {
   /// Weighs the corrections of an attempt that starts from y, shape (n).
   void prepare(const State& y) {
     if (!has_tolerances()) {
-      scale_ = largest(y);
+      scale_ = largest_component(y);
       return;
     }
     for (Eigen::Index i = 0; i < y.size(); ++i) {
@@ -59,10 +66,10 @@ class NewtonNorm {
   /// Square of the norm of a correction d, shape (n), that led to the iterate Y.
   [[nodiscard]] Real squared(const State& d, const State& Y) const {
     if (!has_tolerances()) {
-      const Real size = largest(d);
+      const Real size = largest_component(d);
       // The smallest numbers have no relative precision.
       const Real unit =
-          std::max(rounding * std::max({scale_, largest(Y), size}), std::numeric_limits<Real>::min());
+          std::max(share_ * std::max({scale_, largest_component(Y), size}), std::numeric_limits<Real>::min());
       return Eigen::numext::abs2(size / unit);
     }
     Real sum{0};
@@ -70,24 +77,20 @@ class NewtonNorm {
     return sum / static_cast<Real>(d.size());
   }
 
-  /// Corrections that no longer shrink are rounding when their norm is at most this.
-  [[nodiscard]] Real stall() const { return 250 * rounding / std::max(rtol_, rounding); }
-  /// With a step that can be cut it is cheaper to give up early.
-  [[nodiscard]] int iterations() const { return has_tolerances() ? 7 : 100; }
-
- private:
-  /// max |v_i|; NaN when there is one.
-  static Real largest(const State& v) {
-    Real most{0};
-    for (Eigen::Index i = 0; i < v.size(); ++i) {
-      const Real size = std::abs(v[i]);
-      if (std::isnan(size)) return size;
-      most = std::max(most, size);
-    }
-    return most;
+  /// A norm relative to the largest number of the state; 0 with tolerances, which weigh numbers apart.
+  [[nodiscard]] double relative(Real norm) const {
+    return has_tolerances() ? 0 : static_cast<double>(norm * share_);
   }
 
-  Real kappa_, rtol_ = 0, atol_ = 0, scale_ = 0;
+  /// The limit of iterations. With a step that can be cut it is cheaper to give up early.
+  [[nodiscard]] int iterations() const {
+    if (settings_.iterations > 0) return settings_.iterations;
+    return has_tolerances() ? 7 : 50;
+  }
+
+ private:
+  Real kappa_, rtol_ = 0, atol_ = 0, scale_ = 0, share_ = rounding;
+  NewtonSettings settings_;
   State per_weight_ = blank_state<State>();
 };
 
@@ -98,57 +101,117 @@ struct NewtonMemory {
   /// it takes two corrections to believe in convergence: a Jacobian that is far too large makes small ones.
   Real eta = std::numeric_limits<Real>::infinity();
   Real theta = 0;  ///< largest rate of convergence that was seen since it was set to zero
+  Real error = 0;  ///< norm of what the last iteration left, as its rate of convergence foretells
 };
 
-enum class NewtonEnd { converged, too_slow, diverged, not_finite };
+enum class NewtonEnd { converged, too_slow, diverged, not_finite, singular };
 
-/// Iterates until the error of the equations is at most 1 in the norm of the corrections.
+/// The limit of iterations of continue_newton, and the mu that its callers begin with, one after the other.
+inline constexpr int most_continuation = 100;
+inline constexpr std::array<double, 3> first_mu{1, 10, 100};
+
+/// What is to be said of equations that were not solved.
+constexpr std::string_view to_string(NewtonEnd end) {
+  switch (end) {
+    case NewtonEnd::converged:
+      return "converged";
+    case NewtonEnd::too_slow:
+      return "Newton's method converges too slowly";
+    case NewtonEnd::diverged:
+      return "Newton's method diverges";
+    case NewtonEnd::not_finite:
+      return "the forces are not finite in an iterate of Newton's method";
+    case NewtonEnd::singular:
+      return "the matrix of Newton's method is singular";
+  }
+  return "unknown";
+}
+
+/// Iterates until the error of the equations is at most one unit in the norm of the corrections: the
+/// tolerance or, where it is larger, what rounding of f makes of a correction.
 ///   theta_k = |d_k| / |d_(k-1)|,   solved when  theta / (1 - theta) |d_k| <= 1;
-/// it diverges when theta >= 1 unless rounding is all that is left, and is too slow when theta^(k_max - k) /
-/// (1 - theta) |d_k| > 1. The first correction is judged by the rate of the iteration before, which is
-/// trusted a little less each time: eta <- eta^(3/4).
+/// it diverges when theta >= 1, and is too slow when theta^(k_max - k) / (1 - theta) |d_k| > 1. The first
+/// correction is judged by the rate of the iteration before, which is trusted a little less each time:
+/// eta <- eta^(3/4). Convergence that breaks off is the sign of rounding, whose size is then asked for: below
+/// it corrections neither shrink nor grow, and their rate says nothing.
 /// @param iterations  limit k_max
-/// @param stall       corrections that no longer shrink are taken for rounding up to this norm
 /// @param correct     correct() makes one correction and returns the square of its norm
+/// @param rounding    rounding(estimate) is the norm of the corrections that rounding of f makes; 0 where it
+///                    is neither known nor to be estimated
 /// @param count       is increased by the number of corrections
 /// @source [hairer1996solving] IV.8 (8.10), with 3/4 for the exponent 0.8, which costs two square roots
-template <class Real, class Correct>
-NewtonEnd iterate_newton(int iterations, Real stall, NewtonMemory<Real>& memory, std::int64_t& count,
-                         Correct&& correct) {
+template <class Real, class Correct, class Rounding>
+NewtonEnd iterate_newton(int iterations, NewtonMemory<Real>& memory, std::int64_t& count, Correct&& correct,
+                         const Rounding& rounding) {
   using std::sqrt, std::pow;
+  constexpr Real broken_off = Real(0.1);  // a rate above which the convergence may be that of rounding
   Real eta = std::max(memory.eta, std::numeric_limits<Real>::epsilon());
   eta = sqrt(eta * sqrt(eta));
-  // Forces of a body in space are differences of positions: beside a small motion they know few digits.
-  constexpr Real noise = Real(1e-6);
-  Real first = 0, last = 0, theta = 0, last_rate = 0;
+  Real last = 0, theta = 0, last_rate = 0;
   for (int k = 1; k <= iterations; ++k) {
     ++count;
     const Real norm = sqrt(correct());
     if (!(norm <= std::numeric_limits<Real>::max())) return NewtonEnd::not_finite;
-    if (k > 1) {
+    const Real noise = rounding(k > 1 && norm > broken_off * last), unit = std::max(Real(1), noise);
+    const bool rounds = k > 1 && norm <= noise;
+    const Real rate = k > 1 ? norm / last : Real(0);
+    if (k > 1 && !rounds) {
       // Two rates in a row are averaged: with complex eigenvalues they alternate.
-      const Real rate = norm / last;
       theta = k == 2 ? rate : sqrt(rate * last_rate);
       last_rate = rate;
       if (theta < 1) eta = theta / (1 - theta);
+    } else if (k > 1 && rate < 1) {
+      eta = std::min(eta, rate / (1 - rate));  // of rounding it is an upper bound of the rate
     }
-    const bool shrinks = theta < 1;
-    if (k == 1) first = norm;
-    // A correction that no longer shrinks, far below the first one, is what f rounds to.
-    const bool rounds = !shrinks && norm <= std::max(stall, noise * first);
-    if (norm == 0 || (shrinks && eta * norm <= 1) || rounds) {
-      if (shrinks) {
+    if (norm == 0 || rounds || (theta < 1 && eta * norm <= unit)) {
+      if (theta < 1) {
         memory.eta = eta;
         memory.theta = std::max(memory.theta, theta);
       }
+      memory.error = std::min(eta, Real(1)) * norm;
       return NewtonEnd::converged;
     }
-    if (!shrinks) return NewtonEnd::diverged;
-    if (k > 1 && norm > stall && pow(theta, static_cast<Real>(iterations - k)) * eta * norm > theta)
+    if (theta >= 1) return NewtonEnd::diverged;
+    if (k > 1 && pow(theta, static_cast<Real>(iterations - k)) * eta * norm > theta * unit)
       return NewtonEnd::too_slow;
     last = norm;
   }
-  return last <= stall ? NewtonEnd::converged : NewtonEnd::too_slow;
+  return NewtonEnd::too_slow;
+}
+
+/// Newton's method by pseudo-transient continuation, for where the simplified iteration fails: stage
+/// equations z = s f(base + z) are the rest states of dz/dtau = s f(base + z) - z, whose linearly implicit
+/// Euler steps
+///   ((1 + mu) I - s J) d = s f(base + z) - z,   J at each iterate,
+/// follow the flow while mu, one over the length of a step, is large, and are Newton's as it vanishes with
+/// the residual (switched evolution relaxation). Of forces with a potential it finds a minimum of the
+/// incremental potential, where Newton's method alone ends at saddles or turns in circles.
+/// @param mu        the first one; the larger, the closer the flow is followed and the more steps it takes
+/// @param residual  residual() finds s f(base + z) - z and returns the size of its largest number
+/// @param correct   correct(mu) makes the correction d of that residual and adds it to z; it returns the
+/// square
+///                  of its norm, or nothing when the matrix is singular
+/// @param rounding  as in iterate_newton
+/// @source [kelley1998convergence]
+template <class Real, class Residual, class Correct, class Rounding>
+NewtonEnd continue_newton(Real mu, NewtonMemory<Real>& memory, std::int64_t& count, const Residual& residual,
+                          const Correct& correct, const Rounding& rounding) {
+  using std::sqrt;
+  constexpr Real most = Real(1e4), newton = Real(1e-2);
+  Real before = 0;
+  for (int k = 1; k <= most_continuation; ++k) {
+    const Real size = residual();
+    if (!(size <= std::numeric_limits<Real>::max())) return NewtonEnd::not_finite;
+    if (k > 1) mu = std::min(most, mu * size / before);
+    before = size;
+    const std::optional<Real> squared = correct(mu);
+    ++count;
+    if (!squared) return NewtonEnd::singular;
+    memory.error = sqrt(*squared);
+    if (!(memory.error <= std::numeric_limits<Real>::max())) return NewtonEnd::not_finite;
+    if (memory.error <= 1 || (mu < newton && memory.error <= rounding(true))) return NewtonEnd::converged;
+  }
+  return NewtonEnd::too_slow;
 }
 
 /// The Jacobian of a method that solves equations, and the rules by which it is renewed. automatic: when the
@@ -194,6 +257,18 @@ class Linearisation {
     if (!fresh_known_) evaluate(system, t, y, fresh_, fresh_id_);
     fresh_known_ = uses_fresh_ = true;
     return true;
+  }
+
+  /// Turns to the Jacobian at an iterate, which no later attempt uses unless this one is accepted.
+  template <System Sys>
+  void take(const Sys& system, Real t, const State& y) {
+    evaluate(system, t, y, fresh_, fresh_id_);
+    uses_fresh_ = true;
+    fresh_known_ = false;
+  }
+  /// Whether this class chooses where Jacobians are taken.
+  [[nodiscard]] bool decides() const {
+    return update_.every == JacobianUpdate::automatic || update_.every == 1;
   }
 
   /// @param theta  rate of convergence of the step that is accepted

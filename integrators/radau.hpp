@@ -1,15 +1,18 @@
 /// Radau IIA of order 5: the collocation method for tight stiff work.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
 #include "integrators/newton.hpp"
 #include "integrators/radau_coefficients.hpp"
+#include "integrators/residual_rounding.hpp"
 #include "integrators/slope_at.hpp"
 #include "integrators/state.hpp"
 #include "integrators/stats.hpp"
@@ -44,7 +47,8 @@ class RadauIIA5 {
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) { real_.set(choice); }
-  /// Without them equations are solved to rounding.
+  /// How exactly equations are solved at fixed steps.
+  void set_newton(NewtonSettings settings) { norm_.set(settings); }
   void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
@@ -60,6 +64,7 @@ class RadauIIA5 {
     real_.init(n);
     complex_.init(n);
     norm_.init(n);
+    rounding_.init(system);
     work_ = {};
     memory_ = {};
     slope_known_ = polynomial_known_ = false;
@@ -77,11 +82,7 @@ class RadauIIA5 {
       slope_known_ = true;
     }
     attempt_memory_ = memory_;
-    if (!solve(system, t, y, h)) {
-      if (!jacobian_.renew(system, t, y)) return StepStatus::newton_failed;
-      attempt_memory_ = {};
-      if (!solve(system, t, y, h)) return StepStatus::newton_failed;
-    }
+    if (!solve(system, t, y, h)) return StepStatus::newton_failed;
     detail::assign(y_new, [&](auto access) { return access(y) + access(z_[2]); });
     return StepStatus::ok;
   }
@@ -98,7 +99,7 @@ class RadauIIA5 {
              per_h;
     });
     jacobian_.accept(attempt_memory_.theta);
-    memory_ = {attempt_memory_.eta, 0};
+    memory_ = {attempt_memory_.eta};
     old_h_ = h_;
   }
 
@@ -138,43 +139,110 @@ class RadauIIA5 {
   static constexpr Real e(std::size_t i) { return static_cast<Real>(radau::e[i]); }
   static constexpr Real c1m1 = c(0) - 1, c2m1 = c(1) - 1;
 
+  /// As Dirk::solve.
   template <System Sys>
   bool solve(const Sys& system, Real t, const State& y, Real h) {
-    const Real h_gamma = h / gamma;
-    const Complex h_complex = h / Complex(static_cast<Real>(radau::alpha), static_cast<Real>(radau::beta));
-    if (!real_.factor(jacobian_.matrix(), jacobian_.id(), h_gamma, work_.factorisations) ||
-        !complex_.factor(jacobian_.matrix(), jacobian_.id(), h_complex, work_.factorisations))
-      return false;
-    predict(h);
+    if (solve_stages(system, t, y, h, std::nullopt)) return true;
+    if (jacobian_.renew(system, t, y)) {
+      attempt_memory_ = {};
+      if (solve_stages(system, t, y, h, std::nullopt)) return true;
+    }
+    if (norm_.has_tolerances() || !jacobian_.decides()) return false;
+    attempt_memory_ = {.theta = 1};
+    // The three stages have no potential together: a slower flow would not come nearer.
+    return solve_stages(system, t, y, h, static_cast<Real>(first_mu[0]));
+  }
+
+  static Complex complex_shift(Real h) {
+    return h / Complex(static_cast<Real>(radau::alpha), static_cast<Real>(radau::beta));
+  }
+  bool factor(Real h) {
+    return real_.factor(jacobian_.matrix(), jacobian_.id(), h / gamma, work_.factorisations) &&
+           complex_.factor(jacobian_.matrix(), jacobian_.id(), complex_shift(h), work_.factorisations);
+  }
+
+  /// @param continuation  the first mu of continue_newton, with the Jacobian at the last stage, which then
+  ///                      replaces iterate_newton
+  template <System Sys>
+  bool solve_stages(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
     const SlopeAt<Sys> slopes[]{{system, t + c(0) * h}, {system, t + c(1) * h}, {system, t + h}};
-    const NewtonEnd end =
-        iterate_newton(norm_.iterations(), norm_.stall(), attempt_memory_, work_.newton, [&] {
-          for (std::size_t i = 0; i < 3; ++i) {
-            detail::assign(Y_[i], [&](auto access) { return access(y) + access(z_[i]); });
-            slopes[i](Y_[i], f_[i]);
-          }
-          transform<Inverse>(f_, z_);  // g, in the place of z
-          detail::assign(f_[0], [&](auto access) { return h_gamma * access(z_[0]) - access(w_[0]); });
-          for (Eigen::Index d = 0; d < y.size(); ++d) {
-            const Real re = h_complex.real(), im = h_complex.imag();
-            pair_[d] =
-                Complex(re * z_[1][d] - im * z_[2][d] - w_[1][d], re * z_[2][d] + im * z_[1][d] - w_[2][d]);
-          }
-          real_.solve(f_[0]);
-          complex_.solve(pair_);
-          for (Eigen::Index d = 0; d < y.size(); ++d) {
-            f_[1][d] = pair_[d].real();
-            f_[2][d] = pair_[d].imag();
-          }
-          Real sum = 0;
-          for (std::size_t i = 0; i < 3; ++i) {
-            detail::assign(w_[i], [&](auto access) { return access(w_[i]) + access(f_[i]); });
-            sum += norm_.squared(f_[i], Y_[2]);
-          }
-          transform<Forward>(w_, z_);
-          return sum / 3;
-        });
+    const auto rounds = [&](bool estimate) { return rounding(h, estimate); };
+    NewtonEnd end = NewtonEnd::singular;
+    if (continuation) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        z_[i].setZero();
+        w_[i].setZero();
+      }
+      end = continue_newton<Real>(
+          *continuation, attempt_memory_, work_.newton,
+          [&] {
+            find_residual(slopes, y, h);
+            Real size = 0;
+            for (const State& part : f_) size = std::max(size, largest_component(part));
+            return size;
+          },
+          [&](Real mu) -> std::optional<Real> {
+            jacobian_.take(system, t + h, Y_[2]);
+            if (!factor(h / (1 + mu))) return std::nullopt;
+            return correct(1 / (1 + mu));
+          },
+          rounds);
+    } else if (factor(h)) {
+      predict(h);
+      end = iterate_newton(
+          norm_.iterations(), attempt_memory_, work_.newton,
+          [&] {
+            find_residual(slopes, y, h);
+            return correct(1);
+          },
+          rounds);
+    }
+    if (end != NewtonEnd::converged) work_.failure = to_string(end);
+    work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
     return end == NewtonEnd::converged;
+  }
+
+  /// Leaves the right-hand sides of the equations for dw, of the iterate w, z, in f_.
+  template <class Slopes>
+  void find_residual(const Slopes& slopes, const State& y, Real h) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      detail::assign(Y_[i], [&](auto access) { return access(y) + access(z_[i]); });
+      slopes[i](Y_[i], f_[i]);
+    }
+    transform<Inverse>(f_, z_);  // g, in the place of z
+    const Real h_gamma = h / gamma, re = complex_shift(h).real(), im = complex_shift(h).imag();
+    detail::assign(f_[0], [&](auto access) { return h_gamma * access(z_[0]) - access(w_[0]); });
+    detail::assign(f_[1],
+                   [&](auto access) { return re * access(z_[1]) - im * access(z_[2]) - access(w_[1]); });
+    detail::assign(f_[2],
+                   [&](auto access) { return re * access(z_[2]) + im * access(z_[1]) - access(w_[2]); });
+  }
+
+  /// Solves for dw, of which a share is added to w; z becomes that of the new w.
+  /// @returns the mean square of the norms of what was added
+  Real correct(Real share) {
+    for (Eigen::Index d = 0; d < pair_.size(); ++d) pair_[d] = Complex(f_[1][d], f_[2][d]);
+    real_.solve(f_[0]);
+    complex_.solve(pair_);
+    for (Eigen::Index d = 0; d < pair_.size(); ++d) {
+      f_[1][d] = pair_[d].real();
+      f_[2][d] = pair_[d].imag();
+    }
+    Real sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      detail::assign(f_[i], [&](auto access) { return share * access(f_[i]); });
+      detail::assign(w_[i], [&](auto access) { return access(w_[i]) + access(f_[i]); });
+      sum += norm_.squared(f_[i], Y_[2]);
+    }
+    transform<Forward>(w_, z_);
+    return sum / 3;
+  }
+
+  /// The norm of what rounding of f makes of a correction. That of each stage is as large as the real
+  /// equation makes it; the transformation enlarges it by about 5.
+  Real rounding(Real h, bool estimate) {
+    return 5 * rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h / gamma, Y_[2], z_[2], norm_,
+                         [&](State& x) { real_.solve(x); });
   }
 
   struct Forward {
@@ -239,6 +307,7 @@ class RadauIIA5 {
   mutable ShiftedSolver<Matrix, Real> real_;
   ShiftedSolver<Matrix, Complex> complex_;
   NewtonNorm<State> norm_{Real(0.03)};
+  ResidualRounding<State> rounding_;
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
   Real h_ = 0, old_h_ = 0;

@@ -70,6 +70,18 @@ inline bool is_bounded(const State& y) {
   }
 }
 
+/// max |v_i|; NaN when there is one.
+template <class State>
+inline real_of<State> largest_component(const State& v) {
+  real_of<State> most{0};
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    const real_of<State> size = std::abs(v[i]);
+    if (std::isnan(size)) return size;
+    most = std::max(most, size);
+  }
+  return most;
+}
+
 /// A row of weights known at compile time: Row::size and constexpr Row::weight(j). Zero weights cost nothing.
 template <class Row>
 concept StaticRow = requires {

@@ -121,8 +121,16 @@ concept BoundedSpectrumSystem = System<S> &&
   { system.spectral_radius(t, y) } -> std::convertible_to<real_of<typename S::State>>;
 };
 
+/// A system that adds numbers larger than those of its state: positions X + q in space, of which the state
+/// holds the displacements q. `offset` writes |X|, shape (dim), in the units of the state; the rounding of f
+/// is that of numbers of the size |y_i| + |X_i|.
+template <class S>
+concept OffsetSystem = System<S> && requires(const S& system, typename S::State& X) {
+  system.offset(X);
+};
+
 /// Whether a system offers a verb. A type that has it says so by having it; an erased system, which has every
-/// verb, answers at run time through has_jacobian(), has_time_derivative(), has_spectral_radius().
+/// verb, answers at run time through has_jacobian(), has_time_derivative(), and so on.
 template <System S>
 constexpr bool has_jacobian(const S& system) {
   if constexpr (requires { system.has_jacobian(); })
@@ -143,6 +151,14 @@ constexpr bool has_spectral_radius(const S& system) {
     return system.has_spectral_radius();
   else
     return BoundedSpectrumSystem<S>;
+}
+
+template <System S>
+constexpr bool has_offset(const S& system) {
+  if constexpr (requires { system.has_offset(); })
+    return system.has_offset();
+  else
+    return OffsetSystem<S>;
 }
 
 /// True when f is known not to depend on time.

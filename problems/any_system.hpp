@@ -43,6 +43,8 @@ class BasicAnySystem {
   void time_derivative(Real t, const State& y, State& dfdt) const { self_->time_derivative(t, y, dfdt); }
   [[nodiscard]] bool has_spectral_radius() const { return self_->has_spectral_radius(); }
   [[nodiscard]] Real spectral_radius(Real t, const State& y) const { return self_->spectral_radius(t, y); }
+  [[nodiscard]] bool has_offset() const { return self_->has_offset(); }
+  void offset(State& X) const { self_->offset(X); }
 
   /// 0 when the system is of first order only.
   [[nodiscard]] Eigen::Index dofs() const { return self_->dofs(); }
@@ -75,6 +77,8 @@ class BasicAnySystem {
     virtual void time_derivative(Real, const State&, State&) const = 0;
     virtual bool has_spectral_radius() const = 0;
     virtual Real spectral_radius(Real, const State&) const = 0;
+    virtual bool has_offset() const = 0;
+    virtual void offset(State&) const = 0;
     virtual Eigen::Index dofs() const = 0;
     virtual bool has_sparse_matrices() const = 0;
     virtual Dofs mass() const = 0;
@@ -158,6 +162,7 @@ class BasicAnySystem {
       s.sparsity(pattern);
     };
     static constexpr bool bounded = requires(const S& s, const Own& y) { s.spectral_radius(OwnReal{}, y); };
+    static constexpr bool with_offset = requires(const S& s, Own& X) { s.offset(X); };
     static constexpr bool second_order = requires { typename S::Dofs; };
     static constexpr bool split = requires(const S& s, Own& out) { s.rhs_stiff(OwnReal{}, out, out); };
 
@@ -206,6 +211,10 @@ class BasicAnySystem {
             system_.spectral_radius(static_cast<OwnReal>(t), Own(y.template cast<typename Own::Scalar>())));
       else
         return Real{0};
+    }
+    bool has_offset() const override { return with_offset; }
+    void offset(State& X) const override {
+      if constexpr (with_offset) through<Own>(X, X, [&](const Own&, Own& out) { system_.offset(out); });
     }
 
     Eigen::Index dofs() const override {

@@ -52,6 +52,13 @@ TissueBody::TissueBody(const TetMesh& mesh, TissueSettings settings, std::shared
   build_rayleigh_damping();
 }
 
+void TissueBody::offset(State& X) const {
+  X.setZero(dim());
+  if (!needs_positions()) return;
+  for (std::size_t i = 0; i < free_points_.size(); ++i)
+    X.segment<3>(3 * static_cast<Eigen::Index>(i)) = mesh_.points.col(free_points_[i]).cwiseAbs();
+}
+
 void TissueBody::check_points(std::span<const Index> points, const char* what) const {
   for (const Index i : points)
     if (i < 0 || i >= mesh_.point_count())
@@ -232,7 +239,7 @@ void TissueBody::displace(double t, Eigen::Ref<const Dofs> q, NodeRows& u) const
 
 void TissueBody::place(double t, Eigen::Ref<const Dofs> q, Scratch& rows) const {
   if (settings_.model != TissueModel::mass_spring) displace(t, q, rows.u);
-  if (springs_.empty() && !membrane_ && settings_.tools.empty()) return;
+  if (!needs_positions()) return;
   rows.x.resize(at(mesh_.point_count()));
   visit_displacements(
       t, q, [&](Index i, const auto& moved) { as_vector(rows.x[at(i)]) = mesh_.points.col(i) + moved; });

@@ -52,6 +52,9 @@ class TissueBody {
   [[nodiscard]] bool is_autonomous() const { return autonomous_; }
   /// The state at rest: the body as the mesh has it.
   [[nodiscard]] State y0() const { return State::Zero(dim()); }
+  /// (|X|, 0) of the free points, shape (dim): springs, skins and tools meet positions X + q, with their
+  /// rounding; 0 where there are elements alone, which meet displacements.
+  void offset(State& X) const;
 
   void rhs(double t, const State& y, State& dydt) const;
   /// Lumped: a quarter of each tetrahedron at each of its points, shape (dofs) [kg].
@@ -124,6 +127,9 @@ class TissueBody {
   void move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const;
   void total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<const Dofs> v, Eigen::Ref<Dofs> f) const;
   void write_elastic_stiffness(const Scratch& rows, double* values) const;
+  [[nodiscard]] bool needs_positions() const {
+    return !springs_.empty() || membrane_ || !settings_.tools.empty();
+  }
   [[nodiscard]] bool needs_velocities() const { return has_dampers_ || !settings_.tools.empty(); }
 
   TetMesh mesh_;

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "integrators/residual_rounding.hpp"
 #include "integrators/stats.hpp"
 #include "problems/oscillator.hpp"
 
@@ -21,17 +23,20 @@ struct Iteration {
 };
 
 /// An iteration whose corrections have the given norms, and shrink on by the last ratio.
-Iteration iterate(std::vector<double> norms, NewtonMemory<double> memory = {}, double stall = 0,
+/// @param rounding  the norm of corrections that are rounding
+Iteration iterate(std::vector<double> norms, NewtonMemory<double> memory = {}, double rounding = 0,
                   int limit = 7) {
   std::size_t k = 0;
   Iteration run{NewtonEnd::converged, 0, memory};
-  run.end = iterate_newton(limit, stall, run.memory, run.corrections, [&] {
+  const auto correct = [&] {
     const std::size_t last = norms.size() - 1;
     const double ratio = last > 0 ? norms[last] / norms[last - 1] : 1.0;
     const double norm = k <= last ? norms[k] : norms[last] * std::pow(ratio, static_cast<double>(k - last));
     ++k;
     return norm * norm;
-  });
+  };
+  run.end = iterate_newton(limit, run.memory, run.corrections, correct,
+                           [&](bool estimate) { return estimate ? rounding : 0.0; });
   return run;
 }
 
@@ -81,9 +86,81 @@ TEST(Newton, SaysThatACorrectionIsNotFinite) {
   EXPECT_EQ(iterate({10, std::numeric_limits<double>::infinity()}).end, NewtonEnd::not_finite);
 }
 
-TEST(Newton, TakesSmallCorrectionsThatNoLongerShrinkForRounding) {
+TEST(Newton, EndsWhereCorrectionsAreRounding) {
   EXPECT_EQ(iterate({3, 4}, {}, 10).end, NewtonEnd::converged);
   EXPECT_EQ(iterate({3, 4}, {}, 2).end, NewtonEnd::diverged);
+}
+
+TEST(Newton, TakesRatesBelowRoundingForNoConvergence) {
+  // Corrections that hover at 400 after 1e9: neither convergence nor divergence, whatever their ratio.
+  for (const double hovering : {380.0, 400.0, 410.0}) {
+    const Iteration run = iterate({1e9, 1e6, 400, hovering}, {}, 500, 50);
+    EXPECT_EQ(run.end, NewtonEnd::converged);
+    EXPECT_EQ(run.corrections, 3);
+    EXPECT_LT(run.memory.theta, 2e-3) << "the rate of the corrections that are no rounding";
+  }
+}
+
+TEST(Newton, AsksForRoundingOnlyWhereTheConvergenceBreaksOff) {
+  NewtonMemory<double> memory;
+  std::int64_t count = 0;
+  double norm = 1e8;
+  const auto end = iterate_newton(
+      7, memory, count, [&] { return std::pow(norm *= 1e-3, 2); },
+      [](bool estimate) {
+        EXPECT_FALSE(estimate);
+        return 0.0;
+      });
+  EXPECT_EQ(end, NewtonEnd::converged);
+}
+
+/// z = s f(z) with f(z) = 4 z - z^3 of the potential z^4/4 - 2 z^2, s = 1: rest states 0, a saddle, and
+/// +-sqrt 3. From 0.1 Newton's method ends at the saddle.
+TEST(Newton, ContinuationEndsAtAMinimumOfThePotential) {
+  double z = 0.1, r = 0;
+  NewtonMemory<double> memory;
+  std::int64_t count = 0;
+  const auto end = continue_newton(
+      10.0, memory, count,
+      [&] {
+        r = 4 * z - z * z * z - z;
+        return std::abs(r);
+      },
+      [&](double mu) -> std::optional<double> {
+        const double d = r / (1 + mu - (4 - 3 * z * z));
+        z += d;
+        return std::pow(d / 1e-15, 2);
+      },
+      [](bool) { return 0.0; });
+  EXPECT_EQ(end, NewtonEnd::converged);
+  EXPECT_NEAR(z, std::sqrt(3.0), 1e-14);
+}
+
+TEST(ResidualRounding, IsTheCorrectionThatRoundingOfTheForceMakes) {
+  // f = -k (X + q) with k = 100, X = 1000: rounding of f is eps k X, whatever q.
+  struct Offset {
+    using State = Eigen::VectorXd;
+    static Eigen::Index dim() { return 2; }
+    static void rhs(double, const State& y, State& dydt) { dydt = -100 * y; }
+    static void offset(State& X) { X = Eigen::Vector2d(1000, 0); }
+  };
+  ResidualRounding<Eigen::VectorXd> rounding;
+  rounding.init(Offset{});
+  NewtonNorm<Eigen::VectorXd> norm;
+  norm.init(2);
+  const Eigen::VectorXd y = Eigen::Vector2d(1, 1), z = Eigen::Vector2d(0, 0);
+  norm.prepare(y);
+  const Eigen::MatrixXd J = -100 * Eigen::Matrix2d::Identity();
+  const double s = 0.1;
+  const auto solve = [&](Eigen::VectorXd& x) { x /= 1 + 100 * s; };
+  EXPECT_EQ(rounding(false, J, 1, s, y, z, norm, solve), 0) << "not known yet";
+  const double eps = std::numeric_limits<double>::epsilon();
+  const double correction = s * eps * 100 * 1001 / (1 + 100 * s);  // against the unit 4 eps
+  const double found = rounding(true, J, 1, s, y, z, norm, solve);
+  EXPECT_NEAR(found, ResidualRounding<Eigen::VectorXd>::margin * correction / (4 * eps), 1e-9 * found);
+  EXPECT_EQ(rounding(false, J, 1, s, y, z, norm, solve), found);
+  EXPECT_EQ(rounding(false, J, 2, s, y, z, norm, solve), 0) << "another matrix";
+  EXPECT_EQ(rounding(false, J, 1, s, 1e-6 * y, z, norm, solve), 0) << "smaller numbers";
 }
 
 TEST(NewtonNorm, MeasuresInAFractionOfTheTolerance) {

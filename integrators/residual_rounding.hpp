@@ -1,0 +1,117 @@
+/// What rounding of f leaves of the corrections of Newton's method, estimated from the Jacobian.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "integrators/mechanical.hpp"
+#include "integrators/state.hpp"
+#include "integrators/system.hpp"
+
+namespace hmax {
+
+namespace detail {
+/// out = |J| x with the absolute values of J, shape (n).
+template <class Derived, class Vector>
+void absolute_product(const Eigen::MatrixBase<Derived>& J, const Vector& x, Vector& out) {
+  out.noalias() = J.cwiseAbs() * x;
+}
+template <class Scalar, int Options, class Index, class Vector>
+void absolute_product(const Eigen::SparseMatrix<Scalar, Options, Index>& J, const Vector& x, Vector& out) {
+  using std::abs;
+  out.setZero(J.rows());
+  for (Eigen::Index j = 0; j < J.outerSize(); ++j)
+    for (typename Eigen::SparseMatrix<Scalar, Options, Index>::InnerIterator entry(J, j); entry; ++entry)
+      out[entry.row()] += abs(entry.value()) * x[entry.col()];
+}
+template <class Real, class Vector>
+void absolute_product(const MechanicalJacobian<Real>& J, const Vector& x, Vector& out) {
+  const Eigen::Index n = J.mass.size();
+  using Half = Eigen::Vector<Real, Eigen::Dynamic>;
+  const Half q = x.head(n), v = x.tail(n);
+  Half of_K, of_C;
+  absolute_product(J.stiffness, q, of_K);
+  absolute_product(J.damping, v, of_C);
+  out.head(n) = v;
+  out.tail(n) = (of_K + of_C).cwiseQuotient(J.mass);
+}
+template <class... Matrices, class Vector>
+void absolute_product(const std::variant<Matrices...>& J, const Vector& x, Vector& out) {
+  std::visit([&](const auto& held) { absolute_product(held, x, out); }, J);
+}
+}  // namespace detail
+
+/// The correction (I - s J)^-1 s df that rounding of f makes of a stage equation that is solved, where
+///   |df_i| <= eps (|f_i| + sum_j |J_ij| (|y_j| + |X_j|))
+/// is the rounding of f in a point whose numbers are known to eps, and X are the larger numbers that f adds
+/// to its state (OffsetSystem). Signs alternate without order, as those of rounding do. Corrections that are
+/// at most `margin` times as large are taken for rounding: on bodies they vary by a factor of 3 about the
+/// estimate.
+/// @tparam StateT  Eigen column vector, shape (n)
+template <class StateT>
+class ResidualRounding {
+ public:
+  using State = StateT;
+  using Real = real_of<State>;
+  static constexpr Real margin = 8;
+
+  template <System Sys>
+  void init(const Sys& system) {
+    offset_.setZero(system.dim());
+    if constexpr (OffsetSystem<Sys>)
+      if (has_offset(system)) system.offset(offset_);
+    id_ = 0;
+  }
+
+  /// The norm of that correction.
+  /// @param estimate  whether it is worth a product and a solution to know it: else 0 unless it is known for
+  ///                  this matrix and numbers of the size of Y
+  /// @param J         the Jacobian with the number `id`, as in Linearisation
+  /// @param z         s f(Y), shape (n)
+  /// @param norm      of corrections, as NewtonNorm
+  /// @param solve     solve(x) makes x = (I - s J)^-1 x
+  template <class Matrix, class Norm, class Solve>
+  Real operator()(bool estimate, const Matrix& J, std::int64_t id, Real s, const State& Y, const State& z,
+                  const Norm& norm, const Solve& solve) {
+    const Real size = largest_component(Y);
+    if (id != id_ || s != s_ || size > 2 * size_ || size < size_ / 2) {
+      if (!estimate) return 0;
+      id_ = id;
+      s_ = s;
+      size_ = size;
+      make(J, Y, z);
+      solve(correction_);
+    }
+    return std::sqrt(norm.squared(correction_, Y));
+  }
+
+ private:
+  /// margin s df in correction_.
+  template <class Matrix>
+  void make(const Matrix& J, const State& Y, const State& z) {
+    using std::abs;
+    numbers_ = offset_;
+    for (Eigen::Index i = 0; i < Y.size(); ++i) numbers_[i] += abs(Y[i]);
+    correction_ = numbers_;
+    detail::absolute_product(J, numbers_, correction_);
+    constexpr Real unit = margin * std::numeric_limits<Real>::epsilon();
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      // The high bits of a product with the golden ratio are without order.
+      const bool up = (static_cast<std::uint64_t>(i + 1) * 0x9E3779B97F4A7C15u >> 63) != 0;
+      correction_[i] = (up ? unit : -unit) * (s_ * correction_[i] + abs(z[i]));
+    }
+  }
+
+  State offset_ = blank_state<State>(), numbers_ = offset_, correction_ = offset_;
+  std::int64_t id_ = 0;
+  Real s_ = 0, size_ = 0;
+};
+
+}  // namespace hmax
