@@ -114,6 +114,10 @@ struct Method {
   std::function<Method(const Parameters&)> with{};
 
   [[nodiscard]] bool adaptive() const { return error_order > 0; }
+  /// By Newton's method: linearly implicit ones solve linear equations.
+  [[nodiscard]] bool solves_nonlinear_equations() const {
+    return !is_explicit && needs_jacobian && family != "rosenbrock";
+  }
   /// A method that chooses its order as it runs has no order of its own.
   [[nodiscard]] bool has_variable_order() const { return order == 0 && !fixed_step; }
   /// How far a measured order may be from `order`: multistep methods and high orders show theirs only at

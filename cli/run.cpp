@@ -34,7 +34,8 @@ constexpr double most_points = 1e7;
 struct RunOptions {
   ProblemChoice problem;
   MethodChoice method;
-  std::optional<double> h, rtol, atol, t_end, every;
+  std::optional<double> h, rtol, atol, t_end, every, newton_tolerance;
+  std::string newton_iterations;
   std::string control, jacobian, linear, output, max_steps;
   bool full = false;
   PictureChoice picture;
@@ -61,6 +62,18 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
   if (!options.control.empty()) spec.control = controllers_from(options.control);
   if (!options.jacobian.empty()) spec.jacobian = jacobian_update_from(options.jacobian);
   if (!options.linear.empty()) spec.linear_solve = linear_solve_from(options.linear);
+  if (options.newton_tolerance) {
+    if (!(*options.newton_tolerance > 0 && *options.newton_tolerance < 1))
+      throw InputError(fmt::format("--newton-tolerance is {} but must lie between 0 and 1, such as 1e-6",
+                                   to_text(*options.newton_tolerance)));
+    if (spec.adaptive)
+      throw InputError(
+          "--newton-tolerance is for fixed steps; adaptive runs solve to a share of --rtol and --atol");
+    spec.newton.tolerance = *options.newton_tolerance;
+  }
+  if (!options.newton_iterations.empty())
+    spec.newton.iterations = static_cast<int>(
+        std::min<std::int64_t>(parse_count("--newton-iterations", options.newton_iterations, 1), 1'000'000));
   if (spec.adaptive) spec.max_steps = adaptive_attempts;
   if (!options.max_steps.empty()) spec.max_steps = parse_count("--max-steps", options.max_steps, 1);
   return spec;
@@ -244,7 +257,9 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
       return fmt::format("used up {} steps at {}; raise --max-steps or take looser tolerances",
                          spec.max_steps, at);
     case Outcome::newton_failed:
-      return "could not solve a stage equation at " + at + "; take a smaller step";
+      return fmt::format("stopped at t = {} s: {}; take a smaller step{}", short_number(record.t, 10),
+                         record.note.empty() ? "the equations of a step are not solved" : record.note,
+                         spec.jacobian.every == JacobianUpdate::automatic ? "" : " or --jacobian auto");
   }
   return "ended at " + at;
 }
@@ -282,7 +297,8 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
                   {"rhs", stats.rhs},
                   {"jacobian", stats.jacobian},
                   {"factorisations", stats.factorisations},
-                  {"newton", stats.newton}}},
+                  {"newton", stats.newton},
+                  {"newton_error", stats.newton_error}}},
                 {"cpu_seconds", cpu_seconds},
                 {"status", record.outcome == Outcome::reached_end ? "" : in_words(record, spec)},
                 {"material", problem.material.empty() ? Json() : Json(problem.material)},
@@ -349,6 +365,10 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   if (method.needs_jacobian)
     text += fmt::format("   jacobian {}   factorisations {}", stats.jacobian, stats.factorisations);
   if (stats.newton > 0) text += fmt::format("   newton {}", stats.newton);
+  if (stats.newton > 0 && stats.steps > 0 && stats.newton_error > 0)
+    text += fmt::format(" ({} a step, error left {} of the state)",
+                        short_number(static_cast<double>(stats.newton) / static_cast<double>(stats.steps), 3),
+                        short_number(stats.newton_error, 2));
   text += fmt::format("   cpu {} s\n", short_number(cpu_seconds, 3));
   return text;
 }
@@ -400,6 +420,12 @@ void run(const RunOptions& options, Console& console) {
           "{} is no body on a mesh, and its equations are too few to choose how they are solved; leave --linear out",
           problem.id));
   }
+  if ((options.newton_tolerance || !options.newton_iterations.empty()) &&
+      (!method.solves_nonlinear_equations() || method.engine != "hmax"))
+    throw InputError(fmt::format(
+        "{} does not solve its equations by Newton's method of hmax; leave --newton-tolerance and "
+        "--newton-iterations out",
+        method.id));
   if (options.full && !(console.json && problem.body))
     throw InputError(fmt::format(
         "--full puts the whole state of a body on a mesh into JSON; {}",
@@ -487,6 +513,14 @@ void add_run(CLI::App& app, Console& console) {
                   "How implicit methods solve the equations of sparse mechanical systems: auto (default), "
                   "direct, cg, cg:TOLERANCE or cg:TOLERANCE,ITERATIONS")
       ->type_name("SOLVER");
+  add_number(
+      command, "--newton-tolerance", options->newton_tolerance,
+      "Largest error that Newton's method leaves at fixed steps, relative to the largest number of the "
+      "state; by default what rounding of the forces leaves");
+  command
+      .add_option("--newton-iterations", options->newton_iterations,
+                  "Limit of Newton's method for each stage; the method's own by default")
+      ->type_name("NUMBER");
   command.add_flag("--full", options->full,
                    "With --json and a mesh: the whole end state, not its largest displacement alone");
   options->picture.add_to(command, "With a mesh: draw the body where the run ends");
