@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/inner_solver.hpp"
+#include "integrators/sparse_solver.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -16,6 +16,96 @@ namespace {
 
 using Eigen::VectorXd;
 using Matrix = StaticModel::Matrix;
+
+/// d = K^-1 r by sweeps of successive over-relaxation over the rows of the symmetric K, from d = 0:
+///   d_i <- d_i + omega (r_i - sum_j K_ij d_j) / K_ii.
+/// @returns the number of sweeps; negative when it was not enough
+int relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, double tolerance, int most) {
+  d.setZero(r.size());
+  const double goal = tolerance * r.norm();
+  VectorXd left(r.size());
+  for (int sweep = 1; sweep <= most; ++sweep) {
+    for (Eigen::Index i = 0; i < K.cols(); ++i) {
+      double rest = r[i], diagonal = 0;
+      for (Matrix::InnerIterator entry(K, i); entry; ++entry) {
+        if (entry.row() == i) diagonal = entry.value();
+        rest -= entry.value() * d[entry.row()];
+      }
+      d[i] += omega * rest / diagonal;
+    }
+    // The residual costs as much as a sweep.
+    if (sweep % 8 != 0 && sweep != most) continue;
+    left.noalias() = r - K * d;
+    const double size = left.norm();
+    if (!std::isfinite(size)) return -sweep;
+    if (size <= goal) return sweep;
+  }
+  return -most;
+}
+
+/// Solves K d = r by the chosen solver, whatever K is kept for.
+class Inner {
+ public:
+  explicit Inner(const StaticSettings& settings) : settings_(settings) {
+    set_tolerance(settings.inner_tolerance.value_or(1e-4));
+  }
+
+  /// Of sor and conjugate gradients.
+  void set_tolerance(double tolerance) {
+    tolerance_ = tolerance;
+    const bool iterates = settings_.inner == InnerSolver::conjugate_gradients;
+    solver_.set({.by = iterates ? LinearSolve::By::conjugate_gradients : LinearSolve::By::direct,
+                 .tolerance = tolerance});
+  }
+
+  /// @returns false when K is singular
+  bool take(const Matrix& K) {
+    if (settings_.inner != InnerSolver::sor) return solver_.factor(K);
+    K_ = K;
+    return K.diagonal().cwiseAbs().minCoeff() > 0;
+  }
+
+  /// Whether K has negative eigenvalues, or is so near to singular that its factors do not tell. What
+  /// iterates finds out where it solves no more.
+  [[nodiscard]] bool is_indefinite() const {
+    const int unknown = settings_.inner == InnerSolver::direct ? 1 : 0;
+    return settings_.inner != InnerSolver::sor && solver_.negative_eigenvalues().value_or(unknown) > 0;
+  }
+
+  /// @returns false when the solver gave up
+  bool solve(const VectorXd& r, VectorXd& d) {
+    if (settings_.inner == InnerSolver::sor) {
+      const int sweeps = relax(K_, r, d, settings_.relaxation, tolerance_, settings_.inner_iterations);
+      iterations_ += std::abs(sweeps);
+      return sweeps > 0;
+    }
+    d = r;
+    solver_.solve(d);
+    if (settings_.inner == InnerSolver::conjugate_gradients) iterations_ += solver_.iterations();
+    return d.allFinite();
+  }
+
+  [[nodiscard]] std::int64_t iterations() const { return iterations_; }
+
+  /// A solver that factors, which where it can is the one that has looked at the pattern already: what was
+  /// taken is gone then.
+  SparseSolver<double>& factors() {
+    if (settings_.inner == InnerSolver::direct) return solver_;
+    if (!factors_) {
+      factors_.emplace();
+      factors_->set({.by = LinearSolve::By::direct});
+    }
+    return *factors_;
+  }
+
+ private:
+  const StaticSettings& settings_;
+  SparseSolver<double> solver_;
+  std::optional<SparseSolver<double>> factors_;
+  Matrix K_;
+  double tolerance_ = 0;
+  std::int64_t iterations_ = 0;
+};
 
 /// The iteration towards F(q) = (1 - share) F(0), that is towards equilibrium under a share of the load.
 class Iteration {
@@ -35,20 +125,15 @@ class Iteration {
   [[nodiscard]] int solved() const { return solved_; }
   [[nodiscard]] const std::string& note() const { return note_; }
   [[nodiscard]] bool barred() const { return barred_; }
-  [[nodiscard]] StaticIterate iterate(int step) const {
-    return {step, share_, size_, clock_() - start_, inner_.iterations()};
+  [[nodiscard]] StaticIterate iterate(int step, int steps) const {
+    return {step, steps, size_, clock_() - start_, inner_.iterations()};
   }
 
-  /// Takes up another share of the load at q.
-  /// @param cautious  gives up at once where K is not positive definite
-  void begin(double share, const VectorXd& q, bool cautious = false) {
-    q_ = q;
+  /// Takes up another share of the load.
+  void set_share(double share) {
     share_ = share;
-    cautious_ = cautious;
     forcing_ = size_before_ = shift_ = 0;
     creeping_ = 0;
-    barred_ = false;
-    note_.clear();
     size_ = residual_at(q_);
   }
 
@@ -78,26 +163,23 @@ class Iteration {
     return walk(searches, has_energy);
   }
 
-  enum class Saddle { none, left, kept };
-
-  /// Leaves an equilibrium that is a saddle of the energy, along the direction in which K is most negative.
+  /// Leaves a balance that is a saddle of the energy, along the direction in which K is most negative.
   /// @param knows  the last K that Newton's method has seen tells, which costs nothing
-  /// @returns none also where nothing is known of it, kept where no way down was found or looked for
-  Saddle leave_saddle(bool knows) {
+  /// @returns false where the balance is stable, or nothing is known of it
+  bool leave_saddle(bool knows) {
     if (!settings_.leave_saddles || !settings_.line_search || !model_.energy ||
         settings_.method == StaticMethod::linear)
-      return Saddle::none;
-    if (model_.dofs > most_factored || (knows && !indefinite_)) return Saddle::none;
+      return false;
+    if (model_.dofs > most_factored || (knows && !indefinite_)) return false;
     model_.stiffness(q_, shifted_);
     SparseSolver<double>& solver = inner_.factors();
     stale_ = true;
     double tau = 0;
     const auto is_definite = [&] { return solver.factor(shifted_) && solver.negative_eigenvalues() == 0; };
-    if (is_definite()) return Saddle::none;
-    if (cautious_) return Saddle::kept;
+    if (is_definite()) return false;
     const double size = shifted_.diagonal().cwiseAbs().mean();
     for (double next = 1e-6 * size; !is_definite(); next *= 2) {
-      if (next > 1e3 * size) return Saddle::kept;
+      if (next > 1e3 * size) return false;
       shifted_.diagonal().array() += next - tau;
       tau = next;
     }
@@ -108,7 +190,7 @@ class Iteration {
       z.normalize();
     }
     const VectorXd image = shifted_ * z;
-    if (!(z.dot(image) - tau < 0)) return Saddle::none;
+    if (!(z.dot(image) - tau < 0)) return false;
     const double energy = energy_at(q_);
     for (double length = 0.1 * q_.norm(); length > 1e-6 * q_.norm(); length /= 4)
       for (const double way : {length, -length}) {
@@ -116,10 +198,10 @@ class Iteration {
         if ((!model_.admissible || model_.admissible(trial_)) && energy_at(trial_) < energy) {
           q_ = trial_;
           size_ = residual_at(q_);
-          return Saddle::left;
+          return true;
         }
       }
-    return Saddle::kept;
+    return false;
   }
 
  private:
@@ -128,7 +210,7 @@ class Iteration {
   /// Goes along d_ as far as the energy or the residual falls.
   bool walk(bool searches, bool has_energy) {
     const double slope = residual_.dot(d_);
-    constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_at_border = 1e-12, rounding = 1e-13;
+    constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12, rounding = 1e-13;
     // The residual alone would be led into saddles.
     const bool residual_counts = !has_energy || !was_shifted_ || !settings_.leave_saddles;
     double length = 1, next = 0;
@@ -146,7 +228,7 @@ class Iteration {
       return energy_at(trial_) <= *energy - share_of_slope * length * slope;
     };
     bool was_barred = false, fallen = falls() || !searches;
-    while (!fallen && length > (barred || was_shifted_ ? shortest_at_border : shortest)) {
+    while (!fallen && length > (barred ? shortest_when_barred : shortest)) {
       was_barred = was_barred || barred;
       length /= 2;
       fallen = falls();
@@ -202,13 +284,9 @@ class Iteration {
     indefinite_ = solved && inner_.is_indefinite();
     if (solved && is_descent()) return true;
     if (!taken_ || settings_.method != StaticMethod::newton) return solved;
-    if (cautious_) return give_up("the stiffness matrix is not positive definite");
     was_shifted_ = true;
-    // Little more than the most negative eigenvalue, which a slender body has close to zero: else the steps
-    // away from a saddle are short, as they are to be where it is looked for.
-    const double least = settings_.leave_saddles ? 1e-8 : 1e-4;
-    constexpr double growth = 4;
-    constexpr int most = 30;
+    constexpr double least = 1e-4, growth = 4;
+    constexpr int most = 20;
     const double size = K_.diagonal().cwiseAbs().mean();
     double tau = std::max(least * size, shift_ / (growth * growth));
     for (int k = 0; k < most; ++k, tau *= growth) {
@@ -259,7 +337,7 @@ class Iteration {
   double size_before_ = 0, forcing_ = 0;  // of the last iterate, 0: none
   double shift_ = 0;                      // the last one that was needed
   int solved_ = 0, creeping_ = 0;
-  bool taken_ = false, stale_ = false, barred_ = false, cautious_ = false;
+  bool taken_ = false, stale_ = false, barred_ = false;
   bool indefinite_ = false, was_shifted_ = false;  // the last K; the last direction is that of K + tau I
   std::string note_;
 };
@@ -306,117 +384,56 @@ std::string_view name_of(InnerSolver solver) {
   return "cg";
 }
 
-namespace {
-
-/// The load steps of one solution.
-class Loading {
- public:
-  Loading(const StaticModel& model, const StaticSettings& settings, const Clock& clock)
-      : settings_(settings), iteration_(model, settings, clock) {
-    solution_.q = solution_.equilibrium = settings.start.value_or(iteration_.q());
-  }
-
-  StaticSolution solve() && {
-    if (iteration_.has_load()) {
-      settings_.adaptive ? take_adaptive_steps() : take_equal_steps();
-    } else {
-      solution_.converged = true;
-      solution_.load_share = 1;
-      solution_.history.push_back({1, 1, 0, 0, 0});
-    }
-    solution_.iterations = iteration_.solved();
-    return std::move(solution_);
-  }
-
- private:
-  void take_equal_steps() {
-    const int steps = settings_.method == StaticMethod::linear ? 1 : settings_.load_steps;
-    for (int step = 1; step <= steps; ++step)
-      if (!take_step(static_cast<double>(step) / steps, settings_.iterations, step < steps, false)) return;
-  }
-
-  /// Steps that fail are cut, and those that do not grow again. Only the shortest may look for an equilibrium
-  /// beyond one that is not stable: most that fail do so where there is none, and find that out soon.
-  void take_adaptive_steps() {
-    constexpr double shortest = 0.01, least = 1e-4, cut = 1.0 / 3, growth = 2;
-    constexpr int cautious_iterations = 12, few = 6;
-    double step = 1.0 / settings_.load_steps;
-    while (solution_.load_share < 1) {
-      const double from = solution_.load_share, finest = std::max(least, shortest * from);
-      const bool is_finest = step <= finest;
-      const int before = iteration_.solved();
-      const double share = std::min(1.0, from + step);
-      if (take_step(share, is_finest ? settings_.iterations : cautious_iterations, false, !is_finest)) {
-        if (iteration_.solved() - before <= few) step *= growth;
-        continue;
-      }
-      // With another stiffness than that of the iterate a step may fail for slowness alone.
-      solution_.is_limit = is_finest && settings_.method == StaticMethod::newton;
-      if (is_finest) return;
-      step = std::max(finest, cut * step);
-    }
-  }
-
-  /// Goes on from the last equilibrium.
-  /// @param knows  of Iteration::leave_saddle
-  bool take_step(double share, int most, bool knows, bool cautious) {
-    const bool linear = settings_.method == StaticMethod::linear;
-    iteration_.begin(share, solution_.equilibrium, cautious);
-    record();
-    // A linear solution is what one system gives, and its residual says what the model leaves out.
-    most = linear ? 1 : most;
-    int k = 0, left = 0;
-    constexpr int most_saddles = 10;
-    for (auto saddle = Iteration::Saddle::left; saddle == Iteration::Saddle::left;) {
-      const bool balanced = iteration_.approach(settings_.tolerance, most, k, [&] { record(); });
-      solution_.converged = linear ? k == 1 : balanced;
-      if (!solution_.converged || linear || left++ == most_saddles) break;
-      saddle = iteration_.leave_saddle(knows);
-      if (saddle == Iteration::Saddle::left) record();
-      solution_.converged = saddle != Iteration::Saddle::kept;
-    }
-    solution_.q = iteration_.q();
-    solution_.barred = iteration_.barred();
-    solution_.note = note(k);
-    if (solution_.converged) {
-      solution_.load_share = share;
-      solution_.equilibrium = solution_.q;
-      ++step_;
-    }
-    return solution_.converged;
-  }
-
-  void record() {
-    solution_.history.push_back(iteration_.iterate(step_));
-    if (settings_.seen) settings_.seen(solution_.history.back());
-  }
-
-  [[nodiscard]] std::string note(int k) const {
-    if (!solution_.converged && iteration_.residual() <= settings_.tolerance && iteration_.note().empty())
-      return "the equilibrium is not stable, and no way down from it was found; take more load steps";
-    if (!solution_.converged)
-      return iteration_.note().empty()
-                 ? fmt::format(
-                       "the residual is still {:.3g} after {} iterations of load step {}; take more iterations or "
-                       "more load steps",
-                       iteration_.residual(), k, step_)
-                 : iteration_.note();
-    if (settings_.method == StaticMethod::linear || iteration_.residual() <= settings_.tolerance) return {};
-    return fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
-                       iteration_.residual());
-  }
-
-  const StaticSettings& settings_;
-  Iteration iteration_;
-  StaticSolution solution_;
-  int step_ = 1;
-};
-
-}  // namespace
-
 StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock) {
   check(settings);
-  return Loading(model, settings, clock).solve();
+  StaticSolution solution;
+  Iteration iteration(model, settings, clock);
+  solution.q = iteration.q();
+  if (!iteration.has_load()) {
+    solution.converged = true;
+    solution.history.push_back({1, 1, 0, 0, 0});
+    return solution;
+  }
+  const bool linear = settings.method == StaticMethod::linear;
+  const int steps = linear ? 1 : settings.load_steps;
+  const auto record = [&](int step) {
+    solution.history.push_back(iteration.iterate(step, steps));
+    if (settings.seen) settings.seen(solution.history.back());
+  };
+  for (int step = 1; step <= steps; ++step) {
+    iteration.set_share(static_cast<double>(step) / steps);
+    record(step);
+    int k = 0, left = 0;
+    // A linear solution is what one system gives, and its residual says what the model leaves out.
+    const int most = linear ? 1 : settings.iterations;
+    constexpr int most_saddles = 10;
+    for (bool goes_on = true; goes_on;) {
+      const bool balanced = iteration.approach(settings.tolerance, most, k, [&] { record(step); });
+      solution.converged = linear ? k == 1 : balanced;
+      goes_on =
+          solution.converged && !linear && left++ < most_saddles && iteration.leave_saddle(step < steps);
+      if (goes_on) record(step);
+    }
+    solution.note = iteration.note();
+    if (solution.converged) {
+      solution.note.clear();
+      if (!linear && iteration.residual() > settings.tolerance)
+        solution.note =
+            fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
+                        iteration.residual());
+    } else {
+      if (solution.note.empty())
+        solution.note = fmt::format(
+            "the residual is still {:.3g} after {} iterations of load step {}; take more iterations or more load "
+            "steps",
+            iteration.residual(), k, step);
+      solution.barred = iteration.barred();
+      break;
+    }
+  }
+  solution.q = iteration.q();
+  solution.iterations = iteration.solved();
+  return solution;
 }
 
 std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSettings& settings, int frames,
@@ -435,11 +452,11 @@ std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSe
   if (!shown.has_load()) return all;
   for (int frame = 1; frame <= frames; ++frame) {
     const double share = static_cast<double>(frame) / frames, start = clock();
-    shown.begin(share, shown.q());
+    shown.set_share(share);
     for (int k = 0; k < iterations && shown.advance(); ++k) {
     }
     const double seconds = clock() - start;
-    exact.begin(share, exact.q());
+    exact.set_share(share);
     int k = 0;
     const bool known =
         exact.approach(1e-12, thorough.iterations, k, [] {}) || exact.residual() <= thorough.tolerance;

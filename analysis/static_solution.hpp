@@ -27,12 +27,9 @@ struct StaticModel {
   std::function<double(const Eigen::VectorXd& q)> energy{};
   /// |F| that is rounding: no iteration can be asked for less [N].
   double rounding = 0;
-  /// Whether line searches may go there: bodies with inverted elements have equilibria of their own, which no
-  /// real body comes to. Empty: everywhere.
+  /// Whether line searches may go there: an element turned inside out has balances of its own, which no body
+  /// comes to. Empty: everywhere.
   std::function<bool(const Eigen::VectorXd& q)> admissible{};
-  /// Whether what is not admissible still has forces that mean something, so that an equilibrium there is
-  /// told where there is no other.
-  bool resists_inversion = false;
 };
 
 /// How the equations are linearised.
@@ -56,7 +53,7 @@ std::string_view name_of(InnerSolver solver);
 /// One iterate.
 struct StaticIterate {
   int load_step;       ///< from 1
-  double load_share;   ///< of the load that acts
+  int load_steps;      ///< of so many
   double residual;     ///< |F| / |F(0)| under the load of the step
   double seconds;      ///< since the start, with the analysis of the pattern
   std::int64_t inner;  ///< iterations of the inner solver so far; 0 for direct
@@ -68,15 +65,11 @@ struct StaticSettings {
   double tolerance = 1e-9;  ///< |F| <= tolerance |F(0)|
   int iterations = 100;     ///< at most, in each load step
   int load_steps = 1;       ///< equal ones
-  /// Cuts load steps that fail, down to 1 % of the load that acts, and takes longer ones where it can;
-  /// `load_steps` is for the first. Where the steps end there is no stable equilibrium near.
-  bool adaptive = false;
-  std::optional<Eigen::VectorXd> start{};  ///< shape (dofs); none: rest
   /// Halves a step until the energy or the residual falls. With an energy, where K is not positive definite,
-  /// as in a body that buckles, steps with K + tau I, downhill, and leaves an
-  /// equilibrium that is not stable [nocedal2006numerical, sections 3.1 and 3.4].
+  /// as in a body that buckles, steps with K + tau I, downhill, and leaves a balance that is not stable
+  /// [nocedal2006numerical, sections 3.1 and 3.4].
   bool line_search = true;
-  /// Else line searches end in a saddle too, as the straight equilibrium of a column that buckles is one.
+  /// Else line searches end in a saddle too, as the straight balance of a column that buckles is one.
   bool leave_saddles = true;
   /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
   /// its convergence allows [eisenstat1996choosing], else 1e-4.
@@ -91,9 +84,6 @@ struct StaticSolution {
   Eigen::VectorXd q;                   ///< the last iterate, shape (dofs) [m]
   std::vector<StaticIterate> history;  ///< the state at rest first
   int iterations = 0;                  ///< linear systems solved
-  double load_share = 0;               ///< under which the last admissible equilibrium was found,
-  Eigen::VectorXd equilibrium;         ///< and that equilibrium, shape (dofs) [m]
-  bool is_limit = false;               ///< adaptive steps ended there: little more load has none
   bool barred = false;                 ///< the search ended where its steps led to what is not admissible
   std::string note;                    ///< why it did not converge, or only to rounding
 };
@@ -101,7 +91,7 @@ struct StaticSolution {
 /// Tells the time [s] that histories record.
 using Clock = std::function<double()>;
 
-/// Solves for q.
+/// Solves for q from rest.
 /// @throws InputError  for settings out of range
 StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock);
 

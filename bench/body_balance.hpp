@@ -1,4 +1,4 @@
-/// Static equilibria of bodies on meshes: the forces to be solved for, and what to say where there is none.
+/// Bodies on meshes in balance: the forces to be solved for, and what to say of a body that finds none.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +12,20 @@
 
 namespace hmax {
 
-/// The forces on a body at rest under a multiple of its load as it is at t = 0.
+/// The balance of forces of a body under a multiple of its load as it is at t = 0.
 StaticModel static_model(const Problem& problem, double load_scale);
 
-/// The static equilibrium under the whole load at once. Where that is not found: by load steps as short as it
-/// takes, and where those end at a part of the load by dynamic relaxation from there. The history holds all
-/// of it. What is found is stable, without inverted elements where the model may have none.
+/// The balance under the whole load at once or, where that leads to elements turned inside out, under a load
+/// that is brought on in ten steps; the history then holds both.
 /// @param settings  of one load step
 StaticSolution found_balance(const StaticModel& model, const StaticSettings& settings, const Clock& clock);
 
-/// "converged", "not_converged", "collapsed" where elements lose their volume as the load grows, or
-/// "inverted" where some are; small strains converge in any case.
+/// "converged", "not_converged", "collapsed" where the search ended at elements about to turn inside out, or
+/// "inverted" where some are.
 std::string_view outcome_of(const Problem& problem, const StaticSolution& solution);
 
-/// What is to be said of a solution: up to which share of the load there is one, the element that gives way
-/// beyond it, the remedy.
-/// @param converging_model  one that was found to have a solution; empty: none
-std::string status_of(const Problem& problem, const StaticSolution& solution,
-                      std::string_view converging_model = {});
+/// What is to be said of a solution: why there is none, the element that gives way if one does, the remedy.
+std::string status_of(const Problem& problem, const StaticSolution& solution);
 
 /// The longest displacement of a point [m], q of shape (dofs).
 double largest_displacement(const Eigen::VectorXd& q);

@@ -95,10 +95,6 @@ double radius_told(const Problem& problem, const Linearised& near) {
       problem.system);
 }
 
-bool solves_nonlinear_equations(const Method& method) {
-  return !method.is_explicit && method.family != "rosenbrock" && method.needs_jacobian;
-}
-
 /// @throws InputError  where squares of eigenvalues, which stiffness is, leave the range of numbers
 void require_usual_rates(const Spectrum& spectrum) {
   constexpr double most = 1e140;
@@ -195,9 +191,9 @@ EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatch
   if (!solution.converged)
     if (StaticSolution saddle = solve_static(model, settings, [] { return 0.0; }); saddle.converged)
       solution = std::move(saddle);
-  if (outcome_of(problem, solution) != "converged") {
+  if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
-    search.message = status_of(problem, solution);
+    search.message = "no balance was found: " + status_of(problem, solution);
     return search;
   }
   search.state.head(body.dofs()) = solution.q;
@@ -247,8 +243,8 @@ namespace {
 
 /// What sets the step where no step is unstable.
 Bound bound_without_limit(const Method& method, const Problem& problem, const Linearised& near) {
-  return solves_nonlinear_equations(method) && !has_constant_jacobian(problem, near) ? Bound::newton
-                                                                                     : Bound::accuracy;
+  return method.solves_nonlinear_equations() && !has_constant_jacobian(problem, near) ? Bound::newton
+                                                                                      : Bound::accuracy;
 }
 
 /// The one of two eigenvalues that grows faster.

@@ -14,6 +14,7 @@
 #include "analysis/spectrum.hpp"
 #include "analysis/stable_step.hpp"
 #include "bench/catalogue.hpp"
+#include "bench/newton_step.hpp"
 #include "bench/step_defect.hpp"
 
 namespace hmax {
@@ -118,6 +119,7 @@ struct Prediction {
   std::string_view state_kind;  ///< as of Linearised
   std::string state;
   std::string note;
+  std::optional<NewtonStep> newton_step = {};  ///< of bodies, where Newton's method sets the step
   std::optional<Observation> observed;
 };
 

@@ -194,6 +194,12 @@ Json to_json(const Prediction& row) {
                 {"state_kind", row.state_kind},
                 {"state", row.state},
                 {"parameters", std::move(parameters)}};
+  if (const auto& step = row.newton_step)
+    document["newton_step"] = {
+        {"h", step->h},
+        {"is_limit", step->is_limit},
+        {"error_mm", std::isfinite(step->error) ? Json(1000 * step->error) : Json()},
+        {"error_bound_mm", std::isfinite(step->error_bound) ? Json(1000 * step->error_bound) : Json()}};
   if (!row.note.empty()) document["status"] = row.note;
   return document;
 }
@@ -252,6 +258,9 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
                        const Console& console) {
   const bool verified = options.verify;
   std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
+  const bool solves = std::ranges::any_of(
+      rows, [](const PredictedRow& row) { return row.prediction.newton_step.has_value(); });
+  if (solves) header.insert(header.end(), {"solved up to [s]", "error there [mm]"});
   if (verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
   const bool along_motion = !options.along.empty() && !options.along_load();
   if (!options.along.empty())
@@ -265,6 +274,11 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
                                    std::string(name_of(row.bound)),
                                    row.limiting ? short_number(row.limiting->omega) : "-",
                                    row.limiting ? short_number(row.limiting->zeta) : "-"};
+    if (solves) {
+      const auto& step = row.newton_step;
+      cells.push_back(!step ? "-" : (step->is_limit ? "" : "> ") + short_number(step->h, 3));
+      cells.push_back(step && std::isfinite(step->error) ? short_number(1000 * step->error, 3) : "-");
+    }
     if (verified) {
       const auto& seen = row.observed;
       cells.push_back(seen ? words_of(seen->h_max) : "-");
@@ -392,6 +406,8 @@ void predict_rows(const PredictOptions& options, Console& console) {
           [&](std::size_t i, std::size_t worker) {
             const Problem& own = worker == 0 ? problem : of_second;
             PredictedRow row{predict(chosen[i], own, near), near.status, {}, {}, {}};
+            if (row.prediction.bound == Bound::newton)
+              row.prediction.newton_step = largest_newton_step(chosen[i], own);
             if (options.verify) verify(row.prediction, chosen[i], own, near);
             rows[before + i] = std::move(row);
           },

@@ -9,7 +9,6 @@
 #include "analysis/static_solution.hpp"
 #include "bench/body_balance.hpp"
 #include "bench/timing.hpp"
-#include "bench/tissue_parameters.hpp"
 #include "bench/tissue_problem.hpp"
 #include "cli/body_picture.hpp"
 #include "cli/choices.hpp"
@@ -86,8 +85,8 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
       bounded ? ""
       : lost != 0
           ? fmt::format(
-                "no static equilibrium was found from {} of the load on, so later frames have no error; use a "
-                "smaller load",
+                "from {} of the load on no balance was found to hold the frames against; take a smaller "
+                "load, or look at it with `hmax static` alone",
                 short_number(lost, 3))
           : "the frames diverged; take more frames or more iterations a frame";
   if (!bounded) console.exit_code = Exit::failed;
@@ -98,7 +97,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                       {"residual", row.residual},
                       {"error", std::isnan(row.error) ? Json() : Json(row.error)},
                       {"seconds", row.seconds}});
-      if (std::isnan(row.error)) list.back()["status"] = "no static equilibrium was found for this frame";
+      if (std::isnan(row.error)) list.back()["status"] = "no balance was found to hold the frame against";
     }
     return console.print_json({{"problem", problem.id},
                                {"outcome", bounded ? "converged" : "not_converged"},
@@ -122,7 +121,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   if (!bounded) console.print(status + "\n");
 }
 
-/// Every solver on the same body: a table, and the figure of their residuals.
+/// Every solver on the same balance: a table, and the figure of their residuals.
 void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
                       const StaticSettings& settings, Console& console) {
   const std::vector<StaticWay> ways = all_ways(model, settings);
@@ -166,20 +165,20 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
     console.remark(figure.problem);
 }
 
-/// The body in static equilibrium.
+/// The body in balance.
 BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
                        const StaticSolution& solution, const std::string& outcome) {
   const BodyValue value = options.picture.value();
-  const int steps = solution.history.back().load_step;
-  const std::string failed = fmt::format("{}, ", outcome == "not_converged" ? "not converged" : outcome);
+  const char* no_balance = outcome == "inverted" ? "no balance, turned inside out, " : "no balance, ";
   BodyPicture picture{
       .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
                            problem.material.empty() ? "" : " of " + problem.material,
-                           outcome == "converged" ? "" : failed,
+                           outcome == "converged" ? "" : no_balance,
                            short_number(1000 * largest_displacement(solution.q), 3)),
-      .caption = fmt::format("{}; {}. Static equilibrium by {}, {}{}.", problem.note,
-                             describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
-                             steps > 1 ? fmt::format(", in {} load steps", steps) : ""),
+      .caption =
+          fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
+                      describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
+                      solution.history.back().load_steps, solution.history.back().load_steps == 1 ? "" : "s"),
       .views = {body_view(*problem.body, 0, solution.q, value)}};
   picture.colours = colours_of(value, picture.views);
   return picture;
@@ -212,7 +211,7 @@ void refuse_ignored(const StaticOptions& options) {
   if (frames)
     refuse(
         {{"--output", !options.output.empty(),
-          "writes the residuals of one solution; remove it, or --pseudo-dynamic and --frames"},
+          "writes the residuals of one balance; leave it out, or --pseudo-dynamic and --frames"},
          {"--load-steps", !options.load_steps.empty(), "has no say in frames, each is a step; give --frames"},
          {"--iterations", !options.iterations.empty(), "has no say in frames; give --pseudo-dynamic NUMBER"},
          {"--no-line-search", options.no_line_search, "is what frames do in any case; leave it out"}});
@@ -232,26 +231,13 @@ void refuse_ignored(const StaticOptions& options) {
   }
 }
 
-/// A model with which the same command converges; empty when this is it, or it does not either.
-std::string_view converging_model(const StaticOptions& options, const Problem& problem, double scale) {
-  const std::string_view model = id_of(TissueModel::fem_neo_hookean);
-  const TissueId id(problem.id);
-  if (id.model == model) return {};
-  try {
-    const Problem other = make_problem(tissue_id(model, id.mesh, id.load), options.problem.settings());
-    const StaticSolution solution = found_balance(static_model(other, scale), {}, thread_cpu_seconds);
-    return outcome_of(other, solution) == "converged" ? model : std::string_view{};
-  } catch (const InputError&) {  // a parameter that is of this model alone
-    return {};
-  }
-}
-
 void solve(const StaticOptions& options, Console& console) {
   options.picture.check();
   refuse_ignored(options);
   Problem problem = options.problem.make();
   if (!problem.body)
-    throw InputError(fmt::format("{} is not a body on a mesh; name one with --mesh", problem.id));
+    throw InputError(fmt::format(
+        "{} is no body on a mesh, so there is nothing to find in balance; name one with --mesh", problem.id));
   if (!problem.body->is_autonomous())
     throw InputError("this load changes with time; take gravity, press or pull");
   const double scale = options.load_scale.value_or(1);
@@ -266,7 +252,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (options.picture.wanted()) options.picture.check(*problem.body);
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
   if ((frames || !options.compare.empty()) && options.picture.wanted())
-    throw InputError("--picture shows one solution; remove --pseudo-dynamic, --frames and --compare");
+    throw InputError("a picture shows one balance; leave --pseudo-dynamic, --frames and --compare out");
   if (!options.compare.empty()) return print_comparison(options, problem, model, settings, console);
   if (frames) return print_frames(options, problem, model, settings, console);
 
@@ -277,20 +263,17 @@ void solve(const StaticOptions& options, Console& console) {
     shown.seen = [&](const StaticIterate& iterate) {
       const double near =
           std::log(std::max(iterate.residual, settings.tolerance)) / std::log(settings.tolerance);
-      progress.update(iterate.load_share * std::clamp(near, 0.0, 1.0),
-                      fmt::format("load step {}, {} of the load, residual {}", iterate.load_step,
-                                  short_number(iterate.load_share, 3), short_number(iterate.residual, 3)));
+      progress.update((iterate.load_step - 1 + std::clamp(near, 0.0, 1.0)) / iterate.load_steps,
+                      fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
+                                  short_number(iterate.residual, 3)));
     };
     return options.load_steps.empty() ? found_balance(model, shown, thread_cpu_seconds)
                                       : solve_static(model, shown, thread_cpu_seconds);
   }();
   const double seconds = thread_cpu_seconds() - start;
   const double volume = problem.body->least_volume(0, solution.q).first;
-  const std::string outcome(outcome_of(problem, solution));
-  const bool converged = outcome == "converged";
-  const std::string status =
-      status_of(problem, solution, converged ? "" : converging_model(options, problem, scale));
-  if (!converged) console.exit_code = Exit::failed;
+  const std::string outcome(outcome_of(problem, solution)), status = status_of(problem, solution);
+  if (outcome != "converged") console.exit_code = Exit::failed;
 
   if (!options.output.empty()) {
     Table table;
@@ -336,7 +319,6 @@ void solve(const StaticOptions& options, Console& console) {
                                {"max_displacement", largest_displacement(solution.q)},
                                {"energy", energy},
                                {"least_volume", volume},
-                               {"load_share", solution.load_share},
                                {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()}});
   }
   TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
@@ -357,7 +339,7 @@ void solve(const StaticOptions& options, Console& console) {
 
 void add_static(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
-      app, console, "static", "Static equilibrium of a body on a mesh under a load",
+      app, console, "static", "Where a body on a mesh comes to rest under a load, and how fast it is found",
       {"hmax static --mesh liver --model fem_green --material liver:male_normal --load gravity",
        "hmax static --mesh phantom --load press --load-scale 0.5 --solver modified_newton --linear sor",
        "hmax static --mesh liver --load press --set force=0.5 --picture results/runs/pressed_liver.svg",
@@ -370,12 +352,10 @@ void add_static(CLI::App& app, Console& console) {
   add_number(command, "--load-scale", options->load_scale, "Multiplies the load; 1 by default");
   text("--solver", options->solver, "newton (default), modified_newton or linear", "NAME");
   text("--linear", options->linear, "How linear systems are solved: direct (default), sor or cg", "NAME");
-  text("--load-steps", options->load_steps,
-       "Apply the load in so many equal steps; by default at once, or in as many steps as it takes",
-       "NUMBER");
+  text("--load-steps", options->load_steps, "Bring the load on in so many steps; 1 by default", "NUMBER");
   text("--iterations", options->iterations, "At most, in each load step; 100 by default", "NUMBER");
   add_number(command, "--tolerance", options->tolerance,
-             "Residual relative to the load at which the iteration stops; 1e-9 by default");
+             "Residual beside the load at which a balance counts as found; 1e-9 by default");
   add_number(command, "--linear-tolerance", options->inner_tolerance,
              "The same of sor and cg; by default what Newton's method needs, else 1e-4");
   add_number(command, "--relaxation", options->relaxation, "Of sor, between 0 and 2; 1.5 by default");
@@ -387,7 +367,7 @@ void add_static(CLI::App& app, Console& console) {
   text("--output", options->output, "Write the history of residuals to a CSV file", "FILE");
   text("--compare", options->compare,
        "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
-  options->picture.add_to(command, "Draw the body in static equilibrium in front of its rest shape");
+  options->picture.add_to(command, "Draw the body in balance before its shape at rest");
   command.callback([options, &console] { solve(*options, console); });
 }
 

@@ -1,4 +1,4 @@
-/// Ways to a static equilibrium beside each other: residuals against iterations and against time.
+/// Ways to a balance of forces beside each other: residuals against iterations and against time.
 #pragma once
 
 #include <vector>

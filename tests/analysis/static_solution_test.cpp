@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/dynamic_relaxation.hpp"
 #include "results/errors.hpp"
 #include "tests/integrators/motion.hpp"
 
@@ -146,8 +145,7 @@ TEST(StaticSolution, SnapsThroughWhereTheEnergyLeads) {
 }
 
 /// A column pressed along x that gives way to either side y, E = x^2 / 2 + (1 - x) y^2 / 2 + y^4 / 4 - P x.
-/// Beyond P = 1 the straight equilibrium (P, 0) is a saddle, and the stable ones are x = 2 P - 1, y^2 = x
-/// - 1.
+/// Beyond P = 1 the straight balance (P, 0) is a saddle, and the stable ones are x = 2 P - 1, y^2 = x - 1.
 StaticModel column(double P) {
   return {.dofs = 2,
           .force =
@@ -173,7 +171,7 @@ StaticModel column(double P) {
               }};
 }
 
-TEST(StaticSolution, LeavesAnEquilibriumThatIsNotStable) {
+TEST(StaticSolution, LeavesABalanceThatIsNotStable) {
   for (const InnerSolver inner : {InnerSolver::direct, InnerSolver::conjugate_gradients})
     for (const double P : {1.2, 2.0, 5.0})
       for (const int steps : {1, 4}) {
@@ -183,7 +181,7 @@ TEST(StaticSolution, LeavesAnEquilibriumThatIsNotStable) {
         EXPECT_NEAR(std::abs(found.q[1]), std::sqrt(2 * P - 2), 1e-7) << name_of(inner) << ' ' << P;
       }
   EXPECT_NEAR(solve_static(column(0.9), {}, no_clock).q[0], 0.9, 1e-9);
-  // With the stiffness at rest too, which is taken up again after the look at that of the equilibrium.
+  // With the stiffness at rest too, which is taken up again after the look at that of the balance.
   const StaticSolution modified = solve_static(
       column(1.2), {.method = StaticMethod::modified_newton, .iterations = 1000, .load_steps = 3}, no_clock);
   ASSERT_TRUE(modified.converged) << modified.note;
@@ -191,87 +189,6 @@ TEST(StaticSolution, LeavesAnEquilibriumThatIsNotStable) {
   // Without a search Newton's method takes the straight one, and so does a search that may end in saddles.
   EXPECT_NEAR(solve_static(column(2), {.leave_saddles = false}, no_clock).q[0], 2, 1e-7);
   EXPECT_NEAR(solve_static(column(2), {.line_search = false}, no_clock).q[0], 2, 1e-7);
-}
-
-TEST(StaticSolution, AdaptiveStepsEndAtTheLoadThatTheBodyBears) {
-  // The arch gives way under 2 / (3 sqrt(3)) at q = 1 - 1 / sqrt(3), and may not snap through.
-  StaticModel arch = shallow_arch(0.5);
-  arch.admissible = [](const VectorXd& q) { return q[0] < 1.5; };
-  const StaticSolution ended = solve_static(arch, {.load_steps = 4, .adaptive = true}, no_clock);
-  EXPECT_FALSE(ended.converged);
-  EXPECT_TRUE(ended.barred);
-  EXPECT_TRUE(ended.is_limit);
-  EXPECT_FALSE(solve_static(arch, {.load_steps = 4}, no_clock).is_limit);
-  const double critical = 2 / (3 * std::sqrt(3.0)) / 0.5;
-  EXPECT_LE(ended.load_share, critical);
-  EXPECT_GT(ended.load_share, 0.98 * critical);
-  EXPECT_NEAR(ended.equilibrium[0], 1 - 1 / std::sqrt(3.0), 0.08);
-  EXPECT_NEAR((ended.equilibrium[0] - 2) * ended.equilibrium[0] * (ended.equilibrium[0] - 1),
-              ended.load_share * 0.5, 1e-8);
-  // The column may not leave the straight shape, which is stable up to P = 1.
-  StaticModel straight = column(2.6);
-  straight.admissible = [](const VectorXd& q) { return std::abs(q[1]) < 0.05; };
-  const StaticSolution buckled = solve_static(straight, {.load_steps = 4, .adaptive = true}, no_clock);
-  EXPECT_FALSE(buckled.converged);
-  EXPECT_NEAR(buckled.load_share, 1 / 2.6, 0.01 / 2.6);
-}
-
-TEST(StaticSolution, AdaptiveStepsGoOnWhereABodyBucklesOrSnapsThrough) {
-  for (const int steps : {1, 3, 4}) {
-    const StaticSolution bent = solve_static(column(2), {.load_steps = steps, .adaptive = true}, no_clock);
-    ASSERT_TRUE(bent.converged) << bent.note;
-    EXPECT_NEAR(bent.q[0], 3, 1e-7);
-    EXPECT_EQ(bent.load_share, 1);
-    EXPECT_EQ(bent.equilibrium, bent.q);
-    EXPECT_EQ(bent.history.back().load_share, 1);
-    const StaticSolution through =
-        solve_static(shallow_arch(0.4), {.load_steps = steps, .adaptive = true}, no_clock);
-    ASSERT_TRUE(through.converged) << through.note;
-    EXPECT_GT(through.q[0], 2);
-  }
-}
-
-TEST(StaticSolution, GoesOnFromAStart) {
-  const StaticSolution cold = solve_static(pulled_chain(12, 0.2, 0.1), {}, no_clock);
-  StaticSettings warm;
-  warm.start = cold.q;
-  EXPECT_EQ(solve_static(pulled_chain(12, 0.2, 0.1), warm, no_clock).iterations, 0);
-}
-
-TEST(DynamicRelaxation, ReachesTheStateThatNewtonsMethodFinds) {
-  for (const StaticModel& model : {column(0.9), column(2), shallow_arch(0.3), shallow_arch(0.4)}) {
-    VectorXd q = VectorXd::Zero(model.dofs);
-    q[model.dofs - 1] = 1e-3;  // off the symmetry
-    ASSERT_TRUE(relax_dynamically(model, q, 1e-9, 20'000));
-    StaticSettings near;
-    near.start = q;
-    const StaticSolution newton = solve_static(model, near, no_clock);
-    ASSERT_TRUE(newton.converged);
-    EXPECT_LT((newton.q - q).norm(), 1e-7 * q.norm());
-    // From rest the same but for the side to which a column bends.
-    EXPECT_NEAR(solve_static(model, {}, no_clock).q[0], q[0], 1e-6);
-  }
-}
-
-TEST(DynamicRelaxation, EndsAtANumberOfSteps) {
-  const StaticModel model = column(0.9);
-  VectorXd q = VectorXd::Zero(2);
-  EXPECT_FALSE(relax_dynamically(model, q, 1e-9, 3));
-  EXPECT_TRUE(q.allFinite());
-  // A cubic spring is a million times as stiff where the first steps lead, and the motion takes more mass.
-  const StaticModel stiffening{
-      .dofs = 1,
-      .force = [](const VectorXd& x, VectorXd& f) { f = 1e3 - x.array() - 1e6 * x.array().cube(); },
-      .stiffness =
-          [](const VectorXd& x, Sparse& K) {
-            K.resize(1, 1);
-            K.coeffRef(0, 0) = 1 + 3e6 * x[0] * x[0];
-            K.makeCompressed();
-          },
-      .energy = [](const VectorXd& x) { return x[0] * x[0] / 2 + 1e6 * std::pow(x[0], 4) / 4 - 1e3 * x[0]; }};
-  q = VectorXd::Zero(1);
-  ASSERT_TRUE(relax_dynamically(stiffening, q, 1e-9, 20'000));
-  EXPECT_NEAR(q[0] + 1e6 * std::pow(q[0], 3), 1e3, 1e-5);
 }
 
 TEST(StaticSolution, EndsWhereRoundingDoes) {
@@ -315,7 +232,7 @@ TEST(StaticSolution, RefusesSettingsOutOfRange) {
   EXPECT_THROW(pseudo_dynamic(model, {}, 0, 1, no_clock), InputError);
 }
 
-TEST(PseudoDynamic, HasNoErrorWhereThereIsNoEquilibrium) {
+TEST(PseudoDynamic, HasNoErrorWhereThereIsNoBalance) {
   const auto frames = pseudo_dynamic(pulled_chain(3, -1, 3), {}, 10, 1, no_clock);
   ASSERT_FALSE(frames.empty());
   EXPECT_FALSE(std::isnan(frames.front().error));
