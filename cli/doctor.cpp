@@ -1,8 +1,10 @@
 /// hmax doctor and hmax info: what this build was made of, and on which machine it runs.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cli/commands.hpp"
+#include "core/instruction_set.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/build_info.hpp"
 #include "results/fingerprint.hpp"
@@ -68,7 +70,10 @@ std::string parts_for_people(const Console& console) {
     packages += " " + part.debian_package;
     rebuild = rebuild || part.name != "gnuplot";
   }
-  std::string text = table.text(console) + "\n";
+  std::vector<std::string_view> sets;
+  for (const InstructionSet set : instruction_sets()) sets.push_back(to_string(set));
+  std::string text = fmt::format("{}\nInstruction set of the kernels: {}; HMAX_KERNELS chooses of {}\n",
+                                 table.text(console), sets.front(), fmt::join(sets, ", "));
   if (packages.empty()) return text + "Nothing is missing.\n";
   return text + console.strong("To add what is missing: apt install" + packages) +
          (rebuild ? ", then configure and build again.\n" : "\n");
@@ -82,6 +87,7 @@ std::string machine_for_people() {
        std::initializer_list<std::pair<const char*, std::string>>{{"hmax", build.version},
                                                                   {"git", print.git},
                                                                   {"compiler", print.compiler},
+                                                                  {"instruction set", print.instruction_set},
                                                                   {"flags", print.flags},
                                                                   {"build type", print.build_type},
                                                                   {"cpu", print.cpu},

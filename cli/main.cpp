@@ -2,12 +2,14 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <stdexcept>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
 #include "cli/commands.hpp"
+#include "core/instruction_set.hpp"
 #include "results/build_info.hpp"
 #include "results/errors.hpp"
 
@@ -73,7 +75,17 @@ void complain(std::string text) {
   fmt::print(stderr, "hmax: {}\n", text);
 }
 
+/// A wrong environment is refused by every command, whether its kernels run or not.
+void check_environment() {
+  try {
+    instruction_sets();
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
 Exit run(int argc, char** argv) {
+  check_environment();
   Console console;
   CLI::App app("Benchmarks of numerical integrators and their stability on soft-tissue models.", "hmax");
   app.set_version_flag("--version", fmt::format("hmax {}", build_info().version));

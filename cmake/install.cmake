@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/hmax")
 set_target_properties(hmax_flags PROPERTIES EXPORT_NAME flags)
-install(TARGETS hmax_flags hmax_integrators hmax_problems hmax_results hmax_analysis hmax_bench hmax_plots
+install(TARGETS hmax_flags hmax_core hmax_integrators hmax_problems hmax_results hmax_analysis hmax_bench hmax_plots
         EXPORT hmax_targets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")

@@ -31,7 +31,7 @@ struct PanelKernels {
   void (*backward)(const Scalar* T, const Scalar* B, Index w, Index h, Scalar* x, const Scalar* part);
 };
 
-/// What this processor can run for doubles, the fastest first.
+/// Those for doubles of instruction_sets(), in its order: the set in use first.
 std::span<const PanelKernels<double>* const> available_panel_kernels();
 
 }  // namespace hmax

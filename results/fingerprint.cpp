@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/instruction_set.hpp"
 #include "results/build_info.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -138,7 +139,6 @@ void read_build(Fingerprint& print) {
     }
   }
 #ifdef __GLIBC__
-  // Its libm computes the cosine of the forced models.
   print.libraries["glibc"] = gnu_get_libc_version();
 #endif
 #ifndef NDEBUG
@@ -172,6 +172,7 @@ constexpr std::pair<const char*, std::string Fingerprint::*> texts[] = {
     {"kernel", &Fingerprint::kernel},
     {"load", &Fingerprint::load},
     {"compiler", &Fingerprint::compiler},
+    {"instruction_set", &Fingerprint::instruction_set},
     {"flags", &Fingerprint::flags},
     {"build_type", &Fingerprint::build_type},
     {"git", &Fingerprint::git}};
@@ -188,6 +189,7 @@ Fingerprint fingerprint(const fs::path& root) {
   print.governor = first_line(cpu0 / "cpufreq/scaling_governor");
   print.virtualisation = read_virtualisation(root, info);
   print.kernel = read_kernel();
+  print.instruction_set = to_string(instruction_sets().front());
   print.load = read_load(root / "proc/loadavg");
   read_build(print);
   return print;

@@ -15,14 +15,15 @@ struct Fingerprint {
   std::string cpu = "unknown";     ///< model name as the kernel gives it
   std::string cores = "unknown";   ///< logical processors on line
   std::string caches = "unknown";  ///< of the first processor, "L1d 32 KiB, L1i 32 KiB, L2 1 MiB, L3 36 MiB"
-  std::string governor = "unknown";        ///< frequency governor of the first processor
-  std::string virtualisation = "unknown";  ///< none, or the name of the hypervisor
-  std::string kernel = "unknown";          ///< name, release and architecture
-  std::string load = "unknown";            ///< load averages over 1, 5 and 15 minutes when the session began
-  std::string compiler = "unknown";        ///< "g++ 12.2"
-  std::string flags = "unknown";           ///< compiler flags of the build type
-  std::string build_type = "unknown";      ///< Release, Debug, ...
-  std::string git = "unknown";             ///< commit, with "-dirty" when the tree had changes
+  std::string governor = "unknown";         ///< frequency governor of the first processor
+  std::string virtualisation = "unknown";   ///< none, or the name of the hypervisor
+  std::string kernel = "unknown";           ///< name, release and architecture
+  std::string load = "unknown";             ///< load averages over 1, 5 and 15 minutes when the session began
+  std::string compiler = "unknown";         ///< "g++ 12.2"
+  std::string instruction_set = "unknown";  ///< of the kernels: portable, avx2 or avx512
+  std::string flags = "unknown";            ///< compiler flags of the build type
+  std::string build_type = "unknown";       ///< Release, Debug, ...
+  std::string git = "unknown";              ///< commit, with "-dirty" when the tree had changes
   std::map<std::string, std::string> libraries;  ///< name, version
   bool debug_build = false;  ///< assertions on, or sanitizers: times are marked and never published
 

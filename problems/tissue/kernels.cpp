@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "core/instruction_set.hpp"
+
 namespace hmax {
 
 extern const TissueKernels tissue_kernels_portable;
@@ -9,15 +11,22 @@ extern const TissueKernels tissue_kernels_portable;
 extern const TissueKernels tissue_kernels_avx2, tissue_kernels_avx512;
 #endif
 
+namespace {
+
+const TissueKernels* kernels_for([[maybe_unused]] InstructionSet set) {
+#ifdef HMAX_X86_KERNELS
+  if (set == InstructionSet::avx512) return &tissue_kernels_avx512;
+  if (set == InstructionSet::avx2) return &tissue_kernels_avx2;
+#endif
+  return &tissue_kernels_portable;
+}
+
+}  // namespace
+
 std::span<const TissueKernels* const> available_tissue_kernels() {
   static const std::vector<const TissueKernels*> available = [] {
     std::vector<const TissueKernels*> all;
-#ifdef HMAX_X86_KERNELS
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl"))
-      all.push_back(&tissue_kernels_avx512);
-    if (__builtin_cpu_supports("avx2")) all.push_back(&tissue_kernels_avx2);
-#endif
-    all.push_back(&tissue_kernels_portable);
+    for (const InstructionSet set : instruction_sets()) all.push_back(kernels_for(set));
     return all;
   }();
   return available;

@@ -33,9 +33,9 @@ struct alignas(64) SpringBlock {
 
 /// The loops, compiled for one instruction set. Displacements u, positions x and forces f are rows of four
 /// doubles, aligned to 32 bytes. Sums are taken one after the other in an order that the blocks fix, and
-/// nothing is contracted to fused multiply-add: forces have the same bits with every set. The order in which
-/// blocks of the stiffness are summed follows the width of the registers, so that its last bits are those of
-/// one set.
+/// nothing is contracted to fused multiply-add. Lane by lane every set computes the same, and blocks of the
+/// stiffness are summed pair of corners by pair of corners: forces and stiffness have the same bits with
+/// every set.
 struct TissueKernels {
   const char* name;
   std::size_t width;  ///< doubles in a register
@@ -57,10 +57,10 @@ struct TissueKernels {
   void (*spring_force)(const SpringBlock* blocks, std::size_t count, double b, const double* x, double* f);
 };
 
-/// What this processor can run, the fastest first.
+/// Those of instruction_sets(), in its order.
 std::span<const TissueKernels* const> available_tissue_kernels();
 
-/// The fastest of them.
+/// Those in use.
 inline const TissueKernels& tissue_kernels() { return *available_tissue_kernels().front(); }
 
 }  // namespace hmax

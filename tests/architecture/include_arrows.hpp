@@ -20,15 +20,16 @@ struct Include {
 
 /// The folders each folder may include; arrows point down only.
 inline const std::map<std::string, std::set<std::string>> allowed_arrows{
-    {"integrators", {"integrators"}},
-    {"problems", {"problems"}},
-    {"results", {"results"}},
-    {"analysis", {"analysis", "integrators", "problems", "results"}},
-    {"bench", {"bench", "analysis", "integrators", "problems", "results"}},
+    {"core", {"core"}},
+    {"integrators", {"integrators", "core"}},
+    {"problems", {"problems", "core"}},
+    {"results", {"results", "core"}},
+    {"analysis", {"analysis", "integrators", "problems", "results", "core"}},
+    {"bench", {"bench", "analysis", "integrators", "problems", "results", "core"}},
     {"plots", {"plots", "results"}},
-    {"cli", {"cli", "plots", "bench", "analysis", "integrators", "problems", "results"}},
+    {"cli", {"cli", "plots", "bench", "analysis", "integrators", "problems", "results", "core"}},
     {"examples", {"integrators", "problems"}},
-    {"tests", {"tests", "cli", "plots", "bench", "analysis", "integrators", "problems", "results"}},
+    {"tests", {"tests", "cli", "plots", "bench", "analysis", "integrators", "problems", "results", "core"}},
 };
 
 /// A foreign header and the files that may include it, both as regular expressions.

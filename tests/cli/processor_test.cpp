@@ -1,4 +1,5 @@
 /// The processor decides how fast hmax is, not what it computes.
+#include "core/instruction_set.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -38,6 +39,35 @@ TEST(Processor, DoesNotChangeABitOfFormulas) {
   ASSERT_EQ(here.exit_code, 0) << here.err;
   EXPECT_EQ(here.json().at("y"), plain.json().at("y"));
   EXPECT_EQ(here.json().at("stats"), plain.json().at("stats"));
+}
+
+TEST(Processor, DoesNotChangeABitOfTissue) {
+  const Shell shell;
+  const std::string body = "--mesh phantom --model fem_green --material liver:male_normal";
+  const auto end_of = [&](const std::string& line) {
+    const Json run = shell.line(line).json();
+    return Json{run.at("y"), run.at("stats")};
+  };
+  for (const char* method : {"newmark --h 0.01", "rodas_4 --rtol 1e-4 --atol 1e-6"}) {
+    const std::string run = "hmax run " + body + " --method " + method + " --t-end 0.1 --full --json";
+    const Json here = end_of(run);
+    for (const InstructionSet set : instruction_sets())
+      EXPECT_EQ(here, end_of("export HMAX_KERNELS=" + std::string(to_string(set)) + "; " + run))
+          << to_string(set) << " " << method;
+  }
+}
+
+TEST(Processor, KernelsAreChosenByTheEnvironmentAndNamed) {
+  const Shell shell;
+  for (const InstructionSet set : instruction_sets()) {
+    const std::string name(to_string(set)), choice = "export HMAX_KERNELS=" + name + "; ";
+    EXPECT_EQ(shell.line(choice + "hmax doctor --json").json().at("fingerprint").at("instruction_set"), name);
+    EXPECT_NE(shell.line(choice + "hmax doctor").out.find("kernels: " + name), std::string::npos);
+  }
+}
+
+TEST(Processor, KernelsThatItDoesNotHaveAreRefused) {
+  expect_refused(Shell().line("export HMAX_KERNELS=sse9; hmax list methods"), "sse9");
 }
 
 }  // namespace

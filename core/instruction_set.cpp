@@ -1,0 +1,60 @@
+#include "core/instruction_set.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace hmax {
+
+namespace {
+
+/// Those of this processor, the widest first.
+std::vector<InstructionSet> available() {
+  std::vector<InstructionSet> sets;
+#ifdef HMAX_X86_KERNELS
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl"))
+    sets.push_back(InstructionSet::avx512);
+  if (__builtin_cpu_supports("avx2")) sets.push_back(InstructionSet::avx2);
+#endif
+  sets.push_back(InstructionSet::portable);
+  return sets;
+}
+
+/// `sets` with the one that HMAX_KERNELS names at the front.
+std::vector<InstructionSet> chosen_first(std::vector<InstructionSet> sets) {
+  const char* const name = std::getenv("HMAX_KERNELS");
+  if (!name || !*name) return sets;
+  const auto chosen =
+      std::find_if(sets.begin(), sets.end(), [&](InstructionSet set) { return to_string(set) == name; });
+  if (chosen == sets.end()) {
+    std::string known;
+    for (const InstructionSet set : sets) known.append(known.empty() ? "" : ", ").append(to_string(set));
+    throw std::invalid_argument("the environment variable HMAX_KERNELS is '" + std::string(name) +
+                                "'; unset it, or set it to one of " + known);
+  }
+  std::rotate(sets.begin(), chosen, chosen + 1);
+  return sets;
+}
+
+}  // namespace
+
+std::string_view to_string(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::avx512:
+      return "avx512";
+    case InstructionSet::avx2:
+      return "avx2";
+    case InstructionSet::portable:
+      break;
+  }
+  return "portable";
+}
+
+std::span<const InstructionSet> instruction_sets() {
+  static const std::vector<InstructionSet> sets = chosen_first(available());
+  return sets;
+}
+
+}  // namespace hmax

@@ -1,0 +1,24 @@
+/// The instruction set of the kernels that are compiled several times: one decision for the whole process.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace hmax {
+
+/// Kernels exist for each of these on x86-64, elsewhere for `portable` alone.
+enum class InstructionSet {
+  portable,  ///< what every processor of the architecture has
+  avx2,
+  avx512  ///< AVX-512 F and VL
+};
+
+/// "portable", "avx2", "avx512".
+std::string_view to_string(InstructionSet set);
+
+/// The sets that this processor has: the one in use first, then the others, the widest first. In use is the
+/// set that the environment variable HMAX_KERNELS names, or else the widest. The variable is read once.
+/// @throws std::invalid_argument  when HMAX_KERNELS names no set of this processor
+std::span<const InstructionSet> instruction_sets();
+
+}  // namespace hmax
