@@ -303,7 +303,7 @@ ExtrapolationReference::ExtrapolationReference(const System& system, const State
     largest = std::max(largest, points_[i].y.cwiseAbs().maxCoeff());
   }
   // Between two steps the tolerance itself may be in error, and a double half a unit in its last place.
-  extended_error_bound_ = static_cast<double>(4 * (difference + tight(rule) * largest));
+  extended_error_bound_ = static_cast<double>(16 * (difference + tight(rule) * largest));
   error_bound_ =
       extended_error_bound_ + static_cast<double>(largest) * std::numeric_limits<double>::epsilon() / 2;
   relative_error_at_end_ = ((checked - points_.back().y).cwiseAbs().array() * 4 /

@@ -47,7 +47,6 @@ struct TrajectoryLimit {
 /// Of each method; nothing for those without an amplification, or that the problem does not suit. Of bodies
 /// with more than small_enough_for_dense degrees of freedom the slowest and the fastest mode of each tangent
 /// are computed, and the limit is the least on the curve of damping between them.
-/// @throws InputError  when damping couples the modes of such a body
 std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method> methods,
                                                          const Problem& problem, const Path& path,
                                                          const Watcher& watcher = {});
