@@ -21,7 +21,9 @@ namespace detail {
 /// out = |J| x with the absolute values of J, shape (n).
 template <class Derived, class Vector>
 void absolute_product(const Eigen::MatrixBase<Derived>& J, const Vector& x, Vector& out) {
-  out.noalias() = J.cwiseAbs() * x;
+  // By columns: Eigen would make a matrix of the absolute values first.
+  out.setZero();
+  for (Eigen::Index j = 0; j < J.cols(); ++j) out += x[j] * J.col(j).cwiseAbs();
 }
 template <class Scalar, int Options, class Index, class Vector>
 void absolute_product(const Eigen::SparseMatrix<Scalar, Options, Index>& J, const Vector& x, Vector& out) {
@@ -49,7 +51,7 @@ void absolute_product(const std::variant<Matrices...>& J, const Vector& x, Vecto
 }  // namespace detail
 
 /// The correction (I - s J)^-1 s df that rounding of f makes of a stage equation that is solved, where
-///   |df_i| <= eps (|f_i| + sum_j |J_ij| (|y_j| + |X_j|))
+///   |df_i| <= eps (|f_i| + sum_j |J_ij| (|Y_j| + |z_j| + |X_j|))
 /// is the rounding of f in a point whose numbers are known to eps, and X are the larger numbers that f adds
 /// to its state (OffsetSystem). Signs alternate without order, as those of rounding do. Corrections that are
 /// at most `margin` times as large are taken for rounding: on bodies they vary by a factor of 3 about the
@@ -67,6 +69,7 @@ class ResidualRounding {
     offset_.setZero(system.dim());
     if constexpr (OffsetSystem<Sys>)
       if (has_offset(system)) system.offset(offset_);
+    numbers_ = correction_ = offset_;
     id_ = 0;
   }
 
@@ -98,7 +101,7 @@ class ResidualRounding {
   void make(const Matrix& J, const State& Y, const State& z) {
     using std::abs;
     numbers_ = offset_;
-    for (Eigen::Index i = 0; i < Y.size(); ++i) numbers_[i] += abs(Y[i]);
+    for (Eigen::Index i = 0; i < Y.size(); ++i) numbers_[i] += abs(Y[i]) + abs(z[i]);
     correction_ = numbers_;
     detail::absolute_product(J, numbers_, correction_);
     constexpr Real unit = margin * std::numeric_limits<Real>::epsilon();

@@ -388,7 +388,9 @@ TYPED_TEST(Imex, FollowsAToleranceHoweverStiffThePartIs) {
             StepperFor<TypeParam, std::remove_const_t<decltype(system)>>{}, system, Span<double>{0, 10}, y,
             Adaptive<double, PiController>({tolerance, tolerance}, TypeParam::error_order));
         EXPECT_EQ(end.outcome, Outcome::reached_end) << lambda;
-        EXPECT_NEAR(y[0], std::cos(10.0), 20 * tolerance) << lambda;
+        // lambda times the rounding of the cosine decides which steps are rejected: between two libraries
+        // that are right to a unit in the last place the error varies from 1 to 25 tolerances.
+        EXPECT_NEAR(y[0], std::cos(10.0), 50 * tolerance) << lambda;
         EXPECT_LT(end.stats.steps, 10000) << lambda;
       }
     }
