@@ -176,7 +176,7 @@ TEST(AdamsPece, ItsEstimatesForTheOrderDoNotDependOnThePastSteps) {
     const auto errors = adams.errors([](Eigen::Index) { return 1.0; });
     const auto scale = [&](int q) {
       return std::abs(static_cast<double>(gamma_star[static_cast<std::size_t>(q)])) * std::pow(h, q + 1) *
-             std::tgamma(q + 1);
+             static_cast<double>(std::tgamma(q + 1.0L));
     };
     double nodes = 0;
     for (int i = 0; i < k; ++i) nodes += t[t.size() - 1 - static_cast<std::size_t>(i)];
