@@ -196,19 +196,11 @@ class Dirk {
     static constexpr long double weight(std::size_t j) { return tableau.b_err[j]; }
   };
 
-  /// Solves the stages with the Jacobian at hand, else with a new one, else by continuation with one at each
-  /// iterate, where no step can be cut and the user leaves Jacobians to the method.
   template <System Sys>
   bool solve(const Sys& system, Real t, const State& y, Real h) {
-    if (solve_stages(system, t, y, h, std::nullopt)) return true;
-    if (jacobian_.renew(system, t, y)) {
-      attempt_memory_ = {};
-      if (solve_stages(system, t, y, h, std::nullopt)) return true;
-    }
-    if (norm_.has_tolerances() || !jacobian_.decides()) return false;
-    attempt_memory_ = {.theta = 1};
-    return std::ranges::any_of(
-        first_mu, [&](double mu) { return solve_stages(system, t, y, h, static_cast<Real>(mu)); });
+    return solve_or_continue(
+        jacobian_, norm_, attempt_memory_, system, t, y, first_mu,
+        [&](std::optional<Real> continuation) { return solve_stages(system, t, y, h, continuation); });
   }
 
   /// @param continuation  the first mu of continue_newton, which then replaces iterate_newton

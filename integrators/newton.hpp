@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -87,6 +88,9 @@ class NewtonNorm {
     if (settings_.iterations > 0) return settings_.iterations;
     return has_tolerances() ? 7 : 50;
   }
+  /// Whether equations that the iteration does not solve are solved by continuation: at fixed steps, unless
+  /// the user limits the iterations. Where a step can be cut it is cheaper to do that.
+  [[nodiscard]] bool may_continue() const { return !has_tolerances() && settings_.iterations == 0; }
 
  private:
   Real kappa_, rtol_ = 0, atol_ = 0, scale_ = 0, share_ = rounding;
@@ -306,6 +310,28 @@ class Linearisation {
   std::int64_t id_ = 0, fresh_id_ = 0, evaluations_ = 0, steps_ = 0;
   bool due_ = true, is_current_ = false, fresh_known_ = false, uses_fresh_ = false;
 };
+
+/// The equations of an attempt from (t, y): with the Jacobian at hand, else with a new one, else by
+/// continuation with one at each iterate.
+/// @param memory  what the attempt has learned; forgotten with an old Jacobian
+/// @param solve   solve(mu) tries once and returns whether it succeeded, by iterate_newton where mu is empty,
+///                else by continue_newton from mu
+/// @param mus     the first mu of each continuation, in their order
+template <class StateT, class Matrix, System Sys, class Solve>
+bool solve_or_continue(Linearisation<StateT, Matrix>& jacobian, const NewtonNorm<StateT>& norm,
+                       NewtonMemory<real_of<StateT>>& memory, const Sys& system, real_of<StateT> t,
+                       const StateT& y, std::span<const double> mus, const Solve& solve) {
+  using Real = real_of<StateT>;
+  if (solve(std::optional<Real>())) return true;
+  if (jacobian.renew(system, t, y)) {
+    memory = {};
+    if (solve(std::optional<Real>())) return true;
+  }
+  if (!norm.may_continue() || !jacobian.decides()) return false;
+  memory = {.theta = 1};
+  return std::ranges::any_of(mus,
+                             [&](double mu) { return solve(std::optional<Real>(static_cast<Real>(mu))); });
+}
 
 /// (I - s J)^-1, factored only when s or J has changed.
 /// @tparam Scalar  of s; complex where a method needs complex shifts of a real J

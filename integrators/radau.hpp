@@ -139,18 +139,12 @@ class RadauIIA5 {
   static constexpr Real e(std::size_t i) { return static_cast<Real>(radau::e[i]); }
   static constexpr Real c1m1 = c(0) - 1, c2m1 = c(1) - 1;
 
-  /// As Dirk::solve.
   template <System Sys>
   bool solve(const Sys& system, Real t, const State& y, Real h) {
-    if (solve_stages(system, t, y, h, std::nullopt)) return true;
-    if (jacobian_.renew(system, t, y)) {
-      attempt_memory_ = {};
-      if (solve_stages(system, t, y, h, std::nullopt)) return true;
-    }
-    if (norm_.has_tolerances() || !jacobian_.decides()) return false;
-    attempt_memory_ = {.theta = 1};
     // The three stages have no potential together: a slower flow would not come nearer.
-    return solve_stages(system, t, y, h, static_cast<Real>(first_mu[0]));
+    return solve_or_continue(
+        jacobian_, norm_, attempt_memory_, system, t, y, std::span(first_mu).first(1),
+        [&](std::optional<Real> continuation) { return solve_stages(system, t, y, h, continuation); });
   }
 
   static Complex complex_shift(Real h) {

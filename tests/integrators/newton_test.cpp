@@ -260,6 +260,37 @@ TEST(Linearisation, LeavesAFrozenJacobianAlone) {
   EXPECT_FALSE(jacobian.renew(system, 1, y));
 }
 
+/// The mu that equations without solution are tried with after an old Jacobian; 0 stands for the iteration.
+std::vector<double> trials(const NewtonNorm<Eigen::Vector2d>& norm, JacobianUpdate update = {}) {
+  const Oscillator system;
+  const Eigen::Vector2d y(0.5, 1);
+  Linearisation<Eigen::Vector2d, Eigen::Matrix2d> jacobian;
+  jacobian.set_update(update);
+  jacobian.init(system);
+  jacobian.begin(system, 0, y);
+  jacobian.accept(0);
+  jacobian.begin(system, 1, y);
+  NewtonMemory<double> memory;
+  std::vector<double> mus;
+  EXPECT_FALSE(
+      solve_or_continue(jacobian, norm, memory, system, 1, y, first_mu, [&](std::optional<double> mu) {
+        mus.push_back(mu.value_or(0));
+        return false;
+      }));
+  return mus;
+}
+
+TEST(SolveOrContinue, ContinuesAtFixedStepsUnlessTheUserLimitsIterationsOrJacobians) {
+  NewtonNorm<Eigen::Vector2d> norm;
+  EXPECT_EQ(trials(norm), (std::vector<double>{0, 0, 1, 10, 100}));
+  EXPECT_EQ(trials(norm, {JacobianUpdate::frozen}), std::vector<double>{0});
+  norm.set({.iterations = 8});
+  EXPECT_EQ(trials(norm), (std::vector<double>{0, 0}));
+  norm.set({});
+  norm.set_tolerances(1e-6, 1e-6);
+  EXPECT_EQ(trials(norm), (std::vector<double>{0, 0}));
+}
+
 TEST(ShiftedSolver, FactorsOnlyWhatIsNew) {
   Eigen::Matrix2d J;
   J << 0, 1, -4, -1;
