@@ -51,6 +51,13 @@ Eigen::VectorXcd spectrum_at(const Sys& system, double t, const typename Sys::St
 
 }  // namespace
 
+std::string error_in_words(const Problem& problem) {
+  if (problem.body) return "largest error of any displacement [m] or velocity [m/s], at any accepted step";
+  if (std::holds_alternative<Oscillator>(problem.system))
+    return "largest error of any state, x [m] or v [m/s], at any accepted step";
+  return "largest error of any state, in its own unit, at any accepted step";
+}
+
 std::optional<double> predicted_step_limit(const Method& method, const Problem& problem,
                                            const Reference& reference, double t_end) {
   // A dense spectrum of a larger system would take longer than the runs it explains.

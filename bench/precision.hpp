@@ -25,6 +25,9 @@ struct PrecisionSpec {
 /// other.
 SweepSpec precision_sweep(const PrecisionSpec& spec);
 
+/// "largest error of any state, x [m] or v [m/s], at any accepted step": what the errors of sweeps are of.
+std::string error_in_words(const Problem& problem);
+
 /// The largest step at which `method` is stable on `problem` as its stability function and the spectrum of
 /// the Jacobian say, [s]: the smallest over times along the reference. Empty where one of them is not known;
 /// infinity where no step is unstable.

@@ -106,6 +106,11 @@ class Sweeper {
   void begin_session();
   double cost(const SweepBlock& block, const std::vector<std::size_t>& methods) const;
   void tell(const SweepBlock& block, double share) const;
+  /// The share of the cost that is done.
+  /// @param here  share of the block at hand
+  double share_done(double here) const {
+    return cost_total_ > 0 ? (cost_done_ + here * cost_here_) / cost_total_ : 1;
+  }
   void stop_if_asked() const {
     if (interrupted_ && interrupted_()) throw SweepEnded{};
   }
@@ -129,6 +134,11 @@ std::vector<std::size_t> Sweeper::missing(const SweepBlock& block) const {
 
 const Reference& Sweeper::reference(const SweepBlock& block) {
   if (!reference_ || reference_of_ != block.problem) {
+    if (progress_)
+      progress_({.rows_done = summary_.skipped + summary_.measured,
+                 .rows = plan_.rows(),
+                 .fraction = share_done(0),
+                 .what = "reference of " + plan_.problems[block.problem].id});
     reference_ = make_reference(plan_.problems[block.problem], block.run.t_end);
     reference_of_ = block.problem;
   }
@@ -155,7 +165,7 @@ void Sweeper::tell(const SweepBlock& block, double share) const {
   const Problem& problem = plan_.problems[block.problem];
   progress_({.rows_done = summary_.skipped + summary_.measured,
              .rows = plan_.rows(),
-             .fraction = cost_total_ > 0 ? (cost_done_ + share * cost_here_) / cost_total_ : 1,
+             .fraction = share_done(share),
              .what = fmt::format("{}{}{}, {}, {} = {}", problem.id, problem.material.empty() ? "" : ":",
                                  problem.material, block.mode, block.mode == "adaptive" ? "rtol" : "h",
                                  to_text(block.mode == "adaptive" ? block.run.rtol

@@ -90,7 +90,7 @@ Json limit_of(const StepLimits& limits, const std::string& method) {
   return !h ? Json() : std::isfinite(*h) ? Json(*h) : Json("unbounded");
 }
 
-Json to_json(const std::vector<Row>& rows, const StepLimits& limits) {
+Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::string& error_of) {
   Json document = Json::array();
   for (const Row& row : rows) {
     const TimingSummary time = summarise(row.cpu_s);
@@ -101,6 +101,7 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits) {
                         {"outcome", row.outcome},
                         {"error_global", number_or_null(row.error_global)},
                         {"error_end", number_or_null(row.error_end)},
+                        {"error_of", error_of},
                         {"cpu_median_s", number_or_null(time.median)},
                         {"cpu_q1_s", number_or_null(time.q1)},
                         {"cpu_q3_s", number_or_null(time.q3)},
@@ -133,6 +134,7 @@ void precision(const PrecisionOptions& options, Console& console) {
       plan,
       options.store.empty() ? temporary.path() / "precision.sqlite" : std::filesystem::path(options.store),
       !options.store.empty());
+  StepLimits limits;
   {
     Progress progress(console, "precision");
     const SweepSummary summary = run_sweep(
@@ -140,13 +142,14 @@ void precision(const PrecisionOptions& options, Console& console) {
         [&] { return interrupted.load(); });
     if (summary.interrupted) throw Interrupted{};
     for (const std::string& warning : summary.warnings) console.remark(warning);
+    progress.update(1, "limits of the step");
+    const double t_end = plan.blocks.front().run.t_end;
+    const Reference reference = make_reference(plan.problems.front(), t_end);
+    for (const Method& method : plan.methods)
+      limits[method.id] = predicted_step_limit(method, plan.problems.front(), reference, t_end);
   }
   const std::vector<Row> rows = store.rows();
-  const double t_end = plan.blocks.front().run.t_end;
-  const Reference reference = make_reference(plan.problems.front(), t_end);
-  StepLimits limits;
-  for (const Method& method : plan.methods)
-    limits[method.id] = predicted_step_limit(method, plan.problems.front(), reference, t_end);
+  const std::string error_of = error_in_words(plan.problems.front());
   std::string drawn;
   if (!options.output.empty()) {
     std::vector<ShownMethod> shown;
@@ -162,9 +165,9 @@ void precision(const PrecisionOptions& options, Console& console) {
       console.remark(files.problem);
   }
   if (console.json)
-    console.print_json(to_json(rows, limits));
+    console.print_json(to_json(rows, limits, error_of));
   else
-    console.print(for_people(rows, console) + (drawn.empty() ? "" : "\n" + drawn));
+    console.print(fmt::format("{}\nerror: {}\n{}", for_people(rows, console), error_of, drawn));
 }
 
 }  // namespace

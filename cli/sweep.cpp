@@ -132,20 +132,62 @@ std::string fastest_table(const Group& group, const Console& console) {
   return table.text(console);
 }
 
+bool failed(const Row& row) { return row.outcome != "reached_end"; }
+
+/// "rk4, fixed, h = 2 s: diverged at t = 14 s", with the problem where there are several.
+std::string words_of_failure(const SweepPlan& plan, const Row& row) {
+  const RowKey& key = row.key;
+  std::string text;
+  if (plan.problems.size() > 1) text = key.problem + (key.material.empty() ? "" : ":" + key.material) + ", ";
+  const std::string setting = key.mode == "adaptive" ? fmt::format("rtol = {}", short_number(key.rtol))
+                                                     : fmt::format("h = {} s", short_number(key.h));
+  return text + fmt::format("{}, {}, {}: {} at t = {} s", key.method, key.mode, setting, row.outcome,
+                            short_number(row.t_reached));
+}
+
+Json failures_json(const std::vector<Row>& rows) {
+  Json list = Json::array();
+  for (const Row& row : rows)
+    if (failed(row)) {
+      const bool adaptive = row.key.mode == "adaptive";
+      list.push_back({{"problem", row.key.problem},
+                      {"material", row.key.material},
+                      {"method", row.key.method},
+                      {"mode", row.key.mode},
+                      {"h", adaptive ? Json() : Json(row.key.h)},
+                      {"rtol", adaptive ? Json(row.key.rtol) : Json()},
+                      {"outcome", row.outcome},
+                      {"t_reached", row.t_reached}});
+    }
+  return list;
+}
+
+/// The rows that did not reach the end, the first of them one by one.
+std::string words_of_failures(const SweepPlan& plan, const std::vector<Row>& rows, const std::string& store) {
+  constexpr std::ptrdiff_t most_shown = 20;
+  const std::ptrdiff_t count = std::ranges::count_if(rows, failed);
+  if (count == 0) return {};
+  std::string text = fmt::format("{} of them did not reach the end:\n", count);
+  std::ptrdiff_t shown = 0;
+  for (const Row& row : rows)
+    if (failed(row) && ++shown <= most_shown) text += "  " + words_of_failure(plan, row) + "\n";
+  if (count > most_shown)
+    text +=
+        fmt::format("  and {} more; `hmax export {} --format csv` has them all\n", count - most_shown, store);
+  return text;
+}
+
 std::string for_people(const SweepPlan& plan, const Store& store, const SweepSummary& summary,
                        const Console& console) {
   const std::vector<Row> rows = store.rows();
   std::string text;
   for (const Group& group : groups_of(plan, rows))
     text += console.strong(group.title) + "\n" + fastest_table(group, console) + "\n";
-  const auto failed =
-      std::ranges::count_if(rows, [](const Row& row) { return row.outcome != "reached_end"; });
   const auto subnormal = std::ranges::count_if(rows, [](const Row& row) { return row.subnormals > 0; });
   text +=
       fmt::format("{} rows in {}: {} measured in {} s, {} were there already\n", summary.rows,
                   store.file().string(), summary.measured, short_number(summary.seconds, 3), summary.skipped);
-  if (failed > 0)
-    text += fmt::format("{} of them did not reach the end; each tells where it ended\n", failed);
+  text += words_of_failures(plan, rows, store.file().string());
   if (subnormal > 0)
     text +=
         fmt::format("{} of them met subnormal numbers, which can make a run many times slower\n", subnormal);
@@ -178,6 +220,7 @@ void sweep(const SweepOptions& options, Console& console) {
                             {"skipped", summary.skipped},
                             {"seconds", summary.seconds},
                             {"interrupted", summary.interrupted},
+                            {"failed", failures_json(store.rows())},
                             {"warnings", summary.warnings}});
   } else if (!summary.interrupted) {
     console.print(for_people(plan, store, summary, console));

@@ -76,17 +76,46 @@ Range range_of(const Axis& axis, Even points, double margin) {
   return axis.logarithmic ? Range{std::pow(10, low), std::pow(10, high)} : Range{low, high};
 }
 
-/// `set xtics ...` with powers of ten on a logarithmic axis, thinned to at most `most` labels; a range of
-/// less than two decades is also labelled at 2 and 5 times a power.
-std::string tics(char axis_name, const Axis& axis, const Range& range, double most) {
+/// Width and, with the space around it, height of a label of an axis.
+constexpr double tic_character = 6.8, tic_height = 30, tic_gap = 12;
+
+/// The step of a linear axis, 1, 2 or 5 times a power of ten, the least whose labels have room beside each
+/// other.
+double linear_step(const Range& range, double length) {
+  const double span = range.high - range.low;
+  if (!(span > 0)) return 1;
+  for (double power = std::pow(10, std::floor(std::log10(span / length)));; power *= 10)
+    for (const double step : {power, 2 * power, 5 * power}) {
+      std::size_t longest = 0;
+      const double last = std::floor(range.high / step);
+      if (last - std::ceil(range.low / step) > length / tic_gap) continue;
+      for (double k = std::ceil(range.low / step); k <= last; ++k)
+        longest = std::max(longest, fmt::format("{:g}", k * step).size());
+      if (step / span * length >= tic_character * static_cast<double>(longest) + tic_gap) return step;
+    }
+}
+
+/// `set xtics ...` of an axis of `length` pixels. On a logarithmic one powers of ten, thinned to what has
+/// room; a range of less than two decades is also labelled at 2 and 5 times a power, or at 3 times where
+/// there is less room.
+std::string tics(char axis_name, const Axis& axis, const Range& range, double length) {
+  const bool across = axis_name == 'x';
   const std::string text = fmt::format("set {}tics out scale 0.5 nomirror ", axis_name);
   // The default format shows as many digits as the ends of the range have.
-  if (!axis.logarithmic) return fmt::format("set format {} '%g'\n{}autofreq\n", axis_name, text);
+  if (!axis.logarithmic)
+    return fmt::format("set format {} '%g'\n{}{}\n", axis_name, text,
+                       across ? fmt::format("{:g}", linear_step(range, length)) : "autofreq");
   const double low = std::log10(range.low) - 1e-9, high = std::log10(range.high) + 1e-9;
   const int first = static_cast<int>(std::floor(low)), last = static_cast<int>(std::floor(high));
+  const double most = length / (across ? 45 : tic_height);
   const int step = std::max(1, static_cast<int>(std::ceil((last - first + 1) / most)));
   std::vector<int> multiples{1};
-  if (high - low < 2) multiples = {1, 2, 5};
+  if (high - low < 2) {
+    const double decade = length / (high - low), room = across ? 6.5 * tic_character + tic_gap : tic_height;
+    multiples = std::log10(2.0) * decade >= room   ? std::vector{1, 2, 5}
+                : std::log10(3.0) * decade >= room ? std::vector{1, 3}
+                                                   : multiples;
+  }
   std::string list;
   for (int power = first; power <= last; ++power)
     for (const int multiple : multiples) {
@@ -359,8 +388,8 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   script_ += panel.y.logarithmic ? "set logscale y\n" : "unset logscale y\n";
   script_ += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", extent.x.low, extent.x.high,
                          extent.y.low, extent.y.high);
-  script_ += tics('x', panel.x, extent.x, (right - left) / 45);
-  script_ += tics('y', panel.y, {extent.y.low, extent.end_of_tics}, figure_.panel_height / 30.0);
+  script_ += tics('x', panel.x, extent.x, right - left);
+  script_ += tics('y', panel.y, {extent.y.low, extent.end_of_tics}, figure_.panel_height);
 
   if (extent.strip > 0) {
     script_ += fmt::format(

@@ -24,6 +24,7 @@ TEST(PrecisionCommand, MeasuresAdaptiveMethodsOverTolerancesAndTheOthersOverStep
     if (row.at("method") != "dormand_prince_54") continue;
     (row.at("rtol") == 1e-4 ? loose : tight) = row.at("error_global").get<double>();
   }
+  EXPECT_NE(rows[0].at("error_of").get<std::string>().find("v [m/s]"), std::string::npos);
   EXPECT_LE(lost, 1);
   EXPECT_GT(loose, 1000 * tight);
 }

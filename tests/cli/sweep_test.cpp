@@ -111,8 +111,22 @@ TEST(SweepCommand, ADivergedRunIsARowAndNoFailure) {
   const Shell shell;
   const Told told = shell.hmax("sweep --methods explicit_euler --h 2 --out own.sqlite");
   EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.out.find("1 of them did not reach the end"), std::string::npos) << told.out;
+  EXPECT_NE(
+      told.out.find("1 of them did not reach the end:\n  explicit_euler, fixed, h = 2 s: diverged at t = "),
+      std::string::npos)
+      << told.out;
   EXPECT_EQ(Store::open_existing(shell / "own.sqlite").rows().at(0).outcome, "diverged");
+}
+
+TEST(SweepCommand, ListsTheRowsThatDidNotReachTheEnd) {
+  const Shell shell;
+  const auto sweep =
+      shell.hmax("sweep --methods explicit_euler --h 2,0.01 --fixed --t-end 10 --out own.sqlite --json")
+          .json();
+  ASSERT_EQ(sweep["failed"].size(), 1U) << sweep;
+  EXPECT_EQ(sweep["failed"][0]["method"], "explicit_euler");
+  EXPECT_EQ(sweep["failed"][0]["h"], 2);
+  EXPECT_EQ(sweep["failed"][0]["outcome"], "diverged");
 }
 
 TEST(SweepCommand, KeepsWhatIsFinishedWhenItIsInterrupted) {

@@ -206,6 +206,24 @@ TEST(FigureSourceText, ALongFooterIsBrokenIntoLinesBelowTheKey) {
     }
 }
 
+TEST(FigureSourceText, LabelsAlongXHaveRoomBesideEachOther) {
+  // Three panels beside each other, each 206 pixels wide.
+  const auto xtics = [](bool logarithmic, double low, double high) {
+    Figure figure = small_figure();
+    figure.columns = 3;
+    figure.panels[0].x = {.label = "h [s]", .logarithmic = logarithmic, .range = Range{low, high}};
+    figure.panels.resize(3, figure.panels[0]);
+    const std::string script = source_of(figure, "steps").script;
+    const auto from = script.find("set xtics out scale 0.5 nomirror ") + 33;
+    return script.substr(from, script.find('\n', from) - from);
+  };
+  EXPECT_EQ(xtics(false, 0, 0.0012), "0.0005") << "0.0002 has too little room for six characters";
+  EXPECT_EQ(xtics(false, 0, 5), "1");
+  EXPECT_EQ(xtics(true, 1e-4, 9e-3).find("2·"), std::string::npos);
+  EXPECT_NE(xtics(true, 1e-4, 9e-3).find("3·"), std::string::npos);
+  EXPECT_NE(xtics(true, 1, 9).find("2·"), std::string::npos);
+}
+
 TEST(LinesOf, KeepsWordsWhole) {
   EXPECT_EQ(lines_of("one two three", 7), (std::vector<std::string>{"one two", "three"}));
   EXPECT_EQ(lines_of("one", 1), std::vector<std::string>{"one"});
