@@ -11,6 +11,7 @@
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"
 #include "cli/body_picture.hpp"
+#include "cli/body_words.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
@@ -323,6 +324,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     document["energy"] = end.energy;
     document["least_volume"] = end.least_volume;
     document["dofs"] = problem.body->dofs();
+    document["body"] = body_json(problem);
     document["realtime_factor"] = record.t / cpu_seconds;
     if (method.needs_jacobian) document["linear"] = to_string(spec.linear_solve);
     for (const char* name : {"y", "y0", "states"})
@@ -337,7 +339,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   const bool done = record.outcome == Outcome::reached_end;
   std::string text = fmt::format("{} with {}\n", problem.id,
                                  problem.parameters.empty() ? "no parameters" : describe(problem.parameters));
-  if (problem.body) text += problem.note + "\n";
+  if (problem.body) text += body_in_words(problem) + "\n";
   text += fmt::format("{}, {}", method.id,
                       spec.adaptive ? fmt::format("rtol {}, atol {}, control {}", to_text(spec.rtol),
                                                   to_text(spec.atol), control_of(method, spec))
@@ -437,6 +439,7 @@ void run(const RunOptions& options, Console& console) {
         problem.id));
   if (options.picture.wanted()) options.picture.check(*problem.body);
 
+  remark_unusual(console, problem);
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
   std::optional<std::size_t> points;

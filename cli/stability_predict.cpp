@@ -16,6 +16,7 @@
 #include "bench/trajectory_limit.hpp"
 #include "bench/two_threads.hpp"
 #include "bench/verification.hpp"
+#include "cli/body_words.hpp"
 #include "cli/choices.hpp"
 #include "cli/operating_point.hpp"
 #include "cli/stability.hpp"
@@ -30,7 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// What --along looks along.
-constexpr std::array<std::string_view, 2> path_names{"motion", "load"};
+constexpr std::array<std::string_view, 3> path_names{"motion", "load", "none"};
 
 struct PredictOptions {
   ProblemChoice problem;
@@ -38,11 +39,43 @@ struct PredictOptions {
   std::string materials;
   bool verify = false;
   OperatingPointChoice at;
-  std::string along;  ///< a word of path_names, or empty
+  std::string along;              ///< a word of path_names, or empty
+  bool along_by_default = false;  ///< nobody asked for it
   std::optional<double> t_end;
 
   [[nodiscard]] bool along_load() const { return along == path_names[1]; }
+  /// Whether limits along a motion are verified by runs from its start, some hundred for each.
+  [[nodiscard]] bool runs_from_start() const {
+    return verify && !along.empty() && !along_load() && !along_by_default;
+  }
 };
+
+/// Whether the load changes with time, so that no state is an equilibrium of it.
+bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
+
+/// The options with what --along stands for: loads that change with time are looked at along the motion
+/// unless the user asks for the state at rest, or for no path.
+PredictOptions with_path(PredictOptions options, const Problem& problem) {
+  if (options.along.empty()) {
+    options.along_by_default = has_moving_load(problem) && options.at.of(problem) != OperatingPoint::rest;
+    if (options.along_by_default) options.along = path_names[0];
+  } else if (parse_choice("--along", options.along, path_names) == path_names[2]) {
+    options.along.clear();
+  }
+  if (options.t_end && (options.along.empty() || options.along_load()))
+    throw InputError(
+        "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
+  return options;
+}
+
+/// What is to be said of limits of a body whose load moves and is not looked at.
+std::string words_of_left_out_load(const PredictOptions& options, const Problem& problem) {
+  if (!has_moving_load(problem) || !options.along.empty()) return {};
+  return fmt::format(
+      "the load of {} changes with time and is in none of these limits, which are those of the body as it starts: a "
+      "contact that stiffens it makes smaller steps unstable; look with --along",
+      problem.id);
+}
 
 /// Ids of a list; all: both ends of the mass range of every material.
 std::vector<std::string> materials_of(const PredictOptions& options) {
@@ -157,6 +190,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
     if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
   }
   if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
+  document["body"] = body_json(problem);
   if (problem.body)
     document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
   return document;
@@ -262,10 +296,10 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
       rows, [](const PredictedRow& row) { return row.prediction.newton_step.has_value(); });
   if (solves) header.insert(header.end(), {"solved up to [s]", "error there [mm]"});
   if (verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
-  const bool along_motion = !options.along.empty() && !options.along_load();
   if (!options.along.empty())
     header.insert(header.end(), {"least along [s]", options.along_load() ? "at share [1]" : "at t [s]"});
-  if (along_motion && verified) header.emplace_back("from the start [s]");
+  const bool from_starts = options.runs_from_start();
+  if (from_starts) header.emplace_back("from the start [s]");
   TextTable table(std::move(header));
   for (const auto& [row, status, along, note, from_start] : rows) {
     std::vector<std::string> cells{row.method,
@@ -288,7 +322,7 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
     if (!options.along.empty()) {
       cells.push_back(along && !std::isnan(along->least) ? words_of(along->least) : "-");
       cells.push_back(along && std::isfinite(along->least) ? short_number(along->t_least, 4) : "-");
-      if (along_motion && verified) cells.push_back(words_of(from_start));
+      if (from_starts) cells.push_back(words_of(from_start));
     }
     table.add(std::move(cells));
   }
@@ -303,10 +337,9 @@ void leave_when_interrupted() {
 
 /// What --along looks along.
 /// @throws Interrupted  after Ctrl-C
-Path path_of(const PredictOptions& options, const Problem& problem) {
-  if (options.along_load()) return load_path(problem, 40, leave_when_interrupted);
-  return motion_path(problem, options.t_end.value_or(problem.t_end), problem.body ? 100 : 400,
-                     leave_when_interrupted);
+Path path_of(const PredictOptions& options, const Problem& problem, const Watcher& watcher) {
+  if (options.along_load()) return load_path(problem, 40, watcher);
+  return motion_path(problem, options.t_end.value_or(problem.t_end), problem.body ? 100 : 400, watcher);
 }
 
 /// What is to be said of rows, once of all methods of which it is to be said.
@@ -343,7 +376,7 @@ void look_along(const PredictOptions& options, const Problem& problem, const Pat
     rows[i].along = limits[i];
     rows[i].path_note = path.note;
   }
-  if (!options.verify || options.along_load()) return;
+  if (!options.runs_from_start()) return;
   const double t_end = options.t_end.value_or(problem.t_end);
   std::optional<MotionSize> size;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -354,19 +387,16 @@ void look_along(const PredictOptions& options, const Problem& problem, const Pat
   }
 }
 
-void predict_rows(const PredictOptions& options, Console& console) {
-  if (!options.along.empty()) parse_choice("--along", options.along, path_names);
-  if (options.t_end && (options.along.empty() || options.along_load()))
-    throw InputError(
-        "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
+void predict_rows(const PredictOptions& asked, Console& console) {
   const auto& interrupted = interrupt_flag();
   std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;
-  for (const std::string& material : materials_of(options)) {
-    choices.push_back(options.problem);
+  for (const std::string& material : materials_of(asked)) {
+    choices.push_back(asked.problem);
     choices.back().material = material;
     problems.push_back(choices.back().make());
   }
+  const PredictOptions options = with_path(asked, problems.front());
   const std::vector<Method> chosen = options.methods.methods(problems);
   if (options.verify)
     for (const Method& method : chosen)
@@ -375,6 +405,9 @@ void predict_rows(const PredictOptions& options, Console& console) {
             "{} is a formula that nothing in hmax steps with, so there are no runs to verify it by; "
             "leave out --verify, or name methods of `hmax list methods`",
             method.id));
+  remark_unusual(console, problems.front());
+  const std::string left_out = words_of_left_out_load(options, problems.front());
+  if (!left_out.empty()) console.remark(left_out);
   std::vector<PredictedRow> rows;
   Json models = Json::array();
   std::string states;
@@ -384,10 +417,18 @@ void predict_rows(const PredictOptions& options, Console& console) {
     for (std::size_t which = 0; which < problems.size() && !interrupted; ++which) {
       const Problem& problem = problems[which];
       std::optional<Path> path;
+      const auto watch = [&] {
+        leave_when_interrupted();
+        progress.update(static_cast<double>(rows.size()) / total, "finding the " + options.along);
+      };
       try {
-        if (!options.along.empty()) path = path_of(options, problem);
+        if (!options.along.empty()) path = path_of(options, problem, watch);
       } catch (const Interrupted&) {
         break;  // the flag stays set: what is finished is printed
+      } catch (const InputError& error) {
+        if (!options.along_by_default) throw;
+        console.remark(
+            fmt::format("the load changes with time and is in none of these limits: {}", error.what()));
       }
       const OperatingPoint at = options.at.of(problem);
       announce_equilibrium(console, problem, at);
@@ -395,8 +436,14 @@ void predict_rows(const PredictOptions& options, Console& console) {
       if (console.json) models.push_back(model_json(problem, near));
       if (states.empty()) {
         states = fmt::format("\n{}: {}\n", problem.id, near.state);
+        if (path && options.along_by_default)
+          states += fmt::format(
+              "the load changes with time: h_max is that of the start; the least along the motion to t = {} s holds for "
+              "the load as well\n",
+              short_number(options.t_end.value_or(problem.t_end)));
         if (problem.body && !console.json)
-          states += words_of(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
+          states += body_in_words(problem) + "\n" +
+                    words_of(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
       }
       const std::size_t before = rows.size();
       rows.resize(before + chosen.size());
@@ -405,7 +452,8 @@ void predict_rows(const PredictOptions& options, Console& console) {
           chosen.size(),
           [&](std::size_t i, std::size_t worker) {
             const Problem& own = worker == 0 ? problem : of_second;
-            PredictedRow row{predict(chosen[i], own, near), near.status, {}, {}, {}};
+            PredictedRow row{
+                predict(chosen[i], own, near), near.status.empty() ? left_out : near.status, {}, {}, {}};
             if (row.prediction.bound == Bound::newton)
               row.prediction.newton_step = largest_newton_step(chosen[i], own);
             if (options.verify) verify(row.prediction, chosen[i], own, near);
@@ -478,8 +526,9 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       .add_option(
           "--along", options->along,
           "Also the least limit of the tangent, and where: along the motion from the initial state "
-          "(with --verify also the largest step that stays near it), or of a body while its load grows")
-      ->type_name("motion|load")
+          "(with --verify also the largest step that stays near it), or of a body while its load grows; "
+          "of loads that change with time motion by default, none to leave it out")
+      ->type_name("motion|load|none")
       ->expected(0, 1)
       ->default_str(std::string(path_names[0]));
   add_number(command, "--t-end", options->t_end, "End of that motion [s]; the problem's own by default");

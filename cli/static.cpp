@@ -11,6 +11,7 @@
 #include "bench/timing.hpp"
 #include "bench/tissue_problem.hpp"
 #include "cli/body_picture.hpp"
+#include "cli/body_words.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
@@ -250,6 +251,7 @@ void solve(const StaticOptions& options, Console& console) {
     check_writable(options.output);
   }
   if (options.picture.wanted()) options.picture.check(*problem.body);
+  remark_unusual(console, problem);
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
   if ((frames || !options.compare.empty()) && options.picture.wanted())
     throw InputError("a picture shows one balance; leave --pseudo-dynamic, --frames and --compare out");
@@ -318,6 +320,7 @@ void solve(const StaticOptions& options, Console& console) {
                                {"seconds", seconds},
                                {"max_displacement", largest_displacement(solution.q)},
                                {"energy", energy},
+                               {"body", body_json(problem)},
                                {"least_volume", volume},
                                {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()}});
   }
@@ -329,8 +332,8 @@ void solve(const StaticOptions& options, Console& console) {
                fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
   }
   console.print(
-      fmt::format("{} with {}\n{}; {}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n",
-                  problem.id, describe(problem.parameters), problem.note, name_of(settings.method),
+      fmt::format("{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n",
+                  problem.id, describe(problem.parameters), body_in_words(problem), name_of(settings.method),
                   name_of(settings.inner), table.text(console), outcome, status.empty() ? "" : ": " + status,
                   short_number(1000 * largest_displacement(solution.q), 5), short_number(energy, 5)));
 }

@@ -409,6 +409,44 @@ TEST(StabilityPredict, VerifiesFormulasOfManyStatesAndSaysWhereItDoesNot) {
             std::string::npos);
 }
 
+TEST(StabilityPredict, LooksAlongTheMotionOfLoadsThatChangeWithTime) {
+  const Shell shell;
+  const std::string line =
+      "stability predict --mesh ball:n=2 --load tool --set tool_stiffness=1e5 --methods symplectic_euler --json ";
+  const Told found = shell.hmax(line);
+  ASSERT_EQ(found.exit_code, 0) << found.err;
+  const Json row = found.json().at("rows").at(0);
+  EXPECT_LT(row.at("along").at("h_min").get<double>(), 0.9 * row.at("h_max").get<double>())
+      << "the contact stiffens the body";
+  EXPECT_FALSE(row.contains("observed_from_start"));
+  EXPECT_EQ(shell.hmax(line + "--along none").json().at("rows").at(0).count("along"), 0U);
+  for (const char* without : {"--along none", "--at rest"}) {
+    const Told told = shell.hmax(line + without);
+    EXPECT_NE(told.err.find("is in none of these limits"), std::string::npos) << told.err;
+    EXPECT_NE(told.json().at("rows").at(0).at("status").get<std::string>().find("changes with time"),
+              std::string::npos);
+  }
+  // What does not change with time is not looked at unless it is asked for.
+  EXPECT_FALSE(shell.hmax("stability predict --mesh ball:n=2 --load press --methods rk4 --json")
+                   .json()
+                   .at("rows")
+                   .at(0)
+                   .contains("along"));
+}
+
+TEST(StabilityPredict, SaysWhatABodyWasTakenToBe) {
+  const Shell shell;
+  const std::string line = "stability predict --mesh phantom --load press --methods rk4 ";
+  const Told people = shell.hmax(line);
+  EXPECT_NE(people.out.find("E 5500 Pa, nu 0.45, 1060 kg/m^3"), std::string::npos) << people.out;
+  EXPECT_EQ(people.err, "");
+  const Told kilopascals = shell.hmax(line + "--set E=5.5 --at rest --json");
+  EXPECT_NE(kilopascals.err.find("E is 5.5 Pa"), std::string::npos) << kilopascals.err;
+  const Json body = kilopascals.json().at("models").at(0).at("body");
+  EXPECT_EQ(body.at("E"), 5.5);
+  EXPECT_EQ(body.at("unusual").size(), 1U);
+}
+
 // Limits at rest and along the motion are there within a second, runs from the start take a quarter of a
 // minute.
 TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {

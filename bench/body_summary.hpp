@@ -1,0 +1,35 @@
+/// What a body on a mesh was taken to be, in units, so that a slip in them shows.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+struct BodySummary {
+  /// The least and the largest over the regions.
+  using Span = std::array<double, 2>;
+  Span young{};    ///< E [Pa]
+  Span poisson{};  ///< nu [1]
+  Span density{};  ///< as it results where the mass is given [kg/m^3]
+  std::size_t regions = 1;
+  double mass = 0;                                    ///< of all points [kg]
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();     ///< sides of the box around the body [m]
+  Eigen::Index points = 0, held = 0;                  ///< all points, and those that supports hold
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s^2]
+};
+
+BodySummary summary_of(const TissueBody& body);
+
+/// "E 5500 Pa, nu 0.45, 1060 kg/m^3; 1.52 kg in a box of 220 x 148 x 160 mm; 12 of 181 points held".
+std::string in_words(const BodySummary& summary);
+
+/// A sentence for each value that no tissue has, as slips in units make them, with the unit that is expected.
+std::vector<std::string> unusual_values(const BodySummary& summary);
+
+}  // namespace hmax
