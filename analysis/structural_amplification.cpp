@@ -60,6 +60,8 @@ Amplification symplectic_euler_amplification() {
 }
 
 Amplification kick_drift_kick_amplification(KickDamping damping) {
+  // Of (q, v_half) the same steps.
+  if (damping == KickDamping::half_step) return symplectic_euler_amplification();
   const Polynomial W{0.5L, 0.5L};
   MotionMap map{.inertia = product(zeta, s_squared),
                 .damper = sum(product(W, s), s_squared),

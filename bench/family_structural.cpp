@@ -105,11 +105,14 @@ Method with_defaults(Method (*make)(const Parameters&), const Parameters& defaul
 void add_structural(std::vector<Method>& all) {
   all.push_back(explicit_structural<SymplecticEuler>("symplectic_euler", {}, "hairer2006geometric",
                                                      symplectic_euler_amplification()));
-  all.push_back(explicit_structural<StormerVerlet>("stormer_verlet", {"velocity_verlet", "verlet"},
-                                                   "hairer2006geometric",
+  all.push_back(explicit_structural<VelocityVerlet>("velocity_verlet", {}, "swope1982computer",
+                                                    kick_drift_kick_amplification(KickDamping::half_step)));
+  all.push_back(explicit_structural<StormerVerlet>("stormer_verlet", {"verlet"}, "hairer2006geometric",
                                                    kick_drift_kick_amplification(KickDamping::predicted)));
   all.push_back(explicit_structural<CentralDifference>("central_difference", {}, "hughes2000finite",
                                                        kick_drift_kick_amplification(KickDamping::lumped)));
+  all.push_back(
+      implicit_structural("explicit_newmark", {}, newmark_parameters(0, 0.5L), "newmark1959method"));
   all.push_back(with_defaults(newmark, {{"beta", 0.25}, {"gamma", 0.5}}));
   all.push_back(with_defaults(hht_alpha, {{"alpha", -0.1}}));
   all.push_back(with_defaults(generalized_alpha, {{"rho_inf", 0.8}}));

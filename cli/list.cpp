@@ -81,7 +81,11 @@ void list_methods(Console& console) {
   console.print(table.text(console));
   console.print(
       "\nMethods with an error order also run adaptively (--rtol, --atol). Sources are keys of "
-      "references.bib.\nA method of your own: --tableau FILE.toml, see docs/cli.md.\n");
+      "references.bib.\n"
+      "Four methods are one without damping and differ in where they take damping forces: velocity_verlet at the\n"
+      "velocity of the half step, stormer_verlet at a predicted velocity, central_difference at the new velocity for\n"
+      "the diagonal of the damping matrix, explicit_newmark at the new velocity for all of it (docs/facts.md).\n"
+      "A method of your own: --tableau FILE.toml, see docs/cli.md.\n");
 }
 
 void list_materials(Console& console) {

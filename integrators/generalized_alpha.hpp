@@ -27,7 +27,10 @@ struct AlphaParameters {
 };
 
 /// Newmark's method [newmark1959method]: (1/4, 1/2) is the trapezoidal rule for linear problems, (1/6, 1/2)
-/// the linear acceleration method, (1/12, 1/2) that of Fox and Goodwin, (0, 1/2) central differences.
+/// the linear acceleration method, (1/12, 1/2) that of Fox and Goodwin, (0, 1/2) central differences that
+/// solve for the whole damping matrix, v_new = v + h/2 (a + a_new): without damping explicit, with it solved
+/// by
+///   (M + h/2 C) a_new = F(t + h, q_new, v + h/2 a),    q_new = q + h v + h^2/2 a.
 constexpr AlphaParameters newmark_parameters(long double beta, long double gamma) {
   return {0, 0, beta, gamma};
 }

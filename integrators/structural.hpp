@@ -1,5 +1,5 @@
 /// Explicit methods of structural dynamics, M q'' = F(t, q, v), on packed states y = (q, v): symplectic
-/// Euler, Stoermer-Verlet, central differences.
+/// Euler, velocity Verlet, Stoermer-Verlet, central differences.
 #pragma once
 
 #include <algorithm>
@@ -115,37 +115,44 @@ class SymplecticEuler {
 
 /// What the second kick of a step does about forces that depend on the velocity it is about to find.
 enum class KickDamping {
+  half_step,  ///< evaluates them at the velocity of the half step: velocity Verlet
   predicted,  ///< evaluates them at a predicted velocity: Stoermer-Verlet
   lumped,     ///< solves for the diagonal of the damping matrix: central differences
 };
 
-/// One step kick-drift-kick (velocity Verlet, leapfrog) at one evaluation: a_new is the a of the next step.
+/// One step kick-drift-kick (leapfrog) at one evaluation: a_new is the a of the next step.
 ///   v_half = v + h/2 a,    q_new = q + h v_half,    v_new = v_half + h/2 a_new,
 ///   a_new = M^-1 F(t + h, q_new, v_new)
 /// Order 2. Where F does not depend on v the step is symplectic and time-reversible, its energy error is
 /// bounded for all times, and it is stable for omega h < 2.
 ///
-/// With damping a_new depends on v_new. The usual v_half in its place leaves order 1. Here F is evaluated at
-/// v_p = v + h a, which errs by O(h^2), and
-///   Verlet:               M a_new = F(t + h, q_new, v_p),
-///   central differences:  (M + h/2 D) a_new = F(t + h, q_new, v_p) + h/2 D a,    D = diag(C).
-/// So v_new errs by O(h^3) a step whatever F and D are: both keep order 2. Reversibility is lost.
+/// With damping a_new depends on v_new. In its place
+///   velocity Verlet:      M a_new = F(t + h, q_new, v_half),
+///   Stoermer-Verlet:      M a_new = F(t + h, q_new, v_p),                      v_p = v + h a,
+///   central differences:  (M + h/2 D) a_new = F(t + h, q_new, v_p) + h/2 D a,  D = diag(C).
+/// v_half errs by O(h), so v_new by O(h^2) a step: velocity Verlet has order 1. v_p errs by O(h^2), so v_new
+/// by O(h^3) a step whatever F and D are: the others keep order 2. Reversibility is lost.
+///
+/// The (q, v_half) of velocity Verlet are those of symplectic Euler, v_half += h M^-1 F(t, q, v_half): so is
+/// its limit, omega h < 2 (sqrt(1 + zeta^2) - zeta).
 ///
 /// Where damping is linear and diagonal, F = f(t, q) - D v, central differences solve the equation of a_new.
 /// They are then the classical method of structural dynamics with its consistent start,
 ///   (M/h^2 + D/(2h)) q_new = f(t, q) + 2 M/h^2 q - (M/h^2 - D/(2h)) q_old,
 ///   q_old = q_0 - h v_0 + h^2/2 a_0    before the first step,
-/// reversible, and stable for omega h < 2 whatever the damping. Verlet needs no damping matrix, but is stable
-/// only for omega h < 2 (sqrt(1 + 4 zeta^2) - 2 zeta): c h / m < 1 where the damper is all there is.
+/// reversible, and stable for omega h < 2 whatever the damping. Stoermer-Verlet needs no damping matrix, but
+/// is stable only for omega h < 2 (sqrt(1 + 4 zeta^2) - 2 zeta): c h / m < 1 where the damper is all there
+/// is; velocity Verlet for c h / m < 2.
 /// @cost   1 evaluation a step and one before the first; no allocation after init()
-/// @source [hairer2006geometric] I.1.4, [hughes2000finite] 9.1
+/// @source [swope1982computer], [hairer2006geometric] I.1.4, [hughes2000finite] 9.1
 template <class StateT, KickDamping Damping>
 class KickDriftKick {
  public:
   using State = StateT;
   using Real = real_of<State>;
   using Scalar = typename State::Scalar;
-  static constexpr int order = 2;
+  /// Where F depends on v; otherwise 2.
+  static constexpr int order = Damping == KickDamping::half_step ? 1 : 2;
   static constexpr int error_order = 0;
   static constexpr bool may_estimate_error = false;
   static constexpr bool is_explicit = true;
@@ -172,7 +179,7 @@ class KickDriftKick {
     detail::for_each_dof(y, [&](Eigen::Index i) {
       const Scalar v_half = y[n + i] + half * slope_[n + i];
       y_new[i] = y[i] + h * v_half;
-      y_new[n + i] = v_half + half * slope_[n + i];
+      y_new[n + i] = Damping == KickDamping::half_step ? v_half : v_half + half * slope_[n + i];
     });
     system.rhs(t + h, y_new, new_slope_);
     if constexpr (lumped) {
@@ -238,6 +245,8 @@ class KickDriftKick {
   Real inverse_of_ = 0;                     ///< the h of inverse_
 };
 
+template <class State>
+using VelocityVerlet = KickDriftKick<State, KickDamping::half_step>;
 template <class State>
 using StormerVerlet = KickDriftKick<State, KickDamping::predicted>;
 template <class State>

@@ -81,11 +81,12 @@ TEST(Amplification, OfEveryMultistepMethodIsTheRecurrenceOfItsSteps) {
 
 TEST(Amplification, OfEveryMethodOfPositionsAndVelocitiesIsTheRecurrenceOfItsSteps) {
   const char* names[]{"symplectic_euler",
+                      "velocity_verlet",
                       "stormer_verlet",
                       "central_difference",
                       "newmark",
                       "newmark:beta=0.3,gamma=0.6",
-                      "newmark:beta=0,gamma=0.5",
+                      "explicit_newmark",
                       "hht_alpha",
                       "hht_alpha:alpha=-0.3",
                       "generalized_alpha",

@@ -27,8 +27,10 @@ struct Named {
 
 std::vector<Named> structural_methods() {
   return {{"symplectic_euler", symplectic_euler_amplification()},
+          {"velocity_verlet", kick_drift_kick_amplification(KickDamping::half_step)},
           {"stormer_verlet", kick_drift_kick_amplification(KickDamping::predicted)},
           {"central_difference", kick_drift_kick_amplification(KickDamping::lumped)},
+          {"explicit_newmark", generalized_alpha_amplification(newmark_parameters(0, 0.5L))},
           {"newmark 1/10", generalized_alpha_amplification(newmark_parameters(0.1L, 0.5L))},
           {"newmark 1/10, 0.6", generalized_alpha_amplification(newmark_parameters(0.1L, 0.6L))},
           {"newmark 1/10, 0.45", generalized_alpha_amplification(newmark_parameters(0.1L, 0.45L))},
@@ -92,6 +94,22 @@ TEST(CoupledMotion, OfCentralDifferencesWithADiagonalDamperIsTheClassicalMethod)
   EXPECT_NEAR(limit->h_max, 2 / std::sqrt(mechanical_modes(undamped).modes.back().kappa), 1e-9);
 }
 
+TEST(CoupledMotion, OfExplicitNewmarkHasTheLimitOfNoDampingWhateverTheDamping) {
+  const Amplification amplification = generalized_alpha_amplification(newmark_parameters(0, 0.5L));
+  for (const double damping : {0.01, 0.3, 4.0}) {
+    const MechanicalPart part = random_part(4, 5, damping),
+                         undamped = mechanical_part(part.mass, part.K, MatrixXd(MatrixXd::Zero(4, 4)));
+    ASSERT_EQ(part.damping, Damping::general);
+    const double expected = 2 / std::sqrt(mechanical_modes(undamped).modes.back().kappa);
+    const auto limit = CoupledMotion(*amplification.motion, part).first_exit(amplification);
+    ASSERT_TRUE(limit && limit->proved) << damping;
+    EXPECT_NEAR(limit->h_max, expected, 1e-9 * expected) << damping;
+    const auto large = proved_first_exit(*amplification.motion, part, amplification);
+    ASSERT_TRUE(large) << damping;
+    EXPECT_NEAR(large->h_max, expected, 1e-9 * expected) << damping;
+  }
+}
+
 TEST(CoupledMotion, LeavesTheUnitCircleWhereItSays) {
   int at_once = 0, unbounded = 0, proved = 0;
   for (unsigned seed = 1; seed <= 12; ++seed)
@@ -115,9 +133,9 @@ TEST(CoupledMotion, LeavesTheUnitCircleWhereItSays) {
         for (const double share : {0.05, 0.3, 0.6, 0.9, 0.99, 1 - 1e-7})
           EXPECT_LE(whole.spectral_radius(limit->h_max * share), 1 + 1e-10) << where << " " << share;
       }
-  EXPECT_EQ(at_once, 12 * 3 * 6);
+  EXPECT_EQ(at_once, 12 * 3 * 8);
   EXPECT_EQ(unbounded, 12 * 3 * 3);
-  EXPECT_GE(proved, 12 * 3 * 6);
+  EXPECT_GE(proved, 12 * 3 * 8);
 }
 
 TEST(CoupledMotion, NeedNotBeSymmetric) {

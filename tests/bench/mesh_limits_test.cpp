@@ -58,8 +58,9 @@ const std::vector<std::string> one_of_each{
     "central_difference"};
 
 TEST(MeshLimits, AreObservedWithoutDamping) {
-  expect_observed(mesh_problem("fem_cauchy@cube:n=2", {}),
-                  {"symplectic_euler", "central_difference", "stormer_verlet"});
+  expect_observed(
+      mesh_problem("fem_cauchy@cube:n=2", {}),
+      {"symplectic_euler", "central_difference", "velocity_verlet", "stormer_verlet", "explicit_newmark"});
   expect_observed(mesh_problem("fem_cauchy@phantom", {{"alpha", 0}}), one_of_each);
   expect_observed(mesh_problem("mass_spring@phantom", {{"alpha", 0}}), {"rk4", "stormer_verlet"});
 }
@@ -75,8 +76,9 @@ TEST(MeshLimits, AreObservedCloselyWhereDampingIsFast) {
        {std::pair{"ball:n=2", 0.1}, std::pair{"ball:n=2", 1.0}, std::pair{"phantom", 1.0}}) {
     const Problem problem = mesh_problem(std::string("fem_cauchy@") + mesh, {{"beta", beta}});
     const Linearised near = linearised(problem);
-    for (const char* name : {"central_difference", "stormer_verlet", "symplectic_euler", "adams_bashforth_2",
-                             "adams_bashforth_4", "newmark:beta=0.1,gamma=0.6"}) {
+    for (const char* name :
+         {"central_difference", "velocity_verlet", "stormer_verlet", "explicit_newmark", "symplectic_euler",
+          "adams_bashforth_2", "adams_bashforth_4", "newmark:beta=0.1,gamma=0.6"}) {
       const Method method = find_method(name);
       Prediction row = predict(method, problem, near);
       verify(row, method, problem, near);

@@ -100,7 +100,7 @@ TEST(Prediction, IsWhatMethodsDoWithoutDamping) {
   }
   // Explicit Euler and the three rules of two stages; Bashforth 1, 2, 5, 6; the pairs of orders 3 and 4.
   EXPECT_EQ(unstable, 12);
-  EXPECT_EQ(bounded, 23);
+  EXPECT_EQ(bounded, 25);
 }
 
 TEST(Prediction, IsWhatMethodsDoOnAChainOfManyModes) {
@@ -115,7 +115,7 @@ TEST(Prediction, IsWhatMethodsDoOnAChainOfManyModes) {
   EXPECT_EQ(
       expect_observed(choose_methods({"structural", "rk4", "abm_pece_2", "implicit_midpoint"}, {undamped}),
                       undamped),
-      9);
+      11);
 }
 
 /// M q'' + C q' + K q = 0 of any matrices.
@@ -161,9 +161,9 @@ Problem problem_of(const Structure& structure) {
 
 TEST(Prediction, IsWhatMethodsOfPositionsAndVelocitiesDoWhereDampingCouplesTheModes) {
   std::vector<Method> methods;
-  for (const char* name :
-       {"symplectic_euler", "stormer_verlet", "central_difference", "newmark", "hht_alpha",
-        "generalized_alpha", "newmark:beta=0.1", "newmark:beta=0.1,gamma=0.6", "newmark:beta=0.1,gamma=0.45"})
+  for (const char* name : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                           "explicit_newmark", "newmark", "hht_alpha", "generalized_alpha",
+                           "newmark:beta=0.1", "newmark:beta=0.1,gamma=0.6", "newmark:beta=0.1,gamma=0.45"})
     methods.push_back(find_method(name));
   std::srand(7);
   for (const auto& [n, size] : {std::pair<Eigen::Index, double>{3, 0.1}, {4, 1.5}, {5, 0.3}}) {
@@ -342,6 +342,8 @@ TEST(Prediction, SaysWhatElseLimitsTheStep) {
   const Prediction grows = bound("rk4", cubic(-0.2));
   EXPECT_EQ(grows.bound, Bound::model);
   EXPECT_FALSE(grows.h_max);
+                                      {"velocity_verlet", "stormer_verlet"},
+                                      {"velocity_verlet", "explicit_newmark"},
   ASSERT_TRUE(grows.limiting);
   EXPECT_GT(grows.limiting->lambda.real(), 0);
   EXPECT_LT(grows.limiting->zeta, 0);

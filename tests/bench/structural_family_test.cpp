@@ -26,7 +26,7 @@ TEST(StructuralMethods, NeedPositionsAndVelocities) {
     EXPECT_TRUE(method.needs_second_order && method.fixed_step && !method.adaptive()) << method.id;
     EXPECT_EQ(method.with != nullptr, !method.parameters.empty()) << method.id;
   }
-  EXPECT_EQ(found, 6);
+  EXPECT_EQ(found, 8);
 }
 
 TEST(StructuralMethods, HaveTheOrderAndTheStabilityOfTheirParameters) {
@@ -44,7 +44,10 @@ TEST(StructuralMethods, HaveTheOrderAndTheStabilityOfTheirParameters) {
   EXPECT_EQ(facts("generalized_alpha"), std::tuple(2, false, true, false));
   EXPECT_EQ(facts("generalized_alpha:rho_inf=0"), std::tuple(2, false, true, true));
   EXPECT_EQ(facts("generalized_alpha:rho_inf=1"), std::tuple(2, false, true, false));
-  EXPECT_EQ(facts("velocity_verlet"), std::tuple(2, true, false, false));
+  EXPECT_EQ(facts("velocity_verlet"), std::tuple(1, true, false, false));
+  EXPECT_EQ(facts("stormer_verlet"), std::tuple(2, true, false, false));
+  EXPECT_EQ(facts("explicit_newmark"), std::tuple(2, true, false, false));
+  EXPECT_EQ(find_method("verlet").id, "stormer_verlet");
 }
 
 TEST(StructuralMethods, SayWhichParametersMakeNoMethod) {
@@ -70,7 +73,9 @@ TEST(StructuralMethods, RunWithTheirParametersAndCountTheirWork) {
   EXPECT_EQ(run("newmark:beta=0.25,gamma=0.5").y, newmark.y);
   EXPECT_EQ(run("hht_alpha:alpha=0").y, newmark.y);
   EXPECT_NE(run("generalized_alpha:rho_inf=0.5").y, newmark.y);
+  EXPECT_EQ(run("newmark:beta=0").y, run("explicit_newmark").y);
   EXPECT_EQ(run("stormer_verlet").stats.rhs, 101);
+  EXPECT_EQ(run("velocity_verlet").stats.rhs, 101);
 }
 
 }  // namespace

@@ -168,6 +168,14 @@ TEST(Newmark, StaysBoundedAtAnyStepWhereItsParametersSaySo) {
   EXPECT_FALSE(stays_bounded(Step(newmark_parameters(0.25L, 0.49L)), linear(1, 0.0), 1));
 }
 
+TEST(Newmark, WithoutBetaIsStableUntilOmegaHIsTwoWhateverTheDamping) {
+  const Step stepper(newmark_parameters(0, 0.5L));
+  for (const double zeta : {0.02, 0.7, 3.0}) {
+    EXPECT_TRUE(stays_bounded(stepper, linear(1, zeta), 1.999)) << zeta;
+    EXPECT_FALSE(stays_bounded(stepper, linear(1, zeta), 2.001)) << zeta;
+  }
+}
+
 TEST(Newmark, WithoutBetaIsCentralDifferences) {
   const OscillatorParameters p{.m = 1.45, .c = 2, .k1 = 0.7, .k3 = 0.8, .P = 0.5, .w = 0.5};
   const Plane a = after_steps(Step(newmark_parameters(0, 0.5L)), Oscillator(p), Plane(0.5, 1), 0.1, 300);

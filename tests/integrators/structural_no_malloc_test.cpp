@@ -62,6 +62,7 @@ void expect_no_allocation(StepperT stepper) {
 
 TEST(NoMalloc, InStepsOfStructuralMethods) {
   expect_no_allocation(SymplecticEuler<State>{});
+  expect_no_allocation(VelocityVerlet<State>{});
   expect_no_allocation(StormerVerlet<State>{});
   expect_no_allocation(CentralDifference<State>{});
   for (const int every : {JacobianUpdate::automatic, JacobianUpdate::frozen, 1}) {

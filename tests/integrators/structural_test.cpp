@@ -33,7 +33,7 @@ const OscillatorParameters linear_undamped{.m = 1.45, .c = 0, .k1 = 5.3, .k3 = 0
 struct SymplecticEulerMethod {
   template <class State>
   using Stepper = SymplecticEuler<State>;
-  static constexpr int order = 1;
+  static constexpr int order = 1, undamped_order = 1;
   static constexpr int evaluations_before = 0;
   /// Of (q, h v): h v_new = -W^2 q + (1 - 2 zeta W) h v, q_new = q + h v_new.
   static Eigen::MatrixXd amplification(double W, double zeta) {
@@ -42,10 +42,23 @@ struct SymplecticEulerMethod {
     return A;
   }
 };
+struct VelocityVerletMethod {
+  template <class State>
+  using Stepper = VelocityVerlet<State>;
+  static constexpr int order = 1, undamped_order = 2;
+  static constexpr int evaluations_before = 1;
+  /// Of (q, h v, h^2 a): h^2 a_new = -W^2 q_new - 2 zeta W (h v + h^2 a / 2).
+  static Eigen::MatrixXd amplification(double W, double zeta) {
+    const double W2 = W * W, D = zeta * W;
+    Eigen::MatrixXd A(3, 3);
+    A << 1, 1, 0.5, -W2 / 2, 1 - W2 / 2 - D, 0.5 - W2 / 4 - D / 2, -W2, -W2 - 2 * D, -W2 / 2 - D;
+    return A;
+  }
+};
 struct StormerVerletMethod {
   template <class State>
   using Stepper = StormerVerlet<State>;
-  static constexpr int order = 2;
+  static constexpr int order = 2, undamped_order = 2;
   static constexpr int evaluations_before = 1;
   /// Of (q, h v, h^2 a): h^2 a_new = -W^2 q_new - 2 zeta W (h v + h^2 a).
   static Eigen::MatrixXd amplification(double W, double zeta) {
@@ -58,7 +71,7 @@ struct StormerVerletMethod {
 struct CentralDifferenceMethod {
   template <class State>
   using Stepper = CentralDifference<State>;
-  static constexpr int order = 2;
+  static constexpr int order = 2, undamped_order = 2;
   static constexpr int evaluations_before = 1;
   /// Of (q, h v), where h v_n = (q_(n+1) - q_(n-1)) / 2.
   static Eigen::MatrixXd amplification(double W, double zeta) {
@@ -70,11 +83,12 @@ struct CentralDifferenceMethod {
 };
 
 using EveryExplicitMethod =
-    testing::Types<SymplecticEulerMethod, StormerVerletMethod, CentralDifferenceMethod>;
+    testing::Types<SymplecticEulerMethod, VelocityVerletMethod, StormerVerletMethod, CentralDifferenceMethod>;
 struct Name {
   template <class Method>
   static std::string GetName(int) {
     if (std::is_same_v<Method, SymplecticEulerMethod>) return "symplectic_euler";
+    if (std::is_same_v<Method, VelocityVerletMethod>) return "velocity_verlet";
     return std::is_same_v<Method, StormerVerletMethod> ? "stormer_verlet" : "central_difference";
   }
 };
@@ -82,8 +96,8 @@ template <class Method>
 struct Structural : testing::Test {};
 TYPED_TEST_SUITE(Structural, EveryExplicitMethod, Name);
 
-static_assert(Stepper<SymplecticEuler<Plane>, Oscillator> && Stepper<StormerVerlet<Plane>, Oscillator> &&
-              Stepper<CentralDifference<Plane>, Oscillator> &&
+static_assert(Stepper<SymplecticEuler<Plane>, Oscillator> && Stepper<VelocityVerlet<Plane>, Oscillator> &&
+              Stepper<StormerVerlet<Plane>, Oscillator> && Stepper<CentralDifference<Plane>, Oscillator> &&
               Stepper<StormerVerlet<Eigen::VectorXd>, Chain<Eigen::VectorXd>>);
 
 TYPED_TEST(Structural, StepsAsItsAmplificationMatrixSays) {
@@ -129,6 +143,15 @@ TYPED_TEST(Structural, HasItsOrderWhereDampingIsNotDiagonal) {
   EXPECT_NEAR(observed, TypeParam::order, 0.03);
 }
 
+TYPED_TEST(Structural, HasItsOrderWithoutDamping) {
+  const Chain<Wider> chain{.n = 4, .c = 0, .pull = 1};
+  const Wider start = Wider::LinSpaced(8, 0.4L, -0.3L);
+  const Wider exact = after_steps(Rk<tableaux::Dop853, Wider>{}, chain, start, 2 / 256.0L, 256);
+  const double observed =
+      order_by_halving(typename TypeParam::template Stepper<Wider>{}, chain, start, exact, 2, 1000);
+  EXPECT_NEAR(observed, TypeParam::undamped_order, 0.03);
+}
+
 TYPED_TEST(Structural, IsStableUntilOmegaHIsTwoWithoutDamping) {
   const typename TypeParam::template Stepper<Plane> stepper;
   const OscillatorParameters one{.m = 1, .c = 0, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
@@ -155,19 +178,49 @@ TEST(CentralDifference, IsStableUntilOmegaHIsTwoWhateverTheDamping) {
   }
 }
 
+/// Whether every step below a limit damps, and a step beyond grows: by the amplification matrix and by runs.
+template <class Method>
+void expect_derived_limit(double limit, double zeta) {
+  const auto radius = [zeta](double W) {
+    return Method::amplification(W, zeta).eigenvalues().cwiseAbs().maxCoeff();
+  };
+  for (int i = 1; i < 1000; ++i) EXPECT_LT(radius(limit * i / 1000), 1) << zeta << " " << i;
+  EXPECT_GT(radius(1.001 * limit), 1);
+  const typename Method::template Stepper<Plane> stepper;
+  const OscillatorParameters damped{.m = 1, .c = 2 * zeta, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
+  EXPECT_TRUE(stays_bounded(stepper, damped, 0.999 * limit));
+  EXPECT_FALSE(stays_bounded(stepper, damped, 1.001 * limit));
+}
+
 TEST(StormerVerlet, WithDampingIsStableUntilItsDerivedLimit) {
   // lambda = -1 is a root of the characteristic polynomial where W^2 + 8 zeta W - 4 = 0.
-  const auto radius = [](double W, double zeta) {
-    return StormerVerletMethod::amplification(W, zeta).eigenvalues().cwiseAbs().maxCoeff();
-  };
-  for (const double zeta : {0.01, 0.1, 0.5, 1.0, 3.0}) {
-    const double limit = 2 * (std::sqrt(1 + 4 * zeta * zeta) - 2 * zeta);
-    for (int i = 1; i < 1000; ++i) EXPECT_LT(radius(limit * i / 1000, zeta), 1) << zeta << " " << i;
-    EXPECT_GT(radius(1.001 * limit, zeta), 1);
-    const OscillatorParameters damped{.m = 1, .c = 2 * zeta, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
-    EXPECT_TRUE(stays_bounded(StormerVerlet<Plane>{}, damped, 0.999 * limit));
-    EXPECT_FALSE(stays_bounded(StormerVerlet<Plane>{}, damped, 1.001 * limit));
+  for (const double zeta : {0.01, 0.1, 0.5, 1.0, 3.0})
+    expect_derived_limit<StormerVerletMethod>(2 * (std::sqrt(1 + 4 * zeta * zeta) - 2 * zeta), zeta);
+}
+
+TEST(VelocityVerlet, WithDampingIsStableUntilItsDerivedLimit) {
+  // lambda = -1 is a root where W^2 + 4 zeta W - 4 = 0.
+  for (const double zeta : {0.01, 0.1, 0.5, 1.0, 3.0})
+    expect_derived_limit<VelocityVerletMethod>(2 * (std::sqrt(1 + zeta * zeta) - zeta), zeta);
+}
+
+TEST(VelocityVerlet, HasThePositionsOfSymplecticEulerFromTheFirstHalfStepOn) {
+  const Oscillator system{OscillatorParameters{}};
+  const Plane start(0.5, 1);
+  const double h = 0.1;
+  Plane slope;
+  system.rhs(0, start, slope);
+  const double v_half = start[1] + h / 2 * slope[1];
+  // Of symplectic Euler time stands at the end of the first step.
+  Plane y(start[0] + h * v_half, v_half), y_new;
+  SymplecticEuler<Plane> euler;
+  euler.init(system, h, y);
+  for (int n = 1; n < 50; ++n) {
+    euler.attempt(system, n * h, y, h, y_new);
+    euler.accept(y_new);
+    y = y_new;
   }
+  EXPECT_NEAR(after_steps(VelocityVerlet<Plane>{}, system, start, h, 50)[0], y[0], 1e-13);
 }
 
 TEST(StormerVerlet, TakesADamperAloneUntilOneTimeConstant) {
@@ -176,12 +229,13 @@ TEST(StormerVerlet, TakesADamperAloneUntilOneTimeConstant) {
   EXPECT_FALSE(stays_bounded(StormerVerlet<Plane>{}, damper, 1.001 * 1.45 / 2));
 }
 
-TEST(CentralDifference, IsVerletWithoutDamping) {
+TEST(Verlet, IsOneMethodWithoutDamping) {
   for (const auto& parameters : {cubic, linear_undamped}) {
     const Oscillator system(parameters);
     const Plane y(0.5, 1);
-    EXPECT_EQ(after_steps(CentralDifference<Plane>{}, system, y, 0.1, 1000),
-              after_steps(StormerVerlet<Plane>{}, system, y, 0.1, 1000));
+    const Plane end = after_steps(StormerVerlet<Plane>{}, system, y, 0.1, 1000);
+    EXPECT_EQ(after_steps(CentralDifference<Plane>{}, system, y, 0.1, 1000), end);
+    EXPECT_EQ(after_steps(VelocityVerlet<Plane>{}, system, y, 0.1, 1000), end);
   }
 }
 
@@ -228,8 +282,8 @@ TYPED_TEST(Structural, KeepsTheEnergyBoundedOverAMillionSteps) {
     // About 60 steps a period. The error is of order h^p and does not drift.
     const double h = 0.1 * std::sqrt(parameters.m / (parameters.k1 + parameters.k3));
     const auto [first, last] = energy_errors<S>(system, Plane(0.5, 1), h, 1'000'000);
-    EXPECT_LT(first, TypeParam::order == 1 ? 0.15 : 0.01);
-    EXPECT_GT(first, TypeParam::order == 1 ? 0.01 : 1e-4) << "nothing is measured";
+    EXPECT_LT(first, TypeParam::undamped_order == 1 ? 0.15 : 0.01);
+    EXPECT_GT(first, TypeParam::undamped_order == 1 ? 0.01 : 1e-4) << "nothing is measured";
     EXPECT_NEAR(last, first, 0.01 * first);
   }
 }
@@ -251,8 +305,8 @@ TYPED_TEST(Structural, KeepsTheEnergyAndTheAngularMomentumOfAKeplerOrbitOverAMil
               if (n > steps - steps / 10) last = std::max(last, error);
               turned = std::max(turned, std::abs(momentum(view.y1()) / l0 - 1));
             });
-  EXPECT_LT(first, TypeParam::order == 1 ? 0.05 : 1e-3);
-  EXPECT_GT(first, TypeParam::order == 1 ? 1e-3 : 1e-5) << "nothing is measured";
+  EXPECT_LT(first, TypeParam::undamped_order == 1 ? 0.05 : 1e-3);
+  EXPECT_GT(first, TypeParam::undamped_order == 1 ? 1e-3 : 1e-5) << "nothing is measured";
   EXPECT_NEAR(last, first, 0.02 * first);
   EXPECT_LT(turned, 1e-10);
 }
@@ -293,6 +347,7 @@ double symplectic_defect(const Eigen::MatrixXd& J) {
 
 TEST(Symplectic, AreTheStepsOfSymplecticEulerAndVerlet) {
   EXPECT_LT(symplectic_defect(step_jacobian<SymplecticEuler>(3, 0.2)), 1e-14);
+  EXPECT_LT(symplectic_defect(step_jacobian<VelocityVerlet>(3, 0.2)), 1e-14);
   EXPECT_LT(symplectic_defect(step_jacobian<StormerVerlet>(3, 0.2)), 1e-14);
   EXPECT_LT(symplectic_defect(step_jacobian<CentralDifference>(3, 0.2)), 1e-14);
 }
