@@ -3,16 +3,9 @@
 
 #include <array>
 #include <complex>
+#include <optional>
 
 namespace hmax {
-
-/// An eigenvalue as engineers read it; a real one is a mode without oscillation, zeta = +-1.
-struct Mode {
-  std::complex<double> lambda;  ///< [1/s]
-  double omega = 0;             ///< |lambda| [rad/s]
-  double zeta = 0;              ///< damping ratio -Re(lambda) / |lambda|, in [-1, 1]; 0 for lambda = 0
-};
-Mode mode_of(std::complex<double> lambda);
 
 /// q'' + gamma q' + kappa q = 0. Every symmetric system whose damping is none or proportional is a sum of
 /// these.
@@ -27,5 +20,20 @@ struct MechanicalMode {
 /// lambda = -gamma/2 +- sqrt(gamma^2/4 - kappa), the smaller real one as kappa over the larger so that
 /// nothing cancels. Larger real part first, then larger imaginary part.
 std::array<std::complex<double>, 2> eigenvalues_of(const MechanicalMode& mode);
+
+/// A mode as engineers read it. A natural frequency and a damping ratio belong to a pair of eigenvalues: a
+/// real one whose partner is not known has neither.
+struct Mode {
+  std::complex<double> lambda;    ///< the eigenvalue that names the mode [1/s]
+  std::optional<double> omega{};  ///< sqrt(kappa) [rad/s]; nothing for kappa < 0
+  std::optional<double> zeta{};   ///< gamma / (2 omega), overdamped beyond 1; nothing for omega = 0
+  std::optional<std::array<double, 2>> rates{};  ///< -lambda of a pair of real ones, the faster first [1/s]
+};
+
+/// Of lambda and its conjugate: omega = |lambda|, zeta = -Re(lambda) / |lambda|. A real lambda stands alone.
+Mode mode_of(std::complex<double> lambda);
+
+/// Of both eigenvalues of an oscillation; `lambda` is the upper one, or the faster of two real ones.
+Mode mode_of(const MechanicalMode& oscillation);
 
 }  // namespace hmax

@@ -176,8 +176,21 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const VectorXd& scale) {
 }  // namespace
 
 Mode mode_of(Complex lambda) {
+  if (lambda.imag() == 0) return {.lambda = lambda};
   const double omega = std::abs(lambda);
-  return {lambda, omega, omega > 0 ? -lambda.real() / omega : 0};
+  return {.lambda = lambda, .omega = omega, .zeta = -lambda.real() / omega};
+}
+
+Mode mode_of(const MechanicalMode& oscillation) {
+  const auto [upper, lower] = eigenvalues_of(oscillation);
+  const bool swings = upper.imag() != 0;
+  Mode mode{.lambda = swings ? upper : lower};
+  if (oscillation.kappa >= 0) mode.omega = std::sqrt(oscillation.kappa);
+  if (oscillation.kappa > 0) mode.zeta = oscillation.gamma / (2 * *mode.omega);
+  if (swings) return mode;
+  mode.rates = {0 - lower.real(), 0 - upper.real()};  // of a free motion 0, not -0
+  if (std::abs(upper) > std::abs(lower)) std::swap((*mode.rates)[0], (*mode.rates)[1]);
+  return mode;
 }
 
 std::array<Complex, 2> eigenvalues_of(const MechanicalMode& mode) {

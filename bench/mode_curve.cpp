@@ -14,12 +14,6 @@
 namespace hmax {
 namespace {
 
-/// A mode is named by the upper eigenvalue, or by the faster of two real ones.
-Complex name_of_mode(const MechanicalMode& mode) {
-  const auto pair = eigenvalues_of(mode);
-  return pair[0].imag() != 0 ? pair[0] : pair[1];
-}
-
 /// The least eigenvalue of K u = kappa M u: of those that iteration finds, the least, which none is above.
 double least_stiffness(const MechanicalPart& part, double kappa_max) {
   const Eigen::SparseMatrix<double> K =
@@ -105,16 +99,15 @@ LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised
     curve.kappa_min = near.slow_end->of(near);
     least = smallest_exit(curve, exits);
   }
-  LimitOnCurve limit{
-      .h_max = least.h_max, .lambda = name_of_mode(curve.at(least.kappa)), .modes = {}, .note = {}};
+  LimitOnCurve limit{.h_max = least.h_max, .mode = mode_of(curve.at(least.kappa)), .modes = {}, .note = {}};
   std::vector<MechanicalMode> shown;
   if (!near.slow_end || !is_of_fastest) shown.push_back(curve.at(curve.kappa_min));
   shown.push_back(curve.at(curve.kappa_max));
   if (least.between) shown.push_back(curve.at(least.kappa));
   const std::vector<double> margins = exits(shown);
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    const Complex lambda = name_of_mode(shown[i]);
-    limit.modes.push_back({mode_of(lambda), margins[i], Eigenmode(lambda)});
+    const Mode mode = mode_of(shown[i]);
+    limit.modes.push_back({mode, margins[i], Eigenmode(mode.lambda)});
     limit.modes.back().told.radius = radius;
   }
   if (!least.between || !std::isfinite(least.h_max)) return limit;

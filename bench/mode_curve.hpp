@@ -32,7 +32,7 @@ bool set_curve(Linearised& near, Eigen::Index small = most_dense_modes);
 /// The least limit of a method along the curve of all modes between those ends.
 struct LimitOnCurve {
   double h_max = 0;               ///< [s]
-  Complex lambda;                 ///< of the mode that sets it
+  Mode mode;                      ///< that sets it
   std::vector<ModeMargin> modes;  ///< both ends as far as known, and the limiting mode where it lies between
   std::string note;               ///< a sentence where it does: no mode may lie exactly there
 };

@@ -57,7 +57,7 @@ bool set_range(Linearised& near, Eigen::Index small) {
 }
 
 LimitInRange limit_in_range(const Amplification& amplification, const Linearised& near, double radius) {
-  LimitInRange limit{.h_max = infinity, .lambda = 0, .modes = {}, .unstable_from = {}};
+  LimitInRange limit{.h_max = infinity, .mode = {}, .modes = {}, .unstable_from = {}};
   std::vector<Eigenmode> found;
   for (const Complex lambda : near.spectrum.lambda)
     if (lambda.imag() >= 0) found.emplace_back(lambda);
@@ -67,7 +67,7 @@ LimitInRange limit_in_range(const Amplification& amplification, const Linearised
     limit.modes.push_back({mode_of(found[i].lambda), exits[i], found[i]});
     if (exits[i] >= limit.h_max) continue;
     limit.h_max = exits[i];
-    limit.lambda = found[i].lambda;
+    limit.mode = limit.modes.back().mode;
   }
   const double known = limit.h_max;
 
@@ -91,7 +91,7 @@ LimitInRange limit_in_range(const Amplification& amplification, const Linearised
   if (worst.h_max < known) worst = worst_in(near.range->with_least_damping(*near.model.mechanical));
   if (worst.h_max >= known * (1 - 1e-9)) return limit;
   limit.h_max = worst.h_max;
-  limit.lambda = eigenvalues_of(worst.mode)[worst.mode.kappa > 0 ? 0 : 1];
+  limit.mode = mode_of(worst.mode);
   limit.unstable_from = known;
   return limit;
 }

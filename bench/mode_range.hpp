@@ -36,7 +36,7 @@ bool set_range(Linearised& near, Eigen::Index small = most_dense_coupled);
 /// The limit of a method on such a structure.
 struct LimitInRange {
   double h_max = 0;               ///< no mode is unstable at smaller steps [s]
-  Complex lambda;                 ///< of the mode that sets it, or that bounds it
+  Mode mode;                      ///< that sets it, or that bounds it
   std::vector<ModeMargin> modes;  ///< the largest eigenvalues
   std::optional<double>
       unstable_from;  ///< where no mode is known to be unstable just beyond h_max: from here [s]

@@ -41,12 +41,23 @@ std::string obstacle(const Method& method, const Linearised& near) {
   return {};
 }
 
-/// lambda with the larger imaginary part only: methods and models are real.
-std::vector<Complex> without_conjugates(const std::vector<Complex>& lambda) {
-  std::vector<Complex> kept;
-  for (const Complex each : lambda)
-    if (each.imag() >= 0) kept.push_back(each);
-  return kept;
+/// A mode for each eigenvalue, of conjugates for the upper one only: methods and models are real.
+std::vector<Mode> modes_of(const Spectrum& spectrum) {
+  std::vector<Mode> modes;
+  for (std::size_t i = 0; i < spectrum.lambda.size(); ++i) {
+    const Complex lambda = spectrum.lambda[i];
+    if (lambda.imag() < 0) continue;
+    // Where the motion decouples the partner of a real one is known.
+    modes.push_back(spectrum.mechanical.empty() ? mode_of(lambda) : mode_of(spectrum.mechanical[i / 2]));
+    modes.back().lambda = lambda;
+  }
+  return modes;
+}
+
+std::vector<Complex> lambda_of(const std::vector<Mode>& modes) {
+  std::vector<Complex> lambda;
+  for (const Mode& mode : modes) lambda.push_back(mode.lambda);
+  return lambda;
 }
 
 constexpr const char* without_common_modes =
@@ -247,14 +258,17 @@ Bound bound_without_limit(const Method& method, const Problem& problem, const Li
                                                                                       : Bound::accuracy;
 }
 
-/// The one of two eigenvalues that grows faster.
-Complex growing_of(const std::array<Complex, 2>& pair) {
-  return pair[0].real() > pair[1].real() ? pair[0] : pair[1];
+/// An oscillation named by the one of its eigenvalues that grows faster.
+Mode growing_of(const MechanicalMode& oscillation) {
+  Mode mode = mode_of(oscillation);
+  mode.lambda = eigenvalues_of(oscillation)[0];
+  return mode;
 }
 
-void is_of_growing_model(Prediction& row, Complex lambda, const Problem& problem, const Linearised& near) {
+void is_of_growing_model(Prediction& row, const Mode& mode, const Problem& problem, const Linearised& near) {
   row.bound = Bound::model;
-  row.limiting = mode_of(lambda);
+  row.limiting = mode;
+  const Complex lambda = mode.lambda;
   if (problem.body && near.at_equilibrium && lambda.imag() == 0)
     row.note = fmt::format(
         "the body buckles: its stiffness in this balance has a negative eigenvalue, and it leaves the balance as "
@@ -268,14 +282,14 @@ void is_of_growing_model(Prediction& row, Complex lambda, const Problem& problem
 }
 
 /// Names what limits the step: nothing, or a mode.
-void conclude(Prediction& row, double h_max, Complex lambda, const Method& method, const Problem& problem,
+void conclude(Prediction& row, double h_max, const Mode& mode, const Method& method, const Problem& problem,
               const Linearised& near) {
   row.h_max = h_max;
   if (std::isinf(h_max)) {
     row.bound = bound_without_limit(method, problem, near);
     return;
   }
-  row.limiting = mode_of(lambda);
+  row.limiting = mode;
   row.bound = h_max > 0 ? Bound::stability : Bound::every_step;
   if (h_max == 0) row.note = "a mode that the model keeps is amplified by every step, however small";
 }
@@ -283,17 +297,16 @@ void conclude(Prediction& row, double h_max, Complex lambda, const Method& metho
 /// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
 void predict_on_curve(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
   if (near.curve->kappa_min < 0)
-    return is_of_growing_model(row, growing_of(eigenvalues_of(near.curve->at(near.curve->kappa_min))),
-                               problem, near);
+    return is_of_growing_model(row, growing_of(near.curve->at(near.curve->kappa_min)), problem, near);
   LimitOnCurve limit = limit_on_curve(*method.amplification, near, radius_told(problem, near));
   row.modes = std::move(limit.modes);
-  conclude(row, limit.h_max, limit.lambda, method, problem, near);
+  conclude(row, limit.h_max, limit.mode, method, problem, near);
   if (row.note.empty()) row.note = limit.note;
 }
 
 /// Where only the largest eigenvalues are known, and between which damping and stiffness all modes lie.
 void predict_in_range(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (near.range->growing) return is_of_growing_model(row, *near.range->growing, problem, near);
+  if (near.range->growing) return is_of_growing_model(row, mode_of(*near.range->growing), problem, near);
   if (method.needs_split && !is_all_stiff(near)) {
     row.note = without_common_modes;
     return;
@@ -310,7 +323,7 @@ void predict_in_range(Prediction& row, const Method& method, const Problem& prob
         "damping couples the modes of this body, and no bound of their limits is known; {}", found);
     return;
   }
-  conclude(row, limit.h_max, limit.lambda, method, problem, near);
+  conclude(row, limit.h_max, limit.mode, method, problem, near);
   if (!row.unstable_from) return;
   row.limiting.reset();
   row.note = fmt::format(
@@ -321,12 +334,13 @@ void predict_in_range(Prediction& row, const Method& method, const Problem& prob
 /// Where the steps couple modes the whole model has one limit.
 void predict_coupled(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
   row.state += "; the steps couple the modes, so that all of them are taken together";
-  const std::vector<Complex> lambda = without_conjugates(near.spectrum.lambda);
-  for (const Complex each : lambda)
-    row.modes.push_back({mode_of(each), std::numeric_limits<double>::quiet_NaN(), Eigenmode(each)});
-  if (near.range && near.range->growing) return is_of_growing_model(row, *near.range->growing, problem, near);
-  if (const auto growing = growing_modes(lambda); !growing.empty())
-    return is_of_growing_model(row, lambda[growing.front()], problem, near);
+  const std::vector<Mode> modes = modes_of(near.spectrum);
+  for (const Mode& mode : modes)
+    row.modes.push_back({mode, std::numeric_limits<double>::quiet_NaN(), Eigenmode(mode.lambda)});
+  if (near.range && near.range->growing)
+    return is_of_growing_model(row, mode_of(*near.range->growing), problem, near);
+  if (const auto growing = growing_modes(lambda_of(modes)); !growing.empty())
+    return is_of_growing_model(row, modes[growing.front()], problem, near);
   const MechanicalPart& part = *near.model.mechanical;
   const MotionMap& map = *method.amplification->motion;
   if (near.range) row.coupled = proved_first_exit(map, part, *method.amplification);
@@ -339,8 +353,7 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
         part.mass.size());
     return;
   }
-  const auto pair = eigenvalues_of(row.coupled->shape);
-  conclude(row, row.coupled->h_max, pair[0].imag() != 0 ? pair[0] : pair[1], method, problem, near);
+  conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, problem, near);
 }
 
 }  // namespace
@@ -382,20 +395,17 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
     return row;
   }
   StepLimit limit;
-  std::vector<Complex> lambda;
+  std::vector<Mode> modes;
   std::vector<Eigenmode> told;
   if (method.amplification->of_oscillation) {
     // Both eigenvalues of an oscillation share its limit.
-    const std::vector<MechanicalMode>& modes = near.spectrum.mechanical;
-    limit = largest_stable_step(*method.amplification, modes);
-    // Named by the upper one, or by the faster of two real ones.
-    for (const MechanicalMode& mode : modes) {
-      const auto pair = eigenvalues_of(mode);
-      lambda.push_back(pair[0].imag() != 0 ? pair[0] : pair[1]);
-    }
+    limit = largest_stable_step(*method.amplification, near.spectrum.mechanical);
+    for (const MechanicalMode& oscillation : near.spectrum.mechanical) modes.push_back(mode_of(oscillation));
+    const std::vector<Complex> lambda = lambda_of(modes);
     told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
   } else {
-    lambda = without_conjugates(near.spectrum.lambda);
+    modes = modes_of(near.spectrum);
+    const std::vector<Complex> lambda = lambda_of(modes);
     told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
     const double radius = radius_told(problem, near);
     for (Eigenmode& mode : told) mode.radius = radius;
@@ -409,18 +419,16 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
     }
     limit = largest_stable_step(*method.amplification, told);
   }
-  for (std::size_t i = 0; i < lambda.size(); ++i)
-    row.modes.push_back({mode_of(lambda[i]), limit.of_modes[i], told[i]});
+  for (std::size_t i = 0; i < modes.size(); ++i) row.modes.push_back({modes[i], limit.of_modes[i], told[i]});
 
   if (!limit.growing.empty()) {
     const std::size_t first = limit.growing.front();
-    is_of_growing_model(row,
-                        method.amplification->of_oscillation
-                            ? growing_of(eigenvalues_of(near.spectrum.mechanical[first]))
-                            : lambda[first],
-                        problem, near);
+    is_of_growing_model(
+        row,
+        method.amplification->of_oscillation ? growing_of(near.spectrum.mechanical[first]) : modes[first],
+        problem, near);
   } else
-    conclude(row, limit.h_max, lambda[limit.limiting], method, problem, near);
+    conclude(row, limit.h_max, modes[limit.limiting], method, problem, near);
   return row;
 }
 

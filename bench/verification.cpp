@@ -311,7 +311,8 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   if (!method.fixed_step || row.unstable_from ||
       (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
     return;
-  if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.omega > 0; })) return;
+  if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.lambda != 0.0; }))
+    return;
   // Of the motion that the force makes every state is kept, to be taken off.
   constexpr Eigen::Index most_driven_states = 20;
   if (is_driven(problem) && near.model.y.size() > most_driven_states) {
@@ -339,8 +340,8 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   take_off_drive(free, rest);
   double slowest = infinity, fastest = 0;
   for (const ModeMargin& margin : row.modes) {
-    if (margin.mode.omega > 0) slowest = std::min(slowest, margin.mode.omega);
-    fastest = std::max(fastest, margin.mode.omega);
+    if (margin.mode.lambda != 0.0) slowest = std::min(slowest, std::abs(margin.mode.lambda));
+    fastest = std::max(fastest, std::abs(margin.mode.lambda));
   }
   const ModeStart start =
       row.coupled && row.bound == Bound::stability

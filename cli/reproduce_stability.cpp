@@ -47,7 +47,7 @@ std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<Li
     if (p.limiting)
       text +=
           fmt::format(",{},{},{},{}", to_text(p.limiting->lambda.real()), to_text(p.limiting->lambda.imag()),
-                      to_text(p.limiting->omega), to_text(p.limiting->zeta));
+                      number(p.limiting->omega), number(p.limiting->zeta));
     else
       text += ",,,,";
     text += "," + csv_cell(p.state) + "\n";

@@ -95,7 +95,25 @@ std::vector<std::string> materials_of(const PredictOptions& options) {
 }
 
 Json to_json(const Mode& mode) {
-  return {{"re", mode.lambda.real()}, {"im", mode.lambda.imag()}, {"omega", mode.omega}, {"zeta", mode.zeta}};
+  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  Json document{{"re", mode.lambda.real()},
+                {"im", mode.lambda.imag()},
+                {"omega", number(mode.omega)},
+                {"zeta", number(mode.zeta)}};
+  if (mode.rates) document["rates"] = *mode.rates;
+  if (!mode.omega)
+    document["status"] = mode.rates ? "negative stiffness has no natural frequency"
+                                    : "a real eigenvalue without a known partner has no natural frequency";
+  else if (!mode.zeta)
+    document["status"] = "without stiffness there is no damping ratio";
+  return document;
+}
+
+/// The decay rates of a mode that does not oscillate; negative where it grows.
+std::string words_of_rates(const Mode& mode) {
+  if (mode.lambda.imag() != 0) return "-";
+  if (!mode.rates) return short_number(-mode.lambda.real());
+  return fmt::format("{} and {}", short_number((*mode.rates)[0]), short_number((*mode.rates)[1]));
 }
 
 /// A row and what is asked besides.
@@ -294,6 +312,10 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
   std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
   const bool solves = std::ranges::any_of(
       rows, [](const PredictedRow& row) { return row.prediction.newton_step.has_value(); });
+  const bool any_real = std::ranges::any_of(rows, [](const PredictedRow& row) {
+    return row.prediction.limiting && row.prediction.limiting->lambda.imag() == 0;
+  });
+  if (any_real) header.emplace_back("rates [1/s]");
   if (solves) header.insert(header.end(), {"solved up to [s]", "error there [mm]"});
   if (verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
   if (!options.along.empty())
@@ -302,12 +324,14 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
   if (from_starts) header.emplace_back("from the start [s]");
   TextTable table(std::move(header));
   for (const auto& [row, status, along, note, from_start] : rows) {
-    std::vector<std::string> cells{row.method,
-                                   row.material.empty() ? "-" : row.material,
-                                   words_of(row.h_max),
-                                   std::string(name_of(row.bound)),
-                                   row.limiting ? short_number(row.limiting->omega) : "-",
-                                   row.limiting ? short_number(row.limiting->zeta) : "-"};
+    std::vector<std::string> cells{
+        row.method,
+        row.material.empty() ? "-" : row.material,
+        words_of(row.h_max),
+        std::string(name_of(row.bound)),
+        row.limiting && row.limiting->omega ? short_number(*row.limiting->omega) : "-",
+        row.limiting && row.limiting->zeta ? short_number(*row.limiting->zeta) : "-"};
+    if (any_real) cells.push_back(row.limiting ? words_of_rates(*row.limiting) : "-");
     if (solves) {
       const auto& step = row.newton_step;
       cells.push_back(!step ? "-" : (step->is_limit ? "" : "> ") + short_number(step->h, 3));

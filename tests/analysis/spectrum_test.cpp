@@ -119,12 +119,43 @@ TEST(Spectrum, OfAModeWithoutCancellation) {
 }
 
 TEST(Spectrum, ModesHaveAFrequencyAndADampingRatio) {
-  const Mode mode = mode_of({-0.6, 0.8});
-  EXPECT_DOUBLE_EQ(mode.omega, 1);
-  EXPECT_DOUBLE_EQ(mode.zeta, 0.6);
-  EXPECT_EQ(mode_of(0).zeta, 0);
-  EXPECT_EQ(mode_of(-7).zeta, 1);
-  EXPECT_EQ(mode_of(7).zeta, -1);
+  const Mode mode = mode_of(Complex(-0.6, 0.8));
+  EXPECT_DOUBLE_EQ(mode.omega.value(), 1);
+  EXPECT_DOUBLE_EQ(mode.zeta.value(), 0.6);
+  EXPECT_FALSE(mode.rates);
+  // x'' + 1.2 x' + x = 0 is the same.
+  const Mode oscillation = mode_of(MechanicalMode{.kappa = 1, .gamma = 1.2});
+  EXPECT_LT(std::abs(oscillation.lambda - mode.lambda), 1e-15);
+  EXPECT_DOUBLE_EQ(oscillation.omega.value(), 1);
+  EXPECT_DOUBLE_EQ(oscillation.zeta.value(), 0.6);
+  EXPECT_FALSE(oscillation.rates);
+}
+
+TEST(Spectrum, ModesThatDoNotOscillateHaveTwoRates) {
+  using Rates = std::array<double, 2>;
+  // (d/dt + 2) (d/dt + 8)
+  const Mode overdamped = mode_of(MechanicalMode{.kappa = 16, .gamma = 10});
+  EXPECT_EQ(overdamped.lambda, Complex(-8));
+  EXPECT_EQ(overdamped.omega, 4);
+  EXPECT_EQ(overdamped.zeta, 1.25);
+  EXPECT_EQ(overdamped.rates, (Rates{8, 2}));
+  EXPECT_EQ(mode_of(MechanicalMode{.kappa = 16, .gamma = -10}).rates, (Rates{-8, -2}));
+  EXPECT_EQ(mode_of(MechanicalMode{.kappa = 4, .gamma = 4}).zeta, 1);
+  // What stands up: (d/dt - 2) (d/dt + 8).
+  const Mode buckling = mode_of(MechanicalMode{.kappa = -16, .gamma = 6});
+  EXPECT_FALSE(buckling.omega || buckling.zeta);
+  EXPECT_EQ(buckling.rates, (Rates{8, -2}));
+  // A damper without a spring.
+  const Mode free = mode_of(MechanicalMode{.kappa = 0, .gamma = 3});
+  EXPECT_EQ(free.omega, 0);
+  EXPECT_FALSE(free.zeta);
+  EXPECT_EQ(free.rates, (Rates{3, 0}));
+  // Alone a rate says nothing of a frequency.
+  for (const double lambda : {-7.0, 0.0, 7.0}) {
+    const Mode alone = mode_of(Complex(lambda));
+    EXPECT_EQ(alone.lambda, Complex(lambda));
+    EXPECT_FALSE(alone.omega || alone.zeta || alone.rates);
+  }
 }
 
 /// Masses on springs of random strength, each fixed to a wall as well.

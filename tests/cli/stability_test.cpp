@@ -165,6 +165,23 @@ TEST(StabilityPredict, HasTheKeysOfTheContractAndIsVerified) {
   }
 }
 
+TEST(StabilityPredict, TellsBothRatesAndTheNaturalFrequencyOfAnOverdampedMode) {
+  const std::string problem = "predict --problem liver_linear --set m=1 --set c=10 --set k1=16 --methods ";
+  const Json limiting = stability(problem + "rk4").at("rows")[0].at("limiting");
+  EXPECT_EQ(limiting,
+            Json({{"re", -8.0}, {"im", 0.0}, {"omega", 4.0}, {"zeta", 1.25}, {"rates", {8.0, 2.0}}}));
+  const Told told = Shell{}.hmax("stability " + problem + "rk4");
+  EXPECT_NE(told.out.find("rates [1/s]"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("8 and 2"), std::string::npos) << told.out;
+  // One that oscillates has none.
+  const Json swings = stability("predict --problem liver_linear --set c=1 --methods rk4").at("rows")[0];
+  EXPECT_FALSE(swings.at("limiting").contains("rates"));
+  // The rate of an equation of first order is no frequency.
+  const Json alone = stability("predict --problem dahlquist --methods rk4").at("rows")[0].at("limiting");
+  EXPECT_TRUE(alone.at("omega").is_null() && alone.at("zeta").is_null()) << alone;
+  EXPECT_TRUE(alone.contains("status") && !alone.contains("rates")) << alone;
+}
+
 TEST(StabilityPredict, OfExplicitEulerIsTheClosedFormOfTheLinearModel) {
   // m 1.45: underdamped h = c / k; overdamped 4 m / (c + sqrt(c^2 - 4 k m)).
   struct Case {

@@ -119,7 +119,7 @@ TEST(TissueWords, SayThatABodyBucklesAndWhatToDo) {
     EXPECT_EQ(row.at("bound"), "model");
     EXPECT_TRUE(row.at("h_max").is_null());
     EXPECT_NE(row.at("status").get<std::string>().find("buckles"), std::string::npos);
-    EXPECT_EQ(row.at("limiting").at("zeta"), -1) << "the eigenvalue that grows is named, not its partner";
+    EXPECT_GT(row.at("limiting").at("re"), 0) << "the eigenvalue that grows is named, not its partner";
   }
   const Told along = Shell{}.hmax(beam + "--along load");
   EXPECT_NE(along.out.find("the body buckles from 0.925 of the load on"), std::string::npos) << along.out;
