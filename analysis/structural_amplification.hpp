@@ -12,12 +12,18 @@ namespace hmax {
 /// zeta^2 - (2 - h gamma - h^2 kappa) zeta + 1 - h gamma
 Amplification symplectic_euler_amplification();
 
-/// With s = zeta - 1, W = (1 + zeta) / 2 and the acceleration a carried along,
-///   s^2 + h^2 kappa zeta + h gamma s                           for forces at the velocity of the half step,
-///   which is that of symplectic Euler: so are its positions, and v = (q_new - q_old) / (2 h) but at the
-///   start; zeta s^2 + h^2 kappa zeta^2 + h gamma (W s + s^2)          for forces at the predicted velocity v
-///   + h a, s^2 + h^2 kappa zeta + h gamma (zeta^2 - 1) / 2            with the damping of the dof itself
-///   solved for; of several dofs  zeta s^2 M + h^2 zeta^2 K + h (W s + s^2) C + h s^3 / 2 diag C.
+/// With s = zeta - 1, W = (1 + zeta) / 2 and the acceleration a carried along.
+///
+/// For forces at the velocity of the half step, whose (q, v_half) are those of symplectic Euler:
+///   s^2 + h^2 kappa zeta + h gamma s.
+///
+/// For forces at the predicted velocity v + h a:
+///   zeta s^2 + h^2 kappa zeta^2 + h gamma (W s + s^2).
+///
+/// With the damping of the dof itself solved for:
+///   s^2 + h^2 kappa zeta + h gamma (zeta^2 - 1) / 2,
+/// of several dofs
+///   zeta s^2 M + h^2 zeta^2 K + h (W s + s^2) C + h s^3 / 2 diag C.
 Amplification kick_drift_kick_amplification(KickDamping damping);
 
 /// With W = 1 - gamma + gamma zeta, B = 1/2 - beta + beta zeta of the method's beta and gamma,
