@@ -11,8 +11,8 @@ namespace hmax {
 
 namespace {
 
-/// What lies outside is a slip in units rather than tissue: E from fat to bone, densities from inflated lung to bone,
-/// bodies from an insect to a man.
+/// What lies outside is a slip in units rather than tissue: E from fat to bone, densities from inflated lung
+/// to bone, bodies from an insect to a man.
 struct Usual {
   const char *name, *unit, *hint;
   double least, most;
@@ -31,8 +31,9 @@ std::string rounded(const BodySummary::Span& span) {
 
 void judge(const Usual& usual, double value, std::vector<std::string>& sentences) {
   if (value >= usual.least && value <= usual.most) return;
-  sentences.push_back(fmt::format("{} is {} {}, and tissue has {} to {}; {}",
-                                  usual.name, rounded(value), usual.unit, rounded(usual.least), rounded(usual.most), usual.hint));
+  sentences.push_back(fmt::format("{} is {} {}, and tissue has {} to {} {}; {}", usual.name, rounded(value),
+                                  usual.unit, rounded(usual.least), rounded(usual.most), usual.unit,
+                                  usual.hint));
 }
 
 }  // namespace
