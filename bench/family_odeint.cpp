@@ -3,8 +3,10 @@
 
 #if HMAX_HAVE_BOOST
 
+#include <algorithm>
 #include <concepts>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include <boost/version.hpp>
@@ -67,13 +69,15 @@ struct OdeintEngine {
 
 struct Facts {
   const char* id;
+  std::string_view same_as;  ///< the method of hmax with these coefficients: it has the same amplification
   int order, error_order, stages;
   bool is_implicit = false, l_stable = false;
   bool in_long_double = true;  ///< false: its coefficients are written in double
 };
 
+/// @param all  the methods of hmax
 template <template <class> class Fixed, template <class> class Steered>
-Method line(const Facts& facts) {
+Method line(const std::vector<Method>& all, const Facts& facts) {
   Method method{.id = facts.id,
                 .aliases = {},
                 .family = "odeint",
@@ -90,6 +94,8 @@ Method line(const Facts& facts) {
                 .fixed_step = !std::same_as<Fixed<ExtendedSystem>, None<ExtendedSystem>>,
                 .own_control = true,
                 .bind = {}};
+  if (!facts.same_as.empty())
+    method.amplification = std::ranges::find(all, facts.same_as, &Method::id)->amplification;
   const OdeintEngine<Fixed, Steered> engine{method.error_order};
   method.bind = [engine, extends = facts.in_long_double](const Problem& problem) {
     Runner runner = std::visit(
@@ -114,16 +120,18 @@ Method line(const Facts& facts) {
 }  // namespace
 
 void add_odeint(std::vector<Method>& all) {
-  all.push_back(line<Euler, None>({"odeint_euler", 1, 0, 1}));
-  all.push_back(line<Rk4, None>({"odeint_rk4", 4, 0, 4}));
-  all.push_back(line<Dopri5, odeint::Dopri5Peer>({"odeint_dopri5", 5, 5, 7}));
-  all.push_back(line<Fehlberg78, ControlledFehlberg78>({"odeint_fehlberg78", 8, 8, 13}));
-  all.push_back(line<Adams, None>({"odeint_adams_bashforth_moulton", 4, 0, 1}));
-  all.push_back(line<None, odeint::BulirschStoerPeer>({"odeint_bulirsch_stoer", 0, 5, 0}));
-  all.push_back(line<None, odeint::BulirschStoerDensePeer>({"odeint_bulirsch_stoer_dense", 0, 5, 0}));
+  all.push_back(line<Euler, None>(all, {"odeint_euler", "explicit_euler", 1, 0, 1}));
+  all.push_back(line<Rk4, None>(all, {"odeint_rk4", "rk4", 4, 0, 4}));
+  all.push_back(line<Dopri5, odeint::Dopri5Peer>(all, {"odeint_dopri5", "dormand_prince_54", 5, 5, 7}));
+  all.push_back(line<Fehlberg78, ControlledFehlberg78>(all, {"odeint_fehlberg78", "fehlberg_78", 8, 8, 13}));
+  all.push_back(line<Adams, None>(all, {"odeint_adams_bashforth_moulton", "abm_pece_4", 4, 0, 2}));
+  all.push_back(line<None, odeint::BulirschStoerPeer>(all, {"odeint_bulirsch_stoer", {}, 0, 5, 0}));
+  all.push_back(
+      line<None, odeint::BulirschStoerDensePeer>(all, {"odeint_bulirsch_stoer_dense", {}, 0, 5, 0}));
   all.push_back(line<odeint::Rosenbrock4Peer, odeint::Rosenbrock4Peer>(
-      {"odeint_rosenbrock4", 4, 4, 6, true, false, false}));
-  all.push_back(line<odeint::ImplicitEulerPeer, None>({"odeint_implicit_euler", 1, 0, 1, true, true}));
+      all, {"odeint_rosenbrock4", "rodas_4", 4, 4, 6, true, true, false}));
+  all.push_back(line<odeint::ImplicitEulerPeer, None>(
+      all, {"odeint_implicit_euler", "implicit_euler", 1, 0, 1, true, true}));
 }
 
 }  // namespace hmax
