@@ -349,7 +349,7 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
   if (!row.coupled) {
     row.note = fmt::format(
         "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method; take "
-        "stormer_verlet or symplectic_euler, which need no search, a smaller mesh, or beta and dampers of 0",
+        "explicit_newmark or symplectic_euler, which need no search, a smaller mesh, or beta and dampers of 0",
         part.mass.size());
     return;
   }
@@ -381,7 +381,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
     else if (amplification.motion && !amplification.motion->lumped.empty() && near.curve->beta != 0)
       row.note =
           "the method solves for a part of the damping alone, which couples the modes of this model; take "
-          "stormer_verlet, which does not, a smaller mesh, or alpha in place of beta";
+          "explicit_newmark, which solves for all of it, a smaller mesh, or alpha in place of beta";
     else
       predict_on_curve(row, method, problem, near);
     return row;
