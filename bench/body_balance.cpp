@@ -1,5 +1,6 @@
 #include "bench/body_balance.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -13,52 +14,125 @@ double largest_displacement(const Eigen::VectorXd& q) {
   return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
 }
 
-StaticModel static_model(const Problem& problem, double load_scale) {
+double equilibrium_time(const TissueBody& body) { return std::isfinite(body.settled()) ? body.settled() : 0; }
+
+namespace {
+
+/// The balance of forces as they are at t, of the displacements q beyond `from`, shape (dofs).
+StaticModel model_from(const Problem& problem, double load_scale, double t, const Eigen::VectorXd& from) {
   const auto body = problem.body;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
   Eigen::VectorXd load = zero;
-  body->force(0, zero, zero, load);
+  body->force(t, from, zero, load);
   load *= load_scale - 1;
-  StaticModel::Matrix K;
-  body->stiffness(0, zero, zero, K);
+  StaticModel::Matrix K0;
+  body->stiffness(t, from, zero, K0);
   // Positions have eps |x| of rounding, which the stiffness makes forces of.
-  const double rounding = 4 * std::numeric_limits<double>::epsilon() * K.diagonal().cwiseAbs().maxCoeff() *
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * K0.diagonal().cwiseAbs().maxCoeff() *
                           body->mesh().points.cwiseAbs().maxCoeff() *
                           std::sqrt(static_cast<double>(body->dofs()));
   // Small strains know no volume, and have one balance.
   const bool may_invert = body->settings().model != TissueModel::fem_cauchy;
-  return {.dofs = body->dofs(),
-          .force =
-              [body, zero, load](const Eigen::VectorXd& q, Eigen::VectorXd& f) {
-                f.resize(q.size());
-                body->force(0, q, zero, f);
-                f += load;
-              },
-          .stiffness = [body, zero](const Eigen::VectorXd& q,
-                                    StaticModel::Matrix& K) { body->stiffness(0, q, zero, K); },
-          // Supports that move drag their neighbours along with a force that no energy has.
-          .energy = body->is_autonomous()
-                        ? [body, load](const Eigen::VectorXd& q) { return body->energy(0, q) - load.dot(q); }
-                        : decltype(StaticModel::energy){},
-          .rounding = rounding,
-          .admissible = may_invert
-                            ? [body](const Eigen::VectorXd& q) { return body->least_volume(0, q).first > 0; }
-                            : decltype(StaticModel::admissible){}};
+  return {
+      .dofs = body->dofs(),
+      .force =
+          [body, t, from, zero, load](const Eigen::VectorXd& q, Eigen::VectorXd& f) {
+            f.resize(q.size());
+            body->force(t, from + q, zero, f);
+            f += load;
+          },
+      .stiffness = [body, t, from, zero](const Eigen::VectorXd& q,
+                                         StaticModel::Matrix& K) { body->stiffness(t, from + q, zero, K); },
+      // Supports that move drag their neighbours along with a force that no energy has.
+      .energy = body->settled() == t
+                    ? [body, t, from,
+                       load](const Eigen::VectorXd& q) { return body->energy(t, from + q) - load.dot(q); }
+                    : decltype(StaticModel::energy){},
+      .rounding = rounding,
+      .admissible =
+          may_invert ? [body, t,
+                        from](const Eigen::VectorXd& q) { return body->least_volume(t, from + q).first > 0; }
+                     : decltype(StaticModel::admissible){}};
 }
 
-StaticSolution found_balance(const StaticModel& model, const StaticSettings& settings, const Clock& clock) {
+/// Puts what was done before into the history of a solution.
+void prepend(const StaticSolution& before, StaticSolution& solution) {
+  if (before.history.empty()) return;
+  const StaticIterate& end = before.history.back();
+  for (StaticIterate& iterate : solution.history) {
+    iterate.seconds += end.seconds;
+    iterate.inner += end.inner;
+  }
+  solution.history.insert(solution.history.begin(), before.history.begin(), before.history.end());
+  solution.iterations += before.iterations;
+}
+
+/// When about this share of the way of a ramp is done, in its time: the inverse of 3 u^2 - 2 u^3.
+double time_of(double share) { return 0.5 - std::sin(std::asin(1 - 2 * share) / 3); }
+
+/// The balance at the end of ramps, followed along them: a tool that stood at the end of its path at once
+/// would press on the wrong side of the surface. A stride that finds no balance is halved.
+StaticSolution followed_balance(const Problem& problem, const StaticSettings& settings, const Clock& clock) {
+  constexpr int usual_stages = 20, most_halvings = 4;
+  const int stages = settings.load_steps > 1 ? settings.load_steps : usual_stages;
+  const double t_end = equilibrium_time(*problem.body);
+  StaticSolution solution;
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(problem.body->dofs());
+  int halvings = 0;
+  for (double done = 0; done < 1;) {
+    const double share = std::min(1.0, done + std::ldexp(1.0 / stages, -halvings));
+    const bool last = share > 1 - 1e-9;
+    const auto number = [&](StaticIterate& iterate) {
+      iterate.load_step = std::clamp(static_cast<int>(std::ceil(share * stages - 1e-9)), 1, stages);
+      iterate.load_steps = stages;
+    };
+    StaticSettings of_stage = settings;
+    of_stage.load_steps = 1;
+    // Beside the forces of a stride, which are less than the whole load.
+    of_stage.tolerance = std::max(settings.tolerance, 1e-9);
+    if (!last) of_stage.iterations = std::min(settings.iterations, 40);
+    if (settings.seen)
+      of_stage.seen = [&](StaticIterate iterate) {
+        number(iterate);
+        settings.seen(iterate);
+      };
+    StaticSolution next =
+        solve_static(model_from(problem, 1, last ? t_end : t_end * time_of(share), q), of_stage, clock);
+    std::ranges::for_each(next.history, number);
+    prepend(solution, next);
+    solution = std::move(next);
+    // Before the end what is nearly a balance leads on as well.
+    const bool good =
+        solution.converged || (!last && !solution.barred && solution.history.back().residual < 1e-2);
+    if (!good && halvings < most_halvings) {
+      ++halvings;
+      continue;
+    }
+    q += solution.q;
+    if (!good) break;
+    done = last ? 1 : share;
+  }
+  solution.q = std::move(q);
+  return solution;
+}
+
+}  // namespace
+
+StaticModel static_model(const Problem& problem, double load_scale) {
+  return model_from(problem, load_scale, equilibrium_time(*problem.body),
+                    Eigen::VectorXd::Zero(problem.body->dofs()));
+}
+
+StaticSolution found_balance(const Problem& problem, double load_scale, const StaticSettings& settings,
+                             const Clock& clock) {
+  if (equilibrium_time(*problem.body) > 0) return followed_balance(problem, settings, clock);
+  const StaticModel model = static_model(problem, load_scale);
   StaticSolution at_once = solve_static(model, settings, clock);
   if (!at_once.barred) return at_once;
   StaticSettings by_steps = settings;
   by_steps.load_steps = 10;
   StaticSolution solution = solve_static(model, by_steps, clock);
-  const StaticIterate& end = at_once.history.back();
-  for (StaticIterate& iterate : solution.history) {
-    iterate.seconds += end.seconds;
-    iterate.inner += end.inner;
-  }
-  solution.history.insert(solution.history.begin(), at_once.history.begin(), at_once.history.end());
-  solution.iterations += at_once.iterations;
+  prepend(at_once, solution);
   if (solution.converged && solution.note.empty())
     solution.note =
         "the whole load at once leads to elements turned inside out, so it was brought on in ten steps";
@@ -66,13 +140,13 @@ StaticSolution found_balance(const StaticModel& model, const StaticSettings& set
 }
 
 std::string_view outcome_of(const Problem& problem, const StaticSolution& solution) {
-  if (!(problem.body->least_volume(0, solution.q).first > 0)) return "inverted";
+  if (!(problem.body->least_volume(equilibrium_time(*problem.body), solution.q).first > 0)) return "inverted";
   if (solution.barred) return "collapsed";
   return solution.converged ? "converged" : "not_converged";
 }
 
 std::string status_of(const Problem& problem, const StaticSolution& solution) {
-  const auto [volume, tetrahedron] = problem.body->least_volume(0, solution.q);
+  const auto [volume, tetrahedron] = problem.body->least_volume(equilibrium_time(*problem.body), solution.q);
   if (solution.barred)
     return fmt::format(
         "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search turn elements inside out; "

@@ -12,13 +12,19 @@
 
 namespace hmax {
 
-/// The balance of forces of a body under a multiple of its load as it is at t = 0.
+/// The instant whose forces a static equilibrium balances [s]: when every ramp has ended, or 0 where a load
+/// never settles.
+double equilibrium_time(const TissueBody& body);
+
+/// The balance of forces of a body under a multiple of its load as it is at equilibrium_time().
 StaticModel static_model(const Problem& problem, double load_scale);
 
-/// The balance under the whole load at once or, where that leads to elements turned inside out, under a load
-/// that is brought on in ten steps; the history then holds both.
-/// @param settings  of one load step
-StaticSolution found_balance(const StaticModel& model, const StaticSettings& settings, const Clock& clock);
+/// The balance under a multiple of the whole load. The load acts at once or, where that leads to elements
+/// turned inside out, in ten steps; the history then holds both. A load that moves, as a tool does, is
+/// followed along its ramp in 20 steps or as many as `settings` says.
+/// @param load_scale  1 for a load that moves
+StaticSolution found_balance(const Problem& problem, double load_scale, const StaticSettings& settings,
+                             const Clock& clock);
 
 /// "converged", "not_converged", "collapsed" where the search ended at elements about to turn inside out, or
 /// "inverted" where some are.

@@ -176,31 +176,40 @@ bool is_at_rest(const TissueBody& body) {
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
   Eigen::VectorXd f = rest;
   TissueBody::DofMatrix K;
-  body.force(0, rest, rest, f);
-  body.stiffness(0, rest, rest, K);
+  const double t = equilibrium_time(body);
+  body.force(t, rest, rest, f);
+  body.stiffness(t, rest, rest, K);
   const double rounding =
       1e-13 * K.diagonal().cwiseAbs().maxCoeff() * body.mesh().points.cwiseAbs().maxCoeff();
   return f.cwiseAbs().maxCoeff() <= rounding;
 }
 
 namespace {
+/// Says where the contact of a tool is not in a linear model.
+void look_at_contact(Linearised& near, const Problem& problem, const char* remedy) {
+  if (problem.body && std::ranges::any_of(problem.body->tool_reaches(near.model.t, near.model.y),
+                                          [](const auto& reach) { return reach.penetration == 0; }))
+    near.missing = fmt::format(
+        "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller; {}",
+        remedy);
+}
+
 /// Under a load the balance of a body is found with its stiffness, half as many unknowns.
 EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatcher& watcher) {
   const TissueBody& body = *problem.body;
   EquilibriumSearch search;
   search.outcome = EquilibriumOutcome::found;
   search.state = problem.y0;
-  // What moves it later does not load it yet; only supports that start at once drag at their neighbours.
-  if (!body.is_autonomous() || is_at_rest(body)) return search;
-  const StaticModel model = static_model(problem, 1);
+  // A load that never settles does not act yet; only supports that start at once drag at their neighbours.
+  if (body.settled() != equilibrium_time(body) || is_at_rest(body)) return search;
   StaticSettings settings{.tolerance = 1e-12};
   if (body.dofs() > most_cheaply_factored) settings.inner = InnerSolver::conjugate_gradients;
   if (watcher) settings.seen = [&](const StaticIterate& iterate) { watcher(iterate.residual); };
-  StaticSolution solution = found_balance(model, settings, [] { return 0.0; });
+  StaticSolution solution = found_balance(problem, 1, settings, [] { return 0.0; });
   // One that is not stable still tells that the body buckles.
   settings.leave_saddles = false;
-  if (!solution.converged)
-    if (StaticSolution saddle = solve_static(model, settings, [] { return 0.0; }); saddle.converged)
+  if (!solution.converged && body.is_autonomous())
+    if (StaticSolution saddle = solve_static(static_model(problem, 1), settings, [] { return 0.0; }); saddle.converged)
       solution = std::move(saddle);
   if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
@@ -227,10 +236,12 @@ Linearised without_spectrum(const Problem& problem, OperatingPoint at, const Equ
     near.at_equilibrium = !problem.body || is_at_rest(*problem.body);
     near.state_kind = "rest";
     near.state = fmt::format("rest {}{}", near.state, near.at_equilibrium ? "" : "; the load acts on it");
+    look_at_contact(near, problem, "leave out --at rest");
     return near;
   }
   const EquilibriumSearch search = equilibrium_of(problem, watcher);
-  Linearised near = state_of(problem, 0, search.found() ? search.state : problem.y0);
+  const double t = search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
+  Linearised near = state_of(problem, t, search.found() ? search.state : problem.y0);
   near.at_equilibrium = search.found();
   near.state_kind = search.found() ? "equilibrium" : problem.body ? "rest" : "initial";
   if (!search.found()) {
@@ -241,6 +252,7 @@ Linearised without_spectrum(const Problem& problem, OperatingPoint at, const Equ
         "equilibrium {}{}", near.state,
         search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
   }
+  look_at_contact(near, problem, "add --along motion");
   return near;
 }
 

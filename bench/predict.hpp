@@ -60,6 +60,7 @@ struct Linearised {
   std::string_view state_kind = "motion";  ///< or "equilibrium", "rest" of a body, "initial"
   std::string state;                       ///< in words: which state, whose Jacobian
   std::string status;                      ///< why it is not the state that was asked for
+  std::string missing = {};                ///< says that a tool does not touch the body in this state
 };
 
 /// Whether nothing loads a body at rest: its forces are nothing beside those that rounding of its points
@@ -67,8 +68,9 @@ struct Linearised {
 bool is_at_rest(const TissueBody& body);
 
 /// A problem near its equilibrium, found by Newton's method from its initial state with time standing still
-/// at 0; near the initial state itself where there is none, which `status` then says. Above
-/// most_cheaply_factored degrees of freedom the equations of a body are solved by conjugate gradients.
+/// at 0, or for a body at equilibrium_time() (bench/body_balance.hpp); near the initial state itself where
+/// there is none, which `status` then says. Above most_cheaply_factored degrees of freedom the equations of a
+/// body are solved by conjugate gradients.
 /// @param at  rest: a body without displacement, whatever loads it
 /// @throws InputError  as linearise()
 Linearised linearised(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,

@@ -9,6 +9,7 @@
 
 #include "bench/suggest.hpp"
 #include "bench/support_sets.hpp"
+#include "problems/tissue/contact.hpp"
 #include "problems/tissue/materials.hpp"
 #include "problems/tissue/topology.hpp"
 #include "results/errors.hpp"
@@ -186,13 +187,12 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
                                                                   {"doubled_skin", p.doubled_skin},
                                                                   {"inclusion", p.inclusion},
                                                                   {"skin", p.skin},
-                                                                  {"tool_radius", p.tool_radius}})
+                                                                  {"tool_radius", p.tool_radius},
+                                                                  {"tool_stiffness", p.tool_stiffness}})
     refuse_negative(name, value);
   if ((p.cubic != 0) + (p.exponential != 0) + !p.table.empty() > 1)
     throw InputError("cubic, exponential and phi are laws of the same springs; choose one of them");
-  for (const auto& [name, value] : {std::pair("skin_thickness", p.skin_thickness),
-                                    {"period", p.period},
-                                    {"tool_stiffness", p.tool_stiffness}})
+  for (const auto& [name, value] : {std::pair("skin_thickness", p.skin_thickness), {"period", p.period}})
     if (!(value > 0)) throw InputError(fmt::format("{} is {} but must be positive", name, to_text(value)));
   if (p.skin_thickness != TissueParameters{}.skin_thickness && p.skin == 0)
     throw InputError(
@@ -256,29 +256,33 @@ PressingForce pressing_force(double force, const TetMesh& mesh, const HeldEnd& e
   return load;
 }
 
+/// The pressure of a tool of radius R that indents a body by a depth is a share of E; it shall push the tool
+/// into the surface by no more than a twentieth of the depth or so.
+/// @param young  of the stiffest region
+double default_tool_stiffness(double young, double depth, double radius) {
+  const double reach = depth != 0 ? std::abs(depth) : radius;
+  return 500 * young / (reach * std::sqrt(reach));
+}
+
 /// A sphere that touches its starting point with its front and moves on from there.
 /// @throws InputError  when a tool that the user places meets nothing
-SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd& end) {
+SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd& end, double young) {
   const Eigen::Vector3d place(p.tool_x, p.tool_y, p.tool_z), direction(p.tool_dx, p.tool_dy, p.tool_dz);
   const bool placed = place.allFinite(), directed = !direction.isZero(0);
   if (!placed && place.array().isFinite().any())
     throw InputError("tool_x, tool_y and tool_z are one point; give all three or none");
   const HeldEnd way = directed ? HeldEnd(direction.normalized()) : end;
   const Eigen::Vector3d tip = placed ? place : Eigen::Vector3d(mesh.points.col(way.opposite(mesh)));
-  SphereTool tool{.points = surface_of(mesh).points,
-                  .radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size_of(mesh),
-                  .stiffness = p.tool_stiffness};
+  SphereTool tool{.radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size_of(mesh)};
+  tool.stiffness =
+      p.tool_stiffness > 0 ? p.tool_stiffness : default_tool_stiffness(young, p.depth, tool.radius);
   tool.start = tip - tool.radius * way.towards;
   tool.travel = p.depth * way.towards;
   tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};
-  const auto is_met = [&](TetMesh::Index i) {
-    const Eigen::Vector3d arm = mesh.points.col(i) - tool.start;
-    const double along = p.depth != 0 ? std::clamp(arm.dot(way.towards) / p.depth, 0.0, 1.0) : 0;
-    return (arm - along * tool.travel).norm() <= tool.radius;
-  };
-  if ((placed || directed) && std::ranges::none_of(tool.points, is_met))
+  if ((placed || directed) &&
+      !(ToolContact(mesh.points, surface_of(mesh).triangles, tool).gap() <= std::abs(p.depth)))
     throw InputError(fmt::format(
-        "a tool of radius {} m that starts at {}, {}, {} and moves {} m along {}, {}, {} meets no point of the "
+        "a tool of radius {} m that starts at {}, {}, {} and moves {} m along {}, {}, {} meets nothing of the "
         "body; place it nearer, turn it, or give a larger depth or tool_radius",
         to_text(tool.radius), to_text(tip(0)), to_text(tip(1)), to_text(tip(2)), to_text(p.depth),
         to_text(way.towards(0)), to_text(way.towards(1)), to_text(way.towards(2))));
@@ -449,7 +453,8 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
     settings.supports.front().profile = {.kind = TimeProfile::Kind::sine,
                                          .omega = 2 * std::numbers::pi / p.period};
   } else if (id.load == "tool") {
-    settings.tools.push_back(tool_of(p, mesh, end));
+    const double young = std::ranges::max(settings.materials, {}, &TissueMaterial::young).young;
+    settings.tools.push_back(tool_of(p, mesh, end, young));
   } else {
     settings.forces.push_back(pressing_force(id.load == "press" ? p.force : -p.force, mesh, end));
   }

@@ -158,11 +158,21 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .tetrahedron_numbers = {}};
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
     problem.tetrahedron_numbers.push_back(loaded.origin->tetrahedron_number(t));
-  if (id.model == "fem_cauchy" && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
+  const bool is_linear = id.model == "fem_cauchy" && body->settings().tools.empty();
+  if (is_linear && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;
     problem.exact = exact_motion(body);
   }
   return problem;
+}
+
+Problem settled(const Problem& problem) {
+  if (!problem.body || problem.body->is_autonomous()) return problem;
+  const TissueBody& body = *problem.body;
+  Problem later = problem;
+  later.body = std::make_shared<const TissueBody>(body.mesh(), settled(body.settings()), body.origin());
+  later.system = AnySystem(SharedBody{later.body});
+  return later;
 }
 
 std::string start_in_words(const Problem& problem) { return problem.body ? "rest" : describe(problem.y0); }

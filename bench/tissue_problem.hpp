@@ -18,6 +18,9 @@ bool is_tissue_id(std::string_view id);
 /// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
 Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
 
+/// The problem once its ramps have ended, from then on: a tool that has moved in stands there from t = 0.
+Problem settled(const Problem& problem);
+
 /// Where a problem starts: its numbers, or "rest" of a body, which always does.
 std::string start_in_words(const Problem& problem);
 

@@ -210,8 +210,7 @@ ReportSection pressed_by_a_tool(const fs::path& folder) {
       .caption =
           made_of(problem) +
           fmt::format(
-              " linearly_implicit_euler, h = {:g} s; no gravity. Contact is a penalty on the points of the surface.",
-              h),
+              " linearly_implicit_euler, h = {:g} s; no gravity. Contact is a penalty on the surface.", h),
       .towards = {0.45, -1, -0.25},
       .columns = 3};
   for (const double t : {0.2, 0.3, 0.6}) {

@@ -15,6 +15,7 @@
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
+#include "cli/tool_report.hpp"
 #include "integrators/control.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_import.hpp"
@@ -323,6 +324,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     document["max_displacement"] = end.max_displacement;
     document["energy"] = end.energy;
     document["least_volume"] = end.least_volume;
+    if (const auto tool = tool_report(problem, record.t, record.y)) document["tool"] = tool->json();
     document["dofs"] = problem.body->dofs();
     document["body"] = body_json(problem);
     document["realtime_factor"] = record.t / cpu_seconds;
@@ -361,6 +363,8 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
         fmt::format("  largest displacement  {}\n  energy                {}\n  real-time factor      {}\n",
                     with_unit(1000 * end.max_displacement, "mm"), with_unit(end.energy, "J"),
                     short_number(record.t / cpu_seconds, 3));
+    if (const auto tool = tool_report(problem, record.t, record.y))
+      text += fmt::format("  tool                  {}\n", tool->words());
   }
   const Stats& stats = record.stats;
   text += fmt::format("\nsteps {}   rejected {}   rhs {}", stats.steps, stats.rejected, stats.rhs);
@@ -469,6 +473,9 @@ void run(const RunOptions& options, Console& console) {
           "tetrahedron {} has ended inside out, with {} of its volume at rest: the body cannot bear this load, or "
           "the step is too long for it; `hmax static` tells of the load",
           tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
+
+  if (result.record.outcome == Outcome::reached_end)
+    warn_of_tool(console, problem, result.record.t, result.record.y);
 
   if (console.json) {
     Json document = to_json(problem, method, spec, result, options.full);

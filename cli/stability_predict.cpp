@@ -20,6 +20,7 @@
 #include "cli/choices.hpp"
 #include "cli/operating_point.hpp"
 #include "cli/stability.hpp"
+#include "cli/tool_report.hpp"
 #include "problems/liver_materials.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -68,13 +69,14 @@ PredictOptions with_path(PredictOptions options, const Problem& problem) {
   return options;
 }
 
-/// What is to be said of limits of a body whose load moves and is not looked at.
-std::string words_of_left_out_load(const PredictOptions& options, const Problem& problem) {
-  if (!has_moving_load(problem) || !options.along.empty()) return {};
-  return fmt::format(
-      "the load of {} changes with time and is in none of these limits, which are those of the body as it starts: a "
-      "contact that stiffens it makes smaller steps unstable; look with --along",
-      problem.id);
+/// Why the state is not the one that was asked for, and what of the load is not in the limits there.
+std::string words_of_state(const PredictOptions& options, const Problem& problem, const Linearised& near) {
+  std::string missing = near.missing;
+  if (missing.empty() && has_moving_load(problem) && options.along.empty())
+    missing = fmt::format(
+        "the load of {} changes with time, and the limits are those of one state; look at the others with --along motion",
+        problem.id);
+  return near.status + (near.status.empty() || missing.empty() ? "" : "; ") + missing;
 }
 
 /// Ids of a list; all: both ends of the mass range of every material.
@@ -209,6 +211,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
   }
   if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
   document["body"] = body_json(problem);
+  if (const auto tool = tool_report(problem, near.model.t, near.model.y)) document["tool"] = tool->json();
   if (problem.body)
     document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
   return document;
@@ -430,8 +433,6 @@ void predict_rows(const PredictOptions& asked, Console& console) {
             "leave out --verify, or name methods of `hmax list methods`",
             method.id));
   remark_unusual(console, problems.front());
-  const std::string left_out = words_of_left_out_load(options, problems.front());
-  if (!left_out.empty()) console.remark(left_out);
   std::vector<PredictedRow> rows;
   Json models = Json::array();
   std::string states;
@@ -451,20 +452,24 @@ void predict_rows(const PredictOptions& asked, Console& console) {
         break;  // the flag stays set: what is finished is printed
       } catch (const InputError& error) {
         if (!options.along_by_default) throw;
-        console.remark(
-            fmt::format("the load changes with time and is in none of these limits: {}", error.what()));
+        console.remark(fmt::format("the motion is in none of these limits: {}", error.what()));
       }
       const OperatingPoint at = options.at.of(problem);
       announce_equilibrium(console, problem, at);
       const Linearised near = linearised(problem, at, shown_in(progress));
       if (console.json) models.push_back(model_json(problem, near));
+      if (near.at_equilibrium) warn_of_tool(console, problem, near.model.t, near.model.y);
+      const std::string status = words_of_state(options, problem, near);
+      if (has_moving_load(problem) && !status.empty()) console.remark(status);
       if (states.empty()) {
         states = fmt::format("\n{}: {}\n", problem.id, near.state);
         if (path && options.along_by_default)
           states += fmt::format(
-              "the load changes with time: h_max is that of the start; the least along the motion to t = {} s holds for "
-              "the load as well\n",
+              "the load changes with time: h_max is that of this state, the least along the motion to t = {} s that of "
+              "every state on it\n",
               short_number(options.t_end.value_or(problem.t_end)));
+        if (const auto tool = tool_report(problem, near.model.t, near.model.y))
+          states += fmt::format("tool: {}\n", tool->words());
         if (problem.body && !console.json)
           states += body_in_words(problem) + "\n" +
                     words_of(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
@@ -476,8 +481,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
           chosen.size(),
           [&](std::size_t i, std::size_t worker) {
             const Problem& own = worker == 0 ? problem : of_second;
-            PredictedRow row{
-                predict(chosen[i], own, near), near.status.empty() ? left_out : near.status, {}, {}, {}};
+            PredictedRow row{predict(chosen[i], own, near), status, {}, {}, {}};
             if (row.prediction.bound == Bound::newton)
               row.prediction.newton_step = largest_newton_step(chosen[i], own);
             if (options.verify) verify(row.prediction, chosen[i], own, near);

@@ -16,6 +16,7 @@
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
 #include "cli/static_comparison.hpp"
+#include "cli/tool_report.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/table.hpp"
@@ -180,7 +181,7 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
           fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
                       describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
                       solution.history.back().load_steps, solution.history.back().load_steps == 1 ? "" : "s"),
-      .views = {body_view(*problem.body, 0, solution.q, value)}};
+      .views = {body_view(*problem.body, equilibrium_time(*problem.body), solution.q, value)}};
   picture.colours = colours_of(value, picture.views);
   return picture;
 }
@@ -239,8 +240,15 @@ void solve(const StaticOptions& options, Console& console) {
   if (!problem.body)
     throw InputError(fmt::format(
         "{} is no body on a mesh, so there is nothing to find in balance; name one with --mesh", problem.id));
-  if (!problem.body->is_autonomous())
-    throw InputError("this load changes with time; take gravity, press or pull");
+  const double t = equilibrium_time(*problem.body);
+  if (problem.body->settled() != t)
+    throw InputError("this load changes with time; take gravity, press, pull or tool");
+  const bool has_tool = !problem.body->settings().tools.empty();
+  if (has_tool && (options.load_scale || !options.per_frame.empty() || !options.frames.empty() ||
+                   !options.compare.empty()))
+    throw InputError(
+        "--load-scale, --compare, --pseudo-dynamic and --frames are for loads that are forces, and a tool moves; leave "
+        "them out, or choose its depth with --set depth=");
   const double scale = options.load_scale.value_or(1);
   if (!std::isfinite(scale))
     throw InputError(fmt::format("--load-scale is {} but must be a finite number", scale));
@@ -269,11 +277,11 @@ void solve(const StaticOptions& options, Console& console) {
                       fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
                                   short_number(iterate.residual, 3)));
     };
-    return options.load_steps.empty() ? found_balance(model, shown, thread_cpu_seconds)
-                                      : solve_static(model, shown, thread_cpu_seconds);
+    return options.load_steps.empty() || has_tool ? found_balance(problem, scale, shown, thread_cpu_seconds)
+                                                  : solve_static(model, shown, thread_cpu_seconds);
   }();
   const double seconds = thread_cpu_seconds() - start;
-  const double volume = problem.body->least_volume(0, solution.q).first;
+  const double volume = problem.body->least_volume(t, solution.q).first;
   const std::string outcome(outcome_of(problem, solution)), status = status_of(problem, solution);
   if (outcome != "converged") console.exit_code = Exit::failed;
 
@@ -298,6 +306,8 @@ void solve(const StaticOptions& options, Console& console) {
     options.picture.write(picture_of(options, problem, settings, solution, outcome));
 
   const double energy = model.energy(solution.q);
+  const std::optional<ToolReport> tool = tool_report(problem, t, solution.q);
+  if (solution.converged) warn_of_tool(console, problem, t, solution.q);
   if (console.json) {
     Json residuals = Json::array(), times = Json::array();
     for (const StaticIterate& row : solution.history) {
@@ -306,23 +316,25 @@ void solve(const StaticOptions& options, Console& console) {
     }
     Json parameters = Json::object();
     for (const auto& [name, value] : problem.parameters) parameters[name] = value;
-    return console.print_json({{"problem", problem.id},
-                               {"material", problem.material.empty() ? Json() : Json(problem.material)},
-                               {"parameters", parameters},
-                               {"load_scale", scale},
-                               {"solver", name_of(settings.method)},
-                               {"linear", name_of(settings.inner)},
-                               {"outcome", outcome},
-                               {"status", status},
-                               {"iterations", solution.iterations},
-                               {"residuals", residuals},
-                               {"times", times},
-                               {"seconds", seconds},
-                               {"max_displacement", largest_displacement(solution.q)},
-                               {"energy", energy},
-                               {"body", body_json(problem)},
-                               {"least_volume", volume},
-                               {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()}});
+    Json document{{"problem", problem.id},
+                  {"material", problem.material.empty() ? Json() : Json(problem.material)},
+                  {"parameters", parameters},
+                  {"load_scale", scale},
+                  {"solver", name_of(settings.method)},
+                  {"linear", name_of(settings.inner)},
+                  {"outcome", outcome},
+                  {"status", status},
+                  {"iterations", solution.iterations},
+                  {"residuals", residuals},
+                  {"times", times},
+                  {"seconds", seconds},
+                  {"max_displacement", largest_displacement(solution.q)},
+                  {"energy", energy},
+                  {"least_volume", volume},
+                  {"body", body_json(problem)},
+                  {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()}};
+    if (tool) document["tool"] = tool->json();
+    return console.print_json(document);
   }
   TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
   for (std::size_t i = 0; i < solution.history.size(); ++i) {
@@ -332,10 +344,11 @@ void solve(const StaticOptions& options, Console& console) {
                fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
   }
   console.print(
-      fmt::format("{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n",
+      fmt::format("{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}",
                   problem.id, describe(problem.parameters), body_in_words(problem), name_of(settings.method),
                   name_of(settings.inner), table.text(console), outcome, status.empty() ? "" : ": " + status,
-                  short_number(1000 * largest_displacement(solution.q), 5), short_number(energy, 5)));
+                  short_number(1000 * largest_displacement(solution.q), 5), short_number(energy, 5),
+                  tool ? "tool: " + tool->words() + "\n" : ""));
 }
 
 }  // namespace

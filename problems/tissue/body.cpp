@@ -73,7 +73,7 @@ void TissueBody::number_free_points() {
     check_points(support.points, "a support");
     check_profile(support.profile);
     for (const Index i : support.points) held[at(i)] = true;
-    if (support.profile.kind != TimeProfile::Kind::steady && !support.travel.isZero(0)) autonomous_ = false;
+    if (!support.travel.isZero(0)) settled_ = std::max(settled_, support.profile.settled());
   }
   for (const PressingForce& load : settings_.forces) {
     check_points(load.points, "a force");
@@ -83,15 +83,15 @@ void TissueBody::number_free_points() {
     if (!load.shares.empty() && load.shares.size() != load.points.size())
       throw std::invalid_argument("a force has " + std::to_string(load.points.size()) + " points but " +
                                   std::to_string(load.shares.size()) + " shares; give each point one");
-    if (load.profile.kind != TimeProfile::Kind::steady) autonomous_ = false;
+    settled_ = std::max(settled_, load.profile.settled());
   }
   for (const SphereTool& tool : settings_.tools) {
-    check_points(tool.points, "a tool");
     check_profile(tool.profile);
     require(tool.radius > 0, tool.radius, "the radius of a tool", "positive");
     require(tool.stiffness >= 0, tool.stiffness, "the stiffness of a tool", "zero or more");
     require(tool.damping >= 0, tool.damping, "the damping of a tool", "zero or more");
-    if (tool.profile.kind != TimeProfile::Kind::steady && !tool.travel.isZero(0)) autonomous_ = false;
+    tools_damp_ = tools_damp_ || tool.damping != 0;
+    if (!tool.travel.isZero(0)) settled_ = std::max(settled_, tool.profile.settled());
   }
   // Loads carry the shares of their points as fractions of one.
   for (PressingForce& load : settings_.forces) {
@@ -146,7 +146,8 @@ void TissueBody::build_elastic_parts() {
   const bool springs = settings_.model == TissueModel::mass_spring;
   const EdgeTable edges = edge_table(mesh_);
   const bool skin = settings_.skin.kind != SkinSettings::Kind::none;
-  const MeshSurface surface = springs || skin ? surface_of(mesh_) : MeshSurface{};
+  const bool on_surface = springs || skin || !settings_.tools.empty();
+  const MeshSurface surface = on_surface ? surface_of(mesh_) : MeshSurface{};
   MeshEdges pairs = edges.edges;
   if (springs && settings_.springs.surface_bending > 0) pairs = both(pairs, bending_pairs(surface));
   if (springs && settings_.springs.second_ring > 0) pairs = both(pairs, second_ring_pairs(mesh_));
@@ -186,6 +187,8 @@ void TissueBody::build_elastic_parts() {
   if (s.kind == SkinSettings::Kind::springs)
     springs_.emplace_back(mesh_.points, skin_springs(mesh_, surface, s), LinearSpring{}, pattern_);
   for (const SpringSet& set : springs_) has_dampers_ = has_dampers_ || set.has_dampers();
+  for (const SphereTool& tool : settings_.tools)
+    contacts_.emplace_back(mesh_.points, surface.triangles, tool);
 }
 
 void TissueBody::build_rayleigh_damping() {
@@ -248,8 +251,7 @@ void TissueBody::place(double t, Eigen::Ref<const Dofs> q, Scratch& rows) const 
 TissueBody::Scratch TissueBody::rest() const {
   Scratch rows;
   rows.u.assign(at(mesh_.point_count()), {});
-  rows.x = rows.u;
-  for (Eigen::Index i = 0; i < mesh_.point_count(); ++i) as_vector(rows.x[at(i)]) = mesh_.points.col(i);
+  rows.x = node_rows(mesh_.points);
   return rows;
 }
 
@@ -285,13 +287,7 @@ void TissueBody::total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<cons
     for (std::size_t i = 0; i < load.points.size(); ++i)
       as_vector(rows.f[at(load.points[i])]) += load.shares[i] * force;
   }
-  for (const SphereTool& tool : settings_.tools) {
-    const SphereTool::Pose pose = tool.pose(t);
-    SphereTool::Touch touch;
-    for (const Index i : tool.points)
-      if (tool.touch(pose, as_vector(rows.x[at(i)]), as_vector(rows.v[at(i)]), touch))
-        as_vector(rows.f[at(i)]) += touch.force;
-  }
+  for (const ToolContact& contact : contacts_) contact.add_force(t, rows.x, rows.v, rows.f);
 
   const bool proportional = settings_.beta != 0;
   for (std::size_t i = 0; i < free_points_.size(); ++i) {
@@ -341,17 +337,11 @@ void TissueBody::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K)
   place(t, q, rows);
   pattern_.shape(K);
   write_elastic_stiffness(rows, K.valuePtr());
-  if (!needs_velocities()) return;
-  move(t, v, rows.v);
+  if (needs_velocities()) move(t, v, rows.v);
   for (const SpringSet& set : springs_)
     if (set.has_dampers()) set.add_damper_stiffness(rows.x, rows.v, pattern_, K.valuePtr());
-  for (const SphereTool& tool : settings_.tools) {
-    const SphereTool::Pose pose = tool.pose(t);
-    SphereTool::Touch touch;
-    for (const Index i : tool.points)
-      if (tool.touch(pose, as_vector(rows.x[at(i)]), as_vector(rows.v[at(i)]), touch))
-        pattern_.add(K.valuePtr(), pattern_.slot(i, i), i, touch.stiffness);
-  }
+  for (const ToolContact& contact : contacts_)
+    contact.add_stiffness(t, rows.x, rows.v, pattern_, K.valuePtr());
 }
 
 void TissueBody::damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
@@ -368,18 +358,15 @@ void TissueBody::damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) c
   move(t, v, rows.v);
   for (const SpringSet& set : springs_)
     if (set.has_dampers()) set.add_damping(rows.x, pattern_, C.valuePtr());
-  for (const SphereTool& tool : settings_.tools) {
-    const SphereTool::Pose pose = tool.pose(t);
-    SphereTool::Touch touch;
-    for (const Index i : tool.points)
-      if (tool.touch(pose, as_vector(rows.x[at(i)]), as_vector(rows.v[at(i)]), touch))
-        pattern_.add(C.valuePtr(), pattern_.slot(i, i), i, touch.damping);
-  }
+  for (const ToolContact& contact : contacts_) contact.add_damping(t, rows.x, rows.v, pattern_, C.valuePtr());
 }
 
-bool TissueBody::has_symmetric_stiffness() const {
-  return !has_dampers_ && std::all_of(settings_.tools.begin(), settings_.tools.end(),
-                                      [](const SphereTool& tool) { return tool.damping == 0; });
+std::vector<ToolContact::Reach> TissueBody::tool_reaches(double t, const State& y) const {
+  Scratch& rows = scratch();
+  place(t, y.head(dofs()), rows);
+  std::vector<ToolContact::Reach> reaches;
+  for (const ToolContact& contact : contacts_) reaches.push_back(contact.reach(t, rows.x));
+  return reaches;
 }
 
 double TissueBody::energy(double t, const Dofs& q) const {
@@ -400,12 +387,7 @@ double TissueBody::energy(double t, const Dofs& q) const {
   for (const PressingForce& load : settings_.forces)
     for (std::size_t i = 0; i < load.points.size(); ++i)
       sum -= load.profile.value(t) * load.shares[i] * load.force.dot(as_vector(rows.u[at(load.points[i])]));
-  for (const SphereTool& tool : settings_.tools) {
-    const SphereTool::Pose pose = tool.pose(t);
-    SphereTool::Touch touch;
-    for (const Index i : tool.points)
-      if (tool.touch(pose, as_vector(rows.x[at(i)]), pose.velocity, touch)) sum += touch.energy;
-  }
+  for (const ToolContact& contact : contacts_) sum += contact.energy(t, rows.x);
   return sum;
 }
 

@@ -13,6 +13,7 @@
 #include <Eigen/SparseCore>
 
 #include "problems/tissue/block_pattern.hpp"
+#include "problems/tissue/contact.hpp"
 #include "problems/tissue/green_elements.hpp"
 #include "problems/tissue/membrane.hpp"
 #include "problems/tissue/node_rows.hpp"
@@ -49,7 +50,10 @@ class TissueBody {
 
   [[nodiscard]] Eigen::Index dofs() const { return mass_.size(); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
-  [[nodiscard]] bool is_autonomous() const { return autonomous_; }
+  [[nodiscard]] bool is_autonomous() const { return settled_ == 0; }
+  /// The instant from which on no load changes with time [s], as after a ramp; infinity where one always
+  /// does.
+  [[nodiscard]] double settled() const { return settled_; }
   /// The state at rest: the body as the mesh has it.
   [[nodiscard]] State y0() const { return State::Zero(dim()); }
   /// (|X|, 0) of the free points, shape (dim): springs, skins and tools meet positions X + q, with their
@@ -66,7 +70,7 @@ class TissueBody {
   void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const;
   void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const;
   /// False when a moving damper or a tool that damps may make K unsymmetric.
-  [[nodiscard]] bool has_symmetric_stiffness() const;
+  [[nodiscard]] bool has_symmetric_stiffness() const { return !needs_velocities(); }
 
   /// Elastic energy and the potentials of gravity, loads and contact [J], of which the forces at rest are the
   /// gradient. Zero at q = 0 without contact.
@@ -90,6 +94,9 @@ class TissueBody {
   [[nodiscard]] const Eigen::VectorXd& point_mass() const { return point_mass_; }
   /// Positions of all points [m], shape (3, points).
   [[nodiscard]] Eigen::Matrix3Xd positions(double t, const Dofs& q) const;
+  /// How far each tool has come, and what it has done to the surface.
+  /// @param y  shape (dim), or (dofs): its velocities are not read
+  [[nodiscard]] std::vector<ToolContact::Reach> tool_reaches(double t, const State& y) const;
   /// Elastic energy density of each tetrahedron [J/m^3], shape (tetrahedra); of finite elements alone.
   /// @throws std::invalid_argument  for springs
   [[nodiscard]] Eigen::VectorXd energy_densities(double t, const Dofs& q) const;
@@ -127,15 +134,14 @@ class TissueBody {
   void move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const;
   void total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<const Dofs> v, Eigen::Ref<Dofs> f) const;
   void write_elastic_stiffness(const Scratch& rows, double* values) const;
-  [[nodiscard]] bool needs_positions() const {
-    return !springs_.empty() || membrane_ || !settings_.tools.empty();
-  }
-  [[nodiscard]] bool needs_velocities() const { return has_dampers_ || !settings_.tools.empty(); }
+  [[nodiscard]] bool needs_positions() const { return !springs_.empty() || membrane_ || !contacts_.empty(); }
+  [[nodiscard]] bool needs_velocities() const { return has_dampers_ || tools_damp_; }
 
   TetMesh mesh_;
   std::shared_ptr<const MeshOrigin> origin_;
   TissueSettings settings_;
-  bool autonomous_ = true, has_dampers_ = false;
+  double settled_ = 0;
+  bool has_dampers_ = false, tools_damp_ = false;
   std::vector<Index> free_points_;
   Eigen::VectorXd point_mass_;
   Dofs mass_;
@@ -143,6 +149,7 @@ class TissueBody {
   Elements elements_;
   std::vector<SpringSet> springs_;
   std::optional<Membrane> membrane_;
+  std::vector<ToolContact> contacts_;
   DofMatrix rayleigh_;              ///< alpha M + beta K0; empty without damping
   std::vector<Dofs> support_drag_;  ///< of each support: beta K0 times its travel, on the free points
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 
@@ -35,28 +36,56 @@ double TimeProfile::rate(double t) const {
   return 0;
 }
 
+double TimeProfile::settled() const {
+  switch (kind) {
+    case Kind::ramp:
+      return start + rise;
+    case Kind::sine:
+      return std::numeric_limits<double>::infinity();
+    case Kind::steady:
+      break;
+  }
+  return 0;
+}
+
 SphereTool::Pose SphereTool::pose(double t) const {
   return {start + profile.value(t) * travel, profile.rate(t) * travel};
 }
 
-bool SphereTool::touch(const Pose& pose, const Eigen::Vector3d& x, const Eigen::Vector3d& v,
-                       Touch& touch) const {
-  const Eigen::Vector3d arm = x - pose.centre;
-  const double distance = arm.norm(), depth = radius - distance;
-  if (!(depth > 0 && distance > 0)) return false;
-  const Eigen::Vector3d n = arm / distance, w = v - pose.velocity;
-  const double along = n.dot(w), rush = 1 - damping * along;
-  if (!(rush > 0)) return false;
-  const double root = std::sqrt(depth), push = stiffness * depth * root;
-  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - n * n.transpose();
-  touch.force = push * rush * n;
-  // d falls by n.dx, d' = -n.w by (w - n (n.w)).dx / distance and by n.dv.
-  touch.stiffness =
-      n * (1.5 * stiffness * root * rush * n + push * damping / distance * (w - along * n)).transpose() -
-      push * rush / distance * across;
-  touch.damping = push * damping * n * n.transpose();
-  touch.energy = 0.4 * push * depth;
-  return true;
+bool SphereTool::touches(const Pose& pose, const Eigen::Vector3d& x, const Eigen::Vector3d& v,
+                         Touch& touch) const {
+  touch.normal = x - pose.centre;
+  touch.distance = touch.normal.norm();
+  touch.depth = radius - touch.distance;
+  if (!(touch.depth > 0 && touch.distance > 0)) return false;
+  touch.normal /= touch.distance;
+  touch.velocity = v - pose.velocity;
+  return 1 - damping * touch.normal.dot(touch.velocity) > 0;
+}
+
+Eigen::Vector3d SphereTool::pressure(const Touch& touch) const {
+  const double rush = 1 - damping * touch.normal.dot(touch.velocity);
+  return stiffness * touch.depth * std::sqrt(touch.depth) * rush * touch.normal;
+}
+
+Eigen::Matrix3d SphereTool::stiffness_of(const Touch& touch) const {
+  const Eigen::Vector3d& n = touch.normal;
+  const double root = std::sqrt(touch.depth), push = stiffness * touch.depth * root,
+               along = n.dot(touch.velocity), rush = 1 - damping * along;
+  // d falls by n.dx, d' = -n.w by (w - n (n.w)).dx / distance.
+  const Eigen::Vector3d change =
+      1.5 * stiffness * root * rush * n + push * damping / touch.distance * (touch.velocity - along * n);
+  return n * change.transpose() -
+         push * rush / touch.distance * (Eigen::Matrix3d::Identity() - n * n.transpose());
+}
+
+Eigen::Matrix3d SphereTool::damping_of(const Touch& touch) const {
+  // d' falls by n.dv.
+  return stiffness * touch.depth * std::sqrt(touch.depth) * damping * touch.normal * touch.normal.transpose();
+}
+
+double SphereTool::energy(const Touch& touch) const {
+  return 0.4 * stiffness * touch.depth * touch.depth * std::sqrt(touch.depth);
 }
 
 std::vector<TetMesh::Index> points_in_box(const TetMesh& mesh, const Eigen::Vector3d& low,

@@ -23,6 +23,8 @@ struct TimeProfile {
 
   [[nodiscard]] double value(double t) const;
   [[nodiscard]] double rate(double t) const;
+  /// From when on the factor stays the same [s]; infinity: never.
+  [[nodiscard]] double settled() const;
 };
 
 /// Points that the equations no longer contain: they stand at rest + travel * profile(t).
@@ -40,19 +42,18 @@ struct PressingForce {
   TimeProfile profile = {};
 };
 
-/// The tip of a tool: a sphere whose centre stands at start + travel * profile(t) and pushes every point of
-/// the body that enters it along its radius,
-///   F = k d^(3/2) (1 + chi d') >= 0,   d = radius - |x - centre|,
-/// where the last factor keeps the force continuous when contact begins and ends. A tool never pulls.
-/// @source  [hunt1975coefficient]
+/// The tip of a tool: a sphere whose centre stands at start + travel * profile(t) and presses on every piece
+/// of the surface that enters it, along its radius, with
+///   p = k d^(3/2) (1 + chi d') >= 0,   d = radius - |x - centre|,
+/// where the last factor keeps the pressure continuous when contact begins and ends. A tool never pulls.
+/// @source  [hunt1975coefficient] for the law of a contact, here that of each piece of its surface
 struct SphereTool {
-  std::vector<TetMesh::Index> points;                ///< that may touch it
   double radius = 0.01;                              ///< [m], positive
   Eigen::Vector3d start = Eigen::Vector3d::Zero();   ///< [m]
   Eigen::Vector3d travel = Eigen::Vector3d::Zero();  ///< [m]
   TimeProfile profile = {};
-  double stiffness = 1000;  ///< k [N/m^1.5], of each point
-  double damping = 0;       ///< chi [s/m]
+  double stiffness = 1e8;  ///< k [Pa/m^1.5]
+  double damping = 0;      ///< chi [s/m]
 
   /// The tool at one moment.
   struct Pose {
@@ -60,14 +61,19 @@ struct SphereTool {
   };
   [[nodiscard]] Pose pose(double t) const;
 
-  /// What one point at x [m] with velocity v [m/s] meets.
+  /// How a point at x [m] with velocity v [m/s] meets the tool.
   struct Touch {
-    Eigen::Vector3d force;               ///< [N]
-    Eigen::Matrix3d stiffness, damping;  ///< -dF/dx, -dF/dv
-    double energy;                       ///< 2/5 k d^(5/2) [J]
+    Eigen::Vector3d normal;    ///< from the centre to the point
+    double distance, depth;    ///< |x - centre|, d [m]
+    Eigen::Vector3d velocity;  ///< of the point as seen from the tool [m/s]
   };
-  /// @returns false, and leaves `touch` alone, when the point is outside or the force would pull
-  bool touch(const Pose& pose, const Eigen::Vector3d& x, const Eigen::Vector3d& v, Touch& touch) const;
+  /// @returns false, and leaves `touch` undefined, when the point is outside or the pressure would pull
+  bool touches(const Pose& pose, const Eigen::Vector3d& x, const Eigen::Vector3d& v, Touch& touch) const;
+
+  [[nodiscard]] Eigen::Vector3d pressure(const Touch& touch) const;      ///< p [Pa] along the normal
+  [[nodiscard]] Eigen::Matrix3d stiffness_of(const Touch& touch) const;  ///< -dp/dx [Pa/m]
+  [[nodiscard]] Eigen::Matrix3d damping_of(const Touch& touch) const;    ///< -dp/dv [Pa s/m]
+  [[nodiscard]] double energy(const Touch& touch) const;                 ///< 2/5 k d^(5/2) [J/m^2]
 };
 
 /// Points of a mesh in a box, its sides included [m].

@@ -21,5 +21,12 @@ using NodeRows = std::vector<NodeRow>;
 [[nodiscard]] inline Eigen::Map<const Eigen::Vector3d> as_vector(const NodeRow& row) {
   return Eigen::Map<const Eigen::Vector3d>(&row.x);
 }
+/// Those of vectors, shape (3, points).
+[[nodiscard]] inline NodeRows node_rows(const Eigen::Matrix3Xd& vectors) {
+  NodeRows rows(static_cast<std::size_t>(vectors.cols()));
+  for (Eigen::Index i = 0; i < vectors.cols(); ++i)
+    as_vector(rows[static_cast<std::size_t>(i)]) = vectors.col(i);
+  return rows;
+}
 
 }  // namespace hmax

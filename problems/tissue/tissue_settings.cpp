@@ -34,4 +34,14 @@ std::string_view id_of(TissueModel model) {
   return "";
 }
 
+TissueSettings settled(TissueSettings settings) {
+  const auto end = [](TimeProfile& profile) {
+    if (profile.kind == TimeProfile::Kind::ramp) profile = {};
+  };
+  for (Support& support : settings.supports) end(support.profile);
+  for (PressingForce& load : settings.forces) end(load.profile);
+  for (SphereTool& tool : settings.tools) end(tool.profile);
+  return settings;
+}
+
 }  // namespace hmax

@@ -75,4 +75,7 @@ struct TissueSettings {
   std::vector<SphereTool> tools = {};
 };
 
+/// The same after its ramps: what they move stands where they end.
+TissueSettings settled(TissueSettings settings);
+
 }  // namespace hmax

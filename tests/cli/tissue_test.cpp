@@ -119,7 +119,7 @@ TEST(TissueRun, HoldsTheSetsOfPointsThatAreNamed) {
   EXPECT_LT(fallen.at("y").at(1).get<double>(), -1e-5);
   EXPECT_NEAR(fallen.at("y").at(2).get<double>(), 0, 1e-12);
   expect_refusal("run --mesh cube --method rk4 --h 0.001 --gravity 0,1", "a vector of three");
-  expect_refusal("run --mesh cube --method rk4 --h 0.001 --load tool --tool-at 0,0,9", "meets no point");
+  expect_refusal("run --mesh cube --method rk4 --h 0.001 --load tool --tool-at 0,0,9", "meets nothing");
 }
 
 TEST(TissueRun, RefusesWhatBelongsToOtherProblems) {
@@ -254,7 +254,25 @@ TEST(Static, EndsWithOneWhenThereIsNoBalance) {
   EXPECT_NE(result.json().at("outcome"), "converged");
   EXPECT_NE(result.json().at("status"), "");
   expect_refusal("static --problem liver_linear", "--mesh");
-  expect_refusal("static --mesh phantom --load tool", "time");
+  expect_refusal("static --mesh phantom --load breathing", "time");
+  expect_refusal("static --mesh phantom --load tool --load-scale 2", "depth");
+}
+
+TEST(Static, RunAndPredictSayHowDeepAToolIndents) {
+  const Json pressed = json_of("static --mesh phantom --load tool --json").at("tool");
+  EXPECT_DOUBLE_EQ(pressed.at("depth"), 0.01);
+  EXPECT_GE(pressed.at("indentation"), 0.009);
+  EXPECT_LT(pressed.at("penetration"), 0.001);
+  const std::string run =
+      "run --mesh phantom --load tool --method linearly_implicit_euler --h 0.01 --t-end 1";
+  EXPECT_GE(json_of(run + " --json").at("tool").at("indentation"), 0.009);
+  EXPECT_EQ(Shell{}.hmax(run).err, "");
+  const Told soft = Shell{}.hmax(run + " --set tool_stiffness=1e5");
+  EXPECT_NE(soft.out.find("indentation"), std::string::npos);
+  EXPECT_NE(soft.err.find("raise tool_stiffness"), std::string::npos) << soft.err;
+  const std::string predict = "stability predict --mesh phantom --load tool --methods rk4";
+  EXPECT_GE(json_of(predict + " --json").at("models").at(0).at("tool").at("indentation"), 0.009);
+  EXPECT_NE(Shell{}.hmax(predict + " --at rest").err.find("does not touch"), std::string::npos);
 }
 
 TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {

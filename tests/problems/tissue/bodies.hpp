@@ -88,11 +88,11 @@ inline std::vector<NamedSettings> loaded_settings(const TetMesh& mesh) {
                    {TimeProfile::Kind::ramp, 0, 2}}};
     s.forces = {{{30, 31, 32}, {0.1, -0.2, 0.05}, {1, 2, 1}, {TimeProfile::Kind::sine, 0.1, 1, 3}}};
     SphereTool tool;
-    tool.points = surface_of(mesh).points;
     tool.radius = 0.05;
     tool.start = {0.16, 0.05, 0.12};
     tool.travel = {0, 0, -0.01};
     tool.profile = {TimeProfile::Kind::ramp, 0, 2};
+    tool.stiffness = 1e7;
     tool.damping = 0.7;
     s.tools = {tool};
   }

@@ -1,0 +1,76 @@
+/// A tool presses as deep as it says, and limits of steps contain its contact.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "bench/body_balance.hpp"
+#include "bench/predict.hpp"
+#include "bench/tissue_parameters.hpp"
+#include "bench/tissue_problem.hpp"
+#include "bench/verification.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+namespace {
+
+Problem pressed(const std::string& mesh, std::vector<std::pair<std::string, double>> parameters = {}) {
+  return make_problem("fem_green/tool@" + mesh,
+                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+}
+
+/// The indentation over the depth, in static equilibrium.
+double share_reached(const Problem& problem) {
+  const StaticSolution balance = found_balance(problem, 1, {}, [] { return 0.0; });
+  EXPECT_TRUE(balance.converged) << problem.id << ": " << balance.note;
+  const auto reach = problem.body->tool_reaches(problem.body->settled(), balance.q).front();
+  return reach.indentation / reach.depth;
+}
+
+TEST(Tool, PressesAsDeepAsItSays) {
+  for (const char* mesh : {"liver", "ball", "beam", "cube:n=4", "phantom"}) {
+    const double share = share_reached(pressed(mesh));
+    EXPECT_GE(share, 0.9) << mesh;
+    EXPECT_LE(share, 1.05) << mesh;
+  }
+}
+
+TEST(Tool, PressesAsDeepAsItSaysWhateverTheMeshAndTheDepth) {
+  const Problem smooth = pressed("ball:n=6");
+  LoadedMesh jittered{.name = "ball:n=6", .mesh = smooth.body->mesh(), .origin = smooth.body->origin()};
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> by(-0.001, 0.001);
+  for (double& x : jittered.mesh.points.reshaped()) x += by(random);
+  for (const double depth : {0.002, 0.005}) {
+    const TissueId id("fem_green/tool@ball:n=6");
+    const TissueParameters parameters =
+        tissue_parameters(id, {.material = {}, .parameters = {{"depth", depth}}, .y0 = {}});
+    Problem problem = smooth;
+    problem.body = std::make_shared<const TissueBody>(
+        jittered.mesh, tissue_settings(id, parameters, jittered), jittered.origin);
+    EXPECT_GE(share_reached(problem), 0.9) << depth;
+  }
+}
+
+TEST(Tool, IsInTheLimitsOfStepsAtTheEquilibriumUnderIt) {
+  const Method method = find_method("symplectic_euler");
+  const Problem usual = pressed("phantom");
+  const double stiffness = usual.body->settings().tools.front().stiffness;
+  double last = 1;
+  for (const double factor : {1.0, 100.0}) {
+    const Problem problem = pressed("phantom", {{"tool_stiffness", factor * stiffness}});
+    const Linearised near = linearised(problem);
+    ASSERT_EQ(near.state_kind, "equilibrium") << factor << ": " << near.status;
+    EXPECT_EQ(near.missing, "");
+    Prediction row = predict(method, problem, near);
+    ASSERT_EQ(row.bound, Bound::stability) << row.note;
+    verify(row, method, problem, near);
+    EXPECT_TRUE(row.observed && row.observed->confirms()) << row.note;
+    EXPECT_LT(*row.h_max, last);
+    last = *row.h_max;
+  }
+  const Linearised rest = linearised(usual, OperatingPoint::rest);
+  EXPECT_NE(rest.missing, "");
+}
+
+}  // namespace
+}  // namespace hmax
