@@ -22,6 +22,7 @@
 #include "cli/stability.hpp"
 #include "cli/tool_report.hpp"
 #include "problems/liver_materials.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -366,7 +367,9 @@ void leave_when_interrupted() {
 /// @throws Interrupted  after Ctrl-C
 Path path_of(const PredictOptions& options, const Problem& problem, const Watcher& watcher) {
   if (options.along_load()) return load_path(problem, 40, watcher);
-  return motion_path(problem, options.t_end.value_or(problem.t_end), problem.body ? 100 : 400, watcher);
+  // Contact comes and goes faster than a body moves otherwise.
+  const int points = problem.body && problem.body->settings().tools.empty() ? 100 : 400;
+  return motion_path(problem, options.t_end.value_or(problem.t_end), points, watcher);
 }
 
 /// What is to be said of rows, once of all methods of which it is to be said.
