@@ -183,7 +183,7 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
 /// Beyond this a factor of a mesh, made once, takes minutes and gigabytes.
 constexpr Index most_factored = 200'000;
 
-ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest) {
+ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest, bool with_shapes) {
   const double bound = scaled.gershgorin();
   const Index n = scaled.size();
   // Outside the spectrum by more than rounding: the shifted matrix stays regular.
@@ -192,11 +192,12 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
   const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
   ExtremeStiffnesses result;
   if (count == 1) {
-    const LanczosPair pair = largest_eigenpair(
-        product, n, {.tolerance = tolerance, .most_products = n > most_factored ? 5000 : 600});
-    result = {.kappa = {pair.value},
-              .shapes = scaled.inverse_root.cwiseProduct(pair.vector),
-              .converged = pair.converged};
+    const LanczosPair pair = largest_eigenpair(product, n,
+                                               {.tolerance = tolerance,
+                                                .most_products = n > most_factored ? 5000 : 600,
+                                                .with_vector = with_shapes});
+    result = {.kappa = {pair.value}, .shapes = {}, .converged = pair.converged};
+    if (with_shapes) result.shapes = scaled.inverse_root.cwiseProduct(pair.vector);
   } else {
     const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, tolerance);
     result = {.kappa = pairs.values,
@@ -256,13 +257,14 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count) { return dense_l
 
 #endif
 
-ExtremeStiffnesses stiffnesses(const MechanicalPart& part, Index count, Index dense_to, bool largest) {
+ExtremeStiffnesses stiffnesses(const MechanicalPart& part, Index count, Index dense_to, bool largest,
+                               bool with_shapes = true) {
   const Index n = part.mass.size();
   require_sensible(n, count);
   const Scaled scaled(part);
   if (n <= dense_to || count + 3 > n || scaled.gershgorin() == 0)
     return dense_stiffnesses(scaled, count, largest);
-  return krylov_stiffnesses(scaled, count, largest);
+  return krylov_stiffnesses(scaled, count, largest, with_shapes);
 }
 
 }  // namespace
@@ -282,8 +284,9 @@ LargestEigenvalues largest_eigenvalues(const Sparse& J, Index count, Index dense
   return result;
 }
 
-ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Index count, Index dense_to) {
-  return stiffnesses(part, count, dense_to, true);
+ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Index count, Index dense_to,
+                                       bool with_shapes) {
+  return stiffnesses(part, count, dense_to, true, with_shapes);
 }
 
 ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Index count, Index dense_to) {

@@ -48,9 +48,11 @@ struct ExtremeStiffnesses {
 /// The `count` largest kappa of a symmetric K, the largest first, by Lanczos iteration; where they lie too
 /// close together for it, by shift and invert at Gershgorin's upper bound. Residuals are at most 1e-10 of the
 /// largest.
+/// @param with_shapes  false: `shapes` may be empty, which of one kappa of a large mesh takes half the time
 /// @throws InputError  when count is not in [1, n]
 ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Eigen::Index count = 1,
-                                       Eigen::Index dense_to = small_enough_for_dense);
+                                       Eigen::Index dense_to = small_enough_for_dense,
+                                       bool with_shapes = true);
 
 /// The `count` smallest kappa of a symmetric K without negative ones, the smallest first, by shift and invert
 /// just below zero, so that a system which is free to move (kappa = 0) is served too. Of an indefinite K

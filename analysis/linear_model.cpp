@@ -58,7 +58,7 @@ VectorXd mass_scaled(const AnyMatrix& A, const VectorXd& inverse_root, const Vec
 /// Classifies by products with a few vectors in general position: an identity of matrices that does not hold
 /// fails for almost all of them, and |D x| is the size of D. So no product of matrices is formed, which of a
 /// large mesh would take many times its memory.
-void classify(double relative, MechanicalPart& part) {
+void classify_damping(double relative, MechanicalPart& part) {
   constexpr Index probes = 3;
   const VectorXd root = part.mass.cwiseSqrt().cwiseInverse();
   const Index n = part.mass.size();
@@ -143,35 +143,41 @@ double relative_distance(const AnyMatrix& A, const AnyMatrix& B) {
 }
 
 MechanicalPart mechanical_part(VectorXd mass, AnyMatrix K, AnyMatrix C, double relative) {
-  require_masses(mass);
-  each_entry(K, [&](Index i, Index j, double value) {
-    if (!std::isfinite(value))
-      throw InputError(
-          fmt::format("the stiffness matrix has {} at row {}, column {} (counted from 1), so there "
-                      "is no linear model; choose a state where the force is differentiable",
-                      to_text(value), i + 1, j + 1));
-  });
-  each_entry(C, [&](Index i, Index j, double value) {
-    if (!std::isfinite(value))
-      throw InputError(
-          fmt::format("the damping matrix has {} at row {}, column {} (counted from 1), so there "
-                      "is no linear model; choose a state where the force is differentiable",
-                      to_text(value), i + 1, j + 1));
-  });
-  MechanicalPart part{.mass = std::move(mass), .K = std::move(K), .C = std::move(C)};
+  MechanicalPart part{.mass = std::move(mass), .K = detail::taken(K), .C = detail::taken(C)};
+  classify(part, relative);
+  return part;
+}
+
+void classify(MechanicalPart& part, double relative) {
+  require_masses(part.mass);
+  for (const auto& [matrix, name] : {std::pair{&part.K, "stiffness"}, {&part.C, "damping"}})
+    each_entry(*matrix, [&](Index i, Index j, double value) {
+      if (!std::isfinite(value))
+        throw InputError(
+            fmt::format("the {} matrix has {} at row {}, column {} (counted from 1), so there is no linear "
+                        "model; choose a state where the force is differentiable",
+                        name, to_text(value), i + 1, j + 1));
+    });
   if (part.mass.size() == 1) {  // one degree of freedom has nothing to couple with
     double c = 0;
     each_entry(part.C, [&](Index, Index, double value) { c = value; });
     part.damping = c == 0 ? Damping::none : Damping::proportional;
-    return part;
+    return;
   }
-  classify(relative, part);
+  classify_damping(relative, part);
   // A body without damping has the pattern of K for it, which is memory for nothing.
-  if (part.damping == Damping::none && is_sparse(part.C)) part.C = Sparse(part.mass.size(), part.mass.size());
-  return part;
+  if (part.damping == Damping::none && is_sparse(part.C))
+    part.C.emplace<Sparse>(part.mass.size(), part.mass.size());
 }
 
 namespace detail {
+
+AnyMatrix taken(AnyMatrix& from) {
+  if (!is_sparse(from)) return std::move(from);
+  AnyMatrix to{std::in_place_type<Sparse>};
+  std::get<Sparse>(to).swap(std::get<Sparse>(from));
+  return to;
+}
 
 void require_finite(const AnyMatrix& matrix, std::string_view what, double t) {
   each_entry(matrix, [&](Index i, Index j, double value) {

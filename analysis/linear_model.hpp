@@ -79,6 +79,8 @@ double relative_distance(const AnyMatrix& A, const AnyMatrix& B);
 /// @param relative  what counts as rounding beside the sizes of the terms: 1e-10 where matrices are analytic
 /// @throws InputError  when a mass is not positive and finite, or an entry of K or C is not finite
 MechanicalPart mechanical_part(Eigen::VectorXd mass, AnyMatrix K, AnyMatrix C, double relative = 1e-10);
+/// The same of matrices that are in the part already.
+void classify(MechanicalPart& part, double relative = 1e-10);
 
 namespace detail {
 /// @throws InputError  that names the first entry of `matrix` that is not finite
@@ -88,10 +90,14 @@ void require_finite_state(double t, const Eigen::VectorXd& y);
 /// K and C of J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
 std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const Eigen::VectorXd& mass);
 
+/// Takes what `from` holds: Eigen 3.4 has no moves of sparse matrices, and copies of those of meshes are
+/// long.
+AnyMatrix taken(AnyMatrix& from);
+
 template <class Matrix>
 AnyMatrix any_matrix(Matrix matrix) {
   if constexpr (std::is_same_v<Matrix, AnyMatrix>)
-    return matrix;
+    return taken(matrix);
   else if constexpr (is_variant<Matrix>)
     return std::visit([](auto& held) { return any_matrix(std::move(held)); }, matrix);
   else if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>)
@@ -233,11 +239,21 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
     if (const Eigen::Index n = detail::dofs_of(system); n > 0 && analytic) {
       using DofMatrix = typename S::DofMatrix;
       const typename S::Dofs q = y.head(n), v = y.tail(n);
-      DofMatrix K = detail::room_for<DofMatrix>(n), C = detail::room_for<DofMatrix>(n);
-      system.stiffness(at, q, v, K);
-      system.damping(at, q, v, C);
-      model.mechanical = mechanical_part(typename S::Dofs(system.mass()).template cast<double>(),
-                                         detail::any_matrix(std::move(K)), detail::any_matrix(std::move(C)));
+      MechanicalPart& part = model.mechanical.emplace();
+      part.mass = typename S::Dofs(system.mass()).template cast<double>();
+      // Made where they stay.
+      const auto make = [&](AnyMatrix& made, const auto& write) {
+        if constexpr (std::is_same_v<DofMatrix, AnyMatrix>) {
+          write(made);
+        } else {
+          DofMatrix own = detail::room_for<DofMatrix>(n);
+          write(own);
+          made = detail::any_matrix(std::move(own));
+        }
+      };
+      make(part.K, [&](DofMatrix& K) { system.stiffness(at, q, v, K); });
+      make(part.C, [&](DofMatrix& C) { system.damping(at, q, v, C); });
+      classify(part);
     }
   const bool on_demand = model.mechanical && is_sparse(model.mechanical->K);
   const auto keep = [on_demand](const auto& make, std::string_view what, double when) {

@@ -149,10 +149,12 @@ std::vector<double> mass_weights(const TissueBody& body) {
   return weights;
 }
 
-FastestMode fastest_mode_of(const TissueBody& body, bool with_gains) {
+namespace {
+
+/// @param K     at rest
+/// @param pair  the largest eigenvalue of M^-1 K and its eigenvector in coordinates where M = I
+FastestMode described(const TissueBody& body, const Sparse& K, const LanczosPair& pair, bool with_gains) {
   FastestMode mode;
-  const Sparse K = rest_stiffness(body);
-  const LanczosPair pair = fastest(K, body.mass());
   mode.kappa = pair.value;
   mode.residual = pair.residual / pair.value;
   mode.shape = pair.vector.cwiseQuotient(body.mass().cwiseSqrt());
@@ -180,6 +182,22 @@ FastestMode fastest_mode_of(const TissueBody& body, bool with_gains) {
   mode.added_mass = owner.share.sum() / body.point_mass().sum();
   smooth(body, mode);
   return mode;
+}
+
+}  // namespace
+
+FastestMode fastest_mode_of(const TissueBody& body, bool with_gains) {
+  const Sparse K = rest_stiffness(body);
+  return described(body, K, fastest(K, body.mass()), with_gains);
+}
+
+FastestMode fastest_mode_of(const TissueBody& body, const Linearised& near, bool with_gains) {
+  if (near.fastest_shape.size() == 0) return fastest_mode_of(body, with_gains);
+  const Sparse& K = std::get<Sparse>(near.model.mechanical->K);
+  const VectorXd root = body.mass().cwiseSqrt();
+  LanczosPair pair{.value = near.curve->kappa_max, .vector = root.cwiseProduct(near.fastest_shape)};
+  pair.residual = ((K * near.fastest_shape).cwiseQuotient(root) - pair.value * pair.vector).norm();
+  return described(body, K, pair, with_gains);
 }
 
 }  // namespace hmax

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analysis/element_bounds.hpp"
+#include "bench/predict.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -36,5 +37,7 @@ struct FastestMode {
 
 /// @cost  some ten to twenty Lanczos iterations; without gains one
 FastestMode fastest_mode_of(const TissueBody& body, bool with_gains = true);
+/// The same without an iteration for the mode where `near`, the body linearised, holds it.
+FastestMode fastest_mode_of(const TissueBody& body, const Linearised& near, bool with_gains);
 
 }  // namespace hmax

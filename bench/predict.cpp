@@ -93,8 +93,9 @@ std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const st
 }
 
 /// The spectral radius by which a stabilised method chooses its stages: the bound of the system, or what the
-/// estimate of the stepper comes to.
-double radius_told(const Problem& problem, const Linearised& near) {
+/// estimate of the stepper comes to. Others do not ask for it, and of a large body it takes a while.
+double radius_told(const Method& method, const Problem& problem, const Linearised& near) {
+  if (method.family != "stabilised") return std::numeric_limits<double>::quiet_NaN();
   return std::visit(
       [&]<class Sys>(const Sys& system) -> double {
         if constexpr (BoundedSpectrumSystem<Sys>)
@@ -231,19 +232,21 @@ EquilibriumSearch equilibrium_of(const Problem& problem, const EquilibriumWatche
 }  // namespace
 
 Linearised without_spectrum(const Problem& problem, OperatingPoint at, const EquilibriumWatcher& watcher) {
-  if (at == OperatingPoint::rest) {
-    Linearised near = state_of(problem, 0, problem.y0);
-    near.at_equilibrium = !problem.body || is_at_rest(*problem.body);
-    near.state_kind = "rest";
-    near.state = fmt::format("rest {}{}", near.state, near.at_equilibrium ? "" : "; the load acts on it");
+  const bool at_rest = at == OperatingPoint::rest;
+  const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
+  const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();
+  const double t = !at_rest && search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
+  // One variable for all returns: another would be copied with its matrices.
+  Linearised near = state_of(problem, t, search.found() ? search.state : problem.y0);
+  near.at_equilibrium = at_equilibrium;
+  near.state_kind = at_rest || (problem.body && !search.found()) ? "rest"
+                    : search.found()                             ? "equilibrium"
+                                                                 : "initial";
+  if (at_rest) {
+    near.state = fmt::format("rest {}{}", near.state, at_equilibrium ? "" : "; the load acts on it");
     look_at_contact(near, problem, "leave out --at rest");
     return near;
   }
-  const EquilibriumSearch search = equilibrium_of(problem, watcher);
-  const double t = search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
-  Linearised near = state_of(problem, t, search.found() ? search.state : problem.y0);
-  near.at_equilibrium = search.found();
-  near.state_kind = search.found() ? "equilibrium" : problem.body ? "rest" : "initial";
   if (!search.found()) {
     near.status = search.message;
     near.state = fmt::format("initial state {}; {}", near.state, search.message);
@@ -310,7 +313,7 @@ void conclude(Prediction& row, double h_max, const Mode& mode, const Method& met
 void predict_on_curve(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
   if (near.curve->kappa_min < 0)
     return is_of_growing_model(row, growing_of(near.curve->at(near.curve->kappa_min)), problem, near);
-  LimitOnCurve limit = limit_on_curve(*method.amplification, near, radius_told(problem, near));
+  LimitOnCurve limit = limit_on_curve(*method.amplification, near, radius_told(method, problem, near));
   row.modes = std::move(limit.modes);
   conclude(row, limit.h_max, limit.mode, method, problem, near);
   if (row.note.empty()) row.note = limit.note;
@@ -323,7 +326,7 @@ void predict_in_range(Prediction& row, const Method& method, const Problem& prob
     row.note = without_common_modes;
     return;
   }
-  LimitInRange limit = limit_in_range(*method.amplification, near, radius_told(problem, near));
+  LimitInRange limit = limit_in_range(*method.amplification, near, radius_told(method, problem, near));
   row.modes = std::move(limit.modes);
   row.unstable_from = limit.unstable_from;
   const std::string found =
@@ -419,7 +422,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
     modes = modes_of(near.spectrum);
     const std::vector<Complex> lambda = lambda_of(modes);
     told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
-    const double radius = radius_told(problem, near);
+    const double radius = radius_told(method, problem, near);
     for (Eigenmode& mode : told) mode.radius = radius;
     if (method.needs_split) {
       const auto parts = stiff_parts(near, lambda);

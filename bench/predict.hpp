@@ -53,6 +53,9 @@ struct Linearised {
   std::optional<DampingCurve> curve = {};
   /// Where the slow end of the curve is only bounded by 0, what finds it.
   std::shared_ptr<SlowEnd> slow_end = {};
+  /// Of the fastest mode of a body at rest with a curve, of length 1 in the norm of M, shape (dofs); else
+  /// empty.
+  Eigen::VectorXd fastest_shape = {};
   /// Of models whose damping couples more degrees of freedom than most_dense_coupled; `spectrum` then lists
   /// the largest eigenvalues.
   std::shared_ptr<ModeRange> range = {};

@@ -97,6 +97,13 @@ TEST(ExtremeEigenvalues, AreTheSameInEveryRun) {
             largest_stiffnesses(*model.mechanical, 2, krylov).kappa);
 }
 
+TEST(ExtremeEigenvalues, WithoutShapesAreTheSame) {
+  const auto model = chain_model({.n = 120});
+  const auto with = largest_stiffnesses(*model.mechanical, 1, krylov),
+             without = largest_stiffnesses(*model.mechanical, 1, krylov, false);
+  EXPECT_NEAR(without.kappa.at(0), with.kappa.at(0), 1e-10 * with.kappa.at(0));
+}
+
 TEST(ExtremeEigenvalues, AFreeBodyHasAModeWithoutStiffness) {
   for (const Index n : {Index(50), Index(400)}) {
     // A chain without walls: rows sum to zero.

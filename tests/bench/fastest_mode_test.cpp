@@ -65,5 +65,22 @@ TEST(FastestMode, GainsAreThoseOfTheChangedBodyAndCostNothingUnlessAsked) {
   EXPECT_NEAR(fastest_mode_of(body).without, std::sqrt(alone.kappa / fastest_by_all_of_them(without)), 1e-5);
 }
 
+/// At rest its shape is taken over; under a load the fastest mode at rest is another one, and is found anew.
+TEST(FastestMode, OfALinearisedBodyIsThatOfTheBodyAtRest) {
+  const Problem problem = make_problem(
+      "fem_green@ball:n=6", {.material = {}, .parameters = {{"E", 30'000}, {"beta", 0.001}}, .y0 = {}});
+  const TissueBody& body = *problem.body;
+  const FastestMode alone = fastest_mode_of(body, false);
+  for (const OperatingPoint at : {OperatingPoint::rest, OperatingPoint::equilibrium}) {
+    const Linearised near = linearised(problem, at);
+    EXPECT_EQ(near.fastest_shape.size() > 0, at == OperatingPoint::rest);
+    const FastestMode mode = fastest_mode_of(body, near, false);
+    EXPECT_NEAR(mode.kappa, alone.kappa, 1e-6 * alone.kappa);
+    EXPECT_LE(mode.residual, at == OperatingPoint::rest ? 1e-9 : 2e-6);
+    EXPECT_EQ(mode.owner.element, alone.owner.element);
+    EXPECT_EQ(mode.bounds.element, alone.bounds.element);
+  }
+}
+
 }  // namespace
 }  // namespace hmax
