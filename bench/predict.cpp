@@ -210,7 +210,8 @@ EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatch
   // One that is not stable still tells that the body buckles.
   settings.leave_saddles = false;
   if (!solution.converged && body.is_autonomous())
-    if (StaticSolution saddle = solve_static(static_model(problem, 1), settings, [] { return 0.0; }); saddle.converged)
+    if (StaticSolution saddle = solve_static(static_model(problem, 1), settings, [] { return 0.0; });
+        saddle.converged)
       solution = std::move(saddle);
   if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;

@@ -1,7 +1,9 @@
 /// The state of a body that a subcommand asks about: --at rest|equilibrium.
 #pragma once
 
+#include <atomic>
 #include <string>
+#include <thread>
 
 #include "bench/predict.hpp"
 #include "cli/console.hpp"
@@ -24,8 +26,21 @@ struct OperatingPointChoice {
 /// of small bodies and of those at rest.
 void announce_equilibrium(Console& console, const Problem& problem, OperatingPoint at);
 
-/// Shows the residual of that search in a line of progress.
-/// @param progress  must live as long as what is returned
-EquilibriumWatcher shown_in(Progress& progress);
+/// Shows in a line of progress, from the fifth second on, that the linear model of a large body is being
+/// made: the residual of the search for its equilibrium, and the time. From a thread of its own, because
+/// neither a long step of that search nor the iteration for the fastest mode calls anybody.
+class LinearisationProgress {
+ public:
+  /// @param progress  is left alone once this has ended
+  explicit LinearisationProgress(Progress& progress);
+
+  [[nodiscard]] EquilibriumWatcher watcher() {
+    return [this](double residual) { residual_ = residual; };
+  }
+
+ private:
+  std::atomic<double> residual_ = 0;  ///< 0 before the first
+  std::jthread shows_;
+};
 
 }  // namespace hmax

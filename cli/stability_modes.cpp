@@ -66,7 +66,8 @@ void modes(const ModesOptions& options, Console& console) {
   announce_equilibrium(console, problem, at);
   const Linearised near = [&] {
     Progress progress(console, "modes");
-    return without_spectrum(problem, at, shown_in(progress));
+    LinearisationProgress shown(progress);
+    return without_spectrum(problem, at, shown.watcher());
   }();
   const MechanicalPart& part = *near.model.mechanical;
   if (!part.symmetric)

@@ -214,7 +214,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
   document["body"] = body_json(problem);
   if (const auto tool = tool_report(problem, near.model.t, near.model.y)) document["tool"] = tool->json();
   if (problem.body)
-    document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
+    document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body, near, tries_gains(problem)));
   return document;
 }
 
@@ -459,7 +459,10 @@ void predict_rows(const PredictOptions& asked, Console& console) {
       }
       const OperatingPoint at = options.at.of(problem);
       announce_equilibrium(console, problem, at);
-      const Linearised near = linearised(problem, at, shown_in(progress));
+      const Linearised near = [&] {
+        LinearisationProgress shown(progress);
+        return linearised(problem, at, shown.watcher());
+      }();
       if (console.json) models.push_back(model_json(problem, near));
       if (near.at_equilibrium) warn_of_tool(console, problem, near.model.t, near.model.y);
       const std::string status = words_of_state(options, problem, near);
@@ -475,11 +478,12 @@ void predict_rows(const PredictOptions& asked, Console& console) {
           states += fmt::format("tool: {}\n", tool->words());
         if (problem.body && !console.json)
           states += body_in_words(problem) + "\n" +
-                    words_of(problem, fastest_mode_of(*problem.body, tries_gains(problem)));
+                    words_of(problem, fastest_mode_of(*problem.body, near, tries_gains(problem)));
       }
       const std::size_t before = rows.size();
       rows.resize(before + chosen.size());
-      const Problem of_second = choices[which].make();  // formulas have one workspace
+      // Formulas have one workspace; bodies are shared.
+      const Problem of_second = problem.body ? problem : choices[which].make();
       in_two_threads(
           chosen.size(),
           [&](std::size_t i, std::size_t worker) {
