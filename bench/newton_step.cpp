@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bench/body_balance.hpp"
+#include "bench/verification.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -39,7 +40,9 @@ void set_error(NewtonStep& step, const Eigen::VectorXd& q, const Problem& proble
 }  // namespace
 
 std::optional<NewtonStep> largest_newton_step(const Method& method, const Problem& problem) {
-  if (!problem.body || problem.body->dofs() > most_newton_step_dofs) return std::nullopt;
+  if (!problem.body || problem.body->dofs() > most_newton_step_dofs ||
+      is_too_slow(method, problem.body->dim()))
+    return std::nullopt;
   constexpr double shortest = 1e-6, first = 1e-3, longest = 1;
   const Runner runner = method.bind(problem);
   const auto after = [&](double h) { return displacements_after(runner, h, 1); };

@@ -300,13 +300,12 @@ std::vector<double> steps_without_limit(const Problem& problem, double farthest)
   return steps;
 }
 
-/// Odeint's implicit steppers know no sparse matrices, and make new factors for every step.
-bool is_too_slow(const Method& method, const Linearised& near) {
-  constexpr Eigen::Index most_dense_rows = 600;
-  return method.family == "odeint" && method.needs_jacobian && near.model.y.size() > most_dense_rows;
-}
-
 }  // namespace
+
+bool is_too_slow(const Method& method, Eigen::Index states) {
+  constexpr Eigen::Index most_dense_rows = 600;
+  return method.family == "odeint" && method.needs_jacobian && states > most_dense_rows;
+}
 
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
   if (!method.fixed_step || row.unstable_from ||
@@ -330,7 +329,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
               "load, like --set g=0, can be verified";
     return;
   }
-  if (is_too_slow(method, near)) {
+  if (is_too_slow(method, near.model.y.size())) {
     row.note = fmt::format("not verified: {} factors a dense matrix of {} rows in every step", method.engine,
                            near.model.y.size());
     return;

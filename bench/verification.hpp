@@ -12,4 +12,8 @@ namespace hmax {
 /// much: driven models of many states, dense factors of large Jacobians.
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near);
 
+/// Whether runs on a model of so many states are not worth their time: Odeint's implicit steppers know no
+/// sparse matrices, and make new factors for every step.
+bool is_too_slow(const Method& method, Eigen::Index states);
+
 }  // namespace hmax
