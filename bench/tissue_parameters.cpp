@@ -5,6 +5,7 @@
 #include <optional>
 #include <ranges>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
@@ -265,6 +266,34 @@ double default_tool_stiffness(double young, double depth, double radius) {
 }
 
 /// A sphere that touches its starting point with its front and moves on from there.
+/// Where a tool that moves along `way` meets the body squarely and does not slide off: the foremost point
+/// whose surface faces it, in the nearer half of the body and with nothing beside it that a sphere of this
+/// radius would stand in. Where there is none, the foremost of all.
+TetMesh::Index faced_point(const TetMesh& mesh, const HeldEnd& way, double radius) {
+  constexpr double square = 0.9;  // cosine of the angle between the path and the normal
+  const MeshSurface surface = surface_of(mesh);
+  Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, mesh.point_count());
+  for (const auto& points : surface.triangles.colwise()) {
+    const Eigen::Vector3d a = mesh.points.col(points[0]);
+    const Eigen::Vector3d area = (mesh.points.col(points[1]) - a).cross(mesh.points.col(points[2]) - a);
+    for (const TetMesh::Index point : points) normals.col(point) += area;
+  }
+  const Eigen::RowVectorXd along = way.towards.transpose() * mesh.points;
+  std::vector<TetMesh::Index> candidates = surface.points;
+  std::ranges::stable_sort(candidates, {}, [&](TetMesh::Index i) { return along[i]; });
+  candidates.insert(candidates.begin(), way.opposite(mesh));
+  const double middle = (along.minCoeff() + along.maxCoeff()) / 2;
+  for (const TetMesh::Index point : candidates) {
+    if (along[point] > middle || -normals.col(point).normalized().dot(way.towards) < square) continue;
+    const Eigen::Vector3d centre = mesh.points.col(point) - radius * way.towards;
+    if (std::ranges::all_of(surface.points, [&](TetMesh::Index i) {
+          return (mesh.points.col(i) - centre).norm() >= (1 - 1e-9) * radius;
+        }))
+      return point;
+  }
+  return candidates.front();
+}
+
 /// @throws InputError  when a tool that the user places meets nothing
 SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd& end, double young) {
   const Eigen::Vector3d place(p.tool_x, p.tool_y, p.tool_z), direction(p.tool_dx, p.tool_dy, p.tool_dz);
@@ -272,8 +301,9 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
   if (!placed && place.array().isFinite().any())
     throw InputError("tool_x, tool_y and tool_z are one point; give all three or none");
   const HeldEnd way = directed ? HeldEnd(direction.normalized()) : end;
-  const Eigen::Vector3d tip = placed ? place : Eigen::Vector3d(mesh.points.col(way.opposite(mesh)));
   SphereTool tool{.radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size_of(mesh)};
+  const Eigen::Vector3d tip =
+      placed ? place : Eigen::Vector3d(mesh.points.col(faced_point(mesh, way, tool.radius)));
   tool.stiffness =
       p.tool_stiffness > 0 ? p.tool_stiffness : default_tool_stiffness(young, p.depth, tool.radius);
   tool.start = tip - tool.radius * way.towards;

@@ -44,7 +44,8 @@ struct TissueParameters {
   double period = 4;       ///< of breathing [s]
   double tool_radius = 0;  ///< [m]; 0: a twentieth of the diagonal of the mesh
   double tool_stiffness = 0;  ///< [Pa/m^1.5] (problems/tissue/loads.hpp); 0: from E and the depth
-  /// Where the foremost point of the tool starts [m]; infinite: at the free end, as seen along its direction.
+  /// Where the foremost point of the tool starts [m]; infinite: at the free end, as seen along its direction,
+  /// where the surface faces it.
   double tool_x = infinity, tool_y = infinity, tool_z = infinity;
   double tool_dx = 0, tool_dy = 0, tool_dz = 0;  ///< where the tool moves [1]; 0: towards the held end
   double support = 0.1;                          ///< share of the body along the axis that is held

@@ -111,7 +111,7 @@ std::string tics(char axis_name, const Axis& axis, const Range& range, double le
   const int step = std::max(1, static_cast<int>(std::ceil((last - first + 1) / most)));
   std::vector<int> multiples{1};
   if (high - low < 2) {
-    const double decade = length / (high - low), room = across ? 6.5 * tic_character + tic_gap : tic_height;
+    const double decade = length / (high - low), room = across ? 48 : tic_height;
     multiples = std::log10(2.0) * decade >= room   ? std::vector{1, 2, 5}
                 : std::log10(3.0) * decade >= room ? std::vector{1, 3}
                                                    : multiples;

@@ -18,11 +18,12 @@ Problem pressed(const std::string& mesh, std::vector<std::pair<std::string, doub
                       {.material = {}, .parameters = std::move(parameters), .y0 = {}});
 }
 
-/// The indentation over the depth, in static equilibrium.
+/// The indentation over the depth, in static equilibrium, where the tool does not slide off.
 double share_reached(const Problem& problem) {
   const StaticSolution balance = found_balance(problem, 1, {}, [] { return 0.0; });
   EXPECT_TRUE(balance.converged) << problem.id << ": " << balance.note;
   const auto reach = problem.body->tool_reaches(problem.body->settled(), balance.q).front();
+  EXPECT_GE(reach.displacement, 0.5 * reach.depth) << problem.id;
   return reach.indentation / reach.depth;
 }
 
