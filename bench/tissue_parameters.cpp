@@ -266,31 +266,37 @@ double default_tool_stiffness(double young, double depth, double radius) {
 }
 
 /// A sphere that touches its starting point with its front and moves on from there.
-/// Where a tool that moves along `way` meets the body squarely and does not slide off: the foremost point
-/// whose surface faces it, in the nearer half of the body and with nothing beside it that a sphere of this
-/// radius would stand in. Where there is none, the foremost of all.
+/// Where a tool that moves along `way` meets the body squarely and does not slide off: the foremost point, in
+/// the nearer half of the body, around which the surface within a radius faces the tool and does not stand in
+/// its way. Where there is none, the foremost of all.
 TetMesh::Index faced_point(const TetMesh& mesh, const HeldEnd& way, double radius) {
-  constexpr double square = 0.9;  // cosine of the angle between the path and the normal
+  constexpr double square = 0.8;  // the projected area over the area
   const MeshSurface surface = surface_of(mesh);
-  Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, mesh.point_count());
-  for (const auto& points : surface.triangles.colwise()) {
-    const Eigen::Vector3d a = mesh.points.col(points[0]);
-    const Eigen::Vector3d area = (mesh.points.col(points[1]) - a).cross(mesh.points.col(points[2]) - a);
-    for (const TetMesh::Index point : points) normals.col(point) += area;
-  }
+  const auto place = [&](TetMesh::Index i) { return Eigen::Vector3d(mesh.points.col(i)); };
+  const auto faces = [&](TetMesh::Index point) {
+    double projected = 0, area = 0;
+    for (const auto& points : surface.triangles.colwise()) {
+      if (std::ranges::none_of(points,
+                               [&](TetMesh::Index i) { return (place(i) - place(point)).norm() <= radius; }))
+        continue;
+      const Eigen::Vector3d a = place(points[0]), normal = (place(points[1]) - a).cross(place(points[2]) - a);
+      projected -= normal.dot(way.towards);
+      area += normal.norm();
+    }
+    return projected >= square * area;
+  };
+  const auto is_free = [&](TetMesh::Index point) {
+    const Eigen::Vector3d centre = place(point) - radius * way.towards;
+    return std::ranges::all_of(
+        surface.points, [&](TetMesh::Index i) { return (place(i) - centre).norm() >= (1 - 1e-9) * radius; });
+  };
   const Eigen::RowVectorXd along = way.towards.transpose() * mesh.points;
+  const double middle = (along.minCoeff() + along.maxCoeff()) / 2;
   std::vector<TetMesh::Index> candidates = surface.points;
   std::ranges::stable_sort(candidates, {}, [&](TetMesh::Index i) { return along[i]; });
   candidates.insert(candidates.begin(), way.opposite(mesh));
-  const double middle = (along.minCoeff() + along.maxCoeff()) / 2;
-  for (const TetMesh::Index point : candidates) {
-    if (along[point] > middle || -normals.col(point).normalized().dot(way.towards) < square) continue;
-    const Eigen::Vector3d centre = mesh.points.col(point) - radius * way.towards;
-    if (std::ranges::all_of(surface.points, [&](TetMesh::Index i) {
-          return (mesh.points.col(i) - centre).norm() >= (1 - 1e-9) * radius;
-        }))
-      return point;
-  }
+  for (const TetMesh::Index point : candidates)
+    if (along[point] <= middle && is_free(point) && faces(point)) return point;
   return candidates.front();
 }
 
