@@ -80,12 +80,19 @@ DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
   for (Index k = 0; k < most; ++k) {
     q = V.col(k);
     A(q, w);
-    for (int time = 0; time < 2; ++time) {  // twice is enough
+    // Once more where it took away so much that rounding of it is left; twice is enough
+    // [daniel1976reorthogonalization].
+    double norm = w.norm();
+    for (int time = 0; time < 2; ++time) {
       const VectorXd h = V.leftCols(k + 1).transpose() * w;
       w -= V.leftCols(k + 1) * h;
       H.col(k).head(k + 1) += h;
+      const double left = w.norm();
+      const bool clean = left > 0.7 * norm;
+      norm = left;
+      if (clean) break;
     }
-    H(k + 1, k) = w.norm();
+    H(k + 1, k) = norm;
     const Index count = k + 1;
     const bool invariant = H(count, k) <= 1e-14 * H.col(k).norm();
     if (!invariant) V.col(count) = w / H(count, k);

@@ -170,7 +170,7 @@ class Iteration {
     if (!settings_.leave_saddles || !settings_.line_search || !model_.energy ||
         settings_.method == StaticMethod::linear)
       return false;
-    if (model_.dofs > most_factored || (knows && !indefinite_)) return false;
+    if (model_.dofs > most_judged_by_factor || (knows && !indefinite_)) return false;
     model_.stiffness(q_, shifted_);
     SparseSolver<double>& solver = inner_.factors();
     stale_ = true;
@@ -205,8 +205,6 @@ class Iteration {
   }
 
  private:
-  static constexpr Eigen::Index most_factored = 60'000;  // seconds and a gigabyte
-
   /// Goes along d_ as far as the energy or the residual falls.
   bool walk(bool searches, bool has_energy) {
     const double slope = residual_.dot(d_);

@@ -7,6 +7,7 @@
 #include "analysis/amplification.hpp"
 #include "analysis/damped_eigenvalues.hpp"
 #include "analysis/extreme_eigenvalues.hpp"
+#include "analysis/static_solution.hpp"
 #include "bench/mode_curve.hpp"
 
 namespace hmax {
@@ -16,7 +17,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Whether the stiffness has a negative eigenvalue, as far as that is affordable to know.
 bool may_buckle(const MechanicalPart& part) {
-  if (part.mass.size() > most_factored) return true;
+  if (part.mass.size() > most_judged_by_factor) return true;
   const ExtremeStiffnesses least = smallest_stiffnesses(part);
   return !least.converged || least.negative > 0;
 }
