@@ -61,8 +61,8 @@ bool set_curve(Linearised& near, Eigen::Index small) {
   // Who describes the fastest mode at rest asks for its shape; under a load it is another mode.
   const bool at_rest = near.model.y.isZero(0);
   const ExtremeStiffnesses largest = largest_stiffnesses(part, 1, small_enough_for_dense, at_rest);
-  if (at_rest) near.fastest_shape = largest.shapes.col(0);
   DampingCurve curve{.alpha = (*rayleigh)[0], .beta = (*rayleigh)[1], .kappa_max = largest.kappa.at(0)};
+  if (at_rest) near.fastest_shape = largest.shapes.col(0);
   near.slow_end = std::make_shared<SlowEnd>();
   near.curve = curve;
   // The slow end takes a factor of K, which most limits do not need; only a body that may buckle does.

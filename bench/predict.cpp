@@ -187,12 +187,11 @@ bool is_at_rest(const TissueBody& body) {
 
 namespace {
 /// Says where the contact of a tool is not in a linear model.
-void look_at_contact(Linearised& near, const Problem& problem, const char* remedy) {
+void look_at_contact(Linearised& near, const Problem& problem) {
   if (problem.body && std::ranges::any_of(problem.body->tool_reaches(near.model.t, near.model.y),
                                           [](const auto& reach) { return reach.penetration == 0; }))
-    near.missing = fmt::format(
-        "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller; {}",
-        remedy);
+    near.missing =
+        "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
 }
 
 /// Under a load the balance of a body is found with its stiffness, half as many unknowns.
@@ -202,7 +201,9 @@ EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatch
   search.outcome = EquilibriumOutcome::found;
   search.state = problem.y0;
   // A load that never settles does not act yet; only supports that start at once drag at their neighbours.
-  if (body.settled() != equilibrium_time(body) || is_at_rest(body)) return search;
+  if (body.settled() != equilibrium_time(body)) return search;
+  // A tool at the end of its path may stand within a body that does not move, and touch nothing of it.
+  if (body.is_autonomous() && is_at_rest(body)) return search;
   StaticSettings settings{.tolerance = 1e-12};
   if (body.dofs() > most_cheaply_factored) settings.inner = InnerSolver::conjugate_gradients;
   if (watcher) settings.seen = [&](const StaticIterate& iterate) { watcher(iterate.residual); };
@@ -245,7 +246,7 @@ Linearised without_spectrum(const Problem& problem, OperatingPoint at, const Equ
                                                                  : "initial";
   if (at_rest) {
     near.state = fmt::format("rest {}{}", near.state, at_equilibrium ? "" : "; the load acts on it");
-    look_at_contact(near, problem, "leave out --at rest");
+    look_at_contact(near, problem);
     return near;
   }
   if (!search.found()) {
@@ -256,7 +257,7 @@ Linearised without_spectrum(const Problem& problem, OperatingPoint at, const Equ
         "equilibrium {}{}", near.state,
         search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
   }
-  look_at_contact(near, problem, "add --along motion");
+  look_at_contact(near, problem);
   return near;
 }
 

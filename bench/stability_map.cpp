@@ -105,6 +105,7 @@ std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, con
         const Prediction prediction = lost ? Prediction{} : predict(methods[i], problem, near);
         maps[i].h_max.push_back(prediction.h_max.value_or(std::numeric_limits<double>::quiet_NaN()));
         if (!prediction.h_max && maps[i].note.empty()) maps[i].note = lost ? near.state : prediction.note;
+        if (maps[i].note.empty()) maps[i].note = near.missing;
       }
     }
   }

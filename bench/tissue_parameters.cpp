@@ -265,13 +265,12 @@ double default_tool_stiffness(double young, double depth, double radius) {
   return 500 * young / (reach * std::sqrt(reach));
 }
 
-/// A sphere that touches its starting point with its front and moves on from there.
 /// Where a tool that moves along `way` meets the body squarely and does not slide off: the foremost point, in
-/// the nearer half of the body, around which the surface within a radius faces the tool and does not stand in
-/// its way. Where there is none, the foremost of all.
-TetMesh::Index faced_point(const TetMesh& mesh, const HeldEnd& way, double radius) {
+/// the nearer half of the body, around which the surface within a radius faces the tool. Where there is none,
+/// the foremost of all.
+TetMesh::Index faced_point(const TetMesh& mesh, const MeshSurface& surface, const HeldEnd& way,
+                           double radius) {
   constexpr double square = 0.8;  // the projected area over the area
-  const MeshSurface surface = surface_of(mesh);
   const auto place = [&](TetMesh::Index i) { return Eigen::Vector3d(mesh.points.col(i)); };
   const auto faces = [&](TetMesh::Index point) {
     double projected = 0, area = 0;
@@ -285,43 +284,59 @@ TetMesh::Index faced_point(const TetMesh& mesh, const HeldEnd& way, double radiu
     }
     return projected >= square * area;
   };
-  const auto is_free = [&](TetMesh::Index point) {
-    const Eigen::Vector3d centre = place(point) - radius * way.towards;
-    return std::ranges::all_of(
-        surface.points, [&](TetMesh::Index i) { return (place(i) - centre).norm() >= (1 - 1e-9) * radius; });
-  };
   const Eigen::RowVectorXd along = way.towards.transpose() * mesh.points;
   const double middle = (along.minCoeff() + along.maxCoeff()) / 2;
   std::vector<TetMesh::Index> candidates = surface.points;
   std::ranges::stable_sort(candidates, {}, [&](TetMesh::Index i) { return along[i]; });
   candidates.insert(candidates.begin(), way.opposite(mesh));
   for (const TetMesh::Index point : candidates)
-    if (along[point] <= middle && is_free(point) && faces(point)) return point;
+    if (along[point] <= middle && faces(point)) return point;
   return candidates.front();
 }
 
-/// @throws InputError  when a tool that the user places meets nothing
+/// A sphere that touches the body, or where the user places it its starting point, with its front and moves
+/// on from there.
+/// @throws InputError  when a tool meets nothing, or starts inside the body
 SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd& end, double young) {
-  const Eigen::Vector3d place(p.tool_x, p.tool_y, p.tool_z), direction(p.tool_dx, p.tool_dy, p.tool_dz);
-  const bool placed = place.allFinite(), directed = !direction.isZero(0);
-  if (!placed && place.array().isFinite().any())
+  const Eigen::Vector3d given(p.tool_x, p.tool_y, p.tool_z), direction(p.tool_dx, p.tool_dy, p.tool_dz);
+  const bool placed = given.allFinite(), directed = !direction.isZero(0);
+  if (!placed && given.array().isFinite().any())
     throw InputError("tool_x, tool_y and tool_z are one point; give all three or none");
   const HeldEnd way = directed ? HeldEnd(direction.normalized()) : end;
-  SphereTool tool{.radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size_of(mesh)};
-  const Eigen::Vector3d tip =
-      placed ? place : Eigen::Vector3d(mesh.points.col(faced_point(mesh, way, tool.radius)));
+  const double size = size_of(mesh);
+  SphereTool tool{.radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size};
   tool.stiffness =
       p.tool_stiffness > 0 ? p.tool_stiffness : default_tool_stiffness(young, p.depth, tool.radius);
-  tool.start = tip - tool.radius * way.towards;
   tool.travel = p.depth * way.towards;
   tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};
-  if ((placed || directed) &&
-      !(ToolContact(mesh.points, surface_of(mesh).triangles, tool).gap() <= std::abs(p.depth)))
-    throw InputError(fmt::format(
-        "a tool of radius {} m that starts at {}, {}, {} and moves {} m along {}, {}, {} meets nothing of the "
-        "body; place it nearer, turn it, or give a larger depth or tool_radius",
-        to_text(tool.radius), to_text(tip(0)), to_text(tip(1)), to_text(tip(2)), to_text(p.depth),
-        to_text(way.towards(0)), to_text(way.towards(1)), to_text(way.towards(2))));
+  const MeshSurface surface = surface_of(mesh);
+  const auto gap_from = [&](const Eigen::Vector3d& start) {
+    SphereTool probe = tool;
+    probe.start = start;
+    probe.travel = (p.depth != 0 ? std::abs(p.depth) : tool.radius) * way.towards;
+    return ToolContact(mesh.points, surface.triangles, probe).gap();
+  };
+  if (placed) {
+    tool.start = given - tool.radius * way.towards;
+  } else {
+    // From far outside up to where it touches, less rounding.
+    const Eigen::Vector3d tip = mesh.points.col(faced_point(mesh, surface, way, tool.radius));
+    tool.start = tip - (tool.radius + 2 * size) * way.towards;
+    const double gap = gap_from(tool.start);
+    tool.start += ((std::isfinite(gap) ? gap : 2 * size) - 1e-9 * tool.radius) * way.towards;
+  }
+  const Eigen::Vector3d front = tool.start + tool.radius * way.towards;
+  const std::string which = fmt::format(
+      "a tool of radius {} m that starts at {}, {}, {} and moves {} m along {}, {}, {}", to_text(tool.radius),
+      to_text(front(0)), to_text(front(1)), to_text(front(2)), to_text(p.depth), to_text(way.towards(0)),
+      to_text(way.towards(1)), to_text(way.towards(2)));
+  if (p.depth < 0 || !(gap_from(tool.start) <= p.depth + 1e-8 * tool.radius))
+    throw InputError(
+        which +
+        " meets nothing of the body; place it nearer, turn it, or give a larger depth or tool_radius");
+  for (const TetMesh::Index i : surface.points)
+    if ((mesh.points.col(i) - tool.start).norm() < (1 - 1e-6) * tool.radius)
+      throw InputError(which + " starts inside the body; place its front on the surface or before it");
   return tool;
 }
 

@@ -113,12 +113,14 @@ void modes(const ModesOptions& options, Console& console) {
         {fmt::format("mode_{}", i + 1), problem.body->origin()->on_points(on_points(body, u))});
   }
   if (!options.output.empty()) write_file(options.output, vtu_text(problem.body->origin()->file, fields));
+  const std::string status =
+      near.status + (near.status.empty() || near.missing.empty() ? "" : "; ") + near.missing;
   if (console.json)
     return console.print_json({{"problem", problem.id},
                                {"material", problem.material.empty() ? Json() : Json(problem.material)},
                                {"dofs", body.dofs()},
                                {"state_kind", near.state_kind},
-                               {"status", near.status.empty() ? Json() : Json(near.status)},
+                               {"status", status.empty() ? Json() : Json(status)},
                                {"end", options.fastest ? "fastest" : "slowest"},
                                {"modes", list},
                                {"output", options.output.empty() ? Json() : Json(options.output)}});
@@ -126,6 +128,7 @@ void modes(const ModesOptions& options, Console& console) {
                             problem.material.empty() ? "" : ", " + problem.material, body.dofs(),
                             table.text(console)));
   if (!near.status.empty()) console.print("\n" + near.state + "\n");
+  if (!near.missing.empty()) console.print("\n" + near.missing + "\n");
   console.print(
       "\nTetrahedra have the numbers of their file, or count from 1. Moving points: 1 over the sum of squares of "
       "the\npoints' shares of kinetic energy.\n");

@@ -52,7 +52,7 @@ struct PredictOptions {
   }
 };
 
-/// Whether the load changes with time, so that no state is an equilibrium of it.
+/// Whether the load changes with time, so that one state does not tell of all.
 bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
 
 /// The options with what --along stands for: loads that change with time are looked at along the motion
@@ -71,9 +71,13 @@ PredictOptions with_path(PredictOptions options, const Problem& problem) {
 }
 
 /// Why the state is not the one that was asked for, and what of the load is not in the limits there.
-std::string words_of_state(const PredictOptions& options, const Problem& problem, const Linearised& near) {
+/// @param along  whether the motion is looked at
+std::string words_of_state(const Problem& problem, const Linearised& near, bool along) {
   std::string missing = near.missing;
-  if (missing.empty() && has_moving_load(problem) && options.along.empty())
+  if (!missing.empty() && !along)
+    missing +=
+        near.state_kind == "rest" && near.status.empty() ? "; leave out --at rest" : "; add --along motion";
+  if (missing.empty() && has_moving_load(problem) && !along)
     missing = fmt::format(
         "the load of {} changes with time, and the limits are those of one state; look at the others with --along motion",
         problem.id);
@@ -417,6 +421,11 @@ void look_along(const PredictOptions& options, const Problem& problem, const Pat
   }
 }
 
+/// What is to be said where the motion that is looked at without being asked for has no limits.
+std::string without_motion(const InputError& error) {
+  return fmt::format("the load changes with time, but its motion is not in these limits: {}", error.what());
+}
+
 void predict_rows(const PredictOptions& asked, Console& console) {
   const auto& interrupted = interrupt_flag();
   std::vector<ProblemChoice> choices;
@@ -435,7 +444,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
             "{} is a formula that nothing in hmax steps with, so there are no runs to verify it by; "
             "leave out --verify, or name methods of `hmax list methods`",
             method.id));
-  remark_unusual(console, problems.front());
+  std::ranges::for_each(problems, [&](const Problem& problem) { remark_unusual(console, problem); });
   std::vector<PredictedRow> rows;
   Json models = Json::array();
   std::string states;
@@ -455,7 +464,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
         break;  // the flag stays set: what is finished is printed
       } catch (const InputError& error) {
         if (!options.along_by_default) throw;
-        console.remark(fmt::format("the motion is in none of these limits: {}", error.what()));
+        console.remark(without_motion(error));
       }
       const OperatingPoint at = options.at.of(problem);
       announce_equilibrium(console, problem, at);
@@ -465,7 +474,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
       }();
       if (console.json) models.push_back(model_json(problem, near));
       if (near.at_equilibrium) warn_of_tool(console, problem, near.model.t, near.model.y);
-      const std::string status = words_of_state(options, problem, near);
+      const std::string status = words_of_state(problem, near, path.has_value());
       if (has_moving_load(problem) && !status.empty()) console.remark(status);
       if (states.empty()) {
         states = fmt::format("\n{}: {}\n", problem.id, near.state);
@@ -509,6 +518,11 @@ void predict_rows(const PredictOptions& asked, Console& console) {
         look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()));
       } catch (const Interrupted&) {
         break;
+      } catch (const InputError& error) {
+        if (!options.along_by_default) throw;
+        console.remark(without_motion(error));
+        for (PredictedRow& row : std::span(rows).last(chosen.size()))
+          row.state_status = words_of_state(problem, near, false);
       }
     }
   }
