@@ -323,7 +323,7 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
     const Eigen::Vector3d tip = mesh.points.col(faced_point(mesh, surface, way, tool.radius));
     tool.start = tip - (tool.radius + 2 * size) * way.towards;
     const double gap = gap_from(tool.start);
-    tool.start += ((std::isfinite(gap) ? gap : 2 * size) - 1e-9 * tool.radius) * way.towards;
+    tool.start += ((std::isfinite(gap) ? gap : 2 * size) - 1e-12 * tool.radius) * way.towards;
   }
   const Eigen::Vector3d front = tool.start + tool.radius * way.towards;
   const std::string which = fmt::format(
