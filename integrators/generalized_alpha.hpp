@@ -130,6 +130,14 @@ class GeneralizedAlpha {
     slow_ = new_slow_ = false;
     steps_ = 0;
     work_ = {};
+    offset_ = 0;
+    if constexpr (OffsetSystem<Sys>)
+      if (has_offset(system)) {
+        State X = y;
+        X.setZero();
+        system.offset(X);
+        offset_ = norm(X, 0);
+      }
   }
 
   template <SecondOrderSystem Sys>
@@ -274,7 +282,7 @@ class GeneralizedAlpha {
         rate = size / before;
         if (rate >= 1) {
           // Nothing but rounding may be left, also of positions, which is more than that of a slow motion.
-          if (size <= 50 * rounding * (motion + norm(y_new, 0) / h)) return solved(size, motion);
+          if (size <= 50 * rounding * (motion + (norm(y_new, 0) + offset_) / h)) return solved(size, motion);
           if (!newton) return fails("Newton's method diverges");
         }
         new_rate_ = rate;
@@ -327,6 +335,7 @@ class GeneralizedAlpha {
                          // and at the iterates of Newton's method
   MatrixT A_ = K_;
   LinearSolver<MatrixT> solver_;
+  Real offset_ = 0;                       // the norm of the positions that q is added to, with their rounding
   Real factored_h_ = 0;                   // the h of the factors of K_ and C_; NaN: there are none
   Real rate_ = 1, new_rate_ = 1;          // of convergence, in the last accepted step and the last attempt
   std::int64_t steps_ = 0;                // accepted

@@ -1,6 +1,7 @@
 /// A tool presses as deep as it says, and limits of steps contain its contact.
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "bench/body_balance.hpp"
@@ -71,6 +72,18 @@ TEST(Tool, PressesAsDeepAsItSaysWhateverTheMeshAndTheDepth) {
         jittered.mesh, tissue_settings(id, parameters, jittered), jittered.origin);
     EXPECT_GE(share_reached(problem), 0.9) << depth;
   }
+}
+
+TEST(Tool, MovesABodyFromRestWithImplicitStructuralMethods) {
+  // The first motion is smaller than the rounding of positions in space.
+  for (const char* model : {"mass_spring", "fem_corotational", "fem_green"})
+    for (const char* name : {"newmark", "hht_alpha", "generalized_alpha"})
+      for (const double h : {0.01, 0.001}) {
+        const Problem problem = make_problem(fmt::format("{}/tool@phantom", model));
+        const RunRecord record = find_method(name).bind(problem).run({.t_end = 0.05, .h = h}, {});
+        EXPECT_EQ(record.outcome, Outcome::reached_end)
+            << model << ' ' << name << ' ' << h << ' ' << record.note;
+      }
 }
 
 TEST(Tool, IsInTheLimitsOfStepsAtTheEquilibriumUnderIt) {
