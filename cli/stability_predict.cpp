@@ -498,7 +498,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
           [&](std::size_t i, std::size_t worker) {
             const Problem& own = worker == 0 ? problem : of_second;
             PredictedRow row{predict(chosen[i], own, near), status, {}, {}, {}};
-            if (row.prediction.bound == Bound::newton)
+            if (row.prediction.bound == Bound::newton && chosen[i].bind)  // formulas step nothing
               row.prediction.newton_step = largest_newton_step(chosen[i], own);
             if (options.verify) verify(row.prediction, chosen[i], own, near);
             rows[before + i] = std::move(row);

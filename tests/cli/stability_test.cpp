@@ -455,6 +455,12 @@ TEST(StabilityPredict, LooksAlongTheMotionOfLoadsThatChangeWithTime) {
                    .contains("along"));
 }
 
+TEST(StabilityPredict, TakesFormulasThatNothingStepsWithOnBodies) {
+  const Told told = Shell().hmax("stability predict --mesh phantom --method bdf_2 --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_FALSE(told.json().at("rows").at(0).contains("newton_step"));
+}
+
 TEST(StabilityPredict, SaysWhatABodyWasTakenToBe) {
   const Shell shell;
   const std::string line = "stability predict --mesh phantom --load press --methods rk4 ";
