@@ -219,8 +219,7 @@ void map(const MapOptions& options, Console& console) {
     }
     table.add({each.method, words_of(least), words_of(most), percent(each.falling_share_x()),
                percent(each.falling_share_y())});
-    if (!each.note.empty())
-      remarks += fmt::format("{}: at some points: {}\n", each.method, each.note);
+    if (!each.note.empty()) remarks += fmt::format("{}: at some points: {}\n", each.method, each.note);
   }
   std::string text = table.text(console) +
                      fmt::format(

@@ -121,8 +121,7 @@ TEST(SweepCommand, ADivergedRunIsARowAndNoFailure) {
 TEST(SweepCommand, ListsTheRowsThatDidNotReachTheEnd) {
   const Shell shell;
   const auto sweep =
-      shell.hmax("sweep --methods explicit_euler --h 2,0.1 --fixed --out own.sqlite --json")
-          .json();
+      shell.hmax("sweep --methods explicit_euler --h 2,0.1 --fixed --out own.sqlite --json").json();
   ASSERT_EQ(sweep["failed"].size(), 1U) << sweep;
   EXPECT_EQ(sweep["failed"][0]["method"], "explicit_euler");
   EXPECT_EQ(sweep["failed"][0]["h"], 2);
