@@ -17,13 +17,22 @@ namespace {
 using Eigen::VectorXd;
 using Matrix = StaticModel::Matrix;
 
+/// Where Newton's method does not ask for another one.
+constexpr double default_inner_tolerance = 1e-4;
+
+struct Relaxed {
+  int sweeps;
+  double left;  ///< |r - K d| / |r|
+};
+
 /// d = K^-1 r by sweeps of successive over-relaxation over the rows of the symmetric K, from d = 0:
-///   d_i <- d_i + omega (r_i - sum_j K_ij d_j) / K_ii.
-/// @returns the number of sweeps; negative when it was not enough
-int relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, double tolerance, int most) {
+///   d_i <- d_i + omega (r_i - sum_j K_ij d_j) / K_ii,
+/// until |r - K d| <= tolerance |r|, or for `most` sweeps.
+Relaxed relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, double tolerance, int most) {
   d.setZero(r.size());
-  const double goal = tolerance * r.norm();
+  const double size = r.norm();
   VectorXd left(r.size());
+  Relaxed reached{0, 1};
   for (int sweep = 1; sweep <= most; ++sweep) {
     for (Eigen::Index i = 0; i < K.cols(); ++i) {
       double rest = r[i], diagonal = 0;
@@ -36,18 +45,17 @@ int relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, double 
     // The residual costs as much as a sweep.
     if (sweep % 8 != 0 && sweep != most) continue;
     left.noalias() = r - K * d;
-    const double size = left.norm();
-    if (!std::isfinite(size)) return -sweep;
-    if (size <= goal) return sweep;
+    reached = {sweep, left.norm() / size};
+    if (!std::isfinite(reached.left) || reached.left <= tolerance) break;
   }
-  return -most;
+  return reached;
 }
 
 /// Solves K d = r by the chosen solver, whatever K is kept for.
 class Inner {
  public:
   explicit Inner(const StaticSettings& settings) : settings_(settings) {
-    set_tolerance(settings.inner_tolerance.value_or(1e-4));
+    set_tolerance(settings.inner_tolerance.value_or(default_inner_tolerance));
   }
 
   /// Of sor and conjugate gradients.
@@ -75,9 +83,12 @@ class Inner {
   /// @returns false when the solver gave up
   bool solve(const VectorXd& r, VectorXd& d) {
     if (settings_.inner == InnerSolver::sor) {
-      const int sweeps = relax(K_, r, d, settings_.relaxation, tolerance_, settings_.inner_iterations);
-      iterations_ += std::abs(sweeps);
-      return sweeps > 0;
+      const Relaxed reached = relax(K_, r, d, settings_.relaxation, tolerance_, settings_.inner_iterations);
+      iterations_ += reached.sweeps;
+      left_ = reached.left;
+      // The steps of Newton's methods may be inexact; one linear solution may not.
+      constexpr double worth_a_step = 0.5;
+      return left_ <= (settings_.method == StaticMethod::linear ? tolerance_ : worth_a_step);
     }
     d = r;
     solver_.solve(d);
@@ -86,6 +97,8 @@ class Inner {
   }
 
   [[nodiscard]] std::int64_t iterations() const { return iterations_; }
+  /// Of the last system that sor was given, |r - K d| / |r|.
+  [[nodiscard]] double left() const { return left_; }
 
   /// A solver that factors, which where it can is the one that has looked at the pattern already: what was
   /// taken is gone then.
@@ -103,7 +116,7 @@ class Inner {
   SparseSolver<double> solver_;
   std::optional<SparseSolver<double>> factors_;
   Matrix K_;
-  double tolerance_ = 0;
+  double tolerance_ = 0, left_ = 1;
   std::int64_t iterations_ = 0;
 };
 
@@ -124,6 +137,7 @@ class Iteration {
   [[nodiscard]] double residual() const { return size_; }
   [[nodiscard]] int solved() const { return solved_; }
   [[nodiscard]] const std::string& note() const { return note_; }
+  [[nodiscard]] const std::string& remedy() const { return remedy_; }
   [[nodiscard]] bool barred() const { return barred_; }
   [[nodiscard]] StaticIterate iterate(int step, int steps) const {
     return {step, steps, size_, clock_() - start_, inner_.iterations()};
@@ -236,11 +250,10 @@ class Iteration {
     constexpr int most_creeping = 3;
     creeping_ = searches && was_barred && length < creeping ? creeping_ + 1 : 0;
     barred_ = searches && ((barred && !fallen) || creeping_ == most_creeping);
-    if (barred_)
-      return give_up("the steps of the search lead to elements turned inside out; take more load steps");
-    if (!std::isfinite(next)) return give_up("the forces are no longer finite; take more load steps");
+    if (barred_) return give_up("the steps of the search lead to elements turned inside out", more_steps);
+    if (!std::isfinite(next)) return give_up("the forces are no longer finite", more_steps);
     if (!fallen && size_ > settings_.tolerance)
-      return give_up("no step along the last direction makes the residual smaller; take more load steps");
+      return give_up("no step along the last direction makes the residual smaller", more_steps);
     q_ = trial_;
     size_ = next;
     return true;
@@ -256,18 +269,19 @@ class Iteration {
       stale_ = false;
       model_.stiffness(constant ? VectorXd::Zero(model_.dofs) : q_, K_);
       if (!inner_.take(K_))
-        return give_up(taken_ ? "the stiffness matrix has become singular; take more load steps" : not_held);
+        return taken_ ? give_up("the stiffness matrix has become singular", more_steps) : give_up(not_held);
     }
     if (!constant && !settings_.inner_tolerance) inner_.set_tolerance(next_forcing());
     size_before_ = size_;
     if (!inner_.solve(residual_, d_))
-      return give_up(
-          settings_.inner == InnerSolver::sor
-              ? fmt::format(
-                    "sor did not solve a linear system in {} sweeps, as where supports do not hold the "
-                    "body; take direct, which tells, or a larger tolerance of linear systems",
-                    settings_.inner_iterations)
-              : fmt::format("{} did not solve a linear system; take direct", name_of(settings_.inner)));
+      return settings_.inner == InnerSolver::sor
+                 ? give_up(
+                       fmt::format(
+                           "{} sweeps of sor with a relaxation of {} have left {:.2g} of a linear system",
+                           settings_.inner_iterations, to_text(settings_.relaxation), inner_.left()),
+                       "direct, which also tells whether the supports hold the body, or another relaxation")
+                 : give_up(fmt::format("{} did not solve a linear system", name_of(settings_.inner)),
+                           "direct");
     // Of a matrix that only rounding keeps regular.
     if (!taken_ && !((residual_ - K_ * d_).norm() < 0.5 * residual_.norm())) return give_up(not_held);
     taken_ = true;
@@ -293,10 +307,11 @@ class Iteration {
       if (inner_.take(shifted_) && inner_.solve(residual_, d_) && is_descent()) {
         shift_ = tau;
         note_.clear();
+        remedy_.clear();
         return true;
       }
     }
-    return give_up("no direction leads down the energy; take more load steps");
+    return give_up("no direction leads down the energy", more_steps);
   }
 
   /// E(q) + (1 - share) F(0).q, whose downward slope is the residual.
@@ -320,8 +335,10 @@ class Iteration {
     return forcing_;
   }
   static constexpr auto not_held = "the stiffness matrix is singular: the supports do not hold the body";
-  bool give_up(std::string why) {
+  static constexpr auto more_steps = "more load steps";
+  bool give_up(std::string why, std::string remedy = "") {
     note_ = std::move(why);
+    remedy_ = std::move(remedy);
     return false;
   }
 
@@ -337,7 +354,7 @@ class Iteration {
   int solved_ = 0, creeping_ = 0;
   bool taken_ = false, stale_ = false, barred_ = false;
   bool indefinite_ = false, was_shifted_ = false;  // the last K; the last direction is that of K + tau I
-  std::string note_;
+  std::string note_, remedy_;
 };
 
 void require(bool holds, std::string_view what, double value, std::string_view range) {
@@ -347,7 +364,8 @@ void require(bool holds, std::string_view what, double value, std::string_view r
 void check(const StaticSettings& s) {
   require(s.tolerance > 0 && s.tolerance < 1, "the tolerance", s.tolerance, "above 0 and below 1");
   require(s.iterations > 0, "the number of iterations", s.iterations, "at least 1");
-  require(s.load_steps > 0 && s.load_steps <= 1'000'000, "the number of load steps", s.load_steps,
+  const int load_steps = s.load_steps.value_or(1);
+  require(load_steps > 0 && load_steps <= 1'000'000, "the number of load steps", load_steps,
           "at least 1 and at most a million");
   if (s.inner_tolerance)
     require(*s.inner_tolerance > 0 && *s.inner_tolerance < 1, "the inner tolerance", *s.inner_tolerance,
@@ -393,7 +411,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     return solution;
   }
   const bool linear = settings.method == StaticMethod::linear;
-  const int steps = linear ? 1 : settings.load_steps;
+  const int steps = linear ? 1 : settings.load_steps.value_or(1);
   const auto record = [&](int step) {
     solution.history.push_back(iteration.iterate(step, steps));
     if (settings.seen) settings.seen(solution.history.back());
@@ -413,18 +431,25 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
       if (goes_on) record(step);
     }
     solution.note = iteration.note();
+    solution.remedy = iteration.remedy();
     if (solution.converged) {
       solution.note.clear();
-      if (!linear && iteration.residual() > settings.tolerance)
+      solution.remedy.clear();
+      if (iteration.residual() > settings.tolerance)
         solution.note =
-            fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
-                        iteration.residual());
+            linear
+                ? fmt::format(
+                      "the linear system is solved; beside it the forces, which are not linear, leave {:.3g} of the "
+                      "load",
+                      iteration.residual())
+                : fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
+                              iteration.residual());
     } else {
-      if (solution.note.empty())
-        solution.note = fmt::format(
-            "the residual is still {:.3g} after {} iterations of load step {}; take more iterations or more load "
-            "steps",
-            iteration.residual(), k, step);
+      if (solution.note.empty()) {
+        solution.note = fmt::format("the residual is still {:.3g} after {} iterations of load step {}",
+                                    iteration.residual(), k, step);
+        solution.remedy = "more iterations or more load steps";
+      }
       solution.barred = iteration.barred();
       break;
     }
@@ -432,6 +457,24 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
   solution.q = iteration.q();
   solution.iterations = iteration.solved();
   return solution;
+}
+
+double best_relaxation(const StaticModel& model, const StaticSettings& settings) {
+  Matrix K;
+  VectorXd d, load;
+  model.stiffness(VectorXd::Zero(model.dofs), K);
+  model.force(VectorXd::Zero(model.dofs), load);
+  double best = settings.relaxation;
+  Relaxed least{settings.inner_iterations, 1};
+  for (const double omega : {1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 1.95}) {
+    const Relaxed reached =
+        relax(K, load, d, omega, settings.inner_tolerance.value_or(default_inner_tolerance), least.sweeps);
+    if (reached.sweeps < least.sweeps || (reached.sweeps == least.sweeps && reached.left < least.left)) {
+      least = reached;
+      best = omega;
+    }
+  }
+  return best;
 }
 
 std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSettings& settings, int frames,

@@ -67,8 +67,9 @@ struct StaticSettings {
   StaticMethod method = StaticMethod::newton;
   InnerSolver inner = InnerSolver::direct;
   double tolerance = 1e-9;  ///< |F| <= tolerance |F(0)|
-  int iterations = 100;     ///< at most, in each load step
-  int load_steps = 1;       ///< equal ones
+  /// At most, in each load step: limp bodies, whose equilibrium is far from rest, need hundreds.
+  int iterations = 1000;
+  std::optional<int> load_steps{};  ///< equal ones; none: one, and for bodies as many as it takes
   /// Halves a step until the energy or the residual falls. With an energy, where K is not positive definite,
   /// as in a body that buckles, steps with K + tau I, downhill, and leaves a balance that is not stable
   /// [nocedal2006numerical, sections 3.1 and 3.4].
@@ -78,7 +79,8 @@ struct StaticSettings {
   /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
   /// its convergence allows [eisenstat1996choosing], else 1e-4.
   std::optional<double> inner_tolerance{};
-  int inner_iterations = 2000;                       ///< at most, of sor
+  /// At most, of sor. Newton's methods go on with what these have brought them near to.
+  int inner_iterations = 2000;
   double relaxation = 1.5;                           ///< omega of SOR, in (0, 2)
   std::function<void(const StaticIterate&)> seen{};  ///< called with every iterate
 };
@@ -90,6 +92,7 @@ struct StaticSolution {
   int iterations = 0;                  ///< linear systems solved
   bool barred = false;                 ///< the search ended where its steps led to what is not admissible
   std::string note;                    ///< why it did not converge, or only to rounding
+  std::string remedy;                  ///< what settings may help: "more load steps"; empty: none
 };
 
 /// Tells the time [s] that histories record.
@@ -98,6 +101,9 @@ using Clock = std::function<double()>;
 /// Solves for q from rest.
 /// @throws InputError  for settings out of range
 StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock);
+
+/// The relaxation of 1, 1.1, ..., 1.9 and 1.95 with which SOR solves K d = F at rest in the fewest sweeps.
+double best_relaxation(const StaticModel& model, const StaticSettings& settings);
 
 /// One frame of a load that moves, for which there is time for a fixed number of iterations.
 struct StaticFrame {

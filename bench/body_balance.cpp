@@ -74,8 +74,8 @@ double time_of(double share) { return 0.5 - std::sin(std::asin(1 - 2 * share) / 
 /// The balance at the end of ramps, followed along them: a tool that stood at the end of its path at once
 /// would press on the wrong side of the surface. A stride that finds no balance is halved.
 StaticSolution followed_balance(const Problem& problem, const StaticSettings& settings, const Clock& clock) {
-  constexpr int usual_stages = 20, most_halvings = 4;
-  const int stages = settings.load_steps > 1 ? settings.load_steps : usual_stages;
+  constexpr int usual_stages = 20, most_halvings = 4, most_on_the_way = 40;
+  const int stages = settings.load_steps.value_or(usual_stages);
   const double t_end = equilibrium_time(*problem.body);
   StaticSolution solution;
   Eigen::VectorXd q = Eigen::VectorXd::Zero(problem.body->dofs());
@@ -89,9 +89,12 @@ StaticSolution followed_balance(const Problem& problem, const StaticSettings& se
     };
     StaticSettings of_stage = settings;
     of_stage.load_steps = 1;
-    // Beside the forces of a stride, which are less than the whole load.
-    of_stage.tolerance = std::max(settings.tolerance, 1e-9);
-    if (!last) of_stage.iterations = std::min(settings.iterations, 40);
+    if (!last) {
+      // Beside the forces of a stride, which are less than the whole load; and what takes long is better
+      // tried with half the stride.
+      of_stage.tolerance = std::max(settings.tolerance, 1e-9);
+      of_stage.iterations = std::min(settings.iterations, most_on_the_way);
+    }
     if (settings.seen)
       of_stage.seen = [&](StaticIterate iterate) {
         number(iterate);
@@ -129,7 +132,7 @@ StaticSolution found_balance(const Problem& problem, double load_scale, const St
   if (equilibrium_time(*problem.body) > 0) return followed_balance(problem, settings, clock);
   const StaticModel model = static_model(problem, load_scale);
   StaticSolution at_once = solve_static(model, settings, clock);
-  if (!at_once.barred) return at_once;
+  if (!at_once.barred || settings.load_steps) return at_once;
   StaticSettings by_steps = settings;
   by_steps.load_steps = 10;
   StaticSolution solution = solve_static(model, by_steps, clock);
@@ -146,20 +149,25 @@ std::string_view outcome_of(const Problem& problem, const StaticSolution& soluti
   return solution.converged ? "converged" : "not_converged";
 }
 
-std::string status_of(const Problem& problem, const StaticSolution& solution) {
+std::string cause_of(const Problem& problem, const StaticSolution& solution) {
   const auto [volume, tetrahedron] = problem.body->least_volume(equilibrium_time(*problem.body), solution.q);
   if (solution.barred)
     return fmt::format(
-        "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search turn elements inside out; "
-        "take more load steps, a smaller load{}",
-        tetrahedron_number(problem, tetrahedron), volume,
-        problem.body->settings().model == TissueModel::fem_neo_hookean
-            ? " or a stiffer material"
-            : ", a stiffer material, or fem_neo_hookean, which resists being crushed");
+        "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search turn elements inside out",
+        tetrahedron_number(problem, tetrahedron), volume);
   if (volume > 0) return solution.note;
   return fmt::format("{}{}tetrahedron {} is turned inside out: its volume is {:.3g} of that at rest",
                      solution.note, solution.note.empty() ? "" : "; ",
                      tetrahedron_number(problem, tetrahedron), volume);
+}
+
+std::string status_of(const Problem& problem, const StaticSolution& solution) {
+  std::string remedy = solution.remedy;
+  if (solution.barred)
+    remedy += problem.body->settings().model == TissueModel::fem_neo_hookean
+                  ? ", a smaller load or a stiffer material"
+                  : ", a smaller load, a stiffer material, or fem_neo_hookean, which resists being crushed";
+  return cause_of(problem, solution) + (remedy.empty() ? "" : "; take " + remedy);
 }
 
 std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron) {

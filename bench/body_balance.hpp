@@ -30,7 +30,10 @@ StaticSolution found_balance(const Problem& problem, double load_scale, const St
 /// "inverted" where some are.
 std::string_view outcome_of(const Problem& problem, const StaticSolution& solution);
 
-/// What is to be said of a solution: why there is none, the element that gives way if one does, the remedy.
+/// Why a solution is none, and the element that gives way if one does.
+std::string cause_of(const Problem& problem, const StaticSolution& solution);
+
+/// The same with what helps, in words of `hmax static`.
 std::string status_of(const Problem& problem, const StaticSolution& solution);
 
 /// The longest displacement of a point [m], q of shape (dofs).

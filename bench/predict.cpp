@@ -216,7 +216,9 @@ EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatch
       solution = std::move(saddle);
   if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
-    search.message = "no balance was found: " + status_of(problem, solution);
+    search.message =
+        fmt::format("no balance was found: {}; a smaller load or a stiffer material may have one",
+                    cause_of(problem, solution));
     return search;
   }
   search.state.head(body.dofs()) = solution.q;

@@ -113,7 +113,7 @@ Path load_path(const Problem& problem, int points, const Watcher& watcher) {
           {.load_steps = 1 + static_cast<int>(4 * share), .leave_saddles = false}, [] { return 0.0; });
       if (!balance.converged) {
         path.note = fmt::format("no balance was found under more than {} of the load: under {} of it {}",
-                                short_share(path.at.back()), short_share(share), status_of(problem, balance));
+                                short_share(path.at.back()), short_share(share), cause_of(problem, balance));
         break;
       }
       y.head(balance.q.size()) = balance.q;

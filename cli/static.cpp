@@ -61,7 +61,7 @@ StaticSettings settings_of(const StaticOptions& options) {
     if (!text.empty()) into = count_of(name, text);
   };
   count("--iterations", options.iterations, settings.iterations);
-  count("--load-steps", options.load_steps, settings.load_steps);
+  if (!options.load_steps.empty()) settings.load_steps = count_of("--load-steps", options.load_steps);
   settings.tolerance = options.tolerance.value_or(settings.tolerance);
   settings.inner_tolerance = options.inner_tolerance;
   settings.relaxation = options.relaxation.value_or(settings.relaxation);
@@ -125,11 +125,13 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
 
 /// Every solver on the same balance: a table, and the figure of their residuals.
 void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
-                      const StaticSettings& settings, Console& console) {
+                      StaticSettings settings, Console& console) {
+  if (!options.relaxation) settings.relaxation = best_relaxation(model, settings);
   const std::vector<StaticWay> ways = all_ways(model, settings);
+  const std::string iterations = iterations_in_words(settings);
   const FigureFiles figure =
       draw(residual_figure(ways, fmt::format("{}: residuals of static solvers", problem.id),
-                           fmt::format("{}; {}", problem.note, describe(problem.parameters))),
+                           fmt::format("{}; {}; {}", problem.note, describe(problem.parameters), iterations)),
            options.compare, "residuals");
   if (std::ranges::none_of(ways, [](const StaticWay& way) { return way.solution.converged; }))
     console.exit_code = Exit::failed;
@@ -153,9 +155,14 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
   const std::string file = figure.base.string() + ".svg";
   if (console.json)
     return console.print_json(
-        {{"problem", problem.id}, {"ways", list}, {"figure", figure.drawn() ? Json(file) : Json()}});
-  console.print(fmt::format("{} with {}\n{}\n\n{}", problem.id, describe(problem.parameters), problem.note,
-                            table.text(console)));
+        {{"problem", problem.id},
+         {"relaxation", settings.relaxation},
+         {"linear_tolerance", settings.inner_tolerance ? Json(*settings.inner_tolerance) : Json()},
+         {"ways", list},
+         {"figure", figure.drawn() ? Json(file) : Json()}});
+  console.print(fmt::format(
+      "{} with {}\n{}\n{}{}\n\n{}", problem.id, describe(problem.parameters), problem.note, iterations,
+      options.relaxation ? "" : ", the best for the stiffness at rest", table.text(console)));
   std::string notes;
   for (const StaticWay& way : ways)
     if (const std::string status = status_of(problem, way.solution); !status.empty())
@@ -249,6 +256,8 @@ void solve(const StaticOptions& options, Console& console) {
     throw InputError(
         "--load-scale, --compare, --pseudo-dynamic and --frames are for loads that are forces, and a tool moves; leave "
         "them out, or choose its depth with --set depth=");
+  if (has_tool && options.solver == "linear")
+    throw InputError("--solver linear knows no contact, which a tool makes on its way; take newton");
   const double scale = options.load_scale.value_or(1);
   if (!std::isfinite(scale))
     throw InputError(fmt::format("--load-scale is {} but must be a finite number", scale));
@@ -277,8 +286,7 @@ void solve(const StaticOptions& options, Console& console) {
                       fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
                                   short_number(iterate.residual, 3)));
     };
-    return options.load_steps.empty() || has_tool ? found_balance(problem, scale, shown, thread_cpu_seconds)
-                                                  : solve_static(model, shown, thread_cpu_seconds);
+    return found_balance(problem, scale, shown, thread_cpu_seconds);
   }();
   const double seconds = thread_cpu_seconds() - start;
   const double volume = problem.body->least_volume(t, solution.q).first;
@@ -339,7 +347,10 @@ void solve(const StaticOptions& options, Console& console) {
   TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
   for (std::size_t i = 0; i < solution.history.size(); ++i) {
     const StaticIterate& row = solution.history[i];
-    if (solution.history.size() > 40 && i > 10 && i + 10 < solution.history.size()) continue;
+    if (solution.history.size() > 40 && i > 10 && i + 10 < solution.history.size()) {
+      if (i == 11) table.add({"...", "", "", "", ""});
+      continue;
+    }
     table.add({std::to_string(i), std::to_string(row.load_step), short_number(row.residual, 3),
                fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
   }
@@ -368,13 +379,16 @@ void add_static(CLI::App& app, Console& console) {
   add_number(command, "--load-scale", options->load_scale, "Multiplies the load; 1 by default");
   text("--solver", options->solver, "newton (default), modified_newton or linear", "NAME");
   text("--linear", options->linear, "How linear systems are solved: direct (default), sor or cg", "NAME");
-  text("--load-steps", options->load_steps, "Bring the load on in so many steps; 1 by default", "NUMBER");
-  text("--iterations", options->iterations, "At most, in each load step; 100 by default", "NUMBER");
+  text("--load-steps", options->load_steps,
+       "Bring the load on in so many steps; by default one, then ten, and twenty along the path of a tool",
+       "NUMBER");
+  text("--iterations", options->iterations, "At most, in each load step; 1000 by default", "NUMBER");
   add_number(command, "--tolerance", options->tolerance,
              "Residual beside the load at which a balance counts as found; 1e-9 by default");
   add_number(command, "--linear-tolerance", options->inner_tolerance,
              "The same of sor and cg; by default what Newton's method needs, else 1e-4");
-  add_number(command, "--relaxation", options->relaxation, "Of sor, between 0 and 2; 1.5 by default");
+  add_number(command, "--relaxation", options->relaxation,
+             "Of sor, between 0 and 2; 1.5 by default, with --compare the best for the stiffness at rest");
   command.add_flag("--no-line-search", options->no_line_search, "Take every step whole");
   text("--pseudo-dynamic", options->per_frame,
        "Bring the load on frame by frame, each with so many iterations, and show the error of the frames",

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "bench/timing.hpp"
+#include "results/numbers.hpp"
 
 namespace hmax {
 
@@ -19,6 +20,13 @@ std::vector<StaticWay> all_ways(const StaticModel& model, StaticSettings setting
       ways.push_back({method, inner, solve_static(model, settings, thread_cpu_seconds)});
     }
   return ways;
+}
+
+std::string iterations_in_words(const StaticSettings& settings) {
+  return fmt::format("cg and sor solve linear systems to {}; relaxation of sor {}",
+                     settings.inner_tolerance ? to_text(*settings.inner_tolerance)
+                                              : "1e-4, in Newton's method as far as it needs",
+                     to_text(settings.relaxation));
 }
 
 Figure residual_figure(const std::vector<StaticWay>& ways, const std::string& title,

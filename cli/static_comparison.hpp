@@ -1,6 +1,7 @@
 /// Ways to a balance of forces beside each other: residuals against iterations and against time.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "analysis/static_solution.hpp"
@@ -22,6 +23,9 @@ struct StaticWay {
 
 /// Newton's method and the modified one, each with every inner solver, from rest; the rest as in `settings`.
 std::vector<StaticWay> all_ways(const StaticModel& model, StaticSettings settings);
+
+/// Of sor and how far linear systems are solved, as for the footer of a figure.
+std::string iterations_in_words(const StaticSettings& settings);
 
 /// Their residuals, left against iterations, right against CPU time.
 Figure residual_figure(const std::vector<StaticWay>& ways, const std::string& title,

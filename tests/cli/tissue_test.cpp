@@ -169,6 +169,7 @@ TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
   // What is known at rest is still said of it.
   const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --set g=30 --method rk4");
   EXPECT_NE(predicted.out.find("no balance was found: tetrahedron"), std::string::npos) << predicted.out;
+  EXPECT_EQ(predicted.out.find("load steps"), std::string::npos) << predicted.out;
 }
 
 TEST(Static, BringsALoadOnInStepsWhereAllAtOnceIsTooMuch) {
@@ -192,6 +193,39 @@ TEST(Static, FindsBalancesOfSmallLoadsAndStiffBodiesToRounding) {
     const Told told = Shell{}.hmax(std::string("stability predict --method rk4 ") + body);
     EXPECT_NE(told.out.find(": equilibrium of"), std::string::npos) << told.out;
   }
+}
+
+TEST(Static, GoesOnWithWhatSorHasNotSolvedToItsTolerance) {
+  const std::string liver = "static --mesh liver --load press --linear sor --json --solver ";
+  EXPECT_EQ(json_of(liver + "modified_newton").at("outcome"), "converged");
+  const Told linear = Shell{}.hmax(liver + "linear");
+  EXPECT_EQ(linear.exit_code, 1);
+  EXPECT_NE(linear.json().at("status").get<std::string>().find("relaxation of 1.5"), std::string::npos);
+}
+
+TEST(Static, SaysWhatALinearSolutionLeaves) {
+  const Json linear = json_of("static --mesh liver --load press --solver linear --json");
+  EXPECT_EQ(linear.at("outcome"), "converged");
+  EXPECT_NE(linear.at("status").get<std::string>().find("leave 0.971 of the load"), std::string::npos);
+  EXPECT_EQ(
+      json_of("static --mesh liver --model fem_cauchy --load press --solver linear --json").at("status"), "");
+  expect_refusal("static --mesh phantom --load tool --solver linear", "no contact");
+}
+
+TEST(Static, ComparesSorAtItsBestRelaxation) {
+  const std::string compare = "static --mesh liver --load press --set force=0.1 --json --compare c";
+  const Json best = Shell{}.hmax(compare).json();
+  EXPECT_EQ(best.at("relaxation"), 1.9);
+  EXPECT_TRUE(best.at("linear_tolerance").is_null());
+  EXPECT_EQ(Shell{}.hmax(compare + " --relaxation 1.7").json().at("relaxation"), 1.7);
+}
+
+TEST(Static, KeepsToLoadStepsAndIterationsWithATool) {
+  const std::string tool = "static --mesh phantom --load tool --json ";
+  const Told stopped = Shell{}.hmax(tool + "--load-steps 1 --iterations 1");
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_NE(stopped.json().at("status").get<std::string>().find("more iterations"), std::string::npos);
+  EXPECT_LT(json_of(tool + "--load-steps 5").at("iterations"), json_of(tool).at("iterations"));
 }
 
 TEST(Static, WithoutALoadIsRest) {
