@@ -60,6 +60,18 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
   const auto excess = [&](double h) { return observed_growth(run, distance, h, limit.steps) - threshold; };
   double low = 0.999 * predicted, high = 1.001 * predicted;
   double at_low = excess(low), at_high = excess(high);
+  // A motion beside it that fades slowly hides growth, and what a first step stirs up looks like some: longer
+  // runs tell, as long as they come nearer to what is expected.
+  const auto as_expected = [&] { return !(at_low > 0) && at_high > 0; };
+  constexpr std::int64_t longer = 4, longest = 64;
+  for (const std::int64_t most = std::min(longest * limit.steps, most_observed_steps);
+       !as_expected() && longer * limit.steps <= most;) {
+    limit.steps *= longer;
+    const double before_low = std::exchange(at_low, excess(low)),
+                 before_high = std::exchange(at_high, excess(high));
+    const bool nearer = before_low > 0 ? at_low < before_low : at_high > before_high;
+    if (!nearer) break;
+  }
   limit.below_decays = !(at_low > 0);
   limit.above_grows = at_high > 0;
   // Where the prediction fails the truth is sought outwards from it.

@@ -60,9 +60,10 @@ struct ExpectedGrowth {
 /// at most.
 std::int64_t steps_to_see(const ExpectedGrowth& expected);
 
-/// Integrates at 0.999 and at 1.001 of a predicted limit, then closes in, by secants and by halves, between a
-/// step that does not grow and one that does; away from the prediction where both sides behave alike, so that
-/// a wrong prediction is reported with what is true. The runs are as long as steps_to_see() says.
+/// Integrates at 0.999 and at 1.001 of a predicted limit, longer where neither tells, then closes in, by
+/// secants and by halves, between a step that does not grow and one that does; away from the prediction where
+/// both sides behave alike, so that a wrong prediction is reported with what is true. The runs are as long as
+/// steps_to_see() says, and up to 64 times as long where that does not show what is expected.
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected);
 

@@ -175,7 +175,8 @@ Watch watch_all(const Method& method, const Prediction& row, const Linearised& n
                            .fall = start.mode_alone ? 10.0 : 37.0},
               .run = run,
               .distance = start.distance};
-  if (start.mode_alone && growth.polynomial && method.amplification->of_oscillation)
+  const bool single = near.model.y.size() == 2;
+  if ((start.mode_alone || single) && growth.polynomial && method.amplification->of_oscillation)
     take_out_creep(watch, near.model.y, *growth.polynomial, oscillation_of(near, row.limiting->lambda),
                    *row.h_max);
   return watch;
