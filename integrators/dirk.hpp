@@ -88,6 +88,7 @@ class Dirk {
         start_known_ = true;
       }
     attempt_memory_ = memory_;
+    extrapolates_ = slopes_known_ > 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
     if (!solve(system, t, y, h)) return StepStatus::newton_failed;
     if constexpr (stiffly_accurate)
       detail::assign(y_new, [&](auto access) { return access(base_) + access(z_); });
@@ -280,8 +281,10 @@ class Dirk {
 
   /// z = h gamma times the slope extrapolated to t + tau; zero as long as no step is behind.
   void predict(Real tau, Real h_gamma) {
-    if (slopes_known_ == 0) {
+    if (!extrapolates_) {
       z_.setZero(base_.size());
+      // What is known is of better starts.
+      if (slopes_known_ > 0) attempt_memory_.eta = NewtonMemory<Real>{}.eta;
       return;
     }
     // A polynomial says little far beyond its points.
@@ -353,7 +356,7 @@ class Dirk {
   ImplicitWork work_;
   Real h_ = 0, old_h_ = 0;
   int slopes_known_ = 0;
-  bool start_known_ = false, end_known_ = false;
+  bool start_known_ = false, end_known_ = false, extrapolates_ = false;
 };
 
 }  // namespace hmax

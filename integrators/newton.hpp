@@ -78,6 +78,17 @@ class NewtonNorm {
     return sum / static_cast<Real>(d.size());
   }
 
+  /// Whether no component of y is so near to zero that only the tolerated error of it is known. Extrapolated
+  /// from there, increments may start Newton's method nearer to another solution of the stage equations, as
+  /// concentrations have one that is negative: y itself is the better start. Mechanical systems gain nothing
+  /// by that: what else might solve their equations lies far from any tolerance.
+  [[nodiscard]] bool resolves(const State& y) const {
+    if (!has_tolerances()) return true;
+    for (Eigen::Index i = 0; i < y.size(); ++i)
+      if (y[i] != 0 && std::abs(y[i]) * kappa_ <= atol_) return false;
+    return true;
+  }
+
   /// A norm relative to the largest number of the state; 0 with tolerances, which weigh numbers apart.
   [[nodiscard]] double relative(Real norm) const {
     return has_tolerances() ? 0 : static_cast<double>(norm * share_);
@@ -247,6 +258,14 @@ class Linearisation {
     evaluate(system, t, y, J_, id_);
     due_ = false;
     is_current_ = true;
+  }
+
+  /// Whether the equations are those of a mechanical system.
+  [[nodiscard]] bool is_mechanical() const {
+    if constexpr (detail::is_variant<Matrix>)
+      return std::visit([]<class Held>(const Held& /*J*/) { return detail::is_mechanical<Held>; }, matrix());
+    else
+      return detail::is_mechanical<Matrix>;
   }
 
   /// df/dy as this attempt uses it, and a number that differs for different ones.

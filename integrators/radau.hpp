@@ -82,6 +82,8 @@ class RadauIIA5 {
       slope_known_ = true;
     }
     attempt_memory_ = memory_;
+    extrapolates_ = old_h_ > 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
+    if (!extrapolates_) attempt_memory_ = {};  // what is known is of better starts
     if (!solve(system, t, y, h)) return StepStatus::newton_failed;
     detail::assign(y_new, [&](auto access) { return access(y) + access(z_[2]); });
     return StepStatus::ok;
@@ -264,10 +266,11 @@ class RadauIIA5 {
     (std::make_index_sequence<3>{});
   }
 
-  /// z from the polynomial of the last step continued to this one; zero at the first.
+  /// z from the polynomial of the last step continued to this one; zero at the first, and where that says
+  /// nothing.
   void predict(Real h) {
     for (std::size_t i = 0; i < 3; ++i) {
-      const Real u = old_h_ > 0 ? c(i) * h / old_h_ : Real(0);
+      const Real u = extrapolates_ ? c(i) * h / old_h_ : Real(0);
       detail::assign(z_[i], [&](auto access) {
         return (access(old_polynomial_[0]) +
                 (access(old_polynomial_[1]) + access(old_polynomial_[2]) * (u - c1m1)) * (u - c2m1)) *
@@ -305,6 +308,7 @@ class RadauIIA5 {
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
   Real h_ = 0, old_h_ = 0;
+  bool extrapolates_ = false;
   bool slope_known_ = false, polynomial_known_ = false;
 };
 
