@@ -40,6 +40,7 @@ enum class Damping { none, proportional, general };
 std::string_view name_of(Damping damping);
 
 /// M q'' + C q' + K q = 0, the motion near a state of a mechanical system of n degrees of freedom.
+// NOLINTNEXTLINE(bugprone-exception-escape): Eigen 3.4 copies sparse matrices that are moved
 struct MechanicalPart {
   Eigen::VectorXd mass;  ///< the diagonal of M, shape (n) [kg], all positive
   AnyMatrix K;           ///< -dF/dq, shape (n, n) [N/m]

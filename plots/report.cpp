@@ -85,7 +85,7 @@ std::filesystem::path write_report(const std::string& title, const std::string& 
                                    const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
-  const std::filesystem::path file = folder / "README.md";
+  std::filesystem::path file = folder / "README.md";
   std::ofstream stream(file, std::ios::binary);
   stream << report_text(title, introduction, sections, folder);
   stream.close();

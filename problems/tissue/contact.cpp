@@ -66,7 +66,7 @@ void ToolContact::visit_samples(double t, const NodeRows& x, const NodeRows* v, 
   const bool damps = v && tool_.damping != 0;
   const Vector3d low = pose.centre.array() - tool_.radius, high = pose.centre.array() + tool_.radius;
   for (const Triangle& triangle : triangles_) {
-    const auto [a, b, c] = triangle.points;
+    const TetMesh::Index a = triangle.points[0], b = triangle.points[1], c = triangle.points[2];
     const auto xa = as_vector(x[at(a)]), xb = as_vector(x[at(b)]), xc = as_vector(x[at(c)]);
     // Outside of the box around the tool, as nearly all are.
     bool near = true;
@@ -124,9 +124,10 @@ void ToolContact::add_blocks(double t, const NodeRows& x, const NodeRows& v, con
           sums.fill(Matrix3d::Zero());
         }
         const Matrix3d block = area * derivative(touch);
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b)
-            sums[static_cast<std::size_t>(3 * a + b)] += weights[a] * weights[b] * block;
+        for (std::size_t k = 0; k < 9; ++k) {
+          const auto a = static_cast<Eigen::Index>(k / 3), b = static_cast<Eigen::Index>(k % 3);
+          sums[k] += weights[a] * weights[b] * block;
+        }
       });
   write();
 }

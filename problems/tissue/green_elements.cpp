@@ -79,6 +79,7 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
     }
   }
   std::vector<Index> lowest;
+  lowest.reserve(order.size());
   for (const auto& p : order) lowest.push_back(p[0]);
   make_batches(pattern, lowest);
   place_rim(pattern);

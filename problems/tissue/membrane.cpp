@@ -76,11 +76,11 @@ Membrane::Stiffness Membrane::stiffness(const NodeRows& x, std::size_t triangle)
   Stiffness K;
   for (Eigen::Index b = 1; b < 3; ++b)
     for (Eigen::Index c = 0; c < 3; ++c) {
-      Gradient dF = Gradient::Zero();
-      dF.row(c) = t.gradients.row(b - 1);
-      const Matrix2d half = F.transpose() * dF;
+      Gradient change = Gradient::Zero();
+      change.row(c) = t.gradients.row(b - 1);
+      const Matrix2d half = F.transpose() * change;
       const Gradient pull =
-          t.volume * (dF * S + F * stress((half + half.transpose()) / 2)) * t.gradients.transpose();
+          t.volume * (change * S + F * stress((half + half.transpose()) / 2)) * t.gradients.transpose();
       auto column = K.col(3 * b + c);
       column.head<3>() = -(pull.col(0) + pull.col(1));
       column.segment<3>(3) = pull.col(0);

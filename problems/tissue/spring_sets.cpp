@@ -20,7 +20,7 @@ template <std::size_t k>
 struct Side {
   std::array<Index, k> shared;
   Index opposite;
-  auto operator<=>(const Side&) const = default;
+  auto operator<=>(const Side&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// The points opposite to each other across a side that two simplices share.
