@@ -151,6 +151,7 @@ Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::
     const RunEnd<Real> end = engine(Counted<Sys>(system, counts), span, y, spec, observer);
     record.outcome = end.outcome;
     record.t = end.t;
+    record.t_state = static_cast<double>(end.t_state);
     record.note = end.note;
     record.stats = end.stats;
     record.stats.rhs += counts.rhs;

@@ -60,8 +60,9 @@ using Sink = std::function<void(double t, const Eigen::Ref<const Eigen::VectorXd
 /// What came out of one run.
 struct RunRecord {
   Outcome outcome = Outcome::reached_end;
-  double t = 0;       ///< of the last accepted state, or where it diverged [s]
-  Eigen::VectorXd y;  ///< last accepted state, shape (dim)
+  double t = 0;        ///< of the last accepted state, or where it diverged [s]
+  Eigen::VectorXd y;   ///< last accepted state, shape (dim)
+  double t_state = t;  ///< when that was: before t where the run diverged [s]
   Stats stats;
   std::string_view note{};  ///< why equations were not solved; a foreign engine's own words for a failure
 };

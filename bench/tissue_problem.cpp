@@ -37,6 +37,7 @@ struct SharedBody {
   void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const { body->force(t, q, v, f); }
   void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const { body->stiffness(t, q, v, K); }
   void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const { body->damping(t, q, v, C); }
+  [[nodiscard]] bool admits(const State& y) const { return body->admits(y); }
   void offset(State& X) const { body->offset(X); }
   [[nodiscard]] double spectral_radius(double t, const State& y) const { return body->spectral_radius(t, y); }
 

@@ -250,7 +250,8 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
       return "was stopped at " + at;
     case Outcome::diverged:
       return "diverged at " + at +
-             (spec.adaptive ? "; the solution may have no bound" : "; take a smaller step");
+             (spec.adaptive ? "; the solution may have no bound, or the tolerances are too loose for it"
+                            : "; take a smaller step");
     case Outcome::step_too_small:
       return "got stuck at " + at +
              ", where no step meets the tolerances; the solution may have no bound there, or they are too "
@@ -292,6 +293,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
                 {"method", method.id},
                 {"outcome", to_string(record.outcome)},
                 {"t", record.t},
+                {"t_state", record.t_state},
                 {"y", listed(problem, record.y)},
                 {"stats",
                  {{"steps", stats.steps},
@@ -320,11 +322,11 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   }
   if (method.needs_jacobian) document["jacobian"] = to_string(spec.jacobian);
   if (problem.body) {
-    const BodyEnd end = end_of(*problem.body, record.t, record.y);
+    const BodyEnd end = end_of(*problem.body, record.t_state, record.y);
     document["max_displacement"] = end.max_displacement;
     document["energy"] = end.energy;
     document["least_volume"] = end.least_volume;
-    if (const auto tool = tool_report(problem, record.t, record.y)) document["tool"] = tool->json();
+    if (const auto tool = tool_report(problem, record.t_state, record.y)) document["tool"] = tool->json();
     document["dofs"] = problem.body->dofs();
     document["body"] = body_json(problem);
     document["realtime_factor"] = record.t / cpu_seconds;
@@ -352,18 +354,20 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
                                           : ", without error estimate");
   const std::string words = in_words(record, spec);
   text += "\n\n" + (done ? console.strong(words) : console.alarming(words)) + "\n";
+  if (record.t_state < record.t)
+    text += fmt::format("before that, at t = {} s:\n", short_number(record.t_state, 10));
   std::size_t width = 0;
   for (const std::string& state : problem.states) width = std::max(width, state.size());
   for (std::size_t i = 0; i < problem.states.size(); ++i)
     text += fmt::format("  {:<{}}  {:> .16g} {}\n", problem.states[i], width,
                         record.y[static_cast<Eigen::Index>(i)], unit_of(problem, i));
   if (problem.body) {
-    const BodyEnd end = end_of(*problem.body, record.t, record.y);
+    const BodyEnd end = end_of(*problem.body, record.t_state, record.y);
     text +=
         fmt::format("  largest displacement  {}\n  energy                {}\n  real-time factor      {}\n",
                     with_unit(1000 * end.max_displacement, "mm"), with_unit(end.energy, "J"),
                     short_number(record.t / cpu_seconds, 3));
-    if (const auto tool = tool_report(problem, record.t, record.y))
+    if (const auto tool = tool_report(problem, record.t_state, record.y))
       text += fmt::format("  tool                  {}\n", tool->words());
   }
   const Stats& stats = record.stats;

@@ -55,13 +55,14 @@ class StepView {
 /// The observer of runs nobody watches; the loop then builds no view at all.
 struct ObserveNothing {};
 
-/// How a run ended: at time t, or diverged at time t (the last bounded state is kept).
+/// How a run ended: at time t, or diverged at time t (the last admissible state is kept).
 template <class Real>
 struct RunEnd {
   Outcome outcome;
   Real t;
   Stats stats;  ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
   std::string_view note{};  ///< why equations were not solved; a foreign engine's own words for a failure
+  Real t_state = t;         ///< of the state that is kept: before t where the run diverged
 };
 
 namespace detail {
@@ -74,7 +75,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
   using State = typename Sys::State;
   using Real = real_of<State>;
   RunEnd<Real> end{Outcome::reached_end, span.t0, {}};
-  if (!is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return end;
 
   State now = y, candidate = y;
@@ -85,6 +86,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     copy_state(now, y);
     end.outcome = outcome;
     end.t = at;
+    end.t_state = std::min(t, at);
     if constexpr (requires { stepper.work(); }) {
       end.stats.factorisations = stepper.work().factorisations;
       end.stats.newton = stepper.work().newton;
@@ -109,7 +111,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
                                       ? control.judge(stepper, system, step, now, candidate)
                                       : control.failed(stepper, step);
       if (judgement == Judgement::accept) [[likely]] {
-        if (!is_bounded(candidate)) [[unlikely]]
+        if (!admits(system, candidate)) [[unlikely]]
           return finish(Outcome::diverged, step.t_next);
         ++end.stats.steps;
         if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
@@ -119,7 +121,8 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
             State stopped = now;
             view.at(*view.stop(), stopped);
             now = stopped;
-            return finish(Outcome::stopped, *view.stop());
+            t = *view.stop();
+            return finish(Outcome::stopped, t);
           }
         }
         stepper.accept(candidate);

@@ -57,7 +57,7 @@ inline void copy_state(const State& y, State& out) {
 }
 
 /// True when the squares of the components can still be summed: false for NaN, infinity and magnitudes beyond
-/// the square root of the largest number. This is what `diverged` means.
+/// the square root of the largest number.
 template <class State>
 inline bool is_bounded(const State& y) {
   using Real = real_of<State>;
@@ -68,6 +68,18 @@ inline bool is_bounded(const State& y) {
   } else {
     return y.squaredNorm() <= std::numeric_limits<Real>::max();
   }
+}
+
+/// Whether a solution of the system can be at y. A run that leaves what its system admits is
+/// `diverged`: of
+/// concentrations that add up to one, of a body that would be a million times its size. A type says so by
+/// `bool admits(const State& y) const`; others admit every bounded state.
+template <System S>
+constexpr bool admits(const S& system, const typename S::State& y) {
+  if constexpr (requires { system.admits(y); })
+    return is_bounded(y) && system.admits(y);
+  else
+    return is_bounded(y);
 }
 
 /// max |v_i|; NaN when there is one.

@@ -18,7 +18,7 @@ enum class StepStatus {
 enum class Outcome {
   reached_end,
   stopped,         ///< an observer asked for it (a terminal event)
-  diverged,        ///< the state is not finite or beyond the square root of the largest number
+  diverged,        ///< the state is not finite, or not what the system admits
   step_too_small,  ///< a step no longer changes t, or the error test fails at one that hardly does
   too_many_steps,
   newton_failed,

@@ -43,6 +43,7 @@ class BasicAnySystem {
   void time_derivative(Real t, const State& y, State& dfdt) const { self_->time_derivative(t, y, dfdt); }
   [[nodiscard]] bool has_spectral_radius() const { return self_->has_spectral_radius(); }
   [[nodiscard]] Real spectral_radius(Real t, const State& y) const { return self_->spectral_radius(t, y); }
+  [[nodiscard]] bool admits(const State& y) const { return self_->admits(y); }
   [[nodiscard]] bool has_offset() const { return self_->has_offset(); }
   void offset(State& X) const { self_->offset(X); }
 
@@ -77,6 +78,7 @@ class BasicAnySystem {
     virtual void time_derivative(Real, const State&, State&) const = 0;
     virtual bool has_spectral_radius() const = 0;
     virtual Real spectral_radius(Real, const State&) const = 0;
+    virtual bool admits(const State&) const = 0;
     virtual bool has_offset() const = 0;
     virtual void offset(State&) const = 0;
     virtual Eigen::Index dofs() const = 0;
@@ -211,6 +213,14 @@ class BasicAnySystem {
             system_.spectral_radius(static_cast<OwnReal>(t), Own(y.template cast<typename Own::Scalar>())));
       else
         return Real{0};
+    }
+    bool admits(const State& y) const override {
+      if constexpr (!requires(const Own& own) { system_.admits(own); })
+        return true;
+      else if constexpr (std::is_same_v<Own, State>)
+        return system_.admits(y);
+      else
+        return system_.admits(Own(y.template cast<typename Own::Scalar>()));
     }
     bool has_offset() const override { return with_offset; }
     void offset(State& X) const override {

@@ -100,10 +100,22 @@ class Walk {
   }
   void reject() { ++run_.stats.rejected; }
 
+  /// Whether a solution can be at `next`, as hmax::admits tells.
+  template <class Sys>
+  bool admitted(const Sys& system) {
+    if (!is_bounded(next)) return false;
+    if constexpr (requires { system.admits(end_); }) {
+      to_state(next, end_);
+      return system.admits(end_);
+    }
+    return true;
+  }
+
   RunEnd<Real> finish(Outcome outcome, Real at, std::string_view note = {}) {
     to_state(now, y_);
     run_.outcome = outcome;
     run_.t = at;
+    run_.t_state = t;
     run_.note = note;
     return run_;
   }
@@ -133,7 +145,7 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
                                                      typename Sys::State& y, real_of<typename Sys::State> h,
                                                      Observer&& observer, std::int64_t max_steps) {
   using Real = real_of<typename Sys::State>;
-  if (!hmax::is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
   Peer peer(system);
   detail::Walk<Peer, typename Sys::State, std::remove_reference_t<Observer>> walk(peer, span.t0, y, observer);
@@ -148,7 +160,7 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
     } catch (const NotSolved&) {
       return walk.finish(Outcome::newton_failed, walk.t, detail::not_solved);
     }
-    if (!detail::is_bounded(walk.next)) return walk.finish(Outcome::diverged, step.t_next);
+    if (!walk.admitted(system)) return walk.finish(Outcome::diverged, step.t_next);
     control.judge(peer, system, step, y, y);
     if (walk.accept(step.t_next)) return walk.finish(Outcome::stopped, walk.t);
     if (step.last) return walk.finish(Outcome::reached_end, walk.t);
@@ -166,7 +178,7 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
                                                         real_of<typename Sys::State> atol, int first_order,
                                                         Observer&& observer, std::int64_t max_steps) {
   using Real = real_of<typename Sys::State>;
-  if (!hmax::is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
   Peer peer(system, rtol, atol);
   detail::Walk<Peer, typename Sys::State, std::remove_reference_t<Observer>> walk(peer, span.t0, y, observer);
@@ -206,6 +218,7 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
       last = last && peer.reached() >= t + tried;
       t_next = last ? span.t_end : peer.reached();
     }
+    if (!walk.admitted(system)) return walk.finish(Outcome::diverged, t_next);
     if (walk.accept(t_next)) return walk.finish(Outcome::stopped, walk.t);
     if (last) return walk.finish(Outcome::reached_end, walk.t);
   }

@@ -186,7 +186,7 @@ template <System Sys, class Observer>
 RunEnd<double> integrate(const Method& method, const Settings& settings, const Sys& system, Span<double> span,
                          typename Sys::State& y, Observer&& observer, std::int64_t max_steps) {
   using State = typename Sys::State;
-  if (!is_bounded(y)) return {Outcome::diverged, span.t0, {}};
+  if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
 
   SUNContext context = this_context();
@@ -203,6 +203,7 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
   auto finish = [&](Outcome outcome, double at, std::string_view note = {}) {
     RunEnd<double> end{outcome, at, solver->stats()};
     end.note = note;
+    end.t_state = std::min(t, at);
     return end;
   };
   const std::int64_t fixed_steps =
@@ -220,7 +221,7 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
     if (steps == fixed_steps) t_next = span.t_end;
     if (!(t_next > t))
       return finish(Outcome::step_too_small, t, "SUNDIALS takes steps that no longer change the time");
-    if (!is_bounded(y_next)) return finish(Outcome::diverged, t_next);
+    if (!admits(system, y_next)) return finish(Outcome::diverged, t_next);
     if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
       detail::View<State> view(*solver, t, t_next, y, y_next, inside.get());
       observer(view);

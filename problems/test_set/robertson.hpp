@@ -1,6 +1,7 @@
 /// Three reactions whose rates lie nine powers of ten apart.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -70,6 +71,11 @@ class Robertson {
     J(2, 0) = Real(0);
     J(2, 1) = Real(2) * k2_ * y[1];
     J(2, 2) = Real(0);
+  }
+
+  /// No concentration is negative but for what rounding and tolerances make of 0.
+  [[nodiscard]] static bool admits(const State& y) noexcept {
+    return y.minCoeff() >= Real(-0.1) * std::max(Real(1), total(y));
   }
 
   /// y1 + y2 + y3, constant along solutions.

@@ -50,6 +50,7 @@ TissueBody::TissueBody(const TetMesh& mesh, TissueSettings settings, std::shared
   distribute_mass();
   build_elastic_parts();
   build_rayleigh_damping();
+  size_ = (mesh_.points.rowwise().maxCoeff() - mesh_.points.rowwise().minCoeff()).norm();
 }
 
 void TissueBody::offset(State& X) const {
@@ -438,6 +439,19 @@ Eigen::VectorXd TissueBody::energy_densities(double t, const Dofs& q) const {
         }
       },
       elements_);
+}
+
+bool TissueBody::admits(const State& y) const {
+  constexpr double most = 1e4;
+  if (dofs() == 0) return true;
+  const auto q = y.head(dofs()).reshaped(3, dofs() / 3);
+  Eigen::Vector3d low = q.rowwise().minCoeff(), high = q.rowwise().maxCoeff();
+  // What is held stays where it is, or moves within the size of a body.
+  if (free_points_.size() < static_cast<std::size_t>(mesh_.points.cols())) {
+    low = low.cwiseMin(0.0);
+    high = high.cwiseMax(0.0);
+  }
+  return (high - low).norm() <= most * size_;
 }
 
 std::pair<double, Eigen::Index> TissueBody::least_volume(double t, const Dofs& q) const {

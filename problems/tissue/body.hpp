@@ -84,6 +84,10 @@ class TissueBody {
   ///   |l| <= (c + sqrt(c^2 + 4 k)) / 2.
   [[nodiscard]] double spectral_radius(double t, const State& y) const;
 
+  /// False where displacements differ by more than ten thousand times the size of the body: no tissue holds
+  /// together there, and a run that comes so far has diverged.
+  [[nodiscard]] bool admits(const State& y) const;
+
   [[nodiscard]] const TetMesh& mesh() const { return mesh_; }
   /// Where the mesh comes from; null where it was made in memory.
   [[nodiscard]] const std::shared_ptr<const MeshOrigin>& origin() const { return origin_; }
@@ -141,6 +145,7 @@ class TissueBody {
   std::shared_ptr<const MeshOrigin> origin_;
   TissueSettings settings_;
   double settled_ = 0;
+  double size_ = 0;  ///< the diagonal of the box around the mesh [m]
   bool has_dampers_ = false, tools_damp_ = false;
   std::vector<Index> free_points_;
   Eigen::VectorXd point_mass_;
