@@ -26,8 +26,8 @@ inline std::string encode_base64(std::string_view bytes) {
 }
 
 /// What a text stands for, without blanks. Padding may stand in the middle, where two encodings were joined.
-/// Reading ends with `most` bytes; empty when a character is none of base64 before.
-inline std::optional<std::string> decode_base64(std::string_view text, std::size_t most) {
+/// Empty when a character is none of base64 or is missing.
+inline std::optional<std::string> decode_base64(std::string_view text) {
   static constexpr auto values = [] {
     std::array<std::int8_t, 256> table{};
     table.fill(-1);
@@ -36,29 +36,22 @@ inline std::optional<std::string> decode_base64(std::string_view text, std::size
     return table;
   }();
   std::string bytes;
-  bytes.reserve(std::min(most, text.size() / 4 * 3 + 3));
+  bytes.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t bits = 0;
-  int letters = 0;
-  const auto flush = [&] {
-    // Two letters hold one byte, three hold two, four three.
-    bits <<= 6 * (4 - letters);
-    for (int k = 0; k + 1 < letters; ++k) bytes += static_cast<char>(bits >> (16 - 8 * k) & 255);
-    bits = 0;
-    letters = 0;
-  };
+  int letters = 0, padding = 0;
   for (const char c : text) {
-    if (bytes.size() >= most) break;
     if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
-    if (c == '=') {
-      flush();
-      continue;
-    }
-    const std::int8_t value = values[static_cast<unsigned char>(c)];
-    if (value < 0) return std::nullopt;
+    const std::int8_t value = c == '=' ? std::int8_t{0} : values[static_cast<unsigned char>(c)];
+    // Padding stands for the last or the last two letters of four.
+    if (value < 0 || (c == '=' ? letters < 2 : padding > 0)) return std::nullopt;
     bits = bits << 6 | static_cast<std::uint32_t>(value);
-    if (++letters == 4) flush();
+    padding += c == '=' ? 1 : 0;
+    if (++letters < 4) continue;
+    for (int k = 0; k < 3 - padding; ++k) bytes += static_cast<char>(bits >> (16 - 8 * k) & 255);
+    bits = 0;
+    letters = padding = 0;
   }
-  if (letters > 1) flush();
+  if (letters > 0) return std::nullopt;
   return bytes;
 }
 

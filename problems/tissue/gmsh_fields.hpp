@@ -27,6 +27,13 @@ struct GmshFields {
       text.fail(std::string(what) + " is not finite; correct it or export the mesh again");
     return value;
   }
+  /// Rows are lines where numbers are words.
+  void begin_row() {
+    if (!binary) text.begin_line();
+  }
+  void end_row(const char* what) {
+    if (!binary) text.end_line(what);
+  }
   /// How many of something follow, each of `numbers` numbers of `bytes` bytes.
   std::size_t count(const char* what, std::size_t numbers, std::size_t bytes) {
     const std::int64_t value = bytes == 8 ? large(what) : integer(what);
@@ -45,13 +52,46 @@ struct GmshType {
 
 GmshType gmsh_type(std::int64_t type);
 
+/// The head of a section, alone on its line.
+inline std::string gmsh_section(MeshText& text) {
+  text.begin_line();
+  std::string section(text.word("a section"));
+  if (!section.starts_with("$"))
+    text.fail("a section such as $Nodes should be here and not " + in_quotes(section) +
+              "; export the mesh again");
+  text.end_line("the head of a section");
+  text.line();
+  return section;
+}
+
+/// How many of something follow, alone on a line of words.
+inline std::size_t gmsh_count(MeshText& text, const char* what, std::size_t bytes) {
+  text.begin_line();
+  const std::size_t count = text.count(what, bytes);
+  text.end_line("a count");
+  text.line();
+  return count;
+}
+
+/// Expects the word that closes a section, alone on its line.
+inline void require_closing(MeshText& text, std::string_view opening, std::string_view end = "$End") {
+  const std::string closing = std::string(end) + std::string(opening.substr(1));
+  if (text.peek() != closing)
+    text.fail(closing + " should be here and not " + in_quotes(text.peek()) +
+              "; a count in the section is wrong or the file is cut off, so export it again");
+  text.word("");
+  text.end_line("the end of a section");
+}
+
 /// Reads what follows $PhysicalNames. Names are words in binary files too.
 inline void read_physical_names(MeshText& text, MeshBuilder& builder) {
-  const std::size_t count = text.count("physical names", 6);
+  const std::size_t count = gmsh_count(text, "physical names", 6);
   for (std::size_t i = 0; i < count; ++i) {
+    text.begin_line();
     const std::int64_t dimension = text.integer("the dimension of a physical group");
     const std::int64_t number = text.integer("the number of a physical group");
     builder.name_group(dimension, number, text.quoted("the name of a physical group"), text);
+    text.end_line("a physical group");
   }
 }
 
@@ -60,15 +100,12 @@ template <class Node>
 void add_gmsh_element(MeshBuilder& builder, const GmshType& type, std::int64_t number, std::int64_t place,
                       std::span<const std::int64_t> groups, const MeshText& text, Node node) {
   const bool tetrahedron = type.kind == CellKind::tetrahedron;
-  const std::size_t count =
-      tetrahedron || std::ranges::any_of(groups, [](std::int64_t group) { return group != 0; })
-          ? corner_count(type.kind)
-          : 0;
+  const std::size_t count = corner_count(type.kind);
   std::array<TetMesh::Index, 4> corners{};
   for (std::size_t i = 0; i < type.nodes; ++i) {
-    const std::int64_t point = node();
-    if (i < count)
-      corners[i] = builder.numbered_point(point, text, number, tetrahedron ? "tetrahedron" : "element");
+    const TetMesh::Index point =
+        builder.numbered_point(node(), text, number, tetrahedron ? "tetrahedron" : "element");
+    if (i < count) corners[i] = point;
   }
   if (type.kind == CellKind::triangle) builder.add_triangles(1);
   if (tetrahedron) {

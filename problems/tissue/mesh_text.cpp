@@ -43,6 +43,9 @@ void MeshText::fail(const std::string& text) const {
 }
 
 void MeshText::fail_at_end(const char* what) const {
+  if (in_line_ && at_ < text_.size())
+    fail(std::string("the line ends where ") + what +
+         " should be; the file is damaged, so copy or export it again");
   fail(std::string("the file ends where ") + what + " should be; it is cut off, so copy or export it again");
 }
 
@@ -50,6 +53,7 @@ void MeshText::skip_blanks() {
   while (at_ < text_.size()) {
     const char c = text_[at_];
     if (c == '\n') {
+      if (in_line_) return;
       ++line_;
     } else if (comment_ && c == comment_) {
       at_ = std::min(text_.find('\n', at_), text_.size());
@@ -144,6 +148,27 @@ std::size_t MeshText::count(const char* what, std::size_t bytes) {
   if (value < 0) fail("the file announces " + std::to_string(value) + " " + what + "; export the mesh again");
   require_room(static_cast<std::size_t>(value), what, bytes);
   return static_cast<std::size_t>(value);
+}
+
+void MeshText::begin_line() {
+  skip_blanks();
+  in_line_ = true;
+}
+
+void MeshText::end_line(const char* what) {
+  in_line_ = true;
+  if (const std::string_view left = peek(); !left.empty())
+    fail("the line of " + std::string(what) + " goes on with " + in_quotes(left) +
+         "; the file is damaged, so copy or export it again");
+  in_line_ = false;
+}
+
+void MeshText::require_end() {
+  if (!at_end())
+    fail("the file goes on with " + in_quotes(peek()) +
+         " where it should end; a count before is wrong, so export the mesh again");
+  if (!text_.ends_with('\n'))
+    fail("the last line has no end; the file is cut off, so copy or export it again, or add a line break");
 }
 
 std::string_view MeshText::line() {

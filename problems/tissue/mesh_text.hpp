@@ -56,6 +56,14 @@ class MeshText {
   std::size_t count(const char* what, std::size_t bytes);
   /// Refuses `count` of something that the rest cannot hold.
   void require_room(std::size_t count, const char* what, std::size_t bytes) const;
+  /// From now on words come from the line of the next word alone, until end_line(). A word that is lost is
+  /// then missed on its own line and not made up for by the next one.
+  void begin_line();
+  /// Refuses words that are left on the line. @param what  it holds, for the error
+  void end_line(const char* what);
+  /// Refuses all that is left, and a last line that has no end: of a file whose format marks no end, that is
+  /// all that tells that it was cut off.
+  void require_end();
   /// The rest of this line, without its end; the cursor stands at the next line.
   std::string_view line();
   /// Goes behind the next occurrence of `word`, which must be there.
@@ -85,7 +93,7 @@ class MeshText {
   std::size_t last_ = 0;  ///< where the last raw value began
   std::int64_t line_ = 1, about_ = -1;
   char comment_;
-  bool raw_ = false;
+  bool raw_ = false, in_line_ = false;
 };
 
 /// "NAME, line N: " or "NAME, byte N: "

@@ -9,39 +9,31 @@ namespace hmax {
 
 namespace {
 
-/// Expects the word that closes a section.
-void require_closing(MeshText& text, std::string_view closing, std::string_view opening) {
-  if (text.peek() == closing) {
-    text.word("");
-    return;
-  }
-  text.fail(std::string(closing) + " should be here and not " + in_quotes(text.peek()) +
-            "; the count after " + std::string(opening) +
-            " is wrong or the file is cut off, so export it again");
-}
-
 void read_points(MeshBuilder& builder, GmshFields& fields, std::size_t count) {
   builder.reserve_points(count);
   for (std::size_t i = 0; i < count; ++i) {
+    fields.begin_row();
     const std::int64_t number = fields.integer("the number of a node");
     const double x = fields.real("the x coordinate"), y = fields.real("the y coordinate");
     builder.add_point(number, x, y, fields.real("the z coordinate"));
+    fields.end_row("a node");
   }
 }
 
 MeshFile read_version_1(MeshText& text) {
   MeshBuilder builder;
   while (!text.at_end()) {
-    const std::string section(text.word("a section"));
+    const std::string section = gmsh_section(text);
     if (section == "$NOD") {
-      const std::size_t count = text.count("nodes", 8);
+      const std::size_t count = gmsh_count(text, "nodes", 8);
       GmshFields fields{text, false, false};
       read_points(builder, fields, count);
-      require_closing(text, "$ENDNOD", section);
+      require_closing(text, section, "$END");
       builder.number_points(text);
     } else if (section == "$ELM") {
-      const std::size_t count = text.count("elements", 12);
+      const std::size_t count = gmsh_count(text, "elements", 12);
       for (std::size_t i = 0; i < count; ++i) {
+        text.begin_line();
         const std::int64_t place = text.place(), number = text.integer("the number of an element");
         const std::int64_t type = text.integer("the type of an element");
         const std::int64_t region = text.integer("the physical region");
@@ -55,13 +47,11 @@ MeshFile read_version_1(MeshText& text) {
                     "; export the mesh again");
         add_gmsh_element(builder, known, number, place, std::array{region}, text,
                          [&] { return text.integer("a node of an element"); });
+        text.end_line("an element");
       }
-      require_closing(text, "$ENDELM", section);
-    } else if (section.starts_with("$")) {
-      text.skip_behind("$END" + section.substr(1));
+      require_closing(text, section, "$END");
     } else {
-      text.fail("a section such as $NOD should be here and not " + in_quotes(section) +
-                "; export the mesh again");
+      text.skip_behind("$END" + section.substr(1));
     }
   }
   return builder.finish(text, "Gmsh 1");
@@ -71,19 +61,16 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
   MeshBuilder builder;
   GmshFields fields{text, binary, swapped};
   while (!text.at_end()) {
-    const std::string section(text.word("a section"));
+    const std::string section = gmsh_section(text);
     if (section == "$PhysicalNames") {
       read_physical_names(text, builder);
-      require_closing(text, "$EndPhysicalNames", section);
+      require_closing(text, section);
     } else if (section == "$Nodes") {
-      const std::size_t count = text.count("nodes", binary ? 28 : 8);
-      text.line();
-      read_points(builder, fields, count);
-      require_closing(text, "$EndNodes", section);
+      read_points(builder, fields, gmsh_count(text, "nodes", binary ? 28 : 8));
+      require_closing(text, section);
       builder.number_points(text);
     } else if (section == "$Elements") {
-      const std::size_t count = text.count("elements", binary ? 8 : 6);
-      text.line();
+      const std::size_t count = gmsh_count(text, "elements", binary ? 8 : 6);
       for (std::size_t done = 0; done < count;) {
         // In binary files a head stands before all elements of the same kind.
         std::int64_t number = 0, type = 0, tags = 0;
@@ -97,6 +84,7 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
                       std::to_string(count - done) + " are left; export the mesh again");
         }
         for (std::size_t i = 0; i < alike; ++i, ++done) {
+          fields.begin_row();
           const std::int64_t place = text.place();
           number = fields.integer("the number of an element");
           if (!binary) {
@@ -115,14 +103,12 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
           require_readable(known.kind, type, number, text);
           add_gmsh_element(builder, known, number, place, std::array{region}, text,
                            [&] { return fields.integer("a node of an element"); });
+          fields.end_row("an element");
         }
       }
-      require_closing(text, "$EndElements", section);
-    } else if (section.starts_with("$")) {
-      text.skip_behind("$End" + section.substr(1));
+      require_closing(text, section);
     } else {
-      text.fail("a section such as $Nodes should be here and not " + in_quotes(section) +
-                "; export the mesh again");
+      text.skip_behind("$End" + section.substr(1));
     }
   }
   return builder.finish(text, binary ? "Gmsh 2, binary" : "Gmsh 2");
@@ -152,10 +138,12 @@ MeshFile read_gmsh(const std::string& name, std::string_view bytes) {
   if (first != "$MeshFormat")
     text.fail("a Gmsh file begins with $MeshFormat or $NOD and not with " + in_quotes(first) +
               "; export the mesh again or correct the extension");
-  text.word("");
+  const std::string section = gmsh_section(text);
+  text.begin_line();
   const std::string version(text.word("the version of the format"));
   const std::int64_t kind = text.integer("the file type");
   const std::int64_t size = text.integer("the size of numbers");
+  text.end_line("the format");
   text.line();
   if (kind != 0 && kind != 1)
     text.fail("the file type is " + std::to_string(kind) +
@@ -174,7 +162,7 @@ MeshFile read_gmsh(const std::string& name, std::string_view bytes) {
           "the number that tells the byte order is not 1; the file was damaged or written as text, so "
           "export it again");
   }
-  require_closing(text, "$EndMeshFormat", "$MeshFormat");
+  require_closing(text, section);
   if (version.starts_with("4.1")) return read_gmsh_4(text, binary, swapped);
   if (version == "2" || version.starts_with("2.")) return read_version_2(text, binary, swapped);
   text.fail("version " + in_quotes(version) +

@@ -23,6 +23,22 @@ constexpr std::array<MeditSection, 6> sections{{{"Tetrahedra", CellKind::tetrahe
                                                 {"Edges", CellKind::line, 2},
                                                 {"EdgesP2", CellKind::line, 3}}};
 
+/// Sections of numbers without a count before them.
+constexpr std::array<std::string_view, 3> uncounted{"AngleOfCornerBound", "BoundingBox", "Time"};
+
+/// Goes beyond a section that nobody needs. Its rows must be as many as it says: otherwise it has swallowed
+/// the rows of a section whose head is lost.
+void skip_section(MeshText& text, const std::string& section) {
+  const bool counted = std::ranges::find(uncounted, section) == uncounted.end();
+  const std::size_t rows = counted ? text.count("entries", 1) : 0;
+  std::size_t numbers = 0;
+  for (; !text.at_end() && !is_letter(text.peek().front()); ++numbers) text.word("");
+  if (counted && (rows == 0 ? numbers > 0 : numbers == 0 || numbers % rows != 0))
+    text.fail("the section " + in_quotes(section) + " announces " + std::to_string(rows) +
+              " entries and holds " + std::to_string(numbers) +
+              " numbers; the file is damaged, so copy or export it again");
+}
+
 void read_elements(MeshText& text, MeshBuilder& builder, const MeditSection& section) {
   const bool tetrahedra = section.kind == CellKind::tetrahedron;
   const std::size_t count = text.count(tetrahedra ? "tetrahedra" : "elements", 2 * section.points + 2);
@@ -33,9 +49,9 @@ void read_elements(MeshText& text, MeshBuilder& builder, const MeditSection& sec
     const std::int64_t place = text.place();
     std::array<TetMesh::Index, 4> corners{};
     for (std::size_t k = 0; k < section.points; ++k) {
-      const std::int64_t vertex = text.integer("a corner of an element");
-      if (k < corner_count(section.kind))
-        corners[k] = builder.counted_point(vertex, text, number, tetrahedra ? "tetrahedron" : "element");
+      const TetMesh::Index vertex = builder.counted_point(text.integer("a corner of an element"), text,
+                                                          number, tetrahedra ? "tetrahedron" : "element");
+      if (k < corner_count(section.kind)) corners[k] = vertex;
     }
     const std::int64_t reference = text.integer("the reference of an element");
     if (tetrahedra)
@@ -86,10 +102,12 @@ MeshFile read_medit(const std::string& name, std::string_view bytes) {
       if (text.count("volumes", 2) > 0)
         text.fail("the file holds " + section + "; mesh the body with tetrahedra only");
     } else {
-      while (!text.at_end() && !is_letter(text.peek().front())) text.word("");
+      skip_section(text, section);
     }
   }
   if (!ended) text.fail("End is missing; the file is cut off, so copy or export it again");
+  if (!text.at_end())
+    text.fail("the file goes on with " + in_quotes(text.peek()) + " behind End; export the mesh again");
   return builder.finish(text, "Medit");
 }
 

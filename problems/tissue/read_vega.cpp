@@ -19,6 +19,7 @@ class VegaReader {
       text_.fail("a Vega file begins with a section such as *VERTICES and not with " +
                  in_quotes(text_.peek()) + "; export the mesh again or correct the extension");
     while (!text_.at_end()) read_section();
+    text_.require_end();
     set_regions();
     return builder_.finish(text_, "Vega");
   }
@@ -48,7 +49,9 @@ class VegaReader {
     } else if (section == "*INCLUDE") {
       text_.fail("the file includes another one; put its text here instead");
     } else if (section == "*MATERIAL") {
-      list();  // materials of a body are for --set and --material to say
+      // Materials of a body are for --set and --material to say.
+      if (list().size() < 2)
+        text_.fail("a material has no values; the file is cut off, so copy or export it again");
     } else {
       text_.fail("a section such as *ELEMENTS should be here and not " + in_quotes(section) +
                  "; a count before it is wrong, so export the mesh again");
@@ -57,15 +60,18 @@ class VegaReader {
 
   void read_vertices() {
     if (builder_.point_count() > 0) text_.fail("there are two sections *VERTICES; export the mesh again");
+    text_.begin_line();
     const std::size_t count = text_.count("vertices", 8);
     if (const std::int64_t dimension = text_.integer("the dimension"); dimension != 3)
       text_.fail("the vertices have " + std::to_string(dimension) + " coordinates; a body needs 3");
-    text_.line();
+    read_reserved("the counts of vertices");
     builder_.reserve_points(count);
     for (std::size_t i = 0; i < count; ++i) {
+      text_.begin_line();
       const std::int64_t number = text_.integer("the number of a vertex");
       const double x = text_.number("the x coordinate"), y = text_.number("the y coordinate");
       builder_.add_point(number, x, y, text_.number("the z coordinate"));
+      text_.end_line("a vertex");
     }
     builder_.number_points(text_);
   }
@@ -73,21 +79,30 @@ class VegaReader {
   void read_elements() {
     if (const auto type = text_.word("the type of elements"); !type.starts_with("TET"))
       text_.fail("the elements are of type " + in_quotes(type) + "; mesh the body with tetrahedra only");
+    text_.begin_line();
     const std::size_t count = text_.count("tetrahedra", 10);
     if (const std::int64_t corners = text_.integer("the number of vertices of an element"); corners != 4)
       text_.fail("a tetrahedron has " + std::to_string(corners) +
                  " vertices instead of 4; export the mesh again");
-    text_.line();
+    read_reserved("the counts of elements");
     builder_.reserve_tetrahedra(count);
     for (std::size_t i = 0; i < count; ++i) {
+      text_.begin_line();
       const std::int64_t place = text_.place(), number = text_.integer("the number of an element");
       std::array<TetMesh::Index, 4> corners{};
       for (TetMesh::Index& corner : corners)
         corner = builder_.numbered_point(text_.integer("a vertex of an element"), text_, number);
       if (!elements_.emplace(number, builder_.tetrahedron_count()).second)
         text_.fail("element " + std::to_string(number) + " is given twice; remove one of them");
+      text_.end_line("an element");
       builder_.add_tetrahedron(corners, number, place, 0, text_);
     }
+  }
+
+  /// The numbers at the end of a line of counts, which the format keeps for later use.
+  void read_reserved(const char* what) {
+    while (!text_.peek().empty()) text_.integer("a reserved number");
+    text_.end_line(what);
   }
 
   void read_set() {
@@ -107,6 +122,9 @@ class VegaReader {
         set.push_back(element->second);
       }
     }
+    if (set.empty())
+      text_.fail("the set " + in_quotes(name) +
+                 " has no elements; the file is cut off, so copy or export it again");
   }
 
   /// Regions have numbers from 1 and the names of their sets; where they overlap the last one counts.

@@ -13,15 +13,25 @@ namespace {
 
 constexpr std::int64_t second_order_tetrahedron = 24;
 
-CellKind vtk_kind(std::int64_t type) {
-  if (type == 10 || type == second_order_tetrahedron) return CellKind::tetrahedron;
-  if (type == 5 || type == 22 || type == 34 || type == 69) return CellKind::triangle;
-  if (type == 3 || type == 21) return CellKind::line;
-  if (type == 1) return CellKind::point;
-  if (type == 71 || type == 78) return CellKind::high_order;
-  constexpr std::array<std::int64_t, 16> flat{0, 2, 4, 6, 7, 8, 9, 23, 28, 30, 35, 36, 68, 70, 75, 76};
-  if (std::ranges::find(flat, type) != flat.end()) return CellKind::flat;
-  return type > 0 && type < 100 ? CellKind::other_volume : CellKind::unknown;
+/// A type of cells: what it is here, and how many points it has, unless that differs from cell to cell.
+struct VtkType {
+  std::int64_t type;
+  CellKind kind;
+  std::optional<std::int64_t> points{};
+};
+
+VtkType vtk_type(std::int64_t type) {
+  using enum CellKind;
+  constexpr std::array<VtkType, 25> known{
+      {{0, flat, 0},         {1, point, 1},  {2, flat},         {3, line, 2},  {4, flat},
+       {5, triangle, 3},     {6, flat},      {7, flat},         {8, flat, 4},  {9, flat, 4},
+       {10, tetrahedron, 4}, {21, line, 3},  {22, triangle, 6}, {23, flat, 8}, {24, tetrahedron, 10},
+       {28, flat, 9},        {30, flat, 6},  {34, triangle, 7}, {35, flat, 4}, {36, flat},
+       {68, flat},           {69, triangle}, {70, flat},        {75, flat},    {76, flat}}};
+  if (const auto* const found = std::ranges::find(known, type, &VtkType::type); found != known.end())
+    return *found;
+  if (type == 71 || type == 78) return {type, high_order};
+  return {type, type > 0 && type < 100 ? other_volume : unknown};
 }
 
 /// Numbers one after the other as a legacy file names their types: words, or raw with the highest byte first.
@@ -32,6 +42,7 @@ class LegacyValues {
   /// Begins an array after its head line. @throws std::invalid_argument unless `count` values have room
   void begin(std::string_view type, std::size_t count, const char* what) {
     type_ = type;
+    if (!binary_ && (type == "bit" || type == "string")) return;  // of arrays that nobody needs
     if (size_of() == 0)
       text_.fail("the type of numbers " + in_quotes(type) +
                  " is not read; save the mesh with double and int");
@@ -101,6 +112,12 @@ class LegacyValues {
   std::string type_;
 };
 
+/// Ends the line of a head, behind which values begin.
+void end_head(MeshText& text) {
+  text.end_line("the head of an array");
+  text.line();
+}
+
 /// METADATA goes on to the next empty line.
 void skip_paragraph(MeshText& text) {
   text.line();
@@ -110,7 +127,7 @@ void skip_paragraph(MeshText& text) {
 
 std::vector<std::int64_t> read_integers(MeshText& text, LegacyValues& values, std::string_view type,
                                         std::size_t count, const char* what) {
-  text.line();
+  end_head(text);
   values.begin(type, count, what);
   std::vector<std::int64_t> list(count);
   for (std::int64_t& value : list) value = values.integer(what);
@@ -120,7 +137,7 @@ std::vector<std::int64_t> read_integers(MeshText& text, LegacyValues& values, st
 /// Reads what follows CELLS: both ways to write it.
 void read_cells(MeshText& text, LegacyValues& values, VtkCells& cells, std::vector<std::int64_t>& places) {
   const std::size_t first = text.count("cells", 2), second = text.count("numbers of cells", 2);
-  text.line();
+  end_head(text);
   if (text.peek().starts_with("OFFSETS")) {
     text.word("");
     const std::string type(text.word("the type of offsets"));
@@ -145,6 +162,9 @@ void read_cells(MeshText& text, LegacyValues& values, VtkCells& cells, std::vect
       cells.connectivity.push_back(values.integer("a point of a cell"));
     cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
   }
+  if (first + cells.connectivity.size() != second)
+    text.fail("the cells are " + std::to_string(first + cells.connectivity.size()) + " numbers instead of " +
+              std::to_string(second) + "; export the mesh again");
 }
 
 std::vector<std::int64_t> read_values(LegacyValues& values, std::string_view type, std::size_t count) {
@@ -154,44 +174,120 @@ std::vector<std::int64_t> read_values(LegacyValues& values, std::string_view typ
   return list;
 }
 
-/// Looks through the data behind the cells for regions; an unknown section ends the search.
-std::vector<std::int64_t> read_regions(MeshText& text, LegacyValues& values, std::size_t cells) {
-  std::size_t count = 0;
-  bool of_cells = false;
-  while (!text.at_end()) {
-    const std::string section(text.word("a section"));
+/// Reads the data behind the cells to the end of the file, for the regions among them.
+class LegacyData {
+ public:
+  LegacyData(MeshText& text, LegacyValues& values, std::size_t points, std::size_t cells)
+      : text_(text), values_(values), points_(points), cells_(cells) {}
+
+  /// One for each cell, or none.
+  std::vector<std::int64_t> regions() {
+    while (!text_.at_end()) read_section(std::string(text_.word("a section")));
+    if (awaited_)
+      text_.fail(
+          "the values of points or cells are missing; the file is cut off, so copy or export it again");
+    return std::move(regions_);
+  }
+
+ private:
+  /// Arrays of one head line `SECTION NAME TYPE` and the components of each value.
+  struct Section {
+    std::string_view name;
+    std::size_t components;
+  };
+  static constexpr std::array<Section, 7> sections{{{"VECTORS", 3},
+                                                    {"NORMALS", 3},
+                                                    {"TENSORS", 9},
+                                                    {"TENSORS6", 6},
+                                                    {"GLOBAL_IDS", 1},
+                                                    {"PEDIGREE_IDS", 1},
+                                                    {"EDGE_FLAGS", 1}}};
+
+  void read_section(const std::string& section) {
+    const auto* const plain = std::ranges::find(sections, section, &Section::name);
     if (section == "CELL_DATA" || section == "POINT_DATA") {
-      of_cells = section == "CELL_DATA";
-      count = text.count("values", 1);
-    } else if (section == "SCALARS" || section == "VECTORS" || section == "NORMALS") {
-      const std::string name(text.word("a name")), type(text.word("a type"));
-      MeshText head(text.name(), text.line());
-      std::size_t components = section == "SCALARS" ? 1 : 3;
-      if (!head.at_end()) components = head.count("components", 1);
-      if (section == "SCALARS") text.line();  // LOOKUP_TABLE default
-      if (of_cells && components == 1 && count == cells && names_vtk_regions(name))
-        return read_values(values, type, count);
-      values.skip(type, components, count);
+      begin_data(section == "CELL_DATA");
+    } else if (section == "SCALARS") {
+      const std::string name(text_.word("a name")), type(text_.word("a type"));
+      MeshText head(text_.name(), text_.line());
+      const std::size_t components = head.at_end() ? 1 : head.count("components", 1);
+      if (text_.word("LOOKUP_TABLE") != "LOOKUP_TABLE")
+        text_.fail("LOOKUP_TABLE should be behind SCALARS; export the mesh again");
+      text_.word("the name of a table");
+      end_head(text_);
+      take(name, type, components, count_);
+    } else if (plain != sections.end()) {
+      const std::string name(text_.word("a name")), type(text_.word("a type"));
+      end_head(text_);
+      take(name, type, plain->components, count_);
+    } else if (section == "TEXTURE_COORDINATES") {
+      const std::string name(text_.word("a name"));
+      const std::size_t components = text_.count("components", 1);
+      const std::string type(text_.word("a type"));
+      end_head(text_);
+      take(name, type, components, count_);
+    } else if (section == "COLOR_SCALARS" || section == "LOOKUP_TABLE") {
+      text_.word("a name");
+      const std::size_t number = text_.count("colours", 1);
+      end_head(text_);
+      // Bytes where values are raw, else real numbers.
+      if (section == "LOOKUP_TABLE")
+        values_.skip("unsigned_char", 4, number);
+      else
+        take("", "unsigned_char", number, count_);
     } else if (section == "FIELD") {
-      text.word("a name");
-      const std::size_t arrays = text.count("arrays", 4);
-      for (std::size_t array = 0; array < arrays; ++array) {
-        const std::string name(text.word("a name"));
-        const std::size_t components = text.count("components", 1), tuples = text.count("tuples", 1);
-        const std::string type(text.word("a type"));
-        text.line();
-        if (of_cells && components == 1 && tuples == cells && names_vtk_regions(name))
-          return read_values(values, type, tuples);
-        values.skip(type, components, tuples);
-      }
+      read_field();
     } else if (section == "METADATA") {
-      skip_paragraph(text);
+      skip_paragraph(text_);
     } else {
-      return {};
+      text_.fail("a section such as CELL_DATA should be here and not " + in_quotes(section) +
+                 "; a count before is wrong or the file is damaged, so export the mesh again");
     }
   }
-  return {};
-}
+
+  void begin_data(bool of_cells) {
+    of_cells_ = of_cells;
+    count_ = text_.count("values", 1);
+    end_head(text_);
+    awaited_ = in_data_ = true;
+    if (const std::size_t expected = of_cells ? cells_ : points_; count_ != expected)
+      text_.fail("there are " + std::to_string(count_) + " values for " + std::to_string(expected) +
+                 (of_cells ? " cells" : " points") + "; export the mesh again");
+  }
+
+  void read_field() {
+    text_.word("a name");
+    const std::size_t arrays = text_.count("arrays", 4);
+    awaited_ = false;
+    for (std::size_t array = 0; array < arrays; ++array) {
+      // Values of an array may have a paragraph of their own.
+      while (text_.peek() == "METADATA") skip_paragraph(text_);
+      const std::string name(text_.word("a name"));
+      const std::size_t components = text_.count("components", 1), tuples = text_.count("tuples", 1);
+      const std::string type(text_.word("a type"));
+      end_head(text_);
+      take(name, type, components, tuples);
+    }
+  }
+
+  /// Fields of points and cells have a value for each; those of the whole file as many as they like.
+  void take(std::string_view name, std::string_view type, std::size_t components, std::size_t tuples) {
+    awaited_ = false;
+    if (in_data_ && tuples != count_)
+      text_.fail("the array " + in_quotes(name) + " has " + std::to_string(tuples) + " values for " +
+                 std::to_string(count_) + (of_cells_ ? " cells" : " points") + "; export the mesh again");
+    if (regions_.empty() && of_cells_ && components == 1 && tuples == cells_ && names_vtk_regions(name))
+      regions_ = read_values(values_, type, tuples);
+    else
+      values_.skip(type, components, tuples);
+  }
+
+  MeshText& text_;
+  LegacyValues& values_;
+  std::size_t points_, cells_, count_ = 0;
+  bool in_data_ = false, of_cells_ = false, awaited_ = false;
+  std::vector<std::int64_t> regions_;
+};
 
 }  // namespace
 
@@ -217,25 +313,28 @@ void add_vtk_cells(MeshBuilder& builder, const VtkCells& cells, std::span<const 
     if (begin < 0 || end < begin || end > static_cast<std::int64_t>(cells.connectivity.size()))
       text.fail("cell " + std::to_string(cell) +
                 " lies outside of the list of points of cells; export the mesh again");
-    const CellKind kind = vtk_kind(cells.types[cell]);
-    require_readable(kind, cells.types[cell], number, text);
+    const auto [type, kind, fixed] = vtk_type(cells.types[cell]);
+    require_readable(kind, type, number, text);
+    if (end - begin != fixed.value_or(end - begin))
+      text.fail("cell " + std::to_string(cell) + " is " +
+                (kind == CellKind::tetrahedron ? "a tetrahedron" : "of type " + std::to_string(type)) +
+                " with " + std::to_string(end - begin) + " points instead of " + std::to_string(*fixed) +
+                "; export the mesh again");
     if (kind == CellKind::triangle) builder.add_triangles(1);
     const std::int64_t region = regions.empty() ? 0 : regions[cell];
     const bool tetrahedron = kind == CellKind::tetrahedron;
-    if (!tetrahedron && region == 0) continue;
-    const bool second_order = cells.types[cell] == second_order_tetrahedron;
-    if (tetrahedron && end - begin != (second_order ? 10 : 4))
-      text.fail("cell " + std::to_string(cell) + " is a tetrahedron with " + std::to_string(end - begin) +
-                " points; export the mesh again");
     const std::size_t used = corner_count(kind);
     if (end - begin < static_cast<std::int64_t>(used))
       text.fail("cell " + std::to_string(cell) + " has only " + std::to_string(end - begin) +
                 " points; export the mesh again");
     std::array<TetMesh::Index, 4> corners{};
-    for (std::size_t i = 0; i < used; ++i)
-      corners[i] = builder.counted_point(cells.connectivity[static_cast<std::size_t>(begin) + i], text,
-                                         number, tetrahedron ? "tetrahedron" : "cell");
-    if (second_order) builder.add_second_order();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(end - begin); ++i) {
+      const TetMesh::Index point =
+          builder.counted_point(cells.connectivity[static_cast<std::size_t>(begin) + i], text, number,
+                                tetrahedron ? "tetrahedron" : "cell");
+      if (i < used) corners[i] = point;
+    }
+    if (type == second_order_tetrahedron) builder.add_second_order();
     if (tetrahedron)
       builder.add_tetrahedron(corners, number, places.size() == 1 ? places[0] : places[cell], region, text);
     else if (used > 0)
@@ -253,7 +352,8 @@ MeshFile read_vtk(const std::string& name, std::string_view bytes) {
   if (encoding != "ASCII" && encoding != "BINARY")
     text.fail("ASCII or BINARY should be here and not " + in_quotes(encoding) + "; export the mesh again");
   const bool binary = encoding == "BINARY";
-  text.word("DATASET");
+  if (const auto word = text.word("DATASET"); word != "DATASET")
+    text.fail("DATASET should be here and not " + in_quotes(word) + "; export the mesh again");
   if (const auto dataset = text.word("the kind of data"); dataset != "UNSTRUCTURED_GRID")
     text.fail("the file holds " + in_quotes(dataset) +
               " and no UNSTRUCTURED_GRID; save an unstructured grid");
@@ -269,7 +369,7 @@ MeshFile read_vtk(const std::string& name, std::string_view bytes) {
     if (word == "POINTS" && !has_points) {
       const std::size_t count = text.count("points", 3);
       const std::string type(text.word("the type of numbers"));
-      text.line();
+      end_head(text);
       values.begin(type, 3 * count, "coordinates");
       builder.reserve_points(count);
       for (std::size_t i = 0; i < count; ++i) {
@@ -291,7 +391,9 @@ MeshFile read_vtk(const std::string& name, std::string_view bytes) {
                 "; export the mesh again");
     }
   }
-  const std::vector<std::int64_t> regions = read_regions(text, values, cells.types.size());
+  const std::vector<std::int64_t> regions =
+      LegacyData(text, values, builder.point_count(), cells.types.size()).regions();
+  if (!binary) text.require_end();
   add_vtk_cells(builder, cells, places, regions, text);
   return builder.finish(text, binary ? "VTK legacy, binary" : "VTK legacy");
 }

@@ -47,7 +47,8 @@ struct Grid {
   std::size_t points = 0, cells = 0;
   std::optional<XmlTag> coordinates, connectivity, offsets, types, regions;
   std::optional<XmlTag> region_names, point_numbers, cell_numbers;
-  std::vector<XmlTag> groups;  ///< corners of groups, named "surface:30 NAME"
+  std::vector<XmlTag> groups;    ///< corners of groups, named "surface:30 NAME"
+  std::vector<XmlTag> appended;  ///< all arrays that stand in the appended data, used or not
 };
 
 /// True for "surface:30 capsule", and the like for points and lines.
@@ -69,6 +70,7 @@ class VtuReader {
 
   MeshFile read() {
     const Grid grid = find_arrays();
+    check_appended(grid);
     MeshBuilder builder;
     const std::vector<double> xyz = numbers<double>(*grid.coordinates, 3 * grid.points, "coordinates");
     builder.reserve_points(grid.points);
@@ -106,6 +108,7 @@ class VtuReader {
     if (tag.attribute("format") != "ascii") return;
     MeshText letters = text_.part(tag.end, std::min(whole_.find('<', tag.end), whole_.size()));
     std::string entry;
+    std::size_t names = 0;
     while (!letters.at_end()) {
       const std::int64_t letter = letters.integer("a letter of a name");
       if (letter < 0 || letter > 255)
@@ -119,7 +122,11 @@ class VtuReader {
       const std::int64_t region = number.integer("the number of a named region");
       if (blank + 1 < entry.size()) builder.name_group(3, region, entry.substr(blank + 1), letters);
       entry.clear();
+      ++names;
     }
+    if (!entry.empty() || names != count_of(tag, "NumberOfTuples", 1))
+      letters.fail("there are " + std::to_string(names) + " names of regions instead of " +
+                   in_quotes(tag.attribute("NumberOfTuples")) + "; export the mesh again");
   }
 
   /// The corners of groups, in arrays such as "surface:30 capsule".
@@ -177,11 +184,16 @@ class VtuReader {
 
   Grid find_arrays() {
     Grid grid;
-    std::string_view section;
+    std::vector<XmlTag> open;  // tags whose ends have not come yet
     std::size_t from = 0, pieces = 0;
     bool is_vtk = false;
     while (const auto tag = next_tag(text_, whole_, from)) {
       from = tag->end;
+      if (tag->name.starts_with('/')) {
+        close(open, *tag);
+        continue;
+      }
+      if (is_vtk && open.empty()) at(*tag).fail("the file goes on behind </VTKFile>; export the mesh again");
       if (tag->name == "VTKFile") {
         is_vtk = true;
         read_head(*tag);
@@ -194,32 +206,68 @@ class VtuReader {
               "the grid comes in several pieces; merge them first (in ParaView: Merge Blocks, then save)");
         grid.points = count_of(*tag, "NumberOfPoints", 3);
         grid.cells = count_of(*tag, "NumberOfCells", 1);
-      } else if (tag->name == "Points" || tag->name == "Cells" || tag->name == "CellData" ||
-                 tag->name == "PointData" || tag->name == "FieldData") {
-        section = tag->name;
-      } else if (tag->name == "DataArray") {
-        const std::string_view name = tag->attribute("Name");
-        if (section == "Points" && !grid.coordinates) grid.coordinates = *tag;
-        if (section == "Cells" && name == "connectivity") grid.connectivity = *tag;
-        if (section == "Cells" && name == "offsets") grid.offsets = *tag;
-        if (section == "Cells" && name == "types") grid.types = *tag;
-        if (section == "CellData" && names_vtk_regions(name)) grid.regions = *tag;
-        if (section == "CellData" && name == "GlobalElementId") grid.cell_numbers = *tag;
-        if (section == "PointData" && name == "GlobalNodeId") grid.point_numbers = *tag;
-        if (section == "FieldData" && name == "region_names") grid.region_names = *tag;
-        if (section == "FieldData" && names_group(name)) grid.groups.push_back(*tag);
+      } else if (tag->name == "DataArray" || tag->name == "Array") {
+        take_array(grid, open.back().name, *tag);
       } else if (tag->name == "AppendedData") {
-        appended_base64_ = tag->attribute("encoding", "base64") == "base64";
-        const std::size_t mark = whole_.find('_', tag->end);
-        if (mark == std::string_view::npos)
-          at(*tag).fail(
-              "the mark '_' of the appended data is missing; the file is cut off, so export it again");
-        appended_ = mark + 1;
-        break;  // what follows are no tags
+        from = find_appended(*tag);
       }
+      if (!tag->empty) open.push_back(*tag);
     }
+    require_whole(grid, is_vtk, open, from);
+    return grid;
+  }
+
+  /// @param open  the tags that are open, the last of which ends here
+  void close(std::vector<XmlTag>& open, const XmlTag& end) const {
+    if (open.empty() || open.back().name != end.name.substr(1))
+      at(end).fail("<" + std::string(end.name) +
+                   "> ends no tag before it; the file is damaged, so copy or export it again");
+    open.pop_back();
+  }
+
+  void take_array(Grid& grid, std::string_view section, const XmlTag& tag) const {
+    const std::string_view name = tag.attribute("Name");
+    if (tag.attribute("format") == "appended") grid.appended.push_back(tag);
+    if (section == "Points" && !grid.coordinates) {
+      if (tag.attribute("NumberOfComponents", "3") != "3")
+        at(tag).fail("points have " + in_quotes(tag.attribute("NumberOfComponents")) +
+                     " coordinates; a body needs 3");
+      grid.coordinates = tag;
+    } else if (section != "Points" && name.empty()) {
+      at(tag).fail("an array of " + in_quotes(section) + " has no name; export the mesh again");
+    }
+    if (section == "Cells" && name == "connectivity") grid.connectivity = tag;
+    if (section == "Cells" && name == "offsets") grid.offsets = tag;
+    if (section == "Cells" && name == "types") grid.types = tag;
+    if (section == "CellData" && names_vtk_regions(name)) grid.regions = tag;
+    if (section == "CellData" && name == "GlobalElementId") grid.cell_numbers = tag;
+    if (section == "PointData" && name == "GlobalNodeId") grid.point_numbers = tag;
+    if (section == "FieldData" && name == "region_names") grid.region_names = tag;
+    if (section == "FieldData" && names_group(name)) grid.groups.push_back(tag);
+  }
+
+  /// Where the appended data lie, and where tags go on.
+  std::size_t find_appended(const XmlTag& tag) {
+    appended_base64_ = tag.attribute("encoding", "base64") == "base64";
+    const std::size_t mark = whole_.find('_', tag.end), end = whole_.rfind("</AppendedData");
+    if (mark == std::string_view::npos)
+      at(tag).fail("the mark '_' of the appended data is missing; the file is cut off, so export it again");
+    if (end == std::string_view::npos || end <= mark)
+      at(tag).fail("</AppendedData> is missing; the file is cut off, so copy or export it again");
+    appended_ = whole_.substr(mark + 1, end - mark - 1);
+    return end;
+  }
+
+  /// @param open, from  the tags without an end, and where the last tag ends
+  void require_whole(const Grid& grid, bool is_vtk, const std::vector<XmlTag>& open, std::size_t from) const {
     if (!is_vtk)
       text_.fail("a .vtu file begins with <VTKFile>; export the mesh again or correct the extension");
+    if (!open.empty())
+      at(open.back())
+          .fail("</" + std::string(open.back().name) +
+                "> is missing; the file is cut off, so copy or export it again");
+    if (!text_.part(from, whole_.size()).at_end())
+      text_.fail("the file goes on behind </VTKFile>; export the mesh again");
     for (const auto& [array, name] : {std::pair(&grid.coordinates, "Points"),
                                       {&grid.connectivity, "connectivity"},
                                       {&grid.offsets, "offsets"},
@@ -228,7 +276,6 @@ class VtuReader {
         text_.fail(std::string("the array ") + name +
                    " is missing; the file is cut off or holds no grid, so "
                    "export it again");
-    return grid;
   }
 
   void read_head(const XmlTag& tag) {
@@ -260,97 +307,128 @@ class VtuReader {
   /// More bytes than this the arrays of the file cannot have.
   [[nodiscard]] std::size_t capacity() const { return whole_.size() * (compressor_ ? compressor_->most : 1); }
 
-  /// The size of the array that a header announces.
-  [[nodiscard]] std::size_t announced(std::string_view header) const {
-    if (header_size_ == 4) return value_from<std::uint32_t>(header.data(), swapped_);
-    return static_cast<std::size_t>(value_from<std::uint64_t>(header.data(), swapped_));
+  /// The i-th number of a header.
+  [[nodiscard]] std::size_t announced(std::string_view header, std::size_t i = 0) const {
+    const char* number = header.data() + i * header_size_;
+    if (header_size_ == 4) return value_from<std::uint32_t>(number, swapped_);
+    return static_cast<std::size_t>(value_from<std::uint64_t>(number, swapped_));
   }
 
-  /// The bytes of an array of exactly `size` bytes. @param storage  holds what had to be decoded
-  std::string_view bytes_of(const XmlTag& tag, std::size_t size, std::string& storage) const {
+  [[noreturn]] void fail_cut_off(const XmlTag& tag) const {
+    at(tag).fail("an array is shorter than it says; the file is cut off, so export it again");
+  }
+
+  [[nodiscard]] std::size_t offset_of(const XmlTag& tag) const {
+    const std::int64_t offset = MeshText(text_.name(), tag.attribute("offset", "none")).integer("an offset");
+    if (offset < 0 || static_cast<std::size_t>(offset) > appended_.size())
+      at(tag).fail(
+          "the offset of an array lies behind the end of the file; it is cut off, so export it again");
+    return static_cast<std::size_t>(offset);
+  }
+
+  /// Every array in the appended data fills its place up to the next one, used or not: bytes that are lost
+  /// anywhere move all that follow.
+  void check_appended(const Grid& grid) {
+    if (grid.appended.empty()) return;
+    if (appended_.empty())
+      at(grid.appended.front())
+          .fail("the appended data are missing; the file is cut off, so export it again");
+    for (const XmlTag& tag : grid.appended) places_.push_back(offset_of(tag));
+    places_.push_back(appended_.size());
+    std::ranges::sort(places_);
+    for (const XmlTag& tag : grid.appended) {
+      std::string storage;
+      stored(tag, storage);
+    }
+  }
+
+  /// An array as it is stored, header and values, as long as its header says.
+  /// @param storage  holds what had to be decoded
+  std::string_view stored(const XmlTag& tag, std::string& storage) const {
     const std::string_view format = tag.attribute("format");
-    std::size_t begin = tag.end, end = whole_.size();
+    std::string_view content;
     bool base64 = true;
     if (format == "appended") {
-      if (appended_ == 0)
-        at(tag).fail("the appended data are missing; the file is cut off, so export it again");
-      const std::int64_t offset =
-          MeshText(text_.name(), tag.attribute("offset", "none")).integer("an offset");
-      if (offset < 0 || static_cast<std::size_t>(offset) > whole_.size() - appended_)
-        at(tag).fail(
-            "the offset of an array lies behind the end of the file; it is cut off, so export it again");
-      begin = appended_ + static_cast<std::size_t>(offset);
+      const std::size_t begin = offset_of(tag);
+      const auto next = std::ranges::upper_bound(places_, begin);
+      content = appended_.substr(begin, (next == places_.end() ? appended_.size() : *next) - begin);
       base64 = appended_base64_;
     } else if (format == "binary") {
-      end = std::min(whole_.find('<', begin), whole_.size());
+      content = whole_.substr(tag.end, std::min(whole_.find('<', tag.end), whole_.size()) - tag.end);
     } else {
       at(tag).fail("the format " + in_quotes(format) +
                    " of an array is not read; it is ascii, binary or appended");
     }
-    std::string_view content = whole_.substr(begin, end - begin);
-    if (compressor_) {
-      storage = decompressed(tag, content, base64, size);
-      return storage;
-    }
     if (base64) {
-      const auto decoded = decode_base64(content, header_size_ + size);
+      auto decoded = decode_base64(content);
       if (!decoded) at(tag).fail("an array is no base64; the file was damaged, so export it again");
-      storage = *decoded;
+      storage = *std::move(decoded);
       content = storage;
     }
-    if (content.size() < header_size_ || announced(content) > content.size() - header_size_)
-      at(tag).fail("an array is shorter than it says; the file is cut off, so export it again");
-    if (announced(content) != size)
-      at(tag).fail("an array has " + std::to_string(announced(content)) + " bytes instead of " +
-                   std::to_string(size) + "; export the mesh again");
-    return content.substr(header_size_, size);
+    const std::size_t size = compressor_ ? packed_size(tag, content) : plain_size(tag, content);
+    // Behind the last array comes the line of the end tag.
+    if (content.find_first_not_of(" \t\r\n", size) != std::string_view::npos)
+      at(tag).fail("an array is longer than it says; the file was damaged, so export it again");
+    return content.substr(0, size);
   }
 
-  /// An array of blocks: their number, the size of each and of the last one where that is smaller, their
-  /// compressed sizes, and then the blocks. In base64 the sizes are encoded on their own.
-  std::string decompressed(const XmlTag& tag, std::string_view content, bool base64, std::size_t size) const {
-    const auto cut_off = [&] {
-      at(tag).fail("an array is shorter than it says; the file is cut off, so export it again");
-    };
-    const auto leading = [&](std::size_t bytes) {
-      if (!base64) return std::string(content.substr(0, bytes));
-      auto decoded = decode_base64(content, bytes);
-      if (!decoded) at(tag).fail("an array is no base64; the file was damaged, so export it again");
-      return *std::move(decoded);
-    };
-    const auto size_at = [&](const std::string& head, std::size_t i) {
-      return announced(std::string_view(head).substr(i * header_size_));
-    };
-    std::string head = leading(3 * header_size_);
-    if (head.size() < header_size_) cut_off();
-    const std::size_t blocks = size_at(head, 0);
-    if (blocks > content.size() / header_size_) cut_off();
-    const std::size_t head_size = (blocks == 0 ? 1 : 3 + blocks) * header_size_;
-    head = leading(head_size);
-    if (head.size() < head_size) cut_off();
-    std::size_t stored = 0;
+  /// Of an array as one block: its size, and then the values.
+  [[nodiscard]] std::size_t plain_size(const XmlTag& tag, std::string_view content) const {
+    if (content.size() < header_size_ || announced(content) > content.size() - header_size_)
+      fail_cut_off(tag);
+    return header_size_ + announced(content);
+  }
+
+  [[nodiscard]] std::size_t head_size(std::size_t blocks) const {
+    return (blocks == 0 ? 1 : 3 + blocks) * header_size_;
+  }
+
+  /// Of an array of blocks: their number, the size of each and of the last one where that is smaller, their
+  /// compressed sizes, and then the blocks.
+  [[nodiscard]] std::size_t packed_size(const XmlTag& tag, std::string_view content) const {
+    if (content.size() < header_size_) fail_cut_off(tag);
+    const std::size_t blocks = announced(content);
+    if (blocks > content.size() / header_size_ || head_size(blocks) > content.size()) fail_cut_off(tag);
+    std::size_t size = head_size(blocks);
     for (std::size_t b = 0; b < blocks; ++b) {
-      if (size_at(head, 3 + b) > content.size() - stored) cut_off();
-      stored += size_at(head, 3 + b);
+      if (announced(content, 3 + b) > content.size() - size) fail_cut_off(tag);
+      size += announced(content, 3 + b);
     }
-    const std::string all = leading(head_size + stored);
-    if (all.size() < head_size + stored) cut_off();
+    return size;
+  }
+
+  /// The values of an array of exactly `size` bytes. @param storage  holds what had to be decoded
+  std::string_view bytes_of(const XmlTag& tag, std::size_t size, std::string& storage) const {
+    std::string_view content = stored(tag, storage);
+    if (compressor_) {
+      storage = decompressed(tag, content, size);
+      content = storage;
+    } else {
+      content.remove_prefix(header_size_);
+    }
+    if (content.size() != size)
+      at(tag).fail("an array has " + std::to_string(content.size()) + " bytes instead of " +
+                   std::to_string(size) + "; export the mesh again");
+    return content;
+  }
+
+  /// The blocks of an array. @param size  of all of them, beyond which nothing is unpacked
+  [[nodiscard]] std::string decompressed(const XmlTag& tag, std::string_view content,
+                                         std::size_t size) const {
+    const std::size_t blocks = announced(content);
     std::string bytes;
-    std::size_t begin = head_size;
+    std::size_t begin = head_size(blocks);
     for (std::size_t b = 0; b < blocks; ++b) {
-      const std::size_t last = size_at(head, 2), packed = size_at(head, 3 + b);
-      const std::size_t plain = b + 1 == blocks && last != 0 ? last : size_at(head, 1);
+      const std::size_t last = announced(content, 2), packed = announced(content, 3 + b);
+      const std::size_t plain = b + 1 == blocks && last != 0 ? last : announced(content, 1);
       // Room is made only for what the block can hold and the array can take.
       const bool fits = plain <= size - bytes.size() && plain / compressor_->most <= packed;
       if (fits) bytes.resize(bytes.size() + plain);
-      if (!fits || !compressor_->decompress(std::string_view(all).substr(begin, packed),
-                                            bytes.data() + bytes.size() - plain, plain))
+      if (!fits ||
+          !compressor_->decompress(content.substr(begin, packed), bytes.data() + bytes.size() - plain, plain))
         at(tag).fail("a compressed block of an array is damaged; export the mesh again");
       begin += packed;
     }
-    if (bytes.size() != size)
-      at(tag).fail("an array has " + std::to_string(bytes.size()) + " bytes instead of " +
-                   std::to_string(size) + "; export the mesh again");
     return bytes;
   }
 
@@ -373,6 +451,9 @@ class VtuReader {
         else
           values.push_back(text.integer("a whole number of an array"));
       }
+      if (!text.at_end())
+        text.fail("an array goes on with " + in_quotes(text.peek()) + " behind its " + std::to_string(count) +
+                  " numbers; the file is damaged, so copy or export it again");
       return values;
     }
     if (count > capacity())
@@ -398,7 +479,9 @@ class VtuReader {
 
   MeshText text_;
   std::string_view whole_;
-  std::size_t appended_ = 0, header_size_ = 4;
+  std::string_view appended_;
+  std::vector<std::size_t> places_;  ///< where arrays begin in it, and its end
+  std::size_t header_size_ = 4;
   const BlockCompressor* compressor_ = nullptr;
   bool appended_base64_ = true, swapped_ = false;
 };

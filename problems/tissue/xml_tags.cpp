@@ -47,15 +47,19 @@ std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std
     if (tag.empty) inner.remove_suffix(1);
     std::size_t at = std::min(inner.find_first_of(blanks), inner.size());
     tag.name = inner.substr(0, at);
+    const auto damaged = [&] {
+      text.part(begin, whole.size())
+          .fail("the tag " + in_quotes(tag.name) + " is damaged; copy or export the file again");
+    };
     while ((at = inner.find_first_not_of(blanks, at)) != std::string_view::npos) {
       const std::size_t equals = inner.find('=', at);
-      if (equals == std::string_view::npos) break;
+      if (equals == std::string_view::npos) damaged();
       std::string_view key = inner.substr(at, equals - at);
       key = key.substr(0, key.find_last_not_of(blanks) + 1);
       const std::size_t open = inner.find_first_of("\"'", equals);
-      if (open == std::string_view::npos) break;
+      if (open == std::string_view::npos) damaged();
       const std::size_t close = inner.find(inner[open], open + 1);
-      if (close == std::string_view::npos) break;
+      if (close == std::string_view::npos) damaged();
       tag.attributes.emplace_back(key, inner.substr(open + 1, close - open - 1));
       at = close + 1;
     }

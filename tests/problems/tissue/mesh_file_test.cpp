@@ -222,7 +222,7 @@ TEST(MeshFiles, DamagedCompressedBlocksAreRefused) {
     return replaced(text, first.substr(0, 28), encode_base64(Bytes().ints(head).str()));
   };
   expect_refused("z.vtu", with_head({2000000000, 64, 56, 30, 30}), "shorter than it says");
-  expect_refused("z.vtu", with_head({2, 2000000000, 56, 10, 10}), "compressed block of an array is damaged");
+  expect_refused("z.vtu", with_head({2, 2000000000, 56, 18, 15}), "compressed block of an array is damaged");
   expect_refused("z.vtu", with_head({2, 64, 56, 2000000000, 30}), "shorter than it says");
   std::string damaged = text;
   const std::size_t block = damaged.find(goldens::zlib_arrays[1]) + 24;
@@ -290,10 +290,33 @@ TEST(MeshFiles, CountsThatCannotBeTrueReserveNothing) {
                  "announces 2000000 tetrahedra");
 }
 
+TEST(MeshFiles, LinesThatLostOrGainedAWordAreNamed) {
+  const std::string& text = golden_text("v2.msh");
+  expect_refused("v2.msh", replaced(text, "4 0.5 0 0", "4 0.5 0"),
+                 "line 11: the line ends where the z coordinate should be");
+  expect_refused("v2.msh", replaced(text, "4 0.5 0 0", "4 0.5 0 0 0"),
+                 "line 11: the line of a node goes on with '0'");
+  expect_refused("v2.msh", replaced(text, "$Nodes\n5", "$Nodes\n5\n5"), "the line ends where");
+  expect_refused("ascii.vtu", replaced(golden_text("ascii.vtu"), "0.5 0.5 0.5", "0.5 0.5 0.5 0.5"),
+                 "an array goes on with '0.5'");
+  EXPECT_THROW(read_tetgen("a.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n4 1 1 1\n", "a.ele",
+                           "1 4 0\n0 0 1 2 3\n"),
+               std::invalid_argument);
+}
+
+TEST(MeshFiles, CellsHaveThePointsOfTheirType) {
+  expect_refused("a.vtk", replaced(golden_text("old.vtk"), "5 10 10", "5 0 10"),
+                 "cell 1 is of type 0 with 4 points instead of 0");
+}
+
 TEST(MeshFiles, ACutOffFileSaysWhatIsMissing) {
   const std::string& text = golden_text("v2.msh");
   expect_refused("v2.msh", text.substr(0, text.find("$EndElements") - 4), "the file ends where");
   expect_refused("v2.msh", text.substr(0, text.find("$Elements")), "no tetrahedra");
+  const std::string& vtu = golden_text("ascii.vtu");
+  expect_refused("a.vtu", vtu.substr(0, vtu.find("</VTKFile>")), "</VTKFile> is missing");
+  const std::string& vtk = golden_text("old.vtk");
+  expect_refused("a.vtk", vtk.substr(0, vtk.size() - 1), "the last line has no end");
   const std::string& raw = golden_text("appended_raw.vtu");
   expect_refused("a.vtu", raw.substr(0, raw.find("  _") + 100), "cut off");
 }
@@ -348,9 +371,11 @@ TEST(Base64, KnownTextsAndTheirWayBack) {
   EXPECT_EQ(encode_base64("Man"), "TWFu");
   EXPECT_EQ(encode_base64("Ma"), "TWE=");
   EXPECT_EQ(encode_base64("M"), "TQ==");
-  EXPECT_EQ(decode_base64("TQ==TWE=TWFu", 100), "MMaMan");
-  EXPECT_EQ(decode_base64(" TW\nFu", 100), "Man");
-  EXPECT_EQ(decode_base64("TW*u", 100), std::nullopt);
+  EXPECT_EQ(decode_base64("TQ==TWE=TWFu"), "MMaMan");
+  EXPECT_EQ(decode_base64(" TW\nFu"), "Man");
+  EXPECT_EQ(decode_base64("TW*u"), std::nullopt);
+  for (const char* damaged : {"TWF", "TQ=", "T===", "TQ=a", "=TQ="})
+    EXPECT_EQ(decode_base64(damaged), std::nullopt) << damaged;
 }
 
 }  // namespace
