@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <sys/resource.h>
 
@@ -15,7 +14,7 @@
 #include "bench/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_writers.hpp"
-#include "results/errors.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 
@@ -28,10 +27,7 @@ class MeshOnDisk {
  public:
   MeshOnDisk(const std::string& mesh, const std::filesystem::path& folder)
       : file_(folder / "scale_study.msh") {
-    std::filesystem::create_directories(folder);
-    std::ofstream out(file_, std::ios::binary);
-    out << msh_text(load_mesh(mesh).mesh);
-    if (!out.flush()) throw InputError(fmt::format("{} cannot be written", file_.string()));
+    write_file(file_, msh_text(load_mesh(mesh).mesh));
   }
   ~MeshOnDisk() {
     std::error_code ignored;

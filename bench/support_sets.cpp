@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
+#include "core/own_files.hpp"
 #include "problems/tissue/loads.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -86,6 +87,7 @@ std::vector<Index> listed_points(const std::string& list, const LoadedMesh& mesh
 }
 
 std::vector<Index> points_in_file(const std::string& file, const LoadedMesh& mesh) {
+  note_input(file);
   std::ifstream in(file);
   if (!in)
     throw InputError(

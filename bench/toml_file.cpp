@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
+#include "core/own_files.hpp"
 #include "results/errors.hpp"
 
 // The one translation unit that sees toml++. Its assertions guard against what a user can type (a '[' at the
@@ -192,6 +193,7 @@ TomlDocument read_toml(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: no such file; check the path", name));
   if (std::filesystem::is_directory(status))
     throw InputError(fmt::format("{}: this is a folder; name a TOML file in it", name));
+  note_input(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(fmt::format("{}: the file cannot be opened; check its permissions", name));
   // One byte more than is accepted: a device or a pipe has no size to ask for.

@@ -10,6 +10,7 @@
 #include "bench/suggest.hpp"
 #include "cli/commands.hpp"
 #include "core/instruction_set.hpp"
+#include "core/own_files.hpp"
 #include "results/build_info.hpp"
 #include "results/errors.hpp"
 
@@ -86,6 +87,7 @@ void check_environment() {
 
 Exit run(int argc, char** argv) {
   check_environment();
+  allow_replacing(Replacing::own);
   Console console;
   CLI::App app("Benchmarks of numerical integrators and their stability on soft-tissue models.", "hmax");
   app.set_version_flag("--version", fmt::format("hmax {}", build_info().version));

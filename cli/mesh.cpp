@@ -16,6 +16,7 @@
 #include "cli/body_picture.hpp"
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "problems/tissue/mesh_defects.hpp"
 #include "problems/tissue/mesh_parts.hpp"
 #include "problems/tissue/mesh_quality.hpp"
@@ -381,6 +382,7 @@ void add_mesh(CLI::App& app, Console& console) {
   add_mesh_argument(info_command, *options);
   add_unit(info_command, *options);
   options->picture.add_to(info_command, "Draw the surface, coloured by the worst tetrahedron nearby", false);
+  add_force(info_command);
   info_command.callback(with_sentences(info, options, console));
 
   CLI::App& check_command =

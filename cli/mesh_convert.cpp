@@ -9,6 +9,7 @@
 #include "bench/tissue_problem.hpp"
 #include "cli/choices.hpp"
 #include "cli/mesh.hpp"
+#include "cli/outputs.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_defects.hpp"
 #include "problems/tissue/mesh_import.hpp"
@@ -131,6 +132,7 @@ void add_output(CLI::App& command, MeshCommand& options) {
   command.add_option("--output", options.output, "File to write: .msh, .vtu or .scn")
       ->type_name("FILE")
       ->required();
+  add_force(command);
 }
 
 }  // namespace
@@ -174,6 +176,7 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
       ->allow_extra_args(false);
   add_support(convert_command, options->supports);
   add_number(convert_command, "--h", options->h, "Step of a scene [s]; 0.01 by default");
+  add_force(convert_command);
   convert_command.callback(with_sentences(convert, options, console));
 }
 

@@ -2,11 +2,18 @@
 
 #include <filesystem>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
+
+void add_force(CLI::App& command) {
+  command.add_flag_callback(
+      "--force", [] { allow_replacing(Replacing::forced); }, "Replace a file that hmax did not write");
+}
 
 std::string_view form_of(const std::string& file, std::initializer_list<FileForm> forms) {
   const std::string ending = std::filesystem::path(file).extension().string();

@@ -1,11 +1,18 @@
-/// Files that are written in the form that the ending of their name says.
+/// Files that are written: which may be replaced, and in which form, by the ending of their name.
 #pragma once
 
 #include <initializer_list>
 #include <string>
 #include <string_view>
 
+namespace CLI {
+class App;
+}
+
 namespace hmax {
+
+/// The flag --force of a command that writes files: it may then replace those that hmax did not write.
+void add_force(CLI::App& command);
 
 struct FileForm {
   std::string_view ending;  ///< ".csv"

@@ -10,6 +10,7 @@
 
 #include "bench/planar.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -328,6 +329,7 @@ void add_phase(CLI::App& app, Console& console) {
              "Period of the force [s], where it is not that of the oscillator");
   command.add_option("--output", options->output, "Draw the figure into this folder, as SVG, PNG and PDF")
       ->type_name("FOLDER");
+  add_force(command);
   command.callback([options, &console] { phase(*options, console); });
 }
 

@@ -14,6 +14,7 @@
 
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
@@ -198,6 +199,7 @@ void add_precision(CLI::App& app, Console& console) {
   text("--store", options->store, "Keep the rows in this store, a file that ends in .sqlite", "FILE");
   text("--output", options->output, "Draw the figure precision.svg, .png and .pdf into this folder",
        "FOLDER");
+  add_force(command);
   command.callback([options, &console] { precision(*options, console); });
 }
 

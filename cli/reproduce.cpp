@@ -10,6 +10,7 @@
 
 #include "bench/sweep.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "cli/reproduce_oscillators.hpp"
 #include "cli/reproduce_stability.hpp"
 #include "cli/reproduce_tissue.hpp"
@@ -35,7 +36,10 @@ std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& fi
                           Console& console, std::string& machine, std::int64_t& count) {
   const SweepPlan plan = plan_sweep(spec);
   if (!can_resume(plan, file)) {
-    const std::filesystem::path old = file.parent_path() / (file.stem().string() + ".old.sqlite");
+    std::filesystem::path old = file.parent_path() / (file.stem().string() + ".old.sqlite");
+    // An older one is kept as well.
+    for (int n = 2; std::filesystem::exists(old); ++n)
+      old = file.parent_path() / fmt::format("{}.old{}.sqlite", file.stem().string(), n);
     std::filesystem::rename(file, old);
     console.remark(fmt::format("the sweep has changed since {} was measured; it is kept as {}", file.string(),
                                old.string()));
@@ -177,6 +181,7 @@ void add_reproduce(CLI::App& app, Console& console) {
       ->capture_default_str();
   oscillators.footer(oscillators.get_footer() +
                      "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
+  add_force(oscillators);
   oscillators.callback([&console, folder] {
     const std::filesystem::path output = *folder;
     StudyRows rows;
@@ -207,6 +212,7 @@ void add_reproduce(CLI::App& app, Console& console) {
                   {"hmax reproduce stability --output results/runs/stability"});
   auto limits_folder = std::make_shared<std::string>("results/runs/stability");
   stability.add_option("--output", *limits_folder, "Folder of the report")->capture_default_str();
+  add_force(stability);
   stability.callback([&console, limits_folder] { stability_study(*limits_folder, console); });
 
   CLI::App& tissue = add_command(
@@ -222,6 +228,7 @@ void add_reproduce(CLI::App& app, Console& console) {
       "Limits of the step on the phantom instead of the liver and at a few points: a page in seconds");
   tissue.add_flag("--scale", options->scale,
                   "Also what meshes of a thousand to a million tetrahedra cost: some minutes and gigabytes");
+  add_force(tissue);
   tissue.callback([&console, tissue_folder, options] { tissue_study(*tissue_folder, *options, console); });
 }
 

@@ -30,10 +30,15 @@ std::string shown(const std::optional<double>& value) {
   return std::isinf(*value) ? "unbounded" : fmt::format("{:.5g}", *value);
 }
 
+constexpr std::string_view limits_header =
+    "case,family,parameters,method,bound,h_max_s,observed_s,gap,steps_used,agrees,limiting_re,limiting_im,omega_rad_s,"
+    "zeta,state\n";
+constexpr std::string_view nonlinear_header =
+    "case,family,parameters,method,bound,at_rest_s,observed_small_s,along_least_s,along_t_s,along_growing,"
+    "observed_from_start_s\n";
+
 std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows) {
-  std::string text =
-      "case,family,parameters,method,bound,h_max_s,observed_s,gap,steps_used,agrees,limiting_re,limiting_im,omega_rad_s,"
-      "zeta,state\n";
+  std::string text(limits_header);
   for (const LimitRow& row : rows) {
     const Prediction& p = row.prediction;
     text +=
@@ -56,9 +61,7 @@ std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<Li
 }
 
 std::string nonlinear_csv(const std::vector<LimitCase>& cases, const std::vector<NonlinearRow>& rows) {
-  std::string text =
-      "case,family,parameters,method,bound,at_rest_s,observed_small_s,along_least_s,along_t_s,along_growing,"
-      "observed_from_start_s\n";
+  std::string text(nonlinear_header);
   for (const NonlinearRow& row : rows) {
     const Prediction& p = row.at_rest;
     text +=
@@ -207,8 +210,8 @@ LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<L
 fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows,
                              const std::vector<NonlinearRow>& nonlinear, const std::string& machine,
                              const fs::path& folder) {
-  write_file(folder / "limits.csv", limits_csv(cases, rows));
-  write_file(folder / "nonlinear.csv", nonlinear_csv(cases, nonlinear));
+  write_file(folder / "limits.csv", limits_csv(cases, rows), limits_header);
+  write_file(folder / "nonlinear.csv", nonlinear_csv(cases, nonlinear), nonlinear_header);
   const LimitSummary summary = summary_of(cases, rows);
   std::vector<ReportSection> sections;
   sections.push_back(

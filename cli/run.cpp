@@ -548,6 +548,7 @@ void add_run(CLI::App& app, Console& console) {
       .add_option("--max-steps", options->max_steps,
                   "Steps allowed; by default 1e9 fixed ones or 2e7 attempted adaptive ones")
       ->type_name("NUMBER");
+  add_force(command);
   command.callback([options, &console] { run(*options, console); });
 }
 

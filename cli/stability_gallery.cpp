@@ -12,6 +12,7 @@
 
 #include "analysis/limits.hpp"
 #include "bench/predict.hpp"
+#include "cli/outputs.hpp"
 #include "cli/stability.hpp"
 #include "cli/stability_parts.hpp"
 #include "cli/stability_pictures.hpp"
@@ -303,6 +304,7 @@ void add_stability_gallery(CLI::App& stability, Console& console, const std::str
   const auto output = std::make_shared<std::string>();
   command.add_option("--method,--methods", *methods, formulas + "; all by default")->type_name("A,B");
   command.add_option("--output", *output, "The folder of the page and its figures")->type_name("FOLDER");
+  add_force(command);
   command.callback([methods, output, &console] { gallery(*methods, *output, console); });
 }
 

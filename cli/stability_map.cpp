@@ -10,6 +10,7 @@
 
 #include "analysis/phase_plane.hpp"
 #include "cli/choices.hpp"
+#include "cli/outputs.hpp"
 #include "cli/stability.hpp"
 #include "plots/curves.hpp"
 #include "results/errors.hpp"
@@ -267,6 +268,7 @@ void add_stability_map(CLI::App& stability, Console& console) {
   command.add_flag("--rayleigh", options->rayleigh, "x is alpha [1/s], y is beta [s]: c = alpha m + beta k1");
   command.add_option("--output", options->output, "Draw map.svg, map.png and map.pdf into this folder")
       ->type_name("FOLDER");
+  add_force(command);
   command.callback([options, &console] { map(*options, console); });
 }
 

@@ -12,6 +12,7 @@
 #include "bench/predict.hpp"
 #include "cli/choices.hpp"
 #include "cli/operating_point.hpp"
+#include "cli/outputs.hpp"
 #include "cli/stability.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_import.hpp"
@@ -151,6 +152,7 @@ void add_stability_modes(CLI::App& stability, Console& console) {
       .add_option("--output", options->output,
                   "Write the shapes as fields of three components, each a tenth of the body at most")
       ->type_name("FILE.vtu");
+  add_force(command);
   command.callback([options, &console] { modes(*options, console); });
 }
 

@@ -1,17 +1,18 @@
 /// hmax stability region
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "cli/outputs.hpp"
 #include "cli/stability.hpp"
 #include "cli/stability_parts.hpp"
 #include "cli/stability_pictures.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 
@@ -49,12 +50,7 @@ PlaneLook look_of(const RegionOptions& options) {
   return look;
 }
 
-void write_csv(const std::string& csv, const std::string& file_name) {
-  std::ofstream file(file_name, std::ios::binary);
-  file << csv;
-  if (!file.flush())
-    throw InputError(fmt::format("{} cannot be written; choose another place with --output", file_name));
-}
+constexpr std::string_view csv_header = "method,curve,re,im\n";
 
 /// One method and the numbers it is told besides.
 std::vector<PartRegion> parts_of(const std::vector<Formula>& formulas, const RegionOptions& options) {
@@ -80,7 +76,7 @@ void region(const RegionOptions& options, Console& console) {
   }
   for (const Formula& formula : formulas) expect_look(formula, look);
   Json documents = Json::array();
-  std::string csv = "method,curve,re,im\n", text;
+  std::string csv(csv_header), text;
   for (std::size_t which = 0; which < formulas.size(); ++which) {
     const Formula& formula = formulas[which];
     const PlaneWindow window = window_of_parts ? *window_of_parts : window_of(formula, look);
@@ -123,7 +119,7 @@ void region(const RegionOptions& options, Console& console) {
     else
       console.remark(files.problem);
   } else if (!options.output.empty()) {
-    write_csv(csv, options.output);
+    write_file(options.output, csv, csv_header);
     text += fmt::format("The points: {}\n", options.output);
   }
   if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);
@@ -161,6 +157,7 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
   command.add_flag("--field", options->field, "Draw levels of the spectral radius, not the region alone");
   command.add_flag("--order-star", options->order_star,
                    "Where a step amplifies more than the equation, |R(z) e^-z| > 1; one-step methods only");
+  add_force(command);
   command.callback([options, &console] { region(*options, console); });
 }
 

@@ -398,6 +398,7 @@ void add_static(CLI::App& app, Console& console) {
   text("--compare", options->compare,
        "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
   options->picture.add_to(command, "Draw the body in balance before its shape at rest");
+  add_force(command);
   command.callback([options, &console] { solve(*options, console); });
 }
 

@@ -7,6 +7,7 @@
 
 #include "bench/suggest.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "results/compare.hpp"
 #include "results/errors.hpp"
 #include "results/exports.hpp"
@@ -45,12 +46,12 @@ void export_rows(const std::string& name, const std::string& asked_format, const
   for (const ExportFormat& each : export_formats()) names.push_back(each.name);
   const std::string format = parse_choice("--format", asked_format, names);
   const auto chosen = std::ranges::find(export_formats(), format, &ExportFormat::name);
-  if (!output.empty()) check_writable(output);
+  if (!output.empty()) check_writable(output, chosen->opening);
   const Store store = open_store(name);
   const std::vector<Row> rows = store.rows();
   const std::string text = chosen->text(rows, last_fingerprint(store));
   if (!output.empty()) {
-    write_file(output, text);
+    write_file(output, text, chosen->opening);
     if (console.json)
       console.print_json(Json{
           {"store", store.file().string()}, {"format", format}, {"rows", rows.size()}, {"output", output}});
@@ -159,6 +160,7 @@ void add_export(CLI::App& app, Console& console) {
       ->type_name("NAME");
   command.add_option("--output", options->output, "Write to a file instead of standard output")
       ->type_name("FILE");
+  add_force(command);
   command.callback(
       [options, &console] { export_rows(options->store, options->format, options->output, console); });
 }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/svg.hpp"
 #include "results/errors.hpp"
@@ -358,10 +359,10 @@ class Page {
     }
     return fmt::format(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 "
-               "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n"
+               "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n<!-- {3} -->\n"
                "<style>.small{{font-size:11px;fill:#606060}}{2}</style>\n"
                "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-               width, height, painter_style) +
+               width, height, painter_style, own_mark) +
            headline;
   }
 

@@ -10,8 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/errors.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 namespace {
@@ -521,12 +523,15 @@ void Writer::footer() {
       name_);
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream)
-    throw InputError("cannot write " + file.string() + "; choose a folder that can be written and has space");
+constexpr std::array pictures{".svg", ".png", ".pdf"};
+
+/// With what the script of a figure begins, which tells that the files beside it are ours too.
+std::string opening_of(const std::string& name) { return fmt::format("# Draws {}.svg,", name); }
+
+void check_figure(const std::filesystem::path& base, const std::string& opening) {
+  const bool own = is_own_file(base.string() + ".gp", opening);
+  for (const char* extension : {".gp", ".dat", ".svg", ".png", ".pdf"})
+    check_replaceable(base.string() + extension, own);
 }
 
 /// cairo writes the time of day into a PDF; digits of equal number keep the file's offsets valid.
@@ -538,7 +543,7 @@ void remove_creation_date(const std::filesystem::path& pdf) {
   const std::size_t found = bytes.rfind(key);
   if (found == std::string::npos || found + key.size() + epoch.size() > bytes.size()) return;
   bytes.replace(found + key.size(), epoch.size(), epoch);
-  write(pdf, bytes);
+  write_file(pdf, bytes, "%PDF");
 }
 
 }  // namespace
@@ -579,14 +584,15 @@ FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, c
   const FigureSource source = source_of(figure, name);
   FigureFiles files{directory / name, {}, {}};
   const auto file = [&](const char* extension) { return directory / (name + extension); };
-  write(file(".gp"), source.script);
-  write(file(".dat"), source.data);
+  check_figure(directory / name, opening_of(name));
+  write_file(file(".gp"), source.script, opening_of(name));
+  write_file(file(".dat"), source.data, "#");
   files.made = {file(".gp"), file(".dat")};
   // A picture of an earlier run must not pass for this one.
-  for (const char* extension : {".svg", ".png", ".pdf"}) std::filesystem::remove(file(extension), failed);
+  for (const char* extension : pictures) std::filesystem::remove(file(extension), failed);
   files.problem = run_gnuplot(directory, name + ".gp");
   remove_creation_date(file(".pdf"));
-  for (const char* extension : {".svg", ".png", ".pdf"})
+  for (const char* extension : pictures)
     if (std::filesystem::exists(file(extension))) files.made.push_back(file(extension));
   return files;
 }

@@ -1,12 +1,12 @@
 #include "plots/page.hpp"
 
-#include <fstream>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "results/errors.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 
@@ -52,10 +52,10 @@ constexpr std::string_view style =
 std::string page_text(const std::string& title, const std::string& introduction,
                       const std::vector<PageSection>& sections) {
   std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<!-- {3} -->\n"
       "<meta name=\"viewport\" content=\"width=device-width\">\n<title>{0}</title>\n"
       "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p>{2}</p>\n<nav>\n",
-      escaped(title), style, escaped(introduction));
+      escaped(title), style, escaped(introduction), own_mark);
   for (std::size_t i = 0; i < sections.size(); ++i)
     html += fmt::format("<a href=\"#s{}\">{}</a>\n", i, escaped(sections[i].title));
   html += "</nav>\n";
@@ -86,14 +86,6 @@ std::string page_text(const std::string& title, const std::string& introduction,
   return html + "</body>\n</html>\n";
 }
 
-void write_page(const std::filesystem::path& file, const std::string& text) {
-  std::error_code ignored;
-  std::filesystem::create_directories(file.parent_path(), ignored);
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream)
-    throw InputError("cannot write " + file.string() + "; choose a folder that can be written and has space");
-}
+void write_page(const std::filesystem::path& file, const std::string& text) { write_file(file, text); }
 
 }  // namespace hmax

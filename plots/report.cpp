@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/errors.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 namespace {
@@ -66,7 +66,7 @@ std::string markdown_table(const Table& table) {
 
 std::string report_text(const std::string& title, const std::string& introduction,
                         const std::vector<ReportSection>& sections, const std::filesystem::path& folder) {
-  std::string text = "# " + title + "\n\n";
+  std::string text = fmt::format("<!-- {} -->\n\n# {}\n\n", own_mark, title);
   if (!introduction.empty()) text += introduction + "\n\n";
   for (const ReportSection& section : sections) {
     text += "## " + section.title + "\n\n";
@@ -83,14 +83,8 @@ std::string report_text(const std::string& title, const std::string& introductio
 std::filesystem::path write_report(const std::string& title, const std::string& introduction,
                                    const std::vector<ReportSection>& sections,
                                    const std::filesystem::path& folder) {
-  std::error_code ignored;
-  std::filesystem::create_directories(folder, ignored);
   std::filesystem::path file = folder / "README.md";
-  std::ofstream stream(file, std::ios::binary);
-  stream << report_text(title, introduction, sections, folder);
-  stream.close();
-  if (!stream)
-    throw InputError("cannot write " + file.string() + "; choose a folder that can be written and has space");
+  write_file(file, report_text(title, introduction, sections, folder));
   return file;
 }
 

@@ -92,7 +92,7 @@ void write_baseline(const std::filesystem::path& file, const std::vector<Accurac
     for (const auto& [name, member] : counts) text += fmt::format(",{}", row.*member);
     text += '\n';
   }
-  write_file(file, text);
+  write_file(file, text, header);
 }
 
 AccuracyComparison compare(const std::vector<AccuracyRow>& baseline, const std::vector<AccuracyRow>& now) {

@@ -250,9 +250,12 @@ std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprin
 
 std::span<const ExportFormat> export_formats() {
   static constexpr std::array<ExportFormat, 3> formats{
-      {{"csv", "", [](std::span<const Row> rows, const Fingerprint&) { return rows_to_csv(rows); }},
-       {"jsonl", "", [](std::span<const Row> rows, const Fingerprint&) { return rows_to_jsonl(rows); }},
-       {"gbench", "Google Benchmark's JSON", rows_to_google_benchmark}}};
+      {{"csv", "", "problem,material,method,mode,h,rtol,",
+        [](std::span<const Row> rows, const Fingerprint&) { return rows_to_csv(rows); }},
+       {"jsonl", "", "{\"problem\":\"",
+        [](std::span<const Row> rows, const Fingerprint&) { return rows_to_jsonl(rows); }},
+       {"gbench", "Google Benchmark's JSON", "{\n  \"context\": {\n    \"executable\": \"hmax\"",
+        rows_to_google_benchmark}}};
   return formats;
 }
 

@@ -35,6 +35,7 @@ std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprin
 struct ExportFormat {
   std::string_view name;         ///< as users type it
   std::string_view description;  ///< a few words that explain the name, may be empty
+  std::string_view opening;      ///< with which every text of it begins, unless there are no rows
   std::string (*text)(std::span<const Row> rows, const Fingerprint& fingerprint);
 };
 

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -67,13 +68,14 @@ struct Target {
   bool in_place;
 };
 
-Target place_to_write(const fs::path& file) {
+Target place_to_write(const fs::path& file, std::string_view opening) {
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   if (error) throw cannot_write(file, error.message());
   const fs::file_status status = fs::status(file, error);
   if (fs::is_directory(status)) throw cannot_write(file, "it is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status)) return {file, true};
+  check_replaceable(file, is_own_file(file, opening));
   fs::path part = file;
   part += fmt::format(".{}.part", getpid());
   return {part, false};
@@ -100,7 +102,7 @@ std::string to_csv(const Table& table) {
   for (const auto& column : table.values) {
     if (column.size() != rows) throw std::invalid_argument("The columns of a table must be of equal length.");
   }
-  std::string text;
+  std::string text = fmt::format("# {}\n", own_mark);
   for (const auto& [key, value] : table.notes) {
     if (key.find_first_of(":\r\n") != std::string::npos) {
       throw std::invalid_argument("The key of a note holds no colon and no line break.");
@@ -122,8 +124,12 @@ std::string to_csv(const Table& table) {
   return text;
 }
 
-void write_file(const fs::path& file, std::string_view text) {
-  const auto [target, in_place] = place_to_write(file);
+void check_replaceable(const fs::path& file, bool own) {
+  if (const std::string refusal = why_not_replaced(file, own); !refusal.empty()) throw InputError(refusal);
+}
+
+void write_file(const fs::path& file, std::string_view text, std::string_view opening) {
+  const auto [target, in_place] = place_to_write(file, opening);
   std::error_code error;
   errno = 0;
   std::ofstream out(target, std::ios::binary);
@@ -143,8 +149,8 @@ void write_file(const fs::path& file, std::string_view text) {
   }
 }
 
-void check_writable(const fs::path& file) {
-  const auto [target, in_place] = place_to_write(file);
+void check_writable(const fs::path& file, std::string_view opening) {
+  const auto [target, in_place] = place_to_write(file, opening);
   if (in_place) return;
   errno = 0;
   if (!std::ofstream(target, std::ios::binary)) throw cannot_write(file, std::strerror(errno));
@@ -210,6 +216,7 @@ Table read_csv(const fs::path& file) {
   if (fs::is_directory(file, error)) {
     throw InputError(fmt::format("'{}' is a folder: name a CSV file inside it.", file.string()));
   }
+  note_input(file);
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};

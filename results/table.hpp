@@ -33,13 +33,17 @@ Table read_csv(const std::filesystem::path& file);
 /// read_csv on text that is in memory; `name` stands for the file in errors.
 Table parse_csv(std::string_view text, const std::string& name);
 
-/// Replaces `file` by `text` in one move; a folder that is missing is made.
-/// @throws InputError when the file cannot be written (path and remedy named)
-void write_file(const std::filesystem::path& file, std::string_view text);
+/// Replaces `file` by `text` in one move; a folder that is missing is made. All outputs are opened here.
+/// @param opening  with which every file of this form begins, where it holds no own_mark (core/own_files.hpp)
+/// @throws InputError when the file cannot be written or must not be replaced (path and remedy named)
+void write_file(const std::filesystem::path& file, std::string_view text, std::string_view opening = {});
 
 /// Throws what write_file would throw now for this place, and leaves nothing behind but a missing folder
 /// made.
-void check_writable(const std::filesystem::path& file);
+void check_writable(const std::filesystem::path& file, std::string_view opening = {});
+
+/// @throws InputError when an output must not replace `file` @param own  whether hmax has written it
+void check_replaceable(const std::filesystem::path& file, bool own);
 
 /// A cell as CSV wants it: in quotes when it holds a comma, a quote, a line break or begins with `#`.
 std::string csv_cell(std::string_view text);

@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/own_files.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {
@@ -31,6 +32,7 @@ std::string read_whole(const fs::path& file) {
     throw std::invalid_argument("there is no file '" + file.string() + "'; correct the name");
   if (!fs::is_regular_file(file, error))
     throw std::invalid_argument("'" + file.string() + "' is not a file; name a mesh file");
+  note_input(file);
   std::ifstream in(file, std::ios::binary);
   std::string text;
   const auto size = fs::file_size(file, error);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/own_files.hpp"
 #include "problems/tissue/base64.hpp"
 
 namespace hmax {
@@ -41,6 +42,8 @@ std::string escaped(std::string_view text) {
     }
   return result;
 }
+
+std::string xml_head() { return "<?xml version=\"1.0\"?>\n<!-- " + std::string(own_mark) + " -->\n"; }
 
 /// The arrays of a .vtu, in place or behind the tags.
 class VtuArrays {
@@ -175,7 +178,8 @@ std::string msh_text(const MeshFile& file) {
   const TetMesh& mesh = file.mesh;
   const std::vector<std::int64_t> points = from_one_on(file.point_numbers),
                                   numbers = from_one_on(file.numbers);
-  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
+  std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\n";
+  text.append(own_mark).append("\n$EndComments\n");
   text.reserve(static_cast<std::size_t>(64 * mesh.point_count() + 48 * mesh.tetrahedron_count()) + 128);
   add_physical_names(text, file);
   text += "$Nodes\n";
@@ -221,9 +225,8 @@ std::string vtu_text(const MeshFile& file, const MeshFields& fields, VtuEncoding
   static_assert(std::endian::native == std::endian::little || std::endian::native == std::endian::big);
   const TetMesh& mesh = file.mesh;
   const std::string order = std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" + order +
-      "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n";
+  std::string text = xml_head() + "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"" + order +
+                     "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n";
   VtuArrays arrays(encoding);
   if (!file.groups.empty() || !file.names.empty()) add_field_data(text, arrays, file);
   text += "<Piece NumberOfPoints=\"" + std::to_string(mesh.point_count()) + "\" NumberOfCells=\"" +
@@ -258,7 +261,7 @@ std::string vtu_text(const TetMesh& mesh, const MeshFields& fields, VtuEncoding 
 }
 
 std::string pvd_text(std::span<const std::pair<double, std::string>> frames) {
-  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
+  std::string text = xml_head() + "<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
   for (const auto& [time, file] : frames) {
     text += "<DataSet timestep=\"";
     append(text, time);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/own_files.hpp"
 #include "problems/digits.hpp"
 #include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/topology.hpp"
@@ -133,8 +134,9 @@ std::string sofa_text(const TissueBody& body, double step) {
   check(settings, step);
   const TetMesh& mesh = body.origin() ? body.origin()->file.mesh : body.mesh();
   const std::vector<TetMesh::Index> fixed = fixed_points(body);
-  std::string text = "<?xml version=\"1.0\"?>\n<Node name=\"root\" dt=\"" + shortest_digits(step) +
-                     "\" gravity=\"" + listed(settings.gravity) + "\">\n";
+  std::string text = "<?xml version=\"1.0\"?>\n<!-- " + std::string(own_mark) +
+                     " -->\n<Node name=\"root\" dt=\"" + shortest_digits(step) + "\" gravity=\"" +
+                     listed(settings.gravity) + "\">\n";
   for (const char* plugin :
        {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
         is_linear(settings) ? "SolidMechanics.FEM.Elastic" : "SolidMechanics.FEM.HyperElastic",

@@ -26,7 +26,7 @@ inline const std::map<std::string, std::set<std::string>> allowed_arrows{
     {"results", {"results", "core"}},
     {"analysis", {"analysis", "integrators", "problems", "results", "core"}},
     {"bench", {"bench", "analysis", "integrators", "problems", "results", "core"}},
-    {"plots", {"plots", "results"}},
+    {"plots", {"plots", "results", "core"}},
     {"cli", {"cli", "plots", "bench", "analysis", "integrators", "problems", "results", "core"}},
     {"examples", {"integrators", "problems"}},
     {"tests", {"tests", "cli", "plots", "bench", "analysis", "integrators", "problems", "results", "core"}},

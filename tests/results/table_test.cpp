@@ -102,7 +102,7 @@ TEST(Table, AFileThatCannotBeUsedIsAnInputErrorAndTheOldOneStays) {
   EXPECT_THROW(write_csv(scratch / "file", Table{}), std::invalid_argument);
   EXPECT_EQ(read_text(scratch / "file"), "old");
   write_csv(scratch / "file", table);
-  EXPECT_EQ(read_text(scratch / "file"), "a\n1\n");
+  EXPECT_EQ(read_text(scratch / "file"), "# written by hmax\na\n1\n");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch.folder()), {}), 1);
 }
 
