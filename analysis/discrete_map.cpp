@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
@@ -36,47 +35,6 @@ MatrixXd rough_jacobian(const VectorFunction& map, const VectorXd& y, const Vect
   return D;
 }
 
-/// Newton's method on map(y) - y, in units of the box; nothing when it does not arrive inside.
-std::optional<VectorXd> newton(const VectorFunction& map, const Box& box, VectorXd y) {
-  constexpr int most_steps = 50;
-  const VectorXd size = box.size();
-  double length = 1;
-  for (int step = 0; step < most_steps && length > 1e-14; ++step) {
-    const VectorXd g = map(y) - y;
-    if (!g.allFinite()) return std::nullopt;
-    if (g.isZero(0)) {
-      length = 0;
-      break;
-    }
-    const MatrixXd G = rough_jacobian(map, y, size) - MatrixXd::Identity(y.size(), y.size());
-    if (!G.allFinite()) return std::nullopt;
-    VectorXd d = (G * size.asDiagonal()).completeOrthogonalDecomposition().solve(-g);
-    if (!d.allFinite()) return std::nullopt;
-    length = d.norm();
-    // A step across the box is a leap into the dark.
-    if (length > 0.3) d *= 0.3 / length;
-    y += d.cwiseProduct(size);
-    // What has left for good does not come back.
-    if (((y - box.lower + 2 * size).array() < 0).any() || ((box.upper - y + 2 * size).array() < 0).any())
-      return std::nullopt;
-  }
-  const VectorXd slack = 1e-9 * size;
-  const auto residual = [&](const VectorXd& at) -> VectorXd {
-    return (map(at) - at).cwiseAbs().cwiseQuotient(size);
-  };
-  // At a double point the last steps stay at the root of rounding.
-  if (!(length < 1e-6) || !(residual(y).maxCoeff() < 1e-10)) return std::nullopt;
-  if (((y - box.lower + slack).array() < 0).any() || ((box.upper - y + slack).array() < 0).any())
-    return std::nullopt;
-  for (Eigen::Index i = 0; i < y.size(); ++i) {  // a coordinate that is zero to rounding is printed as 0
-    VectorXd rounded = y;
-    rounded(i) = 0;
-    if (std::abs(y(i)) < 1e-9 * size(i) && residual(rounded).maxCoeff() <= residual(y).maxCoeff() + 1e-15)
-      y = rounded;
-  }
-  return y;
-}
-
 bool less(const VectorXd& a, const VectorXd& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
@@ -89,7 +47,7 @@ std::vector<VectorXd> roots(const VectorFunction& map, const Box& box, int start
   for (bool more = true; more;) {
     const VectorXd start =
         box.lower + ((at.cast<double>().array() + 0.5) / starts).matrix().cwiseProduct(size);
-    if (const auto y = newton(map, box, start)) {
+    if (const auto y = newton_fixed_point(map, box, start)) {
       const bool known = std::ranges::any_of(
           found, [&](const VectorXd& other) { return (other - *y).cwiseQuotient(size).norm() < same; });
       if (!known) found.push_back(*y);
@@ -143,13 +101,59 @@ EquilibriumType classify_map(const Multipliers& multipliers) {
   return turns ? EquilibriumType::unstable_focus : EquilibriumType::unstable_node;
 }
 
+std::optional<VectorXd> newton_fixed_point(const VectorFunction& map, const Box& box, const VectorXd& start,
+                                           double leash) {
+  constexpr int most_steps = 50;
+  const VectorXd size = box.size();
+  const double longest = std::min(0.3, leash);
+  VectorXd y = start;
+  double length = 1;
+  for (int step = 0; step < most_steps && length > 1e-14; ++step) {
+    const VectorXd g = map(y) - y;
+    if (!g.allFinite()) return std::nullopt;
+    if (g.isZero(0)) {
+      length = 0;
+      break;
+    }
+    const MatrixXd G = rough_jacobian(map, y, size) - MatrixXd::Identity(y.size(), y.size());
+    if (!G.allFinite()) return std::nullopt;
+    VectorXd d = (G * size.asDiagonal()).completeOrthogonalDecomposition().solve(-g);
+    if (!d.allFinite()) return std::nullopt;
+    length = d.norm();
+    // A step across the box is a leap into the dark.
+    if (length > longest) d *= longest / length;
+    y += d.cwiseProduct(size);
+    if (!((y - start).cwiseQuotient(size).norm() <= leash)) return std::nullopt;
+    // What has left for good does not come back.
+    if (((y - box.lower + 2 * size).array() < 0).any() || ((box.upper - y + 2 * size).array() < 0).any())
+      return std::nullopt;
+  }
+  const VectorXd slack = 1e-9 * size;
+  const auto residual = [&](const VectorXd& at) -> VectorXd {
+    return (map(at) - at).cwiseAbs().cwiseQuotient(size);
+  };
+  // At a double point the last steps stay at the root of rounding.
+  if (!(length < 1e-6) || !(residual(y).maxCoeff() < 1e-10)) return std::nullopt;
+  if (((y - box.lower + slack).array() < 0).any() || ((box.upper - y + slack).array() < 0).any())
+    return std::nullopt;
+  for (Eigen::Index i = 0; i < y.size(); ++i) {  // a coordinate that is zero to rounding is printed as 0
+    VectorXd rounded = y;
+    rounded(i) = 0;
+    if (std::abs(y(i)) < 1e-9 * size(i) && residual(rounded).maxCoeff() <= residual(y).maxCoeff() + 1e-15)
+      y = rounded;
+  }
+  return y;
+}
+
+FixedPoint fixed_point_at(const VectorFunction& map, const VectorXd& y, const VectorXd& scale) {
+  const Multipliers mu = multipliers_of(differenced_jacobian(map, y, scale));
+  return {y, mu, classify_map(mu)};
+}
+
 std::vector<FixedPoint> find_fixed_points(const VectorFunction& map, const Box& box, int starts) {
   require_valid(box, starts);
   std::vector<FixedPoint> found;
-  for (const VectorXd& y : roots(map, box, starts)) {
-    const Multipliers mu = multipliers_of(differenced_jacobian(map, y, box.size()));
-    found.push_back({y, mu, classify_map(mu)});
-  }
+  for (const VectorXd& y : roots(map, box, starts)) found.push_back(fixed_point_at(map, y, box.size()));
   return found;
 }
 

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <complex>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -42,6 +44,16 @@ struct PeriodTwo {
   Multipliers multipliers;                ///< of D Phi(b) D Phi(a)
   EquilibriumType type;                   ///< of both, as fixed points of Phi applied twice
 };
+
+/// Newton's method on Phi(y) - y from `start`; nothing when it does not arrive in the box.
+/// @param leash  in sizes of the box: how far from the start it may stray before it is given up
+std::optional<Eigen::VectorXd> newton_fixed_point(const VectorFunction& map, const Box& box,
+                                                  const Eigen::VectorXd& start,
+                                                  double leash = std::numeric_limits<double>::infinity());
+
+/// The fixed point y with its multipliers.
+/// @param scale  shape (n), positive: over which the map changes noticeably
+FixedPoint fixed_point_at(const VectorFunction& map, const Eigen::VectorXd& y, const Eigen::VectorXd& scale);
 
 /// Every fixed point in the box that Newton's method reaches from starts^n points of a grid, in lexicographic
 /// order, each once. Where the map answers with a number that is not finite, as where a step diverges,
