@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <memory>
 #include <numbers>
 
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "analysis/poincare.hpp"
@@ -53,6 +55,26 @@ Problem with_system(const Problem& problem, const FrozenSystem& system) {
 /// A method whose steps are short enough to be drawn as a line.
 const char* drawing_method(const Problem& problem) {
   return problem.stiff ? "rosenbrock_23" : "bogacki_shampine_32";
+}
+
+/// The largest A with ((k1 - m w^2 + 3/4 k3 A^2)^2 + (c w)^2) A^2 = P^2; 0 where nothing bounds it.
+double largest_amplitude(const OscillatorParameters& p) {
+  const double stiffness = p.k1 - p.m * p.w * p.w, hardening = 0.75 * p.k3, damping = p.c * p.w;
+  if (p.P == 0 || hardening < 0) return 0;
+  if (hardening == 0) {
+    const double A = std::abs(p.P) / std::hypot(stiffness, damping);
+    return std::isfinite(A) ? A : 0;
+  }
+  // s^3 + a s^2 + b s + c = 0 of s = A^2, as the eigenvalues of its companion matrix.
+  const double square = hardening * hardening;
+  Eigen::Matrix3d companion = Eigen::Matrix3d::Zero();
+  companion.row(0) << -2 * stiffness * hardening / square,
+      -(stiffness * stiffness + damping * damping) / square, p.P * p.P / square;
+  companion(1, 0) = companion(2, 1) = 1;
+  double largest = 0;
+  for (const std::complex<double>& s : companion.eigenvalues())
+    if (std::abs(s.imag()) < 1e-6 * std::abs(s)) largest = std::max(largest, s.real());
+  return std::sqrt(largest);
 }
 
 /// Ends a run from inside.
@@ -170,8 +192,29 @@ double drive_period(const Problem& problem, std::optional<double> named) {
   return period;
 }
 
-VectorFunction stroboscope(const Problem& problem, double period) {
-  return std::visit([&](const auto& system) { return period_map(system, period); }, problem.system);
+VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps) {
+  return std::visit([&](const auto& system) { return period_map(system, period, 1e-11, most_steps); },
+                    problem.system);
+}
+
+Window window_of_motions(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double period) {
+  const Window still = default_window(frozen(problem, 0));
+  std::vector<Vector2d> seen{still.lower, still.upper};
+  for (const Eigen::VectorXd& y : looks) seen.emplace_back(y);
+  if (!looks.empty()) {
+    constexpr double everywhere = 1e300;
+    const Window plane{Vector2d::Constant(-everywhere), Vector2d::Constant(everywhere)};
+    const Table way = orbit(problem, looks[0], period, plane, everywhere);
+    for (std::size_t i = 0; i < way.values[0].size(); ++i)
+      seen.emplace_back(way.values[0][i], way.values[1][i]);
+  }
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
+    const OscillatorParameters& p = oscillator->parameters();
+    const double A = largest_amplitude(p);
+    seen.emplace_back(A, std::abs(p.w) * A);
+    seen.emplace_back(-A, -std::abs(p.w) * A);
+  }
+  return window_around({}, "", "", seen, 0.15);
 }
 
 std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const Window& window,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -39,7 +40,15 @@ PlanarField planar_field(const Problem& problem, double t, const Eigen::Vector2d
 double drive_period(const Problem& problem, std::optional<double> named);
 
 /// The state one period after a state, see analysis/poincare.hpp.
-VectorFunction stroboscope(const Problem& problem, double period);
+/// @param most_steps  after which a period is taken for one that diverges
+VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps = 1'000'000);
+
+/// A window for the motions of one period of a driven problem: what of them is known beforehand. It holds the
+/// looks, the motion between them, the equilibria that the force at t = 0 leaves, and of the oscillator the
+/// largest amplitude A that one harmonic gives, ((k1 - m w^2 + 3/4 k3 A^2)^2 + (c w)^2) A^2 = P^2
+/// [nayfeh1979nonlinear].
+/// @param looks  of the motion from y0; empty where it diverges
+Window window_of_motions(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double period);
 
 /// What decides the fate of a start: the number of the stable equilibrium it comes to rest at, or a Fate.
 /// Runs of dop_853 (radau_iia_5 where the problem is stiff) end as soon as they are trapped, when they have

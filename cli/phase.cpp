@@ -21,23 +21,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
 
-Window parse_window(const std::string& text) {
-  const std::vector<double> n = parse_numbers("--window", text);
-  if (n.size() != 4)
-    throw InputError(
-        fmt::format("--window has {} numbers but needs four: xmin,xmax,vmin,vmax, like -2,2,-2,2", n.size()));
-  for (const double value : n)
-    if (!std::isfinite(value))
-      throw InputError(fmt::format("--window holds {}, which is not a finite number", to_text(value)));
-  for (const std::size_t i : {0U, 2U})
-    if (!(n[i] < n[i + 1]))
-      throw InputError(
-          fmt::format("--window goes from {} to {}, which is no range; write the smaller number first, like "
-                      "-2,2,-2,2",
-                      to_text(n[i]), to_text(n[i + 1])));
-  return {{n[0], n[2]}, {n[1], n[3]}};
-}
-
 /// Throws unless f is finite somewhere in the window.
 void require_finite(const PhaseView& view) {
   constexpr int grid = 8;
@@ -93,9 +76,10 @@ void require_one_view(const PhaseOptions& options) {
   if (options.bifurcation.empty() &&
       (options.from || options.to || options.follow || !options.points.empty()))
     throw InputError("--from, --to, --points and --follow belong to --bifurcation; name a parameter with it");
-  if (strobed && (options.at || !options.window.empty()))
-    throw InputError(
-        "--at and --window are for equilibria, and a stroboscopic view has none; leave them out");
+  if (strobed && options.at)
+    throw InputError("--at is for equilibria, and a stroboscopic view has none; leave it out");
+  if (!options.bifurcation.empty() && !options.window.empty())
+    throw InputError("--bifurcation looks at no part of the plane; leave --window out");
 }
 
 void phase(const PhaseOptions& options, Console& console) {
@@ -117,6 +101,23 @@ void phase(const PhaseOptions& options, Console& console) {
 }
 
 }  // namespace
+
+Window parse_window(const std::string& text) {
+  const std::vector<double> n = parse_numbers("--window", text);
+  if (n.size() != 4)
+    throw InputError(
+        fmt::format("--window has {} numbers but needs four: xmin,xmax,vmin,vmax, like -2,2,-2,2", n.size()));
+  for (const double value : n)
+    if (!std::isfinite(value))
+      throw InputError(fmt::format("--window holds {}, which is not a finite number", to_text(value)));
+  for (const std::size_t i : {0U, 2U})
+    if (!(n[i] < n[i + 1]))
+      throw InputError(
+          fmt::format("--window goes from {} to {}, which is no range; write the smaller number first, like "
+                      "-2,2,-2,2",
+                      to_text(n[i]), to_text(n[i + 1])));
+  return {{n[0], n[2]}, {n[1], n[3]}};
+}
 
 std::string short_name(double value) { return short_number(value + 0.0, 5); }
 
@@ -302,7 +303,8 @@ void add_phase(CLI::App& app, Console& console) {
   add_number(command, "--h", options->h, "Step of the method, whose map of the plane is looked at [s]");
   command
       .add_option("--window", options->window,
-                  "The part of the plane; by default what the motion from y0 covers")
+                  "The part of the plane, with --poincare the one searched for motions of one period; by "
+                  "default what the motion from y0 covers")
       ->type_name("XMIN,XMAX,VMIN,VMAX");
   add_number(command, "--at", options->at, "Instant at which a driven problem is frozen [s]; 0 by default");
   command.add_flag("--basins", options->basins, "Show which place of rest each start in the window leads to");

@@ -38,6 +38,8 @@ struct PhaseView {
   std::vector<std::string> remarks;  ///< whole sentences
 };
 
+/// --window. @throws InputError
+Window parse_window(const std::string& text);
 /// @throws InputError for what cannot be shown
 PhaseView view_of(const PhaseOptions& options);
 

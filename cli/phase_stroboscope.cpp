@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/discrete_map.hpp"
+#include "analysis/fixed_point_search.hpp"
 #include "analysis/poincare.hpp"
 #include "bench/planar.hpp"
 #include "cli/phase.hpp"
@@ -59,42 +59,99 @@ struct Section {
   double drive_period;
   Looks looks;
   std::vector<VectorXd> points;
-  std::optional<int> period;  ///< in periods of the force
-  double lyapunov;            ///< [1/s], NaN when the motion diverges
-  std::vector<FixedPoint> periodic;
+  Settled motion;
+  std::optional<Exponent> exponent;  ///< per period of the force; nothing when the motion diverges
+  Window searched;                   ///< for motions of one period
+  FixedPointSearch periodic;
+
+  /// [1/s]
+  [[nodiscard]] double lyapunov() const { return exponent->value / drive_period; }
+  [[nodiscard]] double lyapunov_error() const { return exponent->error / drive_period; }
+  [[nodiscard]] bool diverges() const { return motion.settling == Settling::diverges; }
 };
 
 Section section_of(const Problem& problem, const PhaseOptions& options) {
-  Section section{.drive_period = drive_period(problem, options.period),
-                  .looks = looks_of(options, 2000),
-                  .points = {},
-                  .period = {},
-                  .lyapunov = std::nan(""),
-                  .periodic = {}};
-  const VectorFunction map = stroboscope(problem, section.drive_period);
-  section.points = looks(map, problem.y0, section.looks.skip, section.looks.count);
-  if (static_cast<int>(section.points.size()) < section.looks.count) return section;
-  section.period = period_of(section.points);
-  const Window window = around(problem, section.points, section.drive_period);
-  const int measured = std::min(section.looks.count, 2000);
-  section.lyapunov = largest_lyapunov(map, section.points[0], window.size(), measured) / section.drive_period;
-  section.periodic = find_fixed_points(map, {window.lower, window.upper}, 7);
+  const double period = drive_period(problem, options.period);
+  const Looks seen = looks_of(options, 2000);
+  const VectorFunction map = stroboscope(problem, period);
+  const auto points = looks(map, problem.y0, seen.skip, seen.count);
+  const Settled motion = settle(map, points, seen.count, {});
+  const bool whole = static_cast<int>(points.size()) == seen.count;
+  Section section{
+      .drive_period = period,
+      .looks = seen,
+      .points = points,
+      .motion = motion,
+      .exponent = motion.exponent,
+      .searched = options.window.empty()
+                      ? window_of_motions(problem, whole ? points : std::vector<VectorXd>{}, period)
+                      : parse_window(options.window),
+      .periodic = {}};
+  if (motion.settling == Settling::periodic)
+    section.exponent =
+        largest_lyapunov(map, motion.looks.back(), around(problem, motion.looks, period).size());
+  constexpr std::int64_t short_of_divergence = 5'000;  // steps; what diverges takes any number of them
+  section.periodic = search_fixed_points(stroboscope(problem, period, short_of_divergence),
+                                         {section.searched.lower, section.searched.upper});
   return section;
+}
+
+/// "0.1035 ± 0.0021"
+std::string with_error(const Section& section) {
+  return fmt::format("{} ± {}", short_name(section.lyapunov()), short_number(section.lyapunov_error(), 2));
 }
 
 /// What the section says, as a sentence.
 std::string verdict(const Section& section) {
-  if (static_cast<int>(section.points.size()) < section.looks.count)
+  const Settled& motion = section.motion;
+  const int all = section.looks.skip + section.looks.count + motion.followed;
+  if (section.diverges())
     return fmt::format(
-        "the motion diverges within {} periods of the force; take other parameters or another y0",
-        section.looks.skip + section.looks.count);
-  if (section.period == 1) return "the motion has the period of the force";
-  if (section.period) return fmt::format("the motion repeats after {} periods of the force", *section.period);
-  if (section.lyapunov > 0)
+        "the motion diverges within {} periods of the force; take other parameters or another y0", all);
+  if (motion.settling == Settling::chaotic)
     return fmt::format(
-        "the motion does not repeat within {} periods, and neighbours part as exp({} t): it is chaotic",
-        section.looks.count / 4, short_name(section.lyapunov));
-  return "the motion has not settled, or takes many periods to repeat; raise --skip";
+        "the motion does not repeat within {} periods, and neighbours part as exp({} t): it is chaotic", all,
+        short_name(section.lyapunov()));
+  if (motion.settling == Settling::unsettled)
+    return fmt::format(
+        "the motion has not settled within {} periods, and neighbours do not part beyond the error of the "
+        "exponent; raise --skip",
+        all);
+  const std::string repeats = motion.period == 1
+                                  ? "has the period of the force"
+                                  : fmt::format("repeats after {} periods of the force", *motion.period);
+  if (motion.followed == 0) return "the motion " + repeats;
+  return fmt::format("the motion {}, but settles only after the looks, within {} periods; raise --skip",
+                     repeats, all);
+}
+
+/// What the search for motions of one period is worth, as a sentence.
+std::string guarantee(const Problem& problem, const Section& section) {
+  const FixedPointSearch& found = section.periodic;
+  const Window& w = section.searched;
+  const std::string where =
+      fmt::format("with {} from {} to {} and {} from {} to {}", problem.states[0], short_name(w.lower(0)),
+                  short_name(w.upper(0)), problem.states[1], short_name(w.lower(1)), short_name(w.upper(1)));
+  const auto count = found.points.size();
+  std::string text = fmt::format("{} motion{} of one period {}", count == 0 ? "no" : std::to_string(count),
+                                 count == 1 ? "" : "s", where);
+  if (!found.whole) return text + ", but the search was cut short and may have missed some; narrow --window";
+  if (!found.index_sum)
+    return text +
+           ", one of them with a multiplier of 1, so that their indices do not tell whether all are found";
+  text += fmt::format(", whose indices sum to {}", *found.index_sum);
+  if (!found.degree)
+    return text +
+           "; the degree of the map around the border, which would check them, is not defined: a motion "
+           "lies on it or diverges from it";
+  if (found.accounts())
+    return text +
+           ", as the degree of the map around the border: motions can have been missed only in groups "
+           "whose indices cancel";
+  return text + fmt::format(
+                    ", but the degree of the map around the border is {}: motions have been missed; "
+                    "search parts of it with --window",
+                    *found.degree);
 }
 
 Figure picture(const Problem& problem, const Section& section) {
@@ -105,7 +162,7 @@ Figure picture(const Problem& problem, const Section& section) {
     x.push_back(y(0));
     v.push_back(y(1));
   }
-  const int shown = section.period.value_or(0);
+  const int shown = section.motion.followed == 0 ? section.motion.period.value_or(0) : 0;
   if (shown > 0 && shown <= 12) {
     x.resize(static_cast<std::size_t>(shown));
     v.resize(static_cast<std::size_t>(shown));
@@ -115,7 +172,7 @@ Figure picture(const Problem& problem, const Section& section) {
         {.label = "motion", .x = way.values[0], .y = way.values[1], .style = {.colour = 7, .width = 1.2}});
   }
   panel.curves.push_back(cloud("once in each period of the force", x, v));
-  for (const FixedPoint& point : section.periodic)
+  for (const FixedPoint& point : section.periodic.points)
     panel.marks.push_back({point.state(0),
                            point.state(1),
                            {.colour = 1, .marker = marker_of(std::string(name_of(point.type)))},
@@ -155,18 +212,21 @@ Problem with_value(ProblemChoice choice, const std::string& parameter, double va
   return choice.make();
 }
 
-/// The stretches of the parameter over which the motion repeats after the same number of periods.
+/// "4", "chaotic", "not settled" or "diverges"
+std::string in_a_word(const Settled& motion) {
+  return motion.period ? std::to_string(*motion.period) : in_words(std::string(name_of(motion.settling)));
+}
+
+/// The stretches of the parameter over which the motion comes to the same.
 struct Stretch {
   double from, to;
   std::string what;
 };
 
-std::vector<Stretch> stretches(const std::vector<BifurcationColumn>& columns, int count) {
+std::vector<Stretch> stretches(const std::vector<BifurcationColumn>& columns) {
   std::vector<Stretch> found;
   for (const BifurcationColumn& column : columns) {
-    const std::string what = static_cast<int>(column.looks.size()) < count ? "diverges"
-                             : column.period                               ? std::to_string(*column.period)
-                                                                           : "does not repeat";
+    const std::string what = in_a_word(column.motion);
     if (found.empty() || found.back().what != what)
       found.push_back({column.value, column.value, what});
     else
@@ -175,51 +235,129 @@ std::vector<Stretch> stretches(const std::vector<BifurcationColumn>& columns, in
   return found;
 }
 
+/// The looks of every column, a colour for each of the three things that a motion comes to.
+Panel diagram(const std::vector<BifurcationColumn>& columns, const std::string& parameter,
+              const std::string& x) {
+  struct Kind {
+    Settling settling;
+    std::string label;
+    int colour;
+  };
+  Panel panel{.title = "", .x = {parameter}, .y = {x + " once in each period of the force"}};
+  for (const Kind& kind : {Kind{Settling::chaotic, "chaotic", 1},
+                           {Settling::unsettled, "not settled", 7},
+                           {Settling::periodic, "periodic", 0}}) {
+    std::vector<double> at, seen;
+    for (const BifurcationColumn& column : columns) {
+      const Settled& motion = column.motion;
+      if (motion.settling != kind.settling) continue;
+      const auto shown = motion.period ? static_cast<std::size_t>(*motion.period) : motion.looks.size();
+      for (std::size_t i = 0; i < std::min(shown, motion.looks.size()); ++i) {
+        at.push_back(column.value);
+        seen.push_back(motion.looks[i](0));
+      }
+    }
+    if (at.empty()) continue;
+    panel.curves.push_back(cloud(kind.label, at, seen, kind.colour));
+    panel.curves.back().style.size = 0.3;
+  }
+  return panel;
+}
+
+Json column_document(const BifurcationColumn& column, double period) {
+  const Settled& motion = column.motion;
+  Json xs = Json::array();
+  for (const VectorXd& y : motion.looks) xs.push_back(y(0));
+  const auto exponent = [&](double Exponent::*part) {
+    return motion.exponent ? number_or_null((*motion.exponent).*part / period) : Json();
+  };
+  return {{"value", column.value},
+          {"x", xs},
+          {"status", name_of(motion.settling)},
+          {"period", motion.period ? Json(*motion.period) : Json()},
+          {"lyapunov", exponent(&Exponent::value)},
+          {"lyapunov_error", exponent(&Exponent::error)},
+          {"followed", motion.followed}};
+}
+
+/// What the search for motions of one period has found and where.
+Json search_document(const Problem& problem, const Section& section) {
+  const FixedPointSearch& found = section.periodic;
+  const Window& w = section.searched;
+  const auto or_null = [](std::optional<int> value) { return value ? Json(*value) : Json(); };
+  return {{"window", {w.lower(0), w.upper(0), w.lower(1), w.upper(1)}},
+          {"index_sum", or_null(found.index_sum)},
+          {"degree", or_null(found.degree)},
+          {"cut_short", !found.whole},
+          {"status", guarantee(problem, section)}};
+}
+
+Json fixed_point_document(const FixedPoint& point) {
+  const auto index = index_of(point);
+  return {{"x", point.state(0)},
+          {"v", point.state(1)},
+          {"multipliers", to_json({point.multipliers[0], point.multipliers[1]})},
+          {"type", name_of(point.type)},
+          {"index", index ? Json(*index) : Json()}};
+}
+
+Json section_document(const Problem& problem, const Section& section) {
+  Json points = Json::array(), periodic = Json::array();
+  for (const VectorXd& y : section.points) points.push_back({y(0), y(1)});
+  for (const FixedPoint& point : section.periodic.points) periodic.push_back(fixed_point_document(point));
+  const Settled& motion = section.motion;
+  return {{"drive_period", section.drive_period},
+          {"skip", section.looks.skip},
+          {"section", points},
+          {"settling", name_of(motion.settling)},
+          {"period", motion.period ? Json(*motion.period) : Json()},
+          {"followed", motion.followed},
+          {"lyapunov", section.exponent ? number_or_null(section.lyapunov()) : Json()},
+          {"lyapunov_error", section.exponent ? number_or_null(section.lyapunov_error()) : Json()},
+          {"lyapunov_periods", section.exponent ? Json(section.exponent->count) : Json()},
+          {"periodic", periodic},
+          {"search", search_document(problem, section)},
+          {"status", verdict(section)}};
+}
+
+std::string report_of(const Problem& problem, const Section& section, const Console& console) {
+  std::string text =
+      fmt::format("seen every {} s, {} times after {} periods\n\n{}\n", short_name(section.drive_period),
+                  section.points.size(), section.looks.skip, console.strong(verdict(section)));
+  const auto names = axis_names(problem);
+  const Settled& motion = section.motion;
+  if (motion.period && *motion.period <= 12) {
+    TextTable table({"look", names[0], names[1]});
+    for (std::size_t i = 0; i < static_cast<std::size_t>(*motion.period); ++i)
+      table.add({std::to_string(i + 1), short_number(motion.looks[i](0), 10),
+                 short_number(motion.looks[i](1), 10)});
+    text += "\n" + table.text(console);
+  }
+  if (!section.periodic.points.empty()) {
+    TextTable table({"repeats after one period", names[0], names[1], "multipliers"});
+    for (const FixedPoint& point : section.periodic.points)
+      table.add({std::string(name_of(point.type)), short_name(point.state(0)), short_name(point.state(1)),
+                 in_words({point.multipliers[0], point.multipliers[1]})});
+    text += "\n" + table.text(console);
+  }
+  text += fmt::format("\n{}\n", guarantee(problem, section));
+  if (section.exponent && std::isfinite(section.exponent->value))
+    text += fmt::format("\nlargest Lyapunov exponent {} 1/s (95 %, {} periods)\n", with_error(section),
+                        section.exponent->count);
+  return text;
+}
+
 }  // namespace
 
 void phase_poincare(const PhaseOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   const Section section = section_of(problem, options);
-  const std::string words = verdict(section);
   Json document = document_of(problem);
-  Json points = Json::array(), periodic = Json::array();
-  for (const VectorXd& y : section.points) points.push_back({y(0), y(1)});
-  for (const FixedPoint& point : section.periodic)
-    periodic.push_back({{"x", point.state(0)},
-                        {"v", point.state(1)},
-                        {"multipliers", to_json({point.multipliers[0], point.multipliers[1]})},
-                        {"type", name_of(point.type)}});
-  document["drive_period"] = section.drive_period;
-  document["skip"] = section.looks.skip;
-  document["section"] = points;
-  document["period"] = section.period ? Json(*section.period) : Json();
-  document["lyapunov"] = number_or_null(section.lyapunov);
-  document["periodic"] = periodic;
-  document["status"] = words;
-
-  std::string text = headline(problem);
-  text += fmt::format("seen every {} s, {} times after {} periods\n\n{}\n", short_name(section.drive_period),
-                      section.points.size(), section.looks.skip, console.strong(words));
-  const auto names = axis_names(problem);
-  if (section.period && *section.period <= 12) {
-    TextTable table({"look", names[0], names[1]});
-    for (int i = 0; i < *section.period; ++i)
-      table.add({std::to_string(i + 1), short_number(section.points[static_cast<std::size_t>(i)](0), 10),
-                 short_number(section.points[static_cast<std::size_t>(i)](1), 10)});
-    text += "\n" + table.text(console);
-  }
-  if (!section.periodic.empty()) {
-    TextTable table({"repeats after one period", names[0], names[1], "multipliers"});
-    for (const FixedPoint& point : section.periodic)
-      table.add({std::string(name_of(point.type)), short_name(point.state(0)), short_name(point.state(1)),
-                 in_words({point.multipliers[0], point.multipliers[1]})});
-    text += "\n" + table.text(console);
-  }
-  if (std::isfinite(section.lyapunov))
-    text += fmt::format("\nlargest Lyapunov exponent {} 1/s\n", short_name(section.lyapunov));
+  document.update(section_document(problem, section));
+  std::string text = headline(problem) + report_of(problem, section, console);
   if (!options.output.empty() && !section.points.empty())
     deliver(picture(problem, section), options, "poincare", document, text, console);
-  if (static_cast<int>(section.points.size()) < section.looks.count) console.exit_code = Exit::failed;
+  if (section.diverges()) console.exit_code = Exit::failed;
   if (console.json) return console.print_json(document);
   console.print(text);
 }
@@ -253,43 +391,25 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   Json document = document_of(first);
   document["parameters"].erase(name);
   Json list = Json::array();
-  std::vector<double> at, x;
-  std::vector<double> once_at, once_x;
-  for (const BifurcationColumn& column : columns) {
-    Json xs = Json::array();
-    for (const VectorXd& y : column.looks) xs.push_back(y(0));
-    const bool repeats = column.period.has_value();
-    const std::size_t shown = repeats ? static_cast<std::size_t>(*column.period) : column.looks.size();
-    for (std::size_t i = 0; i < shown; ++i) {
-      (repeats ? once_at : at).push_back(column.value);
-      (repeats ? once_x : x).push_back(column.looks[i](0));
-    }
-    list.push_back({{"value", column.value},
-                    {"x", xs},
-                    {"period", repeats ? Json(*column.period) : Json()},
-                    {"diverged", static_cast<int>(column.looks.size()) < seen.count}});
-  }
+  for (const BifurcationColumn& column : columns)
+    list.push_back(column_document(column, period_of_force(with_value(options.problem, name, column.value))));
   document["parameter"] = name;
   document["skip"] = seen.skip;
   document["follow"] = options.follow;
   document["columns"] = list;
 
   std::string text = headline(first) + "\n";
-  TextTable table({"repeats after", name + " from", "to"});
-  for (const Stretch& stretch : stretches(columns, seen.count))
+  TextTable table({"settles to", name + " from", "to"});
+  for (const Stretch& stretch : stretches(columns))
     table.add({stretch.what, short_name(stretch.from), short_name(stretch.to)});
   text += table.text(console);
   if (!options.output.empty()) {
     const auto names = axis_names(first);
-    Panel panel{.title = "", .x = {name}, .y = {names[0] + " once in each period of the force"}};
-    if (!x.empty()) panel.curves.push_back(cloud("does not repeat", at, x, 1));
-    if (!once_x.empty()) panel.curves.push_back(cloud("repeats", once_at, once_x, 0));
-    for (Curve& curve : panel.curves) curve.style.size = 0.3;
     std::string parameters;
     for (const auto& [parameter, value] : first.parameters)
       if (parameter != name) parameters += fmt::format(" {}={}", parameter, to_text(value));
     deliver({.title = fmt::format("{}: what the motion settles to, over {}", first.id, name),
-             .panels = {panel},
+             .panels = {diagram(columns, name, names[0])},
              .footer = fmt::format(
                  "{}{}; {} looks after {} periods, {}", first.id, parameters, seen.count, seen.skip,
                  options.follow ? "each value from where the one before has ended"

@@ -229,7 +229,8 @@ TEST(Phase, SeesALinearLiverAtOnePointOfItsSteadyState) {
   EXPECT_EQ(document.at("period"), 1);
   ASSERT_EQ(document.at("periodic").size(), 1U);
   EXPECT_EQ(document.at("periodic")[0].at("type"), "stable_focus");
-  EXPECT_NEAR(document.at("lyapunov").get<double>(), -1 / 2.9, 1e-2);
+  EXPECT_NEAR(document.at("lyapunov").get<double>(), -1 / 2.9, document.at("lyapunov_error").get<double>());
+  EXPECT_LT(document.at("lyapunov_error"), 0.01);
 }
 
 TEST(Phase, TellsChaosFromRepetition) {
@@ -238,9 +239,37 @@ TEST(Phase, TellsChaosFromRepetition) {
   EXPECT_TRUE(chaos.at("period").is_null());
   EXPECT_GT(chaos.at("lyapunov").get<double>(), 0.08);
   for (const Json& y : chaos.at("section")) EXPECT_LT(std::abs(y[0].get<double>()), 5);
+  EXPECT_EQ(chaos.at("settling"), "chaotic");
   EXPECT_EQ(chaos.at("figure"), "figure/poincare.svg");
   EXPECT_EQ(phase(shell, ueda + "--set P=5.75 --poincare --periods 100").at("period"), 3);
   EXPECT_EQ(phase(shell, "liver_forced --poincare --periods 100").at("period"), 1);
+}
+
+TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
+  const Shell shell;
+  const auto found = [&](const std::string& options) {
+    return phase(shell, "liver_forced --poincare --periods 300 --set m=1 --set k3=1 " + options);
+  };
+  const Json chaos = found("--set c=0.05 --set k1=0 --set P=7.5 --set w=1");
+  ASSERT_EQ(chaos.at("periodic").size(), 3U);
+  EXPECT_NEAR(chaos.at("periodic")[1].at("x").get<double>(), 2.89136324, 1e-7);
+  EXPECT_EQ(chaos.at("periodic")[1].at("index"), -1);
+  EXPECT_EQ(chaos.at("search").at("index_sum"), 1);
+  EXPECT_EQ(chaos.at("search").at("degree"), 1);
+  EXPECT_NEAR(chaos.at("lyapunov").get<double>(), 0.1031, chaos.at("lyapunov_error").get<double>() + 4e-4);
+  EXPECT_EQ(found("--set c=0.1 --set k1=1 --set P=1 --set w=2").at("periodic").size(), 3U);
+  const std::string wells = "--set c=0.25 --set k1=-1 --set w=1 ";
+  for (const auto& [P, count] : {std::pair{"0.1", 3U}, {"0.2", 7U}, {"0.4", 3U}})
+    EXPECT_EQ(found(wells + "--set P=" + P).at("periodic").size(), count) << P;
+  // Around one of the wells alone.
+  const Json part = found(wells + "--set P=0.1 --window 0.5,1.5,-0.5,0.5");
+  EXPECT_EQ(part.at("periodic").size(), 1U);
+  EXPECT_EQ(part.at("search").at("window"), Json({0.5, 1.5, -0.5, 0.5}));
+  // Without force and damping every motion of the linear spring has its period.
+  const Json all = phase(shell,
+                         "liver_forced --poincare --periods 20 --set c=0 --set k3=0 --set k1=1 --set m=1 "
+                         "--set P=0 --period 6.283185307179586");
+  EXPECT_TRUE(all.at("search").at("cut_short"));
 }
 
 TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
@@ -254,10 +283,12 @@ TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   EXPECT_TRUE(document.at("columns")[2].at("period").is_null());
   EXPECT_DOUBLE_EQ(document.at("columns")[1].at("value").get<double>(), 6.6);
   EXPECT_EQ(document.at("columns")[2].at("x").size(), 64U);
-  EXPECT_NE(read_text(shell / "figure/bifurcation.gp").find("does not repeat"), std::string::npos);
+  EXPECT_NE(read_text(shell / "figure/bifurcation.gp").find("chaotic"), std::string::npos);
+  EXPECT_EQ(document.at("columns")[2].at("status"), "chaotic");
+  EXPECT_GT(document.at("columns")[2].at("lyapunov"), document.at("columns")[2].at("lyapunov_error"));
   // Over the damping: what is fed grows without bound.
   const Json damping = phase(shell, "liver_forced --bifurcation c --from -1 --to 2 --points 2");
-  EXPECT_TRUE(damping.at("columns")[0].at("diverged"));
+  EXPECT_EQ(damping.at("columns")[0].at("status"), "diverges");
   EXPECT_EQ(damping.at("columns")[1].at("period"), 1);
   // From no force on, looked at in the period of the force.
   const Json force = phase(shell, "liver_forced --bifurcation P --from 0 --to 1 --points 2");
@@ -283,6 +314,8 @@ TEST(Phase, RefusesLooksThatSayNothing) {
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --skip -1"), "--skip");
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --period 0"), "--period is 0");
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --method rk4 --h 1"), "one of them");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --at 1"), "--at");
+  expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --window 0,1,0,1"), "--window");
   expect_refused(shell.hmax("phase --problem liver_forced --skip 3"), "--poincare");
   expect_refused(shell.hmax("phase --problem liver_forced --from 3"), "--bifurcation");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 3"), "--to");
