@@ -499,9 +499,12 @@ void Writer::key() {
     const Entry& entry = key_[i];
     const double x = left_margin - 30 + key_width_ * static_cast<double>(i / key_rows_);
     const double y = key_top_ + key_row * (static_cast<double>(i % key_rows_) + 0.5);
+    // The svg terminal joins neighbours of one colour and width into one path, with the dash of the first.
+    Style style = entry.style;
+    style.width += i % 2 == 0 ? 0 : 0.01;
     if (entry.line)
       script_ += fmt::format("set arrow from screen {:.5f},{:.5f} to screen {:.5f},{:.5f} nohead {}\n",
-                             across(x), up(y), across(x + key_sample), up(y), line_of(entry.style));
+                             across(x), up(y), across(x + key_sample), up(y), line_of(style));
     if (entry.style.marker != 0)
       script_ +=
           fmt::format("set label '' at screen {:.5f},{:.5f} point {}\n", across(x + key_sample / 2), up(y),

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -228,6 +229,23 @@ TEST(LinesOf, KeepsWordsWhole) {
   EXPECT_EQ(lines_of("one two three", 7), (std::vector<std::string>{"one two", "three"}));
   EXPECT_EQ(lines_of("one", 1), std::vector<std::string>{"one"});
   EXPECT_TRUE(lines_of("", 7).empty());
+}
+
+TEST_F(FigureTest, EverySampleOfTheKeyHasItsDash) {
+  if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
+  Figure figure{.panels = {{}}};
+  for (int dash = 0; dash < 5; ++dash)
+    figure.panels[0].curves.push_back(
+        {.label = std::to_string(dash), .x = {0, 1}, .y = {0, 1.0 + dash}, .style = {.dash = dash}});
+  ASSERT_TRUE(draw(figure, folder, "dashes").drawn());
+  const std::string svg = contents(folder / "dashes.svg");
+  // Once in the panel and once in the key, each with a path of its own.
+  std::map<std::string, int> paths;
+  const std::regex dashed("stroke='rgb\\(  0, 114, 178\\)'( stroke-dasharray='[^']*')?");
+  for (std::sregex_iterator path(svg.begin(), svg.end(), dashed), end; path != end; ++path)
+    ++paths[path->str(1)];
+  EXPECT_EQ(paths.size(), 5U);
+  for (const auto& [dash, count] : paths) EXPECT_EQ(count, 2) << dash;
 }
 
 TEST_F(FigureTest, APanelWithNothingToDrawIsDrawnEmpty) {
