@@ -6,6 +6,7 @@
 
 #include "analysis/fixed_point_search.hpp"
 #include "analysis/poincare.hpp"
+#include "bench/parameter_units.hpp"
 #include "bench/planar.hpp"
 #include "cli/phase.hpp"
 #include "plots/dynamics.hpp"
@@ -409,7 +410,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
     for (const auto& [parameter, value] : first.parameters)
       if (parameter != name) parameters += fmt::format(" {}={}", parameter, to_text(value));
     deliver({.title = fmt::format("{}: what the motion settles to, over {}", first.id, name),
-             .panels = {diagram(columns, name, names[0])},
+             .panels = {diagram(columns, with_unit(first, name), names[0])},
              .footer = fmt::format(
                  "{}{}; {} looks after {} periods, {}", first.id, parameters, seen.count, seen.skip,
                  options.follow ? "each value from where the one before has ended"

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/phase_plane.hpp"
+#include "bench/parameter_units.hpp"
 #include "cli/choices.hpp"
 #include "cli/outputs.hpp"
 #include "cli/stability.hpp"
@@ -134,7 +135,11 @@ Panel panel_of(const StabilityMap& map, const std::vector<double>& levels,
                     cells_with(map, "every step is stable", sky,
                                [&](std::size_t i, std::size_t j) { return std::isinf(map.at(i, j)); }),
                     cells_with(map, "no step is stable, or the model has no rest", grey,
-                               [&](std::size_t i, std::size_t j) { return !(map.at(i, j) > 0); })})
+                               [&](std::size_t i, std::size_t j) {
+                                 // Between such a point and the next nothing is known either.
+                                 return !(map.at(i, j) > 0) || !(map.at(i + 1, j) > 0) ||
+                                        !(map.at(i, j + 1) > 0) || !(map.at(i + 1, j + 1) > 0);
+                               })})
     if (!area.x.empty()) panel.areas.push_back(std::move(area));
 
   const Window window{{on_paper(map.x, map.x.values.front()), on_paper(map.y, map.y.values.front())},
@@ -158,7 +163,8 @@ Panel panel_of(const StabilityMap& map, const std::vector<double>& levels,
   return panel;
 }
 
-Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options, const std::string& footer) {
+Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options, const Problem& problem,
+               const std::string& footer) {
   const bool shrinks =
       std::ranges::any_of(maps, [](const StabilityMap& m) { return m.falling_share_x() > 0; });
   Figure figure{.title = shrinks ? fmt::format("In the shaded parts more {} shrinks the largest stable step",
@@ -170,7 +176,8 @@ Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options,
                 .panel_height = maps.size() > 1 ? 360 : 420};
   const std::array<std::string, 2> labels =
       options.rayleigh ? std::array<std::string, 2>{"alpha [1/s]", "beta [s]"}
-                       : std::array<std::string, 2>{maps.front().x.name, maps.front().y.name};
+                       : std::array<std::string, 2>{with_unit(problem, maps.front().x.name),
+                                                    with_unit(problem, maps.front().y.name)};
   const std::vector<double> levels = levels_of(maps);
   for (const StabilityMap& map : maps) figure.panels.push_back(panel_of(map, levels, labels));
   return figure;
@@ -234,8 +241,8 @@ void map(const MapOptions& options, Console& console) {
     std::erase_if(fixed, [&](const auto& entry) {
       return entry.first == x.name || entry.first == y.name || (options.rayleigh && entry.first == "c");
     });
-    const FigureFiles files =
-        draw(picture(maps, options, fmt::format("{}: {}", bare.id, describe(fixed))), options.output, "map");
+    const FigureFiles files = draw(
+        picture(maps, options, bare, fmt::format("{}: {}", bare.id, describe(fixed))), options.output, "map");
     for (Json& document : documents)
       document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
     if (files.drawn())

@@ -132,6 +132,13 @@ std::string tics(char axis_name, const Axis& axis, const Range& range, double le
   return text + "(" + list + ")\n";
 }
 
+/// `set xrange ...`, a logarithmic one wider than it is by less than can be seen: gnuplot leaves out tics at
+/// its very ends, where the logarithm rounds to beyond them.
+std::string drawn_range(char axis_name, const Axis& axis, const Range& range) {
+  const double wider = axis.logarithmic ? 1e-9 : 0;
+  return fmt::format("set {}range [{}:{}]\n", axis_name, range.low * (1 - wider), range.high * (1 + wider));
+}
+
 /// One entry of the key.
 struct Entry {
   std::string label;
@@ -388,8 +395,7 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   label(panel.y.label, share * column + 14, (top + bottom) / 2, "'sans-serif,12'", "center rotate by 90");
   script_ += panel.x.logarithmic ? "set logscale x\n" : "unset logscale x\n";
   script_ += panel.y.logarithmic ? "set logscale y\n" : "unset logscale y\n";
-  script_ += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", extent.x.low, extent.x.high,
-                         extent.y.low, extent.y.high);
+  script_ += drawn_range('x', panel.x, extent.x) + drawn_range('y', panel.y, extent.y);
   script_ += tics('x', panel.x, extent.x, right - left);
   script_ += tics('y', panel.y, {extent.y.low, extent.end_of_tics}, figure_.panel_height);
 

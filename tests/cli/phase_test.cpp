@@ -284,6 +284,7 @@ TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   EXPECT_DOUBLE_EQ(document.at("columns")[1].at("value").get<double>(), 6.6);
   EXPECT_EQ(document.at("columns")[2].at("x").size(), 64U);
   EXPECT_NE(read_text(shell / "figure/bifurcation.gp").find("chaotic"), std::string::npos);
+  EXPECT_NE(read_text(shell / "figure/bifurcation.gp").find("'P [N]'"), std::string::npos);
   EXPECT_EQ(document.at("columns")[2].at("status"), "chaotic");
   EXPECT_GT(document.at("columns")[2].at("lyapunov"), document.at("columns")[2].at("lyapunov_error"));
   // Over the damping: what is fed grows without bound.

@@ -231,6 +231,9 @@ TEST(StabilityMap, HasTheKeysOfTheContractAndDrawsItself) {
   EXPECT_TRUE(maps[0].at("h_max")[0][1].is_number());
   EXPECT_EQ(maps[1].at("h_max")[0][1], "unbounded");
   EXPECT_TRUE(std::filesystem::exists(shell / "maps/map.gp"));
+  const std::string script = read_text(shell / "maps/map.gp");
+  EXPECT_NE(script.find("'c [N s/m]'"), std::string::npos);
+  EXPECT_NE(script.find("'k1 [N/m]'"), std::string::npos);
 
   const Json one = stability(
       "map --problem liver_linear --method rk4 --rayleigh --log-x --log-y --x "

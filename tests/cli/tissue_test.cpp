@@ -269,11 +269,18 @@ TEST(RunOnAMesh, SaysThatElementsHaveEndedInsideOut) {
 }
 
 TEST(StabilityMap, HasNoLimitWhereABodyHasNoBalance) {
+  const Shell shell;
   const Json map =
-      json_of("stability map --mesh ball:n=2 --method rk4 --x g=1:40:2 --y E=5500:6000:2 --json");
+      shell
+          .hmax(
+              "stability map --mesh ball:n=2 --method rk4 --x g=1:40:2 --y E=5500:6000:2 --output map --json")
+          .json();
   EXPECT_TRUE(map.at("h_max").at(0).at(0).is_number());
   EXPECT_TRUE(map.at("h_max").at(0).at(1).is_null());
   EXPECT_NE(map.at("status").get<std::string>().find("no balance"), std::string::npos);
+  // Grey up to the point that has one, not white.
+  EXPECT_NE(read_text(shell / "map/map.dat").find("the model has no rest: x, y"), std::string::npos);
+  EXPECT_NE(read_text(shell / "map/map.gp").find("'g [m/s²]'"), std::string::npos);
 }
 
 TEST(Static, SaysThatNothingHoldsABody) {

@@ -231,6 +231,15 @@ TEST(LinesOf, KeepsWordsWhole) {
   EXPECT_TRUE(lines_of("", 7).empty());
 }
 
+TEST_F(FigureTest, TheFirstPowerOfTenIsLabelled) {
+  if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
+  Figure figure{.panels = {{.x = {"k [N/m]", true, Range{100, 1e6}}}}};
+  figure.panels[0].curves.push_back({.x = {100, 1e6}, .y = {0, 1}});
+  ASSERT_TRUE(draw(figure, folder, "powers").drawn());
+  const std::string svg = contents(folder / "powers.svg");
+  for (const char* power : {">2<", ">3<", ">6<"}) EXPECT_NE(svg.find(power), std::string::npos) << power;
+}
+
 TEST_F(FigureTest, EverySampleOfTheKeyHasItsDash) {
   if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
   Figure figure{.panels = {{}}};
