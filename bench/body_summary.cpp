@@ -36,6 +36,21 @@ void judge(const Usual& usual, double value, std::vector<std::string>& sentences
                                   usual.hint));
 }
 
+/// What a body of this size cannot stand: to be moved, or touched by a tool, of more than its length; a force
+/// that would strain it by more than 1.
+void judge_loads(const BodySummary& summary, std::vector<std::string>& sentences) {
+  const double longest = summary.size.maxCoeff(), crushing = summary.young[1] * longest * longest;
+  const auto too_much = [&](const char* name, double value, const char* unit, double most, const char* why) {
+    if (value > most)
+      sentences.push_back(fmt::format(
+          "{} is {} {}, more than {} ({} {}); give {}", name, rounded(value), unit, why, rounded(most), unit,
+          std::string_view(unit) == "m" ? "metres: 10 mm are 0.01 m" : "newtons: 500 mN are 0.5 N"));
+  };
+  too_much("depth", summary.travel, "m", longest, "the longest side of the body");
+  too_much("tool_radius", summary.tool_radius, "m", longest, "the longest side of the body");
+  too_much("force", summary.force, "N", crushing, "E times the square of its longest side");
+}
+
 }  // namespace
 
 BodySummary summary_of(const TissueBody& body) {
@@ -54,6 +69,14 @@ BodySummary summary_of(const TissueBody& body) {
                       .points = mesh.point_count(),
                       .held = mesh.point_count() - static_cast<Eigen::Index>(body.free_points().size()),
                       .gravity = settings.gravity};
+  for (const SphereTool& tool : settings.tools) {
+    summary.travel = std::max(summary.travel, tool.travel.norm());
+    summary.tool_radius = std::max(summary.tool_radius, tool.radius);
+  }
+  for (const Support& support : settings.supports)
+    summary.travel = std::max(summary.travel, support.travel.norm());
+  for (const PressingForce& load : settings.forces)
+    summary.force = std::max(summary.force, load.force.norm());
   if (settings.model == TissueModel::mass_spring) summary.poisson = {0.25, 0.25};
   if (settings.total_mass) {
     double volume = 0;
@@ -81,6 +104,7 @@ std::vector<std::string> unusual_values(const BodySummary& summary) {
     if (sentences.size() == before) judge(usual_density, rho, sentences);
   judge(usual_size, summary.size.maxCoeff(), sentences);
   if (const double g = summary.gravity.norm(); g > 0) judge(usual_gravity, g, sentences);
+  judge_loads(summary, sentences);
   return sentences;
 }
 

@@ -22,6 +22,9 @@ struct BodySummary {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();     ///< sides of the box around the body [m]
   Eigen::Index points = 0, held = 0;                  ///< all points, and those that supports hold
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s^2]
+  double travel = 0;                                  ///< the longest of tools and moved supports [m]
+  double tool_radius = 0;                             ///< the largest [m]
+  double force = 0;                                   ///< the largest that presses or pulls [N]
 };
 
 BodySummary summary_of(const TissueBody& body);

@@ -180,7 +180,10 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
     if (value < 0) throw InputError(fmt::format("{} is {} but must not be negative", name, to_text(value)));
   };
   for (const auto& [name, value] :
-       std::initializer_list<std::pair<std::string_view, double>>{{"k", p.k},
+       std::initializer_list<std::pair<std::string_view, double>>{{"alpha", p.alpha},
+                                                                  {"beta", p.beta},
+                                                                  {"damper", p.damper},
+                                                                  {"k", p.k},
                                                                   {"cubic", p.cubic},
                                                                   {"exponential", p.exponential},
                                                                   {"bending", p.bending},

@@ -41,6 +41,18 @@ TEST(BodySummary, SlipsInUnitsAreUnusual) {
   EXPECT_EQ(sentences({{"rho", 1.06}}).size(), 1U);
   EXPECT_EQ(sentences({{"mass", 1000}}).size(), 1U) << "grams";
   EXPECT_EQ(sentences({{"g", 9810}}).size(), 1U);
+  const auto of_load = [](const std::string& load, std::vector<std::pair<std::string, double>> set) {
+    const std::vector<std::string> told =
+        unusual_values(made("fem_green/" + load + "@cube:n=2", std::move(set)));
+    return told.size() == 1 ? told.front() : std::to_string(told.size()) + " sentences";
+  };
+  EXPECT_EQ(of_load("tool", {{"depth", 10}}),
+            "depth is 10 m, more than the longest side of the body (0.1 m); give metres: 10 mm are 0.01 m");
+  EXPECT_TRUE(of_load("tool", {{"tool_radius", 10}, {"depth", 0.01}}).starts_with("tool_radius is 10 m"));
+  EXPECT_EQ(
+      of_load("press", {{"force", 500}}),
+      "force is 500 N, more than E times the square of its longest side (55 N); give newtons: 500 mN are 0.5 N");
+  EXPECT_EQ(of_load("press", {{"force", 0.5}}), "0 sentences");
   EXPECT_EQ(unusual_values(made("fem_green@cube:n=2,edge=100")).size(), 1U) << "millimetres taken for metres";
 }
 

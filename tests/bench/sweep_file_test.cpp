@@ -22,8 +22,10 @@ std::string refusal(const std::string& text) {
   return "";
 }
 
-TEST(SweepFile, AnEmptyFileIsTheDefaultSweep) {
-  EXPECT_EQ(plan_sweep(read("")).canonical, plan_sweep({}).canonical);
+TEST(SweepFile, AnEmptyFileAsksForNothing) {
+  for (const char* text : {"", "# a remark\n", "[sweep]\n", "[sweep]\n[set]\n"})
+    EXPECT_TRUE(refusal(text).starts_with("s.toml asks for nothing")) << text;
+  EXPECT_EQ(plan_sweep(spec_from({})).canonical, plan_sweep({}).canonical);
 }
 
 TEST(SweepFile, EveryKeyIsRead) {

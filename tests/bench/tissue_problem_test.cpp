@@ -161,6 +161,8 @@ TEST(TissueProblem, RefusesWhatItsModelMeshOrLoadDoesNotHave) {
   EXPECT_NE(refusal("mass_spring@phantom", {{"cubic", 1}, {"exponential", 1}}).find("choose one"),
             std::string::npos);
   EXPECT_NE(refusal("fem_green@phantom", {{"inclusion", 5}}).find("regions"), std::string::npos);
+  for (const char* damping : {"alpha", "beta"})
+    EXPECT_NE(refusal("fem_green@phantom", {{damping, -0.001}}).find("negative"), std::string::npos);
   EXPECT_NE(refusal("fem_green@phantom", {{"skin", -1}}).find("negative"), std::string::npos);
   EXPECT_NE(refusal("fem_green/breathing@phantom", {{"support", 0}}).find("support"), std::string::npos);
   EXPECT_NE(refusal("fem_green@phantom", {{"skin_thickness", 0}}).find("positive"), std::string::npos);
