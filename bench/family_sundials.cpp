@@ -98,6 +98,8 @@ struct Coefficients {
   std::vector<long double> a, b;
 
   explicit Coefficients(const sundials::Table& table) {
+    if (!table)
+      throw InputError("this SUNDIALS lacks a table of the method; build hmax with another version");
     const int s = table->stages;
     for (int i = 0; i < s; ++i) a.insert(a.end(), table->A[i], table->A[i] + s);
     b.assign(table->b, table->b + s);

@@ -179,7 +179,7 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
               {"repeats", spec.repeats},
               {"max_steps", spec.max_steps},
               {"min_sample_s", spec.min_sample_s}}
-      .dump();
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 auto as_tuple(const RowKey& k) {

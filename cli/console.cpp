@@ -13,6 +13,8 @@
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
+#include "cli/last_resort.hpp"
+#include "core/part_file.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -24,10 +26,17 @@ std::atomic<bool> interrupted{false}, waits_for_task{false};
 
 extern "C" void on_interrupt(int) {
   if (!waits_for_task.load() || interrupted.exchange(true)) {
-    constexpr std::string_view words = "hmax: interrupted\n";
-    [[maybe_unused]] const auto written = write(STDERR_FILENO, words.data(), words.size());
+    remove_part_file();
+    write_error("hmax: interrupted\n");
     _exit(static_cast<int>(Exit::interrupted));
   }
+}
+
+/// Ends the program as the signal does by itself, which is told to who waits for it.
+extern "C" void on_termination(int signal) {
+  remove_part_file();
+  std::signal(signal, SIG_DFL);
+  raise(signal);
 }
 
 bool is_set(const char* variable) {
@@ -114,7 +123,8 @@ void Console::print(std::string_view text) {
 void Console::print_json(const nlohmann::ordered_json& document) {
   Json explained = document;
   explain_nulls(explained);
-  print(explained.dump(2) + "\n");
+  // A name that is not UTF-8 has a substitute for each byte that is none.
+  print(explained.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 void Console::flush() {
@@ -125,7 +135,7 @@ void Console::flush() {
                                std::strerror(errno)));
 }
 
-void Console::remark(std::string_view text) { fmt::print(stderr, "hmax: {}\n", text); }
+void Console::remark(std::string_view text) { tell({text}); }
 
 std::string Console::strong(std::string_view text) const { return painted(colour_, "1", text); }
 std::string Console::faint(std::string_view text) const { return painted(colour_, "2", text); }
@@ -135,7 +145,7 @@ Progress::Progress(const Console& console, std::string task)
     : task_(std::move(task)), active_(console.shows_progress()), start_(Clock::now()), last_(start_) {}
 
 Progress::~Progress() {
-  if (drawn_) fmt::print(stderr, "\r\x1b[K");
+  if (drawn_) write_error("\r\x1b[K");
 }
 
 void Progress::update(double share, std::string_view detail) {
@@ -148,9 +158,8 @@ void Progress::update(double share, std::string_view detail) {
   drawn_ = true;
   const std::string rest =
       share > 0 ? ", " + remaining_time(elapsed * (1 - share) / share) + " to go" : std::string();
-  fmt::print(stderr, "\r\x1b[K{}: {:.0f} %{}{}{}", task_, std::floor(100 * share), rest,
-             detail.empty() ? "" : "  ", detail);
-  std::fflush(stderr);
+  write_error(fmt::format("\r\x1b[K{}: {:.0f} %{}{}{}", task_, std::floor(100 * share), rest,
+                          detail.empty() ? "" : "  ", detail));
 }
 
 const std::atomic<bool>& interrupt_flag() {
@@ -160,6 +169,8 @@ const std::atomic<bool>& interrupt_flag() {
 
 void install_interrupt_handler() {
   std::signal(SIGINT, on_interrupt);
+  for (const int signal : {SIGTERM, SIGHUP})
+    if (std::signal(signal, on_termination) == SIG_IGN) std::signal(signal, SIG_IGN);  // nohup
   std::signal(SIGPIPE, SIG_IGN);
   // A limit on the size of files is then an error of write(), told like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);

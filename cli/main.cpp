@@ -1,14 +1,16 @@
 /// The program `hmax`: the application, and the one place where exceptions become exit codes.
-#include <cstdio>
+#include <algorithm>
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/suggest.hpp"
 #include "cli/commands.hpp"
+#include "cli/last_resort.hpp"
 #include "core/instruction_set.hpp"
 #include "core/own_files.hpp"
 #include "results/build_info.hpp"
@@ -69,11 +71,25 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// Several lines would be several sentences.
-void complain(std::string text) {
-  for (char& c : text)
-    if (c == '\n' || c == '\r') c = ' ';
-  fmt::print(stderr, "hmax: {}\n", text);
+/// The parser takes whatever follows an option for its value, another option too.
+void refuse_options_as_values(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = &app;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const std::vector<const CLI::App*> below = command->get_subcommands({});
+    if (const auto next = std::ranges::find(below, word, &CLI::App::get_name); next != below.end()) {
+      command = *next;
+      continue;
+    }
+    const CLI::Option* option = word.starts_with("--") ? command->get_option_no_throw(word) : nullptr;
+    if (!option || option->get_items_expected_min() == 0 || ++i == argc) continue;
+    const std::string value = argv[i];
+    if (value.starts_with("--") && command->get_option_no_throw(value.substr(0, value.find('='))))
+      throw InputError(
+          fmt::format("{} is followed by the option {} where its value should be; give it one, "
+                      "or write {}={} if that is meant",
+                      word, value, word, value));
+  }
 }
 
 /// A wrong environment is refused by every command, whether its kernels run or not.
@@ -112,6 +128,7 @@ Exit run(int argc, char** argv) {
   add_completion(app, console);
 
   try {
+    refuse_options_as_values(app, argc, argv);
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
       if (console.json)
@@ -136,19 +153,26 @@ Exit run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using hmax::Exit;
+  hmax::open_closed_streams();
   hmax::install_interrupt_handler();
   try {
     return static_cast<int>(hmax::run(argc, argv));
   } catch (const hmax::InputError& error) {
-    hmax::complain(error.what());
+    hmax::tell({error.what()});
     return static_cast<int>(Exit::usage);
   } catch (const hmax::Interrupted&) {
-    hmax::complain("interrupted; what was finished is kept");
+    hmax::tell({"interrupted; what was finished is kept"});
     return static_cast<int>(Exit::interrupted);
   } catch (const std::bad_alloc&) {
-    hmax::complain("out of memory; take fewer points or a smaller problem");
+    hmax::tell({"out of memory; take fewer points or a smaller problem"});
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again) {
+      hmax::tell({"the system allows no further thread; raise its limit (ulimit -u) or end other programs"});
+      return static_cast<int>(Exit::usage);
+    }
+    hmax::tell({"internal error, please report it: ", error.what()});
   } catch (const std::exception& error) {
-    hmax::complain(fmt::format("internal error, please report it: {}", error.what()));
+    hmax::tell({"internal error, please report it: ", error.what()});
   }
   return static_cast<int>(Exit::internal);
 }

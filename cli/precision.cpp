@@ -63,10 +63,13 @@ PrecisionSpec spec_of(const PrecisionOptions& options) {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "hmax_XXXXXX").string();
-    if (!mkdtemp(name.data()))
-      throw InputError(fmt::format("no folder can be made in {}; set TMPDIR to a place that can be written",
-                                   std::filesystem::temp_directory_path().string()));
+    std::error_code error;
+    const std::filesystem::path place = std::filesystem::temp_directory_path(error);
+    std::string name = (place / "hmax_XXXXXX").string();
+    if (error || !mkdtemp(name.data()))
+      throw InputError(fmt::format(
+          "no folder for temporary files can be made{}; set TMPDIR to a place that can be written",
+          error ? "" : " in " + place.string()));
     path_ = name;
   }
   ~TemporaryFolder() {

@@ -1,9 +1,14 @@
 #include "plots/gnuplot.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,18 +21,19 @@ constexpr int cannot_enter = 126;
 
 struct Finished {
   int code;            ///< exit code, or -1 when ended by a signal or never started
+  bool late = false;   ///< ended because it took too long
   std::string errors;  ///< what it wrote to standard error, at most 4 KiB
 };
 
-Finished run(const std::filesystem::path& directory, std::array<const char*, 4> arguments) {
+Finished run(const std::filesystem::path& directory, std::array<const char*, 4> arguments, double seconds) {
   std::array<int, 2> pipe_ends{};
-  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return {-1, "no pipe"};
+  if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return {.code = -1, .errors = "no pipe"};
   const std::string folder = directory.empty() ? "." : directory.string();
   const pid_t child = fork();
   if (child < 0) {
     close(pipe_ends[0]);
     close(pipe_ends[1]);
-    return {-1, "no process"};
+    return {.code = -1, .errors = "no process"};
   }
   if (child == 0) {
     // Only async-signal-safe calls between fork and exec.
@@ -40,9 +46,21 @@ Finished run(const std::filesystem::path& directory, std::array<const char*, 4> 
     _exit(cannot_start);
   }
   close(pipe_ends[1]);
-  Finished finished{-1, {}};
+  Finished finished{.code = -1, .errors = {}};
   std::array<char, 1024> buffer;
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   for (;;) {
+    const std::chrono::duration<double, std::milli> left = end - Clock::now();
+    pollfd waits{.fd = pipe_ends[0], .events = POLLIN, .revents = 0};
+    const int ready = poll(&waits, 1, static_cast<int>(std::clamp(left.count(), 0.0, 1e6)));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0 && Clock::now() < end) continue;
+    if (ready <= 0) {
+      finished.late = true;
+      kill(child, SIGKILL);
+      break;
+    }
     const ssize_t got = read(pipe_ends[0], buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
@@ -77,15 +95,19 @@ std::size_t character_at(std::string_view text) {
 
 }  // namespace
 
-bool gnuplot_available() { return run(".", {"gnuplot", "--version", nullptr, nullptr}).code == 0; }
+bool gnuplot_available() { return run(".", {"gnuplot", "--version", nullptr, nullptr}, 30).code == 0; }
 
-std::string run_gnuplot(const std::filesystem::path& directory, const std::string& script) {
-  const Finished finished = run(directory, {"gnuplot", "--default-settings", script.c_str(), nullptr});
+std::string run_gnuplot(const std::filesystem::path& directory, const std::string& script, double seconds) {
+  const Finished finished =
+      run(directory, {"gnuplot", "--default-settings", script.c_str(), nullptr}, seconds);
   if (finished.code == 0) return {};
   const std::string file = (directory / script).string();
   if (finished.code == cannot_start)
     return "gnuplot is not installed, so " + file +
            " was written but not drawn; apt-get install gnuplot-nox, then run gnuplot on it in its folder";
+  if (finished.late)
+    return "gnuplot took longer than " + std::to_string(std::lround(seconds)) + " s for " + file +
+           " and was ended; run gnuplot on it in its folder";
   return "gnuplot could not draw " + file + ": " + shortened(one_line(finished.errors), 300);
 }
 

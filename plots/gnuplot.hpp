@@ -12,9 +12,11 @@ namespace hmax {
 bool gnuplot_available();
 
 /// Runs `gnuplot script` in `directory`, ignoring the user's own gnuplot settings.
+/// @param seconds  after which it is ended
 /// @returns empty when it succeeded, otherwise one sentence: not installed (with the remedy), or its first
 /// complaint
-std::string run_gnuplot(const std::filesystem::path& directory, const std::string& script);
+std::string run_gnuplot(const std::filesystem::path& directory, const std::string& script,
+                        double seconds = 300);
 
 /// `text` as a gnuplot string. Single quotes, in which gnuplot substitutes nothing: no backslash, no
 /// backtick, no macro. A quote becomes ’ (gnuplot 5.4 misreads a doubled one at the start of a string),

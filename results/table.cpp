@@ -6,11 +6,11 @@
 #include <iterator>
 #include <stdexcept>
 #include <system_error>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
+#include "core/part_file.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -61,24 +61,17 @@ InputError cannot_write(const fs::path& file, const std::string& cause) {
                   file.string(), cause));
 }
 
-/// Where the bytes go before they replace `file`; the file itself when it is a pipe or device, which cannot
-/// be replaced, only written to.
-struct Target {
-  fs::path file;
-  bool in_place;
-};
-
-Target place_to_write(const fs::path& file, std::string_view opening) {
+/// Makes the folder of `file` when it is missing and looks whether `file` may be replaced.
+/// @returns true when it is a pipe or device, which cannot be replaced, only written to
+bool is_written_in_place(const fs::path& file, std::string_view opening) {
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   if (error) throw cannot_write(file, error.message());
   const fs::file_status status = fs::status(file, error);
   if (fs::is_directory(status)) throw cannot_write(file, "it is a folder");
-  if (fs::exists(status) && !fs::is_regular_file(status)) return {file, true};
+  if (fs::exists(status) && !fs::is_regular_file(status)) return true;
   check_replaceable(file, is_own_file(file, opening));
-  fs::path part = file;
-  part += fmt::format(".{}.part", getpid());
-  return {part, false};
+  return false;
 }
 
 }  // namespace
@@ -129,33 +122,30 @@ void check_replaceable(const fs::path& file, bool own) {
 }
 
 void write_file(const fs::path& file, std::string_view text, std::string_view opening) {
-  const auto [target, in_place] = place_to_write(file, opening);
-  std::error_code error;
-  errno = 0;
-  std::ofstream out(target, std::ios::binary);
-  out.write(text.data(), static_cast<std::streamsize>(text.size()));
-  out.close();
-  if (!out) {
-    const int cause = errno;
-    if (!in_place) fs::remove(target, error);
-    throw cannot_write(file, cause ? std::strerror(cause) : "write failed");
+  if (is_written_in_place(file, opening)) {
+    errno = 0;
+    std::ofstream out(file, std::ios::binary);
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    out.close();
+    if (!out) throw cannot_write(file, errno ? std::strerror(errno) : "write failed");
+    return;
   }
-  if (in_place) return;
-  fs::rename(target, file, error);
-  if (error) {
-    const std::string cause = error.message();
-    fs::remove(target, error);
-    throw cannot_write(file, cause);
+  try {
+    PartFile part(file);
+    part.write(text);
+    part.replace();
+  } catch (const std::system_error& error) {
+    throw cannot_write(file, error.code().message());
   }
 }
 
 void check_writable(const fs::path& file, std::string_view opening) {
-  const auto [target, in_place] = place_to_write(file, opening);
-  if (in_place) return;
-  errno = 0;
-  if (!std::ofstream(target, std::ios::binary)) throw cannot_write(file, std::strerror(errno));
-  std::error_code ignored;
-  fs::remove(target, ignored);
+  if (is_written_in_place(file, opening)) return;
+  try {
+    const PartFile part(file);
+  } catch (const std::system_error& error) {
+    throw cannot_write(file, error.code().message());
+  }
 }
 
 void write_csv(const fs::path& file, const Table& table) { write_file(file, to_csv(table)); }

@@ -33,7 +33,10 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
 
 Table explicit_table(ARKODE_ERKTableID id) {
   Table table(ARKodeButcherTable_LoadERK(id));
-  if (!table) throw std::bad_alloc();
+  if (!table)
+    throw std::invalid_argument("this SUNDIALS has no explicit table " +
+                                std::to_string(static_cast<int>(id)) +
+                                "; build hmax with version 6 or later");
   return is_taken_for_fsal(*table) ? with_honest_last_stage(*table) : std::move(table);
 }
 

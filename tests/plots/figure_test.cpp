@@ -292,5 +292,15 @@ TEST_F(FigureTest, AFailureOfGnuplotIsTold) {
   EXPECT_NE(run_gnuplot(folder, "wrong.gp").find("could not draw"), std::string::npos);
 }
 
+TEST_F(FigureTest, AGnuplotThatHangsIsEnded) {
+  std::ofstream(folder / "gnuplot") << "#!/bin/sh\nexec /bin/sleep 60\n";
+  std::filesystem::permissions(folder / "gnuplot", std::filesystem::perms::owner_all);
+  const std::string kept = std::getenv("PATH");
+  setenv("PATH", folder.c_str(), 1);
+  const std::string told = run_gnuplot(folder, "a.gp", 0.2);
+  setenv("PATH", kept.c_str(), 1);
+  EXPECT_NE(told.find("took longer than"), std::string::npos) << told;
+}
+
 }  // namespace
 }  // namespace hmax

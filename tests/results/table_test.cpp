@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/part_file.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 #include "tests/results/scratch.hpp"
@@ -104,6 +105,38 @@ TEST(Table, AFileThatCannotBeUsedIsAnInputErrorAndTheOldOneStays) {
   write_csv(scratch / "file", table);
   EXPECT_EQ(read_text(scratch / "file"), "# written by hmax\na\n1\n");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch.folder()), {}), 1);
+}
+
+TEST(PartFile, HasANameOfItsOwnAndLeavesNothing) {
+  const Scratch scratch;
+  const auto names = [&] {
+    std::vector<std::string> all;
+    for (const auto& entry : std::filesystem::directory_iterator(scratch.folder()))
+      all.push_back(entry.path().filename().string());
+    return all;
+  };
+  std::string first;
+  {
+    PartFile part(scratch / "x");
+    part.write("half");
+    ASSERT_EQ(names().size(), 1U);
+    first = names()[0];
+    EXPECT_TRUE(first.starts_with("x.") && first.ends_with(".part")) << first;
+  }
+  EXPECT_TRUE(names().empty());
+  PartFile part(scratch / "x");
+  EXPECT_NE(names().at(0), first);
+  remove_part_file();  // as the handlers of signals do
+  EXPECT_TRUE(names().empty());
+}
+
+TEST(PartFile, ReplacesWithTheRightsOfNewFiles) {
+  const Scratch scratch;
+  write_file(scratch / "x", "new");
+  std::ofstream(scratch / "y") << "other";
+  EXPECT_EQ(read_text(scratch / "x"), "new");
+  EXPECT_EQ(std::filesystem::status(scratch / "x").permissions(),
+            std::filesystem::status(scratch / "y").permissions());
 }
 
 }  // namespace

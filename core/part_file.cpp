@@ -1,0 +1,77 @@
+#include "core/part_file.hpp"
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fcntl.h>
+#include <string>
+#include <sys/random.h>
+#include <system_error>
+#include <unistd.h>
+
+#include <climits>
+
+namespace hmax {
+
+namespace {
+
+/// The name for a handler, which may follow no pointer into the heap.
+std::array<char, PATH_MAX> current_name;
+std::atomic<bool> is_current{false};
+
+void remember(const std::string& name) {
+  if (name.size() >= current_name.size()) return;
+  std::memcpy(current_name.data(), name.c_str(), name.size() + 1);
+  is_current = true;
+}
+
+[[noreturn]] void fail() { throw std::system_error(errno, std::generic_category()); }
+
+std::string random_ending() {
+  std::uint64_t bits = 0;
+  if (getrandom(&bits, sizeof bits, 0) != sizeof bits) fail();
+  constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyz234567";
+  std::string ending = ".";
+  for (int i = 0; i < 12; ++i, bits >>= 5) ending += letters[bits & 31U];
+  return ending + ".part";
+}
+
+}  // namespace
+
+void remove_part_file() noexcept {
+  if (is_current.exchange(false)) unlink(current_name.data());
+}
+
+PartFile::PartFile(const std::filesystem::path& file) : file_(file), part_(file) {
+  part_ += random_ending();
+  remember(std::filesystem::absolute(part_).string());
+  descriptor_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor_ >= 0) return;
+  is_current = false;
+  fail();
+}
+
+PartFile::~PartFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  if (is_current.exchange(false)) unlink(part_.c_str());
+}
+
+void PartFile::write(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor_, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail();
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void PartFile::replace() {
+  const int closed = close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0 || rename(part_.c_str(), file_.c_str()) != 0) fail();
+  is_current = false;
+}
+
+}  // namespace hmax
