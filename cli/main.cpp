@@ -15,6 +15,7 @@
 #include "core/own_files.hpp"
 #include "results/build_info.hpp"
 #include "results/errors.hpp"
+#include "results/patience.hpp"
 
 namespace hmax {
 
@@ -104,6 +105,8 @@ void check_environment() {
 Exit run(int argc, char** argv) {
   check_environment();
   allow_replacing(Replacing::own);
+  constexpr int ten_minutes = 600'000;
+  set_patience({.milliseconds = ten_minutes, .tell = [](std::string_view text) { tell({text}); }});
   Console console;
   CLI::App app("Benchmarks of numerical integrators and their stability on soft-tissue models.", "hmax");
   app.set_version_flag("--version", fmt::format("hmax {}", build_info().version));

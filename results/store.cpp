@@ -1,6 +1,7 @@
 #include "results/store.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
+#include "results/patience.hpp"
 #include "results/schema.hpp"
 #include "results/sqlite.hpp"
 
@@ -23,8 +25,26 @@ namespace fs = std::filesystem;
 using sqlite::Database;
 using sqlite::Statement;
 
-/// How long a call waits for another process before it gives up [ms].
-constexpr int patience_ms = 2000;
+Patience patience;
+
+/// What SQLite calls again and again while another process has the lock. @returns 0 to give up
+int on_busy(void* /*unused*/, int calls) {
+  using Clock = std::chrono::steady_clock;
+  thread_local Clock::time_point start;
+  thread_local bool told = false;
+  if (calls == 0) {
+    start = Clock::now();
+    told = false;
+  }
+  const auto waited = Clock::now() - start;
+  if (waited >= std::chrono::milliseconds(patience.milliseconds)) return 0;
+  if (!told && patience.tell && waited >= std::chrono::seconds(1)) {
+    told = true;
+    patience.tell("another process has locked the store; waiting until it is done");
+  }
+  sqlite3_sleep(10);
+  return 1;
+}
 
 /// What SQLite could not do, as a sentence with a remedy.
 InputError translated(const sqlite::Failure& failure, const fs::path& file) {
@@ -80,7 +100,7 @@ Database connect(const std::string& name, int flags) {
   if (!database) throw sqlite::Failure(code, 0, sqlite3_errstr(code));
   sqlite3_extended_result_codes(raw, 1);
   sqlite::check(raw, code);
-  sqlite3_busy_timeout(raw, patience_ms);
+  sqlite3_busy_handler(raw, on_busy, nullptr);
   return database;
 }
 
@@ -117,7 +137,7 @@ void keep_a_write_ahead_log(sqlite3* database) {
     try {
       return sqlite::execute(database, "PRAGMA journal_mode = WAL");
     } catch (const sqlite::Failure& failure) {
-      if ((failure.code & 0xff) != SQLITE_BUSY || waited_ms >= patience_ms) throw;
+      if ((failure.code & 0xff) != SQLITE_BUSY || waited_ms >= patience.milliseconds) throw;
       sqlite3_sleep(pause_ms);
     }
   }
@@ -249,6 +269,8 @@ std::string describe(const RowKey& key) {
 }
 
 }  // namespace
+
+void set_patience(Patience with) { patience = with; }
 
 struct Store::Impl {
   fs::path file;

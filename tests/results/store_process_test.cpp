@@ -15,6 +15,7 @@
 #include <sqlite3.h>
 
 #include "results/errors.hpp"
+#include "results/patience.hpp"
 #include "results/store.hpp"
 #include "tests/results/scratch.hpp"
 
@@ -172,6 +173,28 @@ TEST(StoreProcess, ALockedStoreIsAnInputErrorAfterAShortWait) {
   sqlite3_close(other);
   store.insert(numbered(2));
   EXPECT_EQ(store.size(), 2);
+}
+
+TEST(StoreProcess, ALockedStoreIsWaitedForAsLongAsAsked) {
+  static int told;
+  told = 0;
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "a");
+  store.begin_session({});
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open((scratch / "a").c_str(), &other), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  set_patience({.milliseconds = 60000, .tell = [](std::string_view) { ++told; }});
+  {
+    const std::jthread lets_go([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+      sqlite3_close(other);
+    });
+    store.insert(numbered(1));
+  }
+  set_patience({});
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(store.size(), 1);
 }
 
 TEST(StoreProcess, AFullDiskIsAnInputErrorAndKeepsWhatWasStored) {
