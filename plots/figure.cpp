@@ -463,7 +463,9 @@ void Writer::panel(const Panel& panel, std::size_t index) {
       const double high = bars && drawable(curve.high[i], panel.y) ? curve.high[i] : curve.y[i];
       const std::array<double, 4> row{curve.x[i], curve.y[i], low, high};
       const auto here = pixel(row);
-      const bool hidden = curve.style.marker == 0 && !rows.empty() && i + 1 < curve.x.size() &&
+      if (curve.strokes && i % 2 == 0 && !rows.empty()) rows.push_back({NAN, NAN, NAN, NAN});
+      const bool hidden = !curve.strokes && curve.style.marker == 0 && !rows.empty() &&
+                          i + 1 < curve.x.size() &&
                           std::hypot(here.first - last.first, here.second - last.second) < 0.25;
       if (hidden) continue;
       // A line across a lost run would show a result that is not there.

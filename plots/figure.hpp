@@ -37,6 +37,7 @@ struct Curve {
       {};  ///< x of runs that did not reach their end: marks in a strip at the top edge
   Style style = {};
   bool line = true;
+  bool strokes = false;  ///< every two points are a line of their own
 };
 
 /// Arrows centred on (x, y), in the units of the axes.

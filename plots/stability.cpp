@@ -46,6 +46,26 @@ void add_rim(const RegionShape& region, const PlaneFrame& frame, const Style& st
   }
 }
 
+/// Short strokes from a rim into the region on its left, a pixel being `pixel` long.
+Curve strokes_inside(const Curve& rim, double pixel) {
+  constexpr double apart = 16, length = 6;  // pixels
+  Curve strokes{.style = rim.style, .strokes = true};
+  strokes.style.dash = 0;
+  strokes.style.width = 0.9;
+  double until = apart / 2;  // the next stroke, along the rim
+  for (std::size_t i = 0; i + 1 < rim.x.size(); ++i) {
+    const double dx = (rim.x[i + 1] - rim.x[i]) / pixel, dy = (rim.y[i + 1] - rim.y[i]) / pixel;
+    const double way = std::hypot(dx, dy);
+    for (; until < way; until += apart) {
+      const double x = rim.x[i] + until / way * dx * pixel, y = rim.y[i] + until / way * dy * pixel;
+      strokes.x.insert(strokes.x.end(), {x, x - length * pixel * dy / way});
+      strokes.y.insert(strokes.y.end(), {y, y + length * pixel * dx / way});
+    }
+    until -= way;
+  }
+  return strokes;
+}
+
 /// The plane with its two axes, and nothing in it yet.
 Panel empty_plane(const PlaneFrame& frame, const PlaneAxes& axes) {
   constexpr int grey = 7;
@@ -80,9 +100,14 @@ Panel region_panel(const RegionShape& region, const PlaneFrame& frame, const Pla
 
 Panel regions_panel(const std::vector<RegionShape>& regions, const PlaneFrame& frame, const PlaneAxes& axes) {
   Panel panel = empty_plane(frame, axes);
+  const auto axes_drawn = static_cast<std::ptrdiff_t>(panel.curves.size());
   panel.grid = false;
   for (std::size_t k = 0; k < regions.size(); ++k)
     add_rim(regions[k], frame, family_style(static_cast<int>(k)), panel);
+  const double pixel = (frame.im.high - frame.im.low) / frame.height;
+  const std::vector<Curve> rims(panel.curves.begin() + axes_drawn, panel.curves.end());
+  for (const Curve& rim : rims) panel.curves.push_back(strokes_inside(rim, pixel));
+  panel.notes = {"stable on the side of the strokes"};
   return panel;
 }
 

@@ -35,7 +35,8 @@ struct PlaneAxes {
 Panel region_panel(const RegionShape& region, const PlaneFrame& frame, const PlaneAxes& axes = {},
                    int colour = 0);
 
-/// The rims of several regions, each with the colour and the dash of its place.
+/// The rims of several regions, each with the colour and the dash of its place and with short strokes that
+/// point into the region.
 Panel regions_panel(const std::vector<RegionShape>& regions, const PlaneFrame& frame,
                     const PlaneAxes& axes = {});
 

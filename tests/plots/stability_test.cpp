@@ -78,10 +78,39 @@ TEST(StabilityFigures, NoRimIsDrawnAlongTheFrame) {
 TEST(StabilityFigures, SeveralRegionsDifferInColourAndDash) {
   const Panel panel =
       regions_panel({{"a", {circle(-1, 0, 1)}}, {"b", {circle(-1, 0, 2)}}}, equal_frame({-4, 4}, {-3, 3}, 1));
-  ASSERT_EQ(panel.curves.size(), 4U);
+  // Two axes, two rims and the strokes of both.
+  ASSERT_EQ(panel.curves.size(), 6U);
   EXPECT_TRUE(panel.fills.empty());
   EXPECT_NE(panel.curves[2].style.colour, panel.curves[3].style.colour);
   EXPECT_NE(panel.curves[2].style.dash, panel.curves[3].style.dash);
+}
+
+TEST(StabilityFigures, StrokesPointToTheStableSideOfARim) {
+  const RegionShape outside{.label = "ring", .loops = {circle(0, 0, 2), circle(0, 0, 1, true)}};
+  const Panel panel = regions_panel({outside}, equal_frame({-3, 3}, {-3, 3}, 1));
+  ASSERT_EQ(panel.curves.size(), 6U);
+  for (const std::size_t rim : {0U, 1U}) {
+    const Curve& strokes = panel.curves[4 + rim];
+    EXPECT_TRUE(strokes.strokes);
+    EXPECT_TRUE(strokes.label.empty());
+    EXPECT_EQ(strokes.style.colour, panel.curves[2 + rim].style.colour);
+    ASSERT_GT(strokes.x.size(), 20U);
+    for (std::size_t i = 0; i + 1 < strokes.x.size(); i += 2) {
+      const double from = std::hypot(strokes.x[i], strokes.y[i]);
+      const double to = std::hypot(strokes.x[i + 1], strokes.y[i + 1]);
+      EXPECT_NEAR(from, rim == 0 ? 2 : 1, 0.01);
+      EXPECT_EQ(to < from, rim == 0);
+    }
+  }
+  EXPECT_EQ(panel.notes.size(), 1U);
+  // Every stroke is a line of its own.
+  const FigureSource source = source_of({.panels = {panel}}, "ring");
+  const auto lines = [](const std::string& text, const std::string& what) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_GE(lines(source.data, "\n\n"), (panel.curves[4].x.size() + panel.curves[5].x.size()) / 2 - 2);
 }
 
 TEST(StabilityFigures, AFieldIsDeeperTheMoreItDampsAndTheMoreItAmplifies) {
