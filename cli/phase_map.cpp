@@ -138,9 +138,12 @@ Figure picture(const PhaseView& view, const MapView& seen) {
   Panel right = map_panel(map);
   right.notes = {counted(spurious, "fixed point") + " made by the method",
                  counted(seen.period_two.size(), "orbit") + " of period two"};
-  const bool invents = spurious > 0 || !seen.period_two.empty();
-  return {.title = invents ? "The method adds places and cycles that the equation does not have"
-                           : "The method rests where the equation rests",
+  const bool places = spurious > 0, cycles = !seen.period_two.empty();
+  return {.title = !places && !cycles ? "The method rests where the equation rests"
+                                      : fmt::format("The method adds {} that the equation does not have",
+                                                    !cycles   ? "places of rest"
+                                                    : !places ? "cycles"
+                                                              : "places of rest and cycles"),
           .panels = {phase_panel(plane), right},
           .columns = 2,
           .footer = fmt::format("{}: {}; {} steps from each start", view.problem.id,

@@ -5,19 +5,19 @@
 namespace hmax {
 
 Panel map_panel(const PlaneMap& map) {
-  constexpr int made_by_method = 1;
+  constexpr int made_by_method = 5;  // orbits have the colours before it
   Panel panel{.title = map.title, .x = {map.x, false, map.x_range}, .y = {map.v, false, map.v_range}};
   for (std::size_t k = 0; k < map.iterates.size(); ++k) {
+    const int colour = static_cast<int>(k) % made_by_method;
     Curve steps{.label = "step by step",
-                .style = {.colour = static_cast<int>(k), .dash = 0, .marker = 7, .width = 0.6, .size = 0.55}};
+                .style = {.colour = colour, .dash = 0, .marker = 7, .width = 0.6, .size = 0.55}};
     for (const auto& [x, v] : map.iterates[k]) {
       steps.x.push_back(x);
       steps.y.push_back(v);
     }
     if (k > 0) steps.label.clear();
     if (!steps.x.empty())
-      panel.marks.push_back(
-          {steps.x[0], steps.y[0], {.colour = static_cast<int>(k), .marker = 9}, k == 0 ? "start" : ""});
+      panel.marks.push_back({steps.x[0], steps.y[0], {.colour = colour, .marker = 9}, k == 0 ? "start" : ""});
     panel.curves.push_back(std::move(steps));
   }
   for (const MapPair& pair : map.period_two) {
