@@ -8,6 +8,7 @@
 
 #include "bench/accuracy_suite.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -118,6 +119,7 @@ void add_check(CLI::App& app, Console& console) {
       .add_option("--baseline", options->baseline,
                   "The baseline; results/baseline/accuracy.csv of the source folder by default")
       ->type_name("FILE");
+  add_force(command);
   command.callback([options, &console] { check_accuracy(*options, console); });
 }
 
