@@ -21,7 +21,8 @@ struct Mean {
 
 /// The mean of a series whose neighbours depend on one another, see largest_lyapunov.
 Mean mean_of(const std::vector<double>& series) {
-  constexpr double student = 2.131;  // 95 % at 15 degrees of freedom
+  constexpr double unresolved = 3e-3;  // see largest_lyapunov
+  constexpr double student = 2.131;    // 95 % at 15 degrees of freedom
   const auto length = series.size() / batches;
   const auto first = series.end() - static_cast<std::ptrdiff_t>(batches * length);
   std::array<double, batches> means;
@@ -34,7 +35,9 @@ Mean mean_of(const std::vector<double>& series) {
   const double mean = (early + late) / 2;
   double square = 0;
   for (const double value : means) square += (value - mean) * (value - mean);
-  return {mean, std::max(student * std::sqrt(square / (batches * (batches - 1))), std::abs(late - early))};
+  const double n = batches * double(length);
+  return {mean, std::max({student * std::sqrt(square / (batches * (batches - 1))), std::abs(late - early),
+                          2 * std::log(n) / n, unresolved})};
 }
 
 }  // namespace

@@ -107,14 +107,14 @@ TEST(Poincare, MeasuresKnownExponents) {
   // The mean, and an error that is that of the mean, neither too small nor much too large.
   const auto expect_known = [](const Exponent& found, double expected) {
     EXPECT_NEAR(found.value, expected, 2 * found.error);
-    EXPECT_LE(found.error, 0.02 * std::abs(expected) + 1e-3);
+    EXPECT_LE(found.error, 0.02 * std::abs(expected) + 3e-3);
   };
   expect_known(largest_lyapunov(logistic(4), VectorXd::Constant(1, 0.3123), VectorXd::Ones(1)), std::log(2));
   // f'(x*) = 2 - r at the fixed point.
   const Exponent rest =
       largest_lyapunov(logistic(2.8), VectorXd::Constant(1, 1 - 1 / 2.8), VectorXd::Ones(1));
   EXPECT_NEAR(rest.value, std::log(0.8), 1e-5);
-  EXPECT_EQ(rest.count, 400);
+  EXPECT_LE(rest.error, 0.02 * std::log(1 / 0.8));
   const VectorFunction henon = [](const VectorXd& y) -> VectorXd {
     return Vector2d(1 - 1.4 * y(0) * y(0) + y(1), 0.3 * y(0));
   };
@@ -125,6 +125,10 @@ TEST(Poincare, KnowsWhatIsNeitherPeriodicNorChaotic) {
   // (x, v) -> (x + v, v) on the circle: neighbours part linearly, with no exponent.
   const VectorFunction shear = [](const VectorXd& y) -> VectorXd { return Vector2d(y(0) + y(1), y(1)); };
   EXPECT_FALSE(largest_lyapunov(shear, Vector2d(0.1, 0.2), Vector2d(1, 1)).positive());
+  // Nor has a spring without damping, whose motion under a force never repeats.
+  const Driven free{.m = 1.45, .c = 0, .k1 = 0.7, .k3 = 0.8, .P = 0.3, .w = 1.3};
+  const Settled regular = settle(map_of(free), looks(map_of(free), Vector2d(0.5, 1), 200, 2000), 2000, {});
+  EXPECT_EQ(regular.settling, Settling::unsettled);
   // A turn by an irrational angle fills a circle.
   const VectorFunction turned = [](const VectorXd& y) -> VectorXd {
     return Vector2d(std::cos(1.0) * y(0) - std::sin(1.0) * y(1), std::sin(1.0) * y(0) + std::cos(1.0) * y(1));

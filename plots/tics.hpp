@@ -1,0 +1,19 @@
+/// Tics and ranges of axes in the words of gnuplot.
+#pragma once
+
+#include <string>
+
+#include "plots/figure.hpp"
+
+namespace hmax {
+
+/// `set xtics ...` of an axis of `length` pixels. On a logarithmic one powers of ten, thinned to what has
+/// room; a range of less than two decades is also labelled at 2 and 5 times a power, or at 3 times where
+/// there is less room.
+std::string tics(char axis_name, const Axis& axis, const Range& range, double length);
+
+/// `set xrange ...`, a logarithmic one wider than it is by less than can be seen: gnuplot leaves out tics at
+/// its very ends, where the logarithm rounds to beyond them.
+std::string drawn_range(char axis_name, const Axis& axis, const Range& range);
+
+}  // namespace hmax
