@@ -28,6 +28,8 @@ inline constexpr PublishedLimit published_limits[]{
     {"abm_pece_2", 2, 1.287188505811},
     {"abm_pece_3", 1.728783568074, 0, 0.0705},
     {"abm_pece_4", 1.284816263107, 0, 0.1362},
+    // In 40 digits. Its largest root leaves the circle slowly: 1 + 1e-12 is reached only 2.5e-8 later.
+    {"abm_pece_5", 0.946917034538, 0.2587117477},
     {"adams_pece:order=2", 2.4, 1.2},
     {"adams_pece:order=3", 1.934608421157, 1.178471730604},
     {"symplectic_euler", NAN, 2},
