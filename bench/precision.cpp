@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 
 #include "analysis/stable_step.hpp"
 #include "integrators/jacobian.hpp"
@@ -18,6 +19,7 @@ SweepSpec precision_sweep(const PrecisionSpec& spec) {
   sweep.control = spec.control;
   sweep.t_end = spec.t_end;
   sweep.repeats = spec.repeats;
+  sweep.budget_s = spec.budget_s;
   std::vector<double> rtol = spec.rtol;
   if (rtol.empty())
     for (int digits = 3; digits <= 12; ++digits) rtol.push_back(std::pow(10.0, -digits));
@@ -51,11 +53,13 @@ Eigen::VectorXcd spectrum_at(const Sys& system, double t, const typename Sys::St
 
 }  // namespace
 
-std::string error_in_words(const Problem& problem) {
-  if (problem.body) return "largest error of any displacement [m] or velocity [m/s], at any accepted step";
-  if (std::holds_alternative<Oscillator>(problem.system))
-    return "largest error of any state, x [m] or v [m/s], at any accepted step";
-  return "largest error of any state, in its own unit, at any accepted step";
+std::string error_in_words(const Problem& problem, ErrorOf which) {
+  const std::string_view of = problem.body ? "any displacement [m] or velocity [m/s]"
+                              : std::holds_alternative<Oscillator>(problem.system)
+                                  ? "any state, x [m] or v [m/s]"
+                                  : "any state, in its own unit";
+  return fmt::format("largest error of {}, at {}", of,
+                     which == ErrorOf::end ? "the end" : "any accepted step");
 }
 
 std::optional<double> predicted_step_limit(const Method& method, const Problem& problem,

@@ -19,14 +19,18 @@ struct PrecisionSpec {
   std::optional<double> t_end;  ///< [s]; absent: the problem's own
   Controllers control = Controllers::deadband;
   int repeats = 9;
+  double budget_s = 0.5;  ///< as of SweepSpec
 };
+
+/// Which error of a run is looked at.
+enum class ErrorOf { end, largest };
 
 /// The sweep that measures it: adaptive runs over the tolerances, fixed steps of the methods that know no
 /// other.
 SweepSpec precision_sweep(const PrecisionSpec& spec);
 
-/// "largest error of any state, x [m] or v [m/s], at any accepted step": what the errors of sweeps are of.
-std::string error_in_words(const Problem& problem);
+/// "largest error of any state, x [m] or v [m/s], at the end": what the errors of sweeps are of.
+std::string error_in_words(const Problem& problem, ErrorOf which);
 
 /// The largest step at which `method` is stable on `problem` as its stability function and the spectrum of
 /// the Jacobian say, [s]: the smallest over times along the reference. Empty where one of them is not known;

@@ -27,7 +27,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Errors are measured at no more than about this many points of a run.
 constexpr std::int64_t most_points = 100'000;
 
-/// Thrown through a run by its sink to end it.
+/// Thrown through a run by its sink to end it, or all of them.
+struct OverBudget {};
 struct SweepEnded {};
 
 bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -183,38 +184,61 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
   Row& row = candidate.row;
 
   std::int64_t seen = 0;
+  double started = thread_cpu_seconds();
+  const auto look_at_the_clock = [&] {
+    constexpr std::int64_t often = 0xff;
+    if ((++seen & often) != 0) return;
+    stop_if_asked();
+    if (thread_cpu_seconds() - started > plan_.spec.budget_s) throw OverBudget{};
+  };
   const auto notice = [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
-    if ((++seen & 0xffff) == 0) stop_if_asked();
+    look_at_the_clock();
     for (const double value : y) row.subnormals += std::fpclassify(value) == FP_SUBNORMAL;
   };
   const auto compare = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (has_reference) meter->look(t, y);
   };
   RunRecord record;
-  if (block.mode == "fixed") {
-    if (!meter)
-      meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.h) + 1, true);
-    meter->start();
-    record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-      notice(y);
-      compare(t, y);
-    });
-  } else {
-    // Accepted steps and output points are not the same here: one run looks at the steps, one at the points.
-    RunSpec steps_only = block.run;
-    steps_only.every = 0;
-    record = candidate.runner.run(steps_only,
-                                  [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) { notice(y); });
-    if (block.mode == "adaptive")
-      meter.emplace(reference, problem.y0.size(), record.stats.steps + 1, false);
-    else if (!meter)
-      meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.every) + 1,
-                    true);
-    meter->start();
-    record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-      if ((++seen & 0xffff) == 0) stop_if_asked();
-      compare(t, y);
-    });
+  const auto run = [&] {
+    if (block.mode == "fixed") {
+      if (!meter)
+        meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.h) + 1, true);
+      meter->start();
+      record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        notice(y);
+        compare(t, y);
+      });
+    } else {
+      // Accepted steps and output points are not the same here: one run looks at the steps, one at the
+      // points.
+      RunSpec steps_only = block.run;
+      steps_only.every = 0;
+      record = candidate.runner.run(steps_only,
+                                    [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) { notice(y); });
+      if (block.mode == "adaptive")
+        meter.emplace(reference, problem.y0.size(), record.stats.steps + 1, false);
+      else if (!meter)
+        meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.every) + 1,
+                      true);
+      meter->start();
+      started = thread_cpu_seconds();
+      record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        look_at_the_clock();
+        compare(t, y);
+      });
+    }
+  };
+  row.error_end = row.error_global = nan;
+  try {
+    run();
+  } catch (const OverBudget&) {
+    row.outcome = "over_budget";
+    row.reference = reference.name;
+    row.reference_error = reference.error_bound;
+    row.status = fmt::format("The run was given up after {} s of CPU time and was not timed.",
+                             to_text(plan_.spec.budget_s));
+    candidate.timed = false;
+    return candidate;
   }
 
   candidate.end = record.y;
@@ -225,7 +249,6 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
   row.rhs = record.stats.rhs;
   row.reference = reference.name;
   row.reference_error = reference.error_bound;
-  row.error_end = row.error_global = nan;
   if (record.outcome == Outcome::too_many_steps) {
     candidate.timed = false;
     row.status = fmt::format("The run was given up at t = {} s after {} attempts and was not timed.",

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,8 @@ struct SweepSpec {
   std::int64_t max_steps = 1'000'000'000;
   /// A sample is made of as many runs as take this long [s].
   double min_sample_s = 2e-3;
+  /// CPU time of one run [s] after which it is given up, as hopeless ones of low order are.
+  double budget_s = std::numeric_limits<double>::infinity();
 };
 
 /// Rows that are measured together, in turn, and stored in one transaction: all methods at one h or

@@ -2,6 +2,7 @@
 #include "bench/precision.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -28,8 +29,17 @@ using Json = nlohmann::ordered_json;
 struct PrecisionOptions {
   ProblemChoice problem;
   std::string methods, rtol, h, control, repeats, store, output;
-  std::optional<double> t_end, atol_over_rtol;
+  std::string error;
+  std::optional<double> t_end, atol_over_rtol, budget;
 };
+
+/// The error that is asked for; by default that of the end of stiff problems, whose largest one is that of
+/// jumps which come a little early or late.
+ErrorOf error_of(const PrecisionOptions& options, const Problem& problem) {
+  constexpr std::array<std::string_view, 2> words{"end", "max"};
+  if (options.error.empty()) return problem.stiff ? ErrorOf::end : ErrorOf::largest;
+  return parse_choice("--error", options.error, words) == words[0] ? ErrorOf::end : ErrorOf::largest;
+}
 
 PrecisionSpec spec_of(const PrecisionOptions& options) {
   PrecisionSpec spec;
@@ -47,6 +57,10 @@ PrecisionSpec spec_of(const PrecisionOptions& options) {
   if (!options.control.empty()) spec.control = controllers_from(options.control);
   if (!options.repeats.empty()) spec.repeats = static_cast<int>(parse_count("--repeats", options.repeats, 9));
   spec.t_end = options.t_end;
+  if (options.budget) {
+    spec.budget_s = *options.budget;
+    if (!(spec.budget_s > 0)) throw InputError("--budget is a CPU time [s] and must be above 0");
+  }
   // An option that no method would look at is a mistake.
   const std::vector<Method> methods = choose_methods(spec.methods, {});
   if (!spec.rtol.empty() && std::ranges::none_of(methods, &Method::adaptive))
@@ -119,15 +133,25 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::
   return document;
 }
 
-std::string for_people(const std::vector<Row>& rows, const Console& console) {
+std::string for_people(const std::vector<Row>& rows, ErrorOf which, const Console& console) {
   TextTable table({"method", "rtol or h [s]", "error", "CPU time [s]", "rhs", "outcome"});
-  for (const Row& row : rows)
+  for (const Row& row : rows) {
+    const double error = which == ErrorOf::end ? row.error_end : row.error_global;
     table.add(
         {row.key.method,
          row.key.mode == "fixed" ? "h " + short_number(row.key.h) : "rtol " + short_number(row.key.rtol),
-         std::isnan(row.error_global) ? "-" : short_number(row.error_global, 2),
-         short_number(summarise(row.cpu_s).median, 3), std::to_string(row.rhs), row.outcome});
+         std::isnan(error) ? "-" : short_number(error, 2), short_number(summarise(row.cpu_s).median, 3),
+         std::to_string(row.rhs), row.outcome});
+  }
   return table.text(console);
+}
+
+/// What a figure shows: the error that is asked for, where it is less than the solution.
+std::vector<Row> useful(std::vector<Row> rows, ErrorOf which, double size) {
+  if (which == ErrorOf::end)
+    for (Row& row : rows) row.error_global = row.error_end;
+  std::erase_if(rows, [&](const Row& row) { return row.error_global > size; });
+  return rows;
 }
 
 void precision(const PrecisionOptions& options, Console& console) {
@@ -139,6 +163,7 @@ void precision(const PrecisionOptions& options, Console& console) {
       options.store.empty() ? temporary.path() / "precision.sqlite" : std::filesystem::path(options.store),
       !options.store.empty());
   StepLimits limits;
+  std::optional<double> size;  // of the solution at the end
   {
     Progress progress(console, "precision");
     const SweepSummary summary = run_sweep(
@@ -149,18 +174,21 @@ void precision(const PrecisionOptions& options, Console& console) {
     progress.update(1, "limits of the step");
     const double t_end = plan.blocks.front().run.t_end;
     const Reference reference = make_reference(plan.problems.front(), t_end);
+    size = reference.at(std::min(t_end, reference.valid_until)).cwiseAbs().maxCoeff();
     for (const Method& method : plan.methods)
       limits[method.id] = predicted_step_limit(method, plan.problems.front(), reference, t_end);
   }
   const std::vector<Row> rows = store.rows();
-  const std::string error_of = error_in_words(plan.problems.front());
+  const Problem& problem = plan.problems.front();
+  const ErrorOf which = error_of(options, problem);
+  const std::string words = error_in_words(problem, which);
   std::string drawn;
   if (!options.output.empty()) {
     std::vector<ShownMethod> shown;
     for (const Method& method : plan.methods)
       shown.push_back(
           {.id = method.id, .order = method.order, .stable_step = limits.at(method.id).value_or(0)});
-    Figure figure = work_precision_figure(rows, shown);
+    Figure figure = work_precision_figure(useful(rows, which, *size), shown, words);
     figure.footer = summary(store.sessions().back().fingerprint);
     const FigureFiles files = draw(figure, options.output, "precision");
     if (files.drawn())
@@ -169,9 +197,9 @@ void precision(const PrecisionOptions& options, Console& console) {
       console.remark(files.problem);
   }
   if (console.json)
-    console.print_json(to_json(rows, limits, error_of));
+    console.print_json(to_json(rows, limits, words));
   else
-    console.print(fmt::format("{}\nerror: {}\n{}", for_people(rows, console), error_of, drawn));
+    console.print(fmt::format("{}\nerror: {}\n{}", for_people(rows, which, console), words, drawn));
 }
 
 }  // namespace
@@ -196,6 +224,11 @@ void add_precision(CLI::App& app, Console& console) {
        "NUMBERS");
   add_number(command, "--atol-over-rtol", options->atol_over_rtol,
              "Absolute over relative tolerance; 1 by default");
+  text("--error", options->error,
+       "Which error is shown: end, by default of stiff problems, or max, the largest at any accepted step",
+       "NAME");
+  add_number(command, "--budget", options->budget,
+             "CPU time of a run [s] after which it is given up; 0.5 by default");
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");

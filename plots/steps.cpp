@@ -177,7 +177,7 @@ Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMet
     const double scale = row.steps > 0 ? 1e9 / static_cast<double>(row.steps) : NAN;
     return Measured{row.key.h, time.median * scale, time.q1 * scale, time.q3 * scale};
   };
-  return {.title = "The cost of a step does not depend on its size",
+  return {.title = "The cost of a step over its size",
           .panels = {{.x = {"h [s]", true, {}},
                       .y = {"CPU time per step [ns]", true, {}},
                       .curves = curves_of(kept, methods, true, per_step, by_step, true),
@@ -222,7 +222,8 @@ std::vector<Curve> stability_limits(const std::vector<Row>& rows, const std::vec
 
 }  // namespace
 
-Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods) {
+Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods,
+                             const std::string& error_words) {
   std::vector<Row> kept = shown(rows, "fixed", methods);
   for (Row& row : shown(rows, "adaptive", methods)) kept.push_back(std::move(row));
   require_some(kept);
@@ -244,7 +245,7 @@ Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<Sho
       }
     if (!settings.empty()) failures.push_back(fmt::format("{}: {}{}", method.id, outcome, settings));
   }
-  const Axis error{"largest error over all outputs", true, {}};
+  const Axis error{error_words, true, {}};
   const auto with_limits = [&](std::vector<Curve> curves, const std::function<double(const Row&)>& cost) {
     for (Curve& limit : stability_limits(kept, methods, cost)) curves.push_back(std::move(limit));
     return curves;

@@ -33,8 +33,10 @@ Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMet
 /// CPU time of one run (median, bars from quartile to quartile) and evaluations of f over the global error:
 /// fixed steps and adaptive runs together, one curve a method. Runs without an end have no error: notes say
 /// which.
+/// @param error_words  what the errors are of, on the axis
 /// @throws InputError as step_figure
-Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
+Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods,
+                             const std::string& error_words = "largest error over all outputs");
 
 /// A panel of CPU time of one run [s] against h for rows of one mode.
 Panel run_time_panel(const std::vector<Row>& rows, const std::string& mode,

@@ -29,6 +29,24 @@ TEST(PrecisionCommand, MeasuresAdaptiveMethodsOverTolerancesAndTheOthersOverStep
   EXPECT_GT(loose, 1000 * tight);
 }
 
+TEST(PrecisionCommand, ShowsTheErrorOfTheEndOfStiffProblems) {
+  const Shell shell;
+  const std::string stiff = "precision --problem van_der_pol --methods rodas_4 --rtol 1e-4 --t-end 1000 ";
+  const Told by_default = shell.hmax(stiff), largest = shell.hmax(stiff + "--error max");
+  EXPECT_NE(by_default.out.find("at the end"), std::string::npos) << by_default.out;
+  EXPECT_NE(largest.out.find("at any accepted step"), std::string::npos) << largest.out;
+  EXPECT_NE(shell.hmax("precision --problem liver_forced --methods rk4 --h 0.1 --t-end 5")
+                .out.find("at any accepted step"),
+            std::string::npos);
+}
+
+TEST(PrecisionCommand, GivesUpRunsThatTakeTooLong) {
+  const Told told = Shell().hmax("precision --problem hires --methods rk4 --h 1e-3 --budget 1e-6 --json");
+  EXPECT_EQ(told.json().at(0).at("outcome"), "over_budget");
+  EXPECT_TRUE(told.json().at(0).at("cpu_median_s").is_null());
+  EXPECT_NE(told.json().at(0).at("status").get<std::string>().find("given up"), std::string::npos);
+}
+
 TEST(PrecisionCommand, DrawsTheFigureAndKeepsTheRowsWhereAsked) {
   const Shell shell;
   const Told told = shell.hmax(
@@ -43,6 +61,8 @@ TEST(PrecisionCommand, DrawsTheFigureAndKeepsTheRowsWhereAsked) {
 TEST(PrecisionCommand, BadInputIsRefusedInOneSentence) {
   const Shell shell;
   expect_refused(shell.hmax("precision"), "--methods");
+  expect_refused(shell.hmax("precision --methods rk4 --error l1"), "--error");
+  expect_refused(shell.hmax("precision --methods rk4 --budget 0"), "--budget");
   expect_refused(shell.hmax("precision --methods ode54"), "ode54");
   expect_refused(shell.hmax("precision --methods ode45 --rtol 0"), "relative tolerance");
   expect_refused(shell.hmax("precision --methods rk4 --h -1"), "step");
