@@ -114,7 +114,8 @@ std::vector<NonlinearRow> nonlinear_limits(const std::vector<LimitCase>& cases,
         row.along = limit_along(method, problem, problem.t_end);
         double guess = row.along ? row.along->least : 1;
         if (!(guess > 0 && std::isfinite(guess))) guess = 1;
-        row.from_start = limit_from_start(method, problem, problem.t_end, guess, sizes[which]);
+        if (const auto start = limit_from_start(method, problem, problem.t_end, guess, sizes[which]))
+          row.from_start = start->h;
         return row;
       },
       progress, interrupted);

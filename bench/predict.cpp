@@ -147,6 +147,13 @@ std::string_view name_of(Bound bound) {
   return "unknown";
 }
 
+bool is_nonlinear(const Problem& problem) {
+  const LinearModel here = linear_model(problem, 0, problem.y0);
+  const Eigen::VectorXd elsewhere = problem.y0 + Eigen::VectorXd::Ones(problem.y0.size());
+  // Jacobians by differences are known to some digits.
+  return !(relative_distance(here, linear_model(problem, 0, elsewhere)) <= 1e-6);
+}
+
 LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y) {
   return std::visit(
       [&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },

@@ -82,6 +82,9 @@ Linearised linearised(const Problem& problem, OperatingPoint at = OperatingPoint
 Linearised without_spectrum(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,
                             const EquilibriumWatcher& watcher = {});
 LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y);
+/// Whether the Jacobian depends on the state, so that limits are those of small motions; bodies are not
+/// asked, as all but those of small strains are.
+bool is_nonlinear(const Problem& problem);
 /// Near a state of its own.
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
 

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::string short_share(double share) { return fmt::format("{:.4g}", share); }
+std::string four_digits(double value) { return fmt::format("{:.4g}", value); }
 
 /// The tangent of a model, of large bodies by the ends of its spectrum.
 Linearised tangent(const Problem& problem, double t, const Eigen::VectorXd& y) {
@@ -70,11 +70,25 @@ MotionSize size_of(const Eigen::Ref<const Eigen::VectorXd>& y, bool mechanical) 
 }  // namespace
 
 Path motion_path(const Problem& problem, double t_end, int points, const Watcher& watcher) {
+  struct Inverted {};
   Path path;
-  show_motion(problem, t_end, points, watcher, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const auto keep = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    if (problem.body)
+      if (const auto [volume, at] = problem.body->least_volume(t, y.head(problem.body->dofs()));
+          !(volume > 0)) {
+        path.note = fmt::format(
+            "tetrahedron {} is turned inside out by t = {} s of the motion: what moves on from there is no body, and "
+            "no limit is looked for beyond {} s",
+            tetrahedron_number(problem, at), four_digits(t), four_digits(path.at.back()));
+        throw Inverted{};
+      }
     path.at.push_back(t);
     path.y.emplace_back(y);
-  });
+  };
+  try {
+    show_motion(problem, t_end, points, watcher, keep);
+  } catch (const Inverted&) {
+  }
   return path;
 }
 
@@ -113,7 +127,7 @@ Path load_path(const Problem& problem, int points, const Watcher& watcher) {
           {.load_steps = 1 + static_cast<int>(4 * share), .leave_saddles = false}, [] { return 0.0; });
       if (!balance.converged) {
         path.note = fmt::format("no balance was found under more than {} of the load: under {} of it {}",
-                                short_share(path.at.back()), short_share(share), cause_of(problem, balance));
+                                four_digits(path.at.back()), four_digits(share), cause_of(problem, balance));
         break;
       }
       y.head(balance.q.size()) = balance.q;
@@ -164,8 +178,8 @@ std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& 
   return limits_along({&method, 1}, problem, motion_path(problem, t_end, points)).front();
 }
 
-std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
-                                       double guess, const MotionSize& size, const Watcher& watcher) {
+std::optional<StartLimit> limit_from_start(const Method& method, const Problem& problem, double t_end,
+                                           double guess, const MotionSize& size, const Watcher& watcher) {
   if (!method.fixed_step || !suits(method, problem)) return std::nullopt;
   if (t_end > 0.1 * guess * static_cast<double>(most_observed_steps)) return std::nullopt;
   const bool mechanical = is_second_order(problem);
@@ -185,10 +199,13 @@ std::optional<double> limit_from_start(const Method& method, const Problem& prob
   if (farthest < 2 * guess) return std::nullopt;
   double low = 0.1 * guess;
   if (!stays(low)) return std::nullopt;
+  // Runs of t_end / h steps from low to high, one in each stride, take about t_end / (stride low) steps.
+  constexpr double most_steps = 2e6, finest = 1e-4, coarsest = 0.02;
+  const double stride = std::clamp(t_end / (low * most_steps), finest, coarsest);
   double high = low;
   for (;;) {
-    high *= 1.02;
-    if (high > farthest) return infinity;
+    high *= 1 + stride;
+    if (high > farthest) return StartLimit{infinity, stride};
     if (!stays(high)) break;
     low = high;
   }
@@ -196,7 +213,7 @@ std::optional<double> limit_from_start(const Method& method, const Problem& prob
     const double middle = (low + high) / 2;
     (stays(middle) ? low : high) = middle;
   }
-  return low;
+  return StartLimit{low, stride};
 }
 
 }  // namespace hmax

@@ -22,7 +22,8 @@ struct Path {
   std::string note;                ///< why it ends early; empty when it does not
 };
 
-/// The motion from y0 to t_end by dormand_prince_54 at a tolerance of 1e-10, looked at `points` times.
+/// The motion from y0 to t_end by dormand_prince_54 at a tolerance of 1e-10, looked at `points` times; of a
+/// body as far as none of its elements is turned inside out.
 /// @throws InputError  when t_end is no end of a run, or the motion does not reach it within
 /// most_observed_steps attempts
 Path motion_path(const Problem& problem, double t_end, int points = 400, const Watcher& watcher = {});
@@ -65,13 +66,20 @@ struct MotionSize {
 /// @throws InputError  as motion_path()
 MotionSize size_of_motion(const Problem& problem, double t_end, const Watcher& watcher = {});
 
-/// The largest step up to which every run at fixed step from y0 to t_end stays within three times the size of
-/// the true motion, positions and velocities apart, to one part in ten thousand: found upwards in strides of
-/// 2 % from a tenth of `guess`, then by bisection. Infinity when steps up to a hundred guesses, or a tenth of
-/// the run, do; nothing when the first one already does not, or the run is shorter than twenty guesses, or
-/// takes more steps than that.
+/// Below the first step whose run leaves its motion.
+struct StartLimit {
+  double h;       ///< the largest step below it whose run was seen to stay [s]; infinity where none fails
+  double stride;  ///< relative; a window of failures that is narrower may have been passed over
+};
+
+/// The first step, upwards from a tenth of `guess`, whose run at fixed step from y0 to t_end leaves three
+/// times the size of the true motion, positions and velocities apart, to one part in ten thousand. Steps that
+/// fail come in windows, between which longer ones stay: the strides are as short as two million steps in
+/// all allow, from 2 % down to 0.01 %. Infinity when steps up to a hundred guesses, or a tenth of the run,
+/// stay; nothing when the first one already does not, or the run is shorter than twenty guesses, or takes
+/// more steps than that.
 /// @param size  of that motion, the same for every method
-std::optional<double> limit_from_start(const Method& method, const Problem& problem, double t_end,
-                                       double guess, const MotionSize& size, const Watcher& watcher = {});
+std::optional<StartLimit> limit_from_start(const Method& method, const Problem& problem, double t_end,
+                                           double guess, const MotionSize& size, const Watcher& watcher = {});
 
 }  // namespace hmax

@@ -12,7 +12,7 @@ namespace hmax {
 
 /// The outcome in numbers.
 struct LimitSummary {
-  std::size_t rows = 0, with_number = 0, unbounded = 0, disagreeing = 0;
+  std::size_t rows = 0, integrated = 0, with_number = 0, unbounded = 0, disagreeing = 0;
   double worst_gap = 0;  ///< largest |gap| of the rows with a number on both sides
   std::string worst;     ///< which row that is
 };

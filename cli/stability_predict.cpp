@@ -10,7 +10,6 @@
 
 #include "analysis/non_normality.hpp"
 #include "bench/body_balance.hpp"
-#include "bench/fastest_mode.hpp"
 #include "bench/predict.hpp"
 #include "bench/tissue_problem.hpp"
 #include "bench/trajectory_limit.hpp"
@@ -18,6 +17,7 @@
 #include "bench/verification.hpp"
 #include "cli/body_words.hpp"
 #include "cli/choices.hpp"
+#include "cli/fastest_mode_words.hpp"
 #include "cli/operating_point.hpp"
 #include "cli/stability.hpp"
 #include "cli/tool_report.hpp"
@@ -43,23 +43,21 @@ struct PredictOptions {
   OperatingPointChoice at;
   std::string along;              ///< a word of path_names, or empty
   bool along_by_default = false;  ///< nobody asked for it
+  bool runs_from_start = false;   ///< limits along a motion are verified by runs from its start
   std::optional<double> t_end;
 
   [[nodiscard]] bool along_load() const { return along == path_names[1]; }
-  /// Whether limits along a motion are verified by runs from its start, some hundred for each.
-  [[nodiscard]] bool runs_from_start() const {
-    return verify && !along.empty() && !along_load() && !along_by_default;
-  }
 };
 
 /// Whether the load changes with time, so that one state does not tell of all.
 bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
 
-/// The options with what --along stands for: loads that change with time are looked at along the motion
-/// unless the user asks for the state at rest, or for no path.
+/// The options with what --along stands for: loads of bodies that change with time, and other models that are
+/// not linear, are looked at along the motion unless the user asks for the state at rest, or for no path.
 PredictOptions with_path(PredictOptions options, const Problem& problem) {
   if (options.along.empty()) {
-    options.along_by_default = has_moving_load(problem) && options.at.of(problem) != OperatingPoint::rest;
+    options.along_by_default = (problem.body ? has_moving_load(problem) : is_nonlinear(problem)) &&
+                               options.at.of(problem) != OperatingPoint::rest;
     if (options.along_by_default) options.along = path_names[0];
   } else if (parse_choice("--along", options.along, path_names) == path_names[2]) {
     options.along.clear();
@@ -67,6 +65,9 @@ PredictOptions with_path(PredictOptions options, const Problem& problem) {
   if (options.t_end && (options.along.empty() || options.along_load()))
     throw InputError(
         "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
+  // Some thousand runs: of bodies only for those who ask.
+  options.runs_from_start =
+      options.verify && options.along == path_names[0] && !(options.along_by_default && problem.body);
   return options;
 }
 
@@ -129,63 +130,8 @@ struct PredictedRow {
   std::string state_status;  ///< why the state is not the one that was asked for
   std::optional<TrajectoryLimit> along;
   std::string path_note;
-  std::optional<double> from_start;
+  std::optional<StartLimit> from_start;
 };
-
-/// Degrees of freedom up to which changes of the mesh are tried, each of which takes a mesh and a Lanczos
-/// iteration of its own.
-constexpr Eigen::Index most_tried = 30'000;
-
-bool tries_gains(const Problem& problem) { return problem.body->dofs() <= most_tried; }
-
-/// The fastest mode of a body at rest, with the ratios by which bounds of it make steps too small.
-Json to_json(const Problem& problem, const FastestMode& mode) {
-  const NamedElement owner = named_element(problem, mode.owner.element);
-  const auto bound = [&](double kappa) {
-    return Json{{"kappa", kappa}, {"pessimism", std::sqrt(kappa / mode.kappa)}};
-  };
-  return {{"kappa", mode.kappa},
-          {"omega", std::sqrt(mode.kappa)},
-          {"residual", mode.residual},
-          {"bounds",
-           {{"element", bound(mode.bounds.element)},
-            {"nodal", bound(mode.bounds.nodal)},
-            {"gershgorin", bound(mode.bounds.gershgorin)}}},
-          {"element", owner.number},
-          {"element_kind", owner.kind},
-          {"points", mode.points},
-          {"centre", {mode.centre.x(), mode.centre.y(), mode.centre.z()}},
-          {"energy_share", mode.owner.share},
-          {"elements_with_nine_tenths", mode.owner.elements},
-          {"moving_points", mode.owner.moving_points},
-          {"gain", tries_gains(problem)
-                       ? Json{{"without_element", mode.without},
-                              {"double_mass", mode.with_mass},
-                              {"added_mass", mode.added_mass},
-                              {"smoothed", mode.smoothed},
-                              {"moved_point", mode.moved_point ? Json(*mode.moved_point) : Json()}}
-                       : Json()}};
-}
-
-/// The same in words.
-std::string words_of(const Problem& problem, const FastestMode& mode) {
-  const NamedElement owner = named_element(problem, mode.owner.element);
-  const auto pessimism = [&](double kappa) { return short_number(std::sqrt(kappa / mode.kappa), 4); };
-  const std::string fastest = fmt::format(
-      "fastest mode at rest {} rad/s: {} {} has {} % of its energy, {} points move; bounds are larger by {} "
-      "(elements), {} (points), {} (Gershgorin)\n",
-      short_number(std::sqrt(mode.kappa)), owner.kind, owner.number, short_number(100 * mode.owner.share, 3),
-      short_number(mode.owner.moving_points, 3), pessimism(mode.bounds.element), pessimism(mode.bounds.nodal),
-      pessimism(mode.bounds.gershgorin));
-  if (!tries_gains(problem)) return fastest;
-  return fmt::format(
-      "{}an undamped step would grow by {} without that element, by {} with twice its mass ({} % of the body); {}\n",
-      fastest, short_number(mode.without, 4), short_number(mode.with_mass, 4),
-      short_number(100 * mode.added_mass, 3),
-      mode.moved_point ? fmt::format("by {} with point {} moved towards its neighbours",
-                                     short_number(mode.smoothed, 4), *mode.moved_point)
-                       : "moving its points would gain nothing");
-}
 
 /// What is known of the model alone.
 Json model_json(const Problem& problem, const Linearised& near) {
@@ -217,8 +163,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
   if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
   document["body"] = body_json(problem);
   if (const auto tool = tool_report(problem, near.model.t, near.model.y)) document["tool"] = tool->json();
-  if (problem.body)
-    document["fastest_mode"] = to_json(problem, fastest_mode_of(*problem.body, near, tries_gains(problem)));
+  if (problem.body) document["fastest_mode"] = fastest_mode_json(problem, near);
   return document;
 }
 
@@ -306,7 +251,10 @@ Json to_json(const PredictedRow& row, const PredictOptions& options) {
   if (row.along)
     document["along"] =
         to_json(*row.along, options.along_load(), is_tissue_id(row.prediction.problem), row.path_note);
-  if (row.from_start) document["observed_from_start"] = number_or_word(*row.from_start);
+  if (row.from_start) {
+    document["observed_from_start"] = number_or_word(row.from_start->h);
+    document["observed_from_start_stride"] = row.from_start->stride;
+  }
   return document;
 }
 
@@ -318,6 +266,11 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
                        const Console& console) {
   const bool verified = options.verify;
   std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
+  // Where they are not all of one kind.
+  const bool names_states = std::ranges::any_of(rows, [&](const PredictedRow& row) {
+    return row.prediction.state_kind != rows.front().prediction.state_kind;
+  });
+  if (names_states) header.insert(header.begin() + 2, "at");
   const bool solves = std::ranges::any_of(
       rows, [](const PredictedRow& row) { return row.prediction.newton_step.has_value(); });
   const bool any_real = std::ranges::any_of(rows, [](const PredictedRow& row) {
@@ -328,7 +281,7 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
   if (verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
   if (!options.along.empty())
     header.insert(header.end(), {"least along [s]", options.along_load() ? "at share [1]" : "at t [s]"});
-  const bool from_starts = options.runs_from_start();
+  const bool from_starts = options.runs_from_start;
   if (from_starts) header.emplace_back("from the start [s]");
   TextTable table(std::move(header));
   for (const auto& [row, status, along, note, from_start] : rows) {
@@ -339,6 +292,7 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
         std::string(name_of(row.bound)),
         row.limiting && row.limiting->omega ? short_number(*row.limiting->omega) : "-",
         row.limiting && row.limiting->zeta ? short_number(*row.limiting->zeta) : "-"};
+    if (names_states) cells.emplace(cells.begin() + 2, row.state_kind);
     if (any_real) cells.push_back(row.limiting ? words_of_rates(*row.limiting) : "-");
     if (solves) {
       const auto& step = row.newton_step;
@@ -354,7 +308,7 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
     if (!options.along.empty()) {
       cells.push_back(along && !std::isnan(along->least) ? words_of(along->least) : "-");
       cells.push_back(along && std::isfinite(along->least) ? short_number(along->t_least, 4) : "-");
-      if (from_starts) cells.push_back(words_of(from_start));
+      if (from_starts) cells.push_back(words_of(from_start ? std::optional(from_start->h) : std::nullopt));
     }
     table.add(std::move(cells));
   }
@@ -410,7 +364,7 @@ void look_along(const PredictOptions& options, const Problem& problem, const Pat
     rows[i].along = limits[i];
     rows[i].path_note = path.note;
   }
-  if (!options.runs_from_start()) return;
+  if (!options.runs_from_start) return;
   const double t_end = options.t_end.value_or(problem.t_end);
   std::optional<MotionSize> size;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -421,9 +375,45 @@ void look_along(const PredictOptions& options, const Problem& problem, const Pat
   }
 }
 
+/// Why the limits of one state do not tell of a motion.
+std::string_view why_along(const Problem& problem) {
+  return problem.body ? "the load changes with time" : "the model is not linear";
+}
+
 /// What is to be said where the motion that is looked at without being asked for has no limits.
-std::string without_motion(const InputError& error) {
-  return fmt::format("the load changes with time, but its motion is not in these limits: {}", error.what());
+std::string without_motion(const Problem& problem, const InputError& error) {
+  return fmt::format("{}, but its motion is not in these limits: {}", why_along(problem), error.what());
+}
+
+/// What the limits of a model hold for, and where it was linearised.
+std::string words_of_model(const PredictOptions& options, const Problem& problem, const Linearised& near,
+                           bool has_path) {
+  std::string words = fmt::format("{}: {}\n", problem.id, near.state);
+  if (has_path && options.along_by_default)
+    words += fmt::format(
+        "{}: h_max is that of small motions about this state, the least along the motion to t = {} s that of every "
+        "state on it\n",
+        why_along(problem), short_number(options.t_end.value_or(problem.t_end)));
+  else if (problem.body && !has_path && near.state_kind == "equilibrium" && near.model.y.norm() > 0 &&
+           problem.body->settings().model != TissueModel::fem_cauchy)
+    words +=
+        "h_max is that of small motions about this state; a load that acts at once passes others, which --along looks "
+        "at\n";
+  if (const auto tool = tool_report(problem, near.model.t, near.model.y); tool && near.at_equilibrium)
+    words += fmt::format("tool: {}\n", tool->words());
+  return words;
+}
+
+/// By which strides first failures were sought.
+std::string words_of_strides(const std::vector<PredictedRow>& rows) {
+  double longest = 0;
+  for (const PredictedRow& row : rows)
+    if (row.from_start) longest = std::max(longest, row.from_start->stride);
+  if (longest == 0) return {};
+  return fmt::format(
+      "from the start: up to the first step that fails, sought in strides of at most {} %, between which narrower "
+      "windows may lie\n",
+      short_number(100 * longest, 2));
 }
 
 void predict_rows(const PredictOptions& asked, Console& console) {
@@ -464,7 +454,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
         break;  // the flag stays set: what is finished is printed
       } catch (const InputError& error) {
         if (!options.along_by_default) throw;
-        console.remark(without_motion(error));
+        console.remark(without_motion(problem, error));
       }
       const OperatingPoint at = options.at.of(problem);
       announce_equilibrium(console, problem, at);
@@ -476,19 +466,11 @@ void predict_rows(const PredictOptions& asked, Console& console) {
       if (near.at_equilibrium) warn_of_tool(console, problem, near.model.t, near.model.y);
       const std::string status = words_of_state(problem, near, path.has_value());
       if (has_moving_load(problem) && !status.empty()) console.remark(status);
-      if (states.empty()) {
-        states = fmt::format("\n{}: {}\n", problem.id, near.state);
-        if (path && options.along_by_default)
-          states += fmt::format(
-              "the load changes with time: h_max is that of this state, the least along the motion to t = {} s that of "
-              "every state on it\n",
-              short_number(options.t_end.value_or(problem.t_end)));
-        if (const auto tool = tool_report(problem, near.model.t, near.model.y))
-          states += fmt::format("tool: {}\n", tool->words());
-        if (problem.body && !console.json)
-          states += body_in_words(problem) + "\n" +
-                    words_of(problem, fastest_mode_of(*problem.body, near, tries_gains(problem)));
-      }
+      if (states.empty()) states = "\n";
+      if (problems.size() > 1) states += problem.material + ", ";
+      states += words_of_model(options, problem, near, path.has_value());
+      if (which == 0 && problem.body && !console.json)
+        states += body_in_words(problem) + "\n" + fastest_mode_in_words(problem, near);
       const std::size_t before = rows.size();
       rows.resize(before + chosen.size());
       // Formulas have one workspace; bodies are shared.
@@ -520,7 +502,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
         break;
       } catch (const InputError& error) {
         if (!options.along_by_default) throw;
-        console.remark(without_motion(error));
+        console.remark(without_motion(problem, error));
         for (PredictedRow& row : std::span(rows).last(chosen.size()))
           row.state_status = words_of_state(problem, near, false);
       }
@@ -544,7 +526,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
     remarks += each.prediction.material.empty() ? words : each.prediction.material + ": " + words;
     said = words;
   }
-  console.print(remarks + words_of_notes(rows));
+  console.print(remarks + words_of_strides(rows) + words_of_notes(rows));
   if (interrupted) throw Interrupted{};
 }
 
@@ -576,7 +558,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
           "--along", options->along,
           "Also the least limit of the tangent, and where: along the motion from the initial state "
           "(with --verify also the largest step that stays near it), or of a body while its load grows; "
-          "of loads that change with time motion by default, none to leave it out")
+          "motion by default of models that are not linear and of bodies whose load changes with time, none to leave it "
+          "out")
       ->type_name("motion|load|none")
       ->expected(0, 1)
       ->default_str(std::string(path_names[0]));

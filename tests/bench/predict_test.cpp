@@ -350,7 +350,8 @@ TEST(Prediction, OfANeighbourIsContradictedByTheCode) {
         << code << " as " << claimed;
   const Method sixth = find_method("newmark:beta=0.16666666666666666");
   EXPECT_FALSE(contradicts(sixth, sixth, undamped, near_undamped));
-  for (const char* beta : {"0.16", "0.1665", "0.17"}) {
+  // 0.1665 has a limit that is lower by 0.09995 %, which no run at 0.999 of this one tells.
+  for (const char* beta : {"0.16", "0.1664", "0.17"}) {
     const Method code = find_method(std::string("newmark:beta=") + beta);
     EXPECT_TRUE(contradicts(code, sixth, undamped, near_undamped)) << beta;
   }

@@ -3,6 +3,8 @@
 #include <fstream>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "tests/analysis/published_limits.hpp"
 #include "tests/cli/program.hpp"
 
@@ -303,7 +305,7 @@ TEST(StabilityPredict, EndsAMotionThatWouldTakeForEver) {
   expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --along --t-end=-1"),
                  "before the start");
   // An option that would be passed over is a mistake.
-  expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --t-end 5"), "--along");
+  expect_refused(shell.hmax("stability predict --problem liver_linear --methods rk4 --t-end 5"), "--along");
   expect_refused(shell.hmax("stability predict --mesh phantom --methods rk4 --along load --t-end 5"),
                  "--t-end");
   expect_refused(shell.hmax("stability predict --problem liver_benchmark --methods rk4 --material male_slim "
@@ -326,6 +328,68 @@ TEST(StabilityPredict, LooksAlongTheMotionOfAnOscillatorAndOfABody) {
   EXPECT_EQ(body.at("path").size(), 101U);
   EXPECT_GT(body.at("max_displacement"), 0);
   EXPECT_FALSE(body.contains("y"));
+}
+
+TEST(StabilityPredict, LooksAlongTheMotionOfModelsThatAreNotLinear) {
+  const Shell shell;
+  const Told forced = shell.hmax("stability predict --problem liver_forced --methods rk4,ode45");
+  EXPECT_NE(forced.out.find("least along"), std::string::npos) << forced.out;
+  EXPECT_NE(forced.out.find("the model is not linear"), std::string::npos) << forced.out;
+  const Told linear = shell.hmax("stability predict --problem liver_linear --set P=1 --methods rk4");
+  EXPECT_EQ(linear.out.find("least along"), std::string::npos) << linear.out;
+  const Told none = shell.hmax("stability predict --problem liver_forced --methods rk4 --along none --json");
+  EXPECT_FALSE(none.json().at("rows").at(0).contains("along"));
+  // A body at equilibrium: small motions about it only.
+  const Told body = shell.hmax("stability predict --mesh phantom --methods rk4");
+  EXPECT_NE(body.out.find("small motions about this state"), std::string::npos) << body.out;
+}
+
+// 2.14 to 2.16 s diverge, 2.17 to 2.19 s do not: a stride of 2 % steps over that window.
+TEST(StabilityPredict, FindsTheFirstStepThatFailsFromTheStart) {
+  const Shell shell;
+  const Json row = shell.hmax("stability predict --problem liver_forced --methods ode45 --verify --json")
+                       .json()
+                       .at("rows")
+                       .at(0);
+  const double h = row.at("observed_from_start"), stride = row.at("observed_from_start_stride");
+  EXPECT_LE(stride, 1e-3);
+  EXPECT_NEAR(h, 2.139, 0.002);
+  const auto ends = [&](double step) {
+    return shell.hmax(fmt::format("run --problem liver_forced --method ode45 --h {} --json", step))
+        .json()
+        .at("outcome");
+  };
+  EXPECT_EQ(ends(h), "reached_end");
+  EXPECT_EQ(ends(1.001 * h), "diverged");
+}
+
+TEST(StabilityPredict, SaysOfEveryMaterialWhereItWasLinearised) {
+  const Shell shell;
+  const std::string line =
+      "stability predict --mesh ball:n=2 --set g=30 --methods rk4 --materials male_slim,male_fat ";
+  const Told people = shell.hmax(line + "--set alpha=0");
+  for (const char* words : {"male_slim, fem_green", "male_fat, fem_green"})
+    EXPECT_NE(people.out.find(words), std::string::npos) << people.out;
+  const Told livers =
+      shell.hmax("stability predict --problem liver_benchmark --materials male_slim,male_fat --methods rk4");
+  EXPECT_NE(livers.out.find("male_fat, liver_benchmark: equilibrium (0.0746269, 0)"), std::string::npos)
+      << livers.out;
+  const Told mixed =
+      shell.hmax("stability predict --mesh liver --methods rk4 --materials male_slim,male_fat");
+  EXPECT_NE(mixed.out.find("  at "), std::string::npos) << mixed.out;
+  EXPECT_NE(mixed.out.find("equilibrium  "), std::string::npos) << mixed.out;
+}
+
+// Both were called wrong: what creeps or fades slowly hid the growth.
+TEST(StabilityPredict, ConfirmsLimitsBeyondWhichGrowthIsSlow) {
+  const Json creeping =
+      stability("predict --problem liver_linear --set c=6 --set k1=0 --methods velocity_verlet --verify");
+  EXPECT_EQ(creeping.at("rows").at(0).at("agrees"), true);
+  EXPECT_LT(std::abs(creeping.at("rows").at(0).at("gap").get<double>()), 1e-3);
+  const Told told = Shell().hmax(
+      "stability predict --mesh liver --methods stormer_verlet --set beta=0.001 --verify --json");
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_LT(std::abs(told.json().at("rows").at(0).at("gap").get<double>()), 1e-3);
 }
 
 TEST(StabilityPredict, LooksAtABodyUnderAGrowingLoad) {
