@@ -38,7 +38,7 @@ struct Named {
   std::string_view of = {};  ///< words of the model or the loads that read it; empty: all do
 };
 constexpr std::string_view springs = "mass_spring";
-constexpr std::array<Named, 40> all_named{{
+constexpr std::array<Named, 41> all_named{{
     {"E", &TissueParameters::E},
     {"nu", &TissueParameters::nu},
     {"rho", &TissueParameters::rho},
@@ -58,6 +58,7 @@ constexpr std::array<Named, 40> all_named{{
     {"period", &TissueParameters::period, false, "breathing"},
     {"tool_radius", &TissueParameters::tool_radius, false, "tool"},
     {"tool_stiffness", &TissueParameters::tool_stiffness, false, "tool"},
+    {"tool_damping", &TissueParameters::tool_damping, false, "tool"},
     {"tool_x", &TissueParameters::tool_x, false, "tool"},
     {"tool_y", &TissueParameters::tool_y, false, "tool"},
     {"tool_z", &TissueParameters::tool_z, false, "tool"},
@@ -192,7 +193,8 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
                                                                   {"inclusion", p.inclusion},
                                                                   {"skin", p.skin},
                                                                   {"tool_radius", p.tool_radius},
-                                                                  {"tool_stiffness", p.tool_stiffness}})
+                                                                  {"tool_stiffness", p.tool_stiffness},
+                                                                  {"tool_damping", p.tool_damping}})
     refuse_negative(name, value);
   if ((p.cubic != 0) + (p.exponential != 0) + !p.table.empty() > 1)
     throw InputError("cubic, exponential and phi are laws of the same springs; choose one of them");
@@ -310,6 +312,7 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
   SphereTool tool{.radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size};
   tool.stiffness =
       p.tool_stiffness > 0 ? p.tool_stiffness : default_tool_stiffness(young, p.depth, tool.radius);
+  tool.damping = p.tool_damping;
   tool.travel = p.depth * way.towards;
   tool.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 0.5};
   const MeshSurface surface = surface_of(mesh);

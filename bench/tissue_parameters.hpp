@@ -44,6 +44,7 @@ struct TissueParameters {
   double period = 4;       ///< of breathing [s]
   double tool_radius = 0;  ///< [m]; 0: a twentieth of the diagonal of the mesh
   double tool_stiffness = 0;  ///< [Pa/m^1.5] (problems/tissue/loads.hpp); 0: from E and the depth
+  double tool_damping = 0;    ///< chi of Hunt and Crossley [s/m]
   /// Where the foremost point of the tool starts [m]; infinite: at the free end, as seen along its direction,
   /// where the surface faces it.
   double tool_x = infinity, tool_y = infinity, tool_z = infinity;

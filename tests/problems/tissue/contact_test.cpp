@@ -62,6 +62,41 @@ TEST(ToolContact, HasASymmetricStiffnessWithoutDamping) {
   EXPECT_LT((K - K.transpose()).cwiseAbs().maxCoeff(), 1e-13 * K.cwiseAbs().maxCoeff());
 }
 
+/// The energy of a body that swings against a tool is kept, and with damping of the contact falls by the work
+/// of its forces: d/dt (T + E) = (f(v) - f(0)) . v.
+TEST(ToolContact, KeepsTheEnergyOrTakesTheWorkOfItsDamping) {
+  const TetMesh mesh = uneven_box();
+  for (const double damping : {0.0, 2.0}) {
+    TissueSettings settings;
+    settings.tools = {tool_on(mesh, 0.02, 0.012)};
+    settings.tools.front().damping = damping;
+    const TissueBody body(mesh, settings);
+    const VectorXd zero = VectorXd::Zero(body.dofs());
+    VectorXd q = zero, v = zero, f(body.dofs()), still(body.dofs());
+    const double start = body.energy(0, q), h = 2e-5;
+    double work = 0, lost_before = 0, most_kinetic = 0;
+    // Velocity Verlet, whose energy is kept to h^2; the power of damping by the trapezoidal rule.
+    body.force(0, q, v, f);
+    for (int n = 0; n < 2000; ++n) {
+      const VectorXd half = v + 0.5 * h * f.cwiseQuotient(body.mass());
+      q += h * half;
+      body.force(0, q, half, f);
+      v = half + 0.5 * h * f.cwiseQuotient(body.mass());
+      body.force(0, q, v, f);
+      body.force(0, q, zero, still);
+      const double lost = (f - still).dot(v);
+      EXPECT_LE(lost, 1e-12);
+      work += 0.5 * h * (lost + lost_before);
+      lost_before = lost;
+      most_kinetic = std::max(most_kinetic, body.kinetic_energy(v));
+    }
+    const double change = body.energy(0, q) + body.kinetic_energy(v) - start;
+    EXPECT_GT(most_kinetic, 0.1 * start) << "it has moved";
+    EXPECT_NEAR(change, work, 2e-3 * start) << damping;
+    EXPECT_EQ(damping > 0, work < -0.01 * start) << work / start;
+  }
+}
+
 TEST(ToolContact, TurnsWithTheBodyAndTheTool) {
   const TetMesh mesh = uneven_box();
   const Eigen::Matrix3d R = Eigen::AngleAxisd(1.3, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
