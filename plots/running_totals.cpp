@@ -64,7 +64,7 @@ Figure running_totals_figure(const Table& published, const std::vector<Row>& row
   Panel chained{.title = "The same numbers in the order of running",
                 .x = {"row of the table, solver after solver"},
                 .y = {"printed value [s]"},
-                .notes = {"each solver begins where the one before ended"}};
+                .notes = {"Euler is of another run: its values lie inside those of ode113"}};
   Panel cost{.title = "Differences down each column",
              .x = {"h [s]", true},
              .y = {"time of one row [s]", true},
