@@ -1,4 +1,9 @@
 /// hmax list problems | methods | materials
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -51,6 +56,24 @@ void list_problems(Console& console) {
   console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/cli.md.\n");
 }
 
+/// What the other columns do not tell. The first four are one method without damping (docs/facts.md).
+constexpr std::string_view zero_estimate =
+    "its error estimate is zero where f depends on time alone, f(0) + f(h) - f(0) - f(h)";
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> method_notes{
+    {{"velocity_verlet", "takes damping forces at the velocity of the half step"},
+     {"stormer_verlet", "takes damping forces at a predicted velocity"},
+     {"central_difference",
+      "takes damping forces at the new velocity, for the diagonal of the damping matrix"},
+     {"explicit_newmark", "takes damping forces at the new velocity, for all of the damping matrix"},
+     {"fehlberg_78", zero_estimate},
+     {"odeint_fehlberg78", zero_estimate}}};
+
+std::string_view note_of(const Method& method) {
+  const auto* const found = std::ranges::find(method_notes, std::string_view(method.id),
+                                              &std::pair<std::string_view, std::string_view>::first);
+  return found == method_notes.end() ? "" : found->second;
+}
+
 void list_methods(Console& console) {
   Json document = Json::array();
   TextTable table({"method", "order", "error order", "stages", "aliases", "source"});
@@ -71,7 +94,8 @@ void list_methods(Console& console) {
                         {"a_stable", method.a_stable},
                         {"l_stable", method.l_stable},
                         {"engine", method.engine},
-                        {"source", method.source}});
+                        {"source", method.source},
+                        {"note", note_of(method)}});
     table.add({method.id, method.has_variable_order() ? "variable" : std::to_string(method.order),
                method.adaptive() ? std::to_string(method.error_order) : "-",
                method.stages > 0 ? std::to_string(method.stages) : "varies",
@@ -81,11 +105,11 @@ void list_methods(Console& console) {
   console.print(table.text(console));
   console.print(
       "\nMethods with an error order also run adaptively (--rtol, --atol). Sources are keys of "
-      "references.bib.\n"
-      "Four methods are one without damping and differ in where they take damping forces: velocity_verlet at the\n"
-      "velocity of the half step, stormer_verlet at a predicted velocity, central_difference at the new velocity for\n"
-      "the diagonal of the damping matrix, explicit_newmark at the new velocity for all of it (docs/facts.md).\n"
-      "A method of your own: --tableau FILE.toml, see docs/cli.md.\n");
+      "references.bib.\n");
+  for (const auto& [id, note] : method_notes)
+    if (std::ranges::find(methods(), id, &Method::id) != methods().end())
+      console.print(fmt::format("{}: {}\n", id, note));
+  console.print("A method of your own: --tableau FILE.toml, see docs/cli.md.\n");
 }
 
 void list_materials(Console& console) {
