@@ -66,6 +66,20 @@ TEST(GrowsAt, DoesNotCountWhatGrowsInProportionToTime) {
   EXPECT_TRUE(grows_at(powers([](double) { return 1.001; }), size, 1));
 }
 
+TEST(ObservedLimit, IsSeenBehindAMotionThatFadesSlowly) {
+  const ShowSteps run = [](double h, std::int64_t steps, const auto& show) {
+    for (std::int64_t n = 0; n <= steps; ++n) {
+      const auto k = static_cast<double>(n);
+      show(Eigen::VectorXd::Constant(1, std::pow(0.996, k) + 1e-3 * std::pow(1 + 2.5 * (h - 2), k)));
+    }
+    return true;
+  };
+  const ObservedLimit limit = observe_limit(run, size, 2, {.above = 5e-3, .beside = -1});
+  EXPECT_TRUE(limit.below_decays && limit.above_grows);
+  EXPECT_NEAR(limit.h, 2, 1e-3);
+  EXPECT_GT(limit.steps, 512);
+}
+
 TEST(WithoutRoots, LeavesWhatStepsMultiplyByAnotherRoot) {
   const std::complex<double> root = std::polar(0.98, 0.4);
   const auto three_motions = [&](double, std::int64_t steps, const auto& show) {

@@ -1,5 +1,7 @@
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "results/table.hpp"
 #include "tests/cli/program.hpp"
 
@@ -15,6 +17,38 @@ TEST(Run, AgreesWithTheEndStateOfAnotherEngine) {
   // docs/facts.md: a Taylor series in arithmetic of 128 bits.
   EXPECT_NEAR(told.json().at("y")[0].get<double>(), -3.3690941329057441755e-01, 1e-11);
   EXPECT_NEAR(told.json().at("y")[1].get<double>(), 1.5203434594206605961e-01, 1e-11);
+}
+
+TEST(Run, HasDivergedWhereItsStateIsNoneOfTheProblem) {
+  const Told body = Shell().hmax(
+      "run --mesh phantom --model fem_cauchy --load press --method symplectic_euler --h 0.01 --t-end 3 --json");
+  EXPECT_EQ(body.exit_code, 1);
+  EXPECT_EQ(body.json().at("outcome"), "diverged");
+  EXPECT_LT(body.json().at("max_displacement").get<double>(), 2e4);
+  EXPECT_LT(body.json().at("t_state"), body.json().at("t"));
+  const Told reaction =
+      Shell().hmax("run --problem robertson --method cvode_bdf --rtol 1e-3 --atol 1e-4 --json");
+  if (reaction.exit_code != 2) {  // 2: without SUNDIALS
+    EXPECT_NE(reaction.json().at("outcome"), "reached_end");
+    EXPECT_GT(reaction.json().at("y").at(0).get<double>(), -1);
+  }
+}
+
+TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {
+  const Told told = Shell().hmax("run --problem liver_forced --method rk4 --h 2");
+  EXPECT_NE(told.out.find("diverged at t = 10 s"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("before that, at t = 8 s"), std::string::npos) << told.out;
+}
+
+TEST(Run, KeepsRobertsonsConcentrationsAtLooseTolerances) {
+  for (const char* method : {"radau_iia_5", "sdirk_4", "tr_bdf2"})
+    for (const char* rtol : {"1e-2", "1e-3", "1e-4", "1e-6"})
+      for (const char* atol : {"1e-4", "1e-6", "1e-8"}) {
+        const Told told = Shell().hmax(fmt::format(
+            "run --problem robertson --method {} --rtol {} --atol {} --json", method, rtol, atol));
+        EXPECT_EQ(told.exit_code, 0) << method << " " << rtol << " " << atol;
+        EXPECT_NEAR(told.json().at("y").at(2).get<double>(), 1, 1e-4);
+      }
 }
 
 TEST(Run, HasTheKeysOfTheContract) {
