@@ -391,8 +391,8 @@ std::string words_of_model(const PredictOptions& options, const Problem& problem
   std::string words = fmt::format("{}: {}\n", problem.id, near.state);
   if (has_path && options.along_by_default)
     words += fmt::format(
-        "{}: h_max is that of small motions about this state, the least along the motion to t = {} s that of every "
-        "state on it\n",
+        "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
+        "motion to t = {} s\n",
         why_along(problem), short_number(options.t_end.value_or(problem.t_end)));
   else if (problem.body && !has_path && near.state_kind == "equilibrium" && near.model.y.norm() > 0 &&
            problem.body->settings().model != TissueModel::fem_cauchy)
