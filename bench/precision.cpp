@@ -58,8 +58,10 @@ std::string error_in_words(const Problem& problem, ErrorOf which) {
                               : std::holds_alternative<Oscillator>(problem.system)
                                   ? "any state, x [m] or v [m/s]"
                                   : "any state, in its own unit";
-  return fmt::format("largest error of {}, at {}", of,
-                     which == ErrorOf::end ? "the end" : "any accepted step");
+  return fmt::format("largest error of {}, {}", of,
+                     which == ErrorOf::end       ? "at the end"
+                     : which == ErrorOf::largest ? "at any accepted step"
+                                                 : "root mean square over time");
 }
 
 std::optional<double> predicted_step_limit(const Method& method, const Problem& problem,

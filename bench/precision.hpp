@@ -23,7 +23,11 @@ struct PrecisionSpec {
 };
 
 /// Which error of a run is looked at.
-enum class ErrorOf { end, largest };
+enum class ErrorOf {
+  end,
+  largest,          ///< at any accepted step
+  root_mean_square  ///< over time
+};
 
 /// The sweep that measures it: adaptive runs over the tolerances, fixed steps of the methods that know no
 /// other.

@@ -49,7 +49,7 @@ class ErrorMeter {
 
   void start() {
     n_ = 0;
-    largest_ = 0;
+    largest_ = squared_ = last_t_ = last_ = 0;
   }
 
   /// Point after point, the initial one first.
@@ -58,23 +58,29 @@ class ErrorMeter {
     if (n % stride_ != 0) return;
     const Eigen::Index slot = n / stride_;
     if (!keeps_) {
-      take((y - reference_.at(t)).cwiseAbs().maxCoeff());
+      take(t, (y - reference_.at(t)).cwiseAbs().maxCoeff());
       return;
     }
     if (slot == filled_) kept_.col(filled_++) = reference_.at(t);
-    take((y - kept_.col(slot)).cwiseAbs().maxCoeff());
+    take(t, (y - kept_.col(slot)).cwiseAbs().maxCoeff());
   }
 
-  void take(double error) {
+  /// @param t  not before those taken earlier
+  void take(double t, double error) {
     if (!(error <= largest_)) largest_ = error;
+    squared_ += (t - last_t_) * (error * error + last_ * last_) / 2;  // trapezoidal rule
+    last_t_ = t;
+    last_ = error;
   }
 
   [[nodiscard]] double largest() const { return largest_; }
+  /// sqrt of the mean of error^2 over the time looked at
+  [[nodiscard]] double root_mean_square() const { return last_t_ > 0 ? std::sqrt(squared_ / last_t_) : 0; }
 
  private:
   const Reference& reference_;
   std::int64_t stride_, n_ = 0;
-  double largest_ = 0;
+  double largest_ = 0, squared_ = 0, last_t_ = 0, last_ = 0;
   bool keeps_;
   Eigen::MatrixXd kept_;  // shape (dim, slots), filled from the left
   Eigen::Index filled_ = 0;
@@ -228,7 +234,7 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
       });
     }
   };
-  row.error_end = row.error_global = nan;
+  row.error_end = row.error_global = row.error_l2 = nan;
   try {
     run();
   } catch (const OverBudget&) {
@@ -263,8 +269,9 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
         to_text(reference.valid_until));
   } else {
     row.error_end = (record.y - reference.at(block.run.t_end)).cwiseAbs().maxCoeff();
-    meter->take(row.error_end);
+    meter->take(block.run.t_end, row.error_end);
     row.error_global = meter->largest();
+    row.error_l2 = meter->root_mean_square();
   }
   return candidate;
 }

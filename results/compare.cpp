@@ -61,6 +61,8 @@ std::vector<std::string> changes_between(const Row& a, const Row& b) {
   nearly("t_reached", a.t_reached, b.t_reached, 0);
   nearly("error_end", a.error_end, b.error_end, slack);
   nearly("error_global", a.error_global, b.error_global, slack);
+  // Rows of an earlier hmax have none.
+  if (!std::isnan(a.error_l2) && !std::isnan(b.error_l2)) nearly("error_l2", a.error_l2, b.error_l2, slack);
   if (timed(a) != timed(b))
     add("CPU time", timed(a) ? "measured" : "missing", timed(b) ? "measured" : "missing");
   return changes;

@@ -48,6 +48,7 @@ constexpr std::string_view columns[] = {"problem",
                                         "runs_per_sample",
                                         "reference",
                                         "reference_error",
+                                        "error_l2",
                                         "subnormals",
                                         "session",
                                         "status"};
@@ -87,6 +88,7 @@ std::vector<Cell> cells_of(const Row& row) {
                           row.runs_per_sample,
                           row.reference,
                           std::optional(row.reference_error),
+                          std::optional(row.error_l2),
                           row.subnormals,
                           row.session};
   std::string status = row.status;
@@ -222,6 +224,7 @@ std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprin
       e["rhs"] = row.rhs;
       if (std::isfinite(row.error_end)) e["error_end"] = row.error_end;
       if (std::isfinite(row.error_global)) e["error_global"] = row.error_global;
+      if (std::isfinite(row.error_l2)) e["error_l2"] = row.error_l2;
       benchmarks.push_back(std::move(e));
     }
     const Aggregates all = aggregates(row.cpu_s);

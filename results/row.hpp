@@ -36,6 +36,7 @@ struct Row {
   std::int64_t runs_per_sample = 1;  ///< runs timed together in one repetition
   double error_end = 0;              ///< max norm of the error at t_end
   double error_global = 0;           ///< largest max-norm error over all output points
+  double error_l2 = 0;               ///< root mean square over time of the max-norm error; NaN in old rows
   double reference_error = 0;        ///< bound on the error of the reference itself
   std::string reference;             ///< what the errors were measured against
   std::int64_t subnormals = 0;       ///< state components that were subnormal at some accepted step

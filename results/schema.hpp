@@ -42,6 +42,7 @@ CREATE TABLE rows (
   runs_per_sample INTEGER NOT NULL,
   error_end NOT NULL,
   error_global NOT NULL,
+  error_l2 NOT NULL,
   reference_error NOT NULL,
   reference TEXT NOT NULL,
   subnormals INTEGER NOT NULL,
@@ -49,5 +50,9 @@ CREATE TABLE rows (
   UNIQUE (problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC)
 );
 )sql";
+
+/// From layout 1, which had no error_l2, to layout 2.
+inline constexpr const char* store_schema_1_to_2 =
+    "ALTER TABLE rows ADD COLUMN error_l2 NOT NULL DEFAULT 'nan'; PRAGMA user_version = 2";
 
 }  // namespace hmax

@@ -155,6 +155,13 @@ void lay_out(sqlite3* database) {
   transaction.commit();
 }
 
+/// Brings a store of an earlier hmax to today's layout. Another process may do the same at the same time.
+void bring_up_to_date(sqlite3* database) {
+  sqlite::Transaction transaction(database);
+  if (identity(database).version == 1) sqlite::execute(database, store_schema_1_to_2);
+  transaction.commit();
+}
+
 bool is_special(double value) { return std::isnan(value) || (value == 0 && std::signbit(value)); }
 
 /// See store_schema: numbers that SQLite would change travel as text.
@@ -215,13 +222,13 @@ constexpr const char* key_condition =
 constexpr const char* insert_sql =
     "INSERT INTO rows (problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, "
     "session, outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "reference_error, reference, subnormals, status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+    "error_l2, reference_error, reference, subnormals, status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
     "?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
 constexpr const char* select_sql =
     "SELECT problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, "
     "outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "reference_error, reference, subnormals, status FROM rows ORDER BY problem, material, parameters, y0, "
+    "error_l2, reference_error, reference, subnormals, status FROM rows ORDER BY problem, material, parameters, y0, "
     "mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
 
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
@@ -233,7 +240,7 @@ void bind_row(Statement& statement, const Row& row, std::int64_t session) {
   for (const std::int64_t count : {row.steps, row.rejected, row.rhs}) statement.bind(index++, count);
   statement.bind(index++, samples_to_json(row.cpu_s));
   statement.bind(index++, row.runs_per_sample);
-  for (const double error : {row.error_end, row.error_global, row.reference_error})
+  for (const double error : {row.error_end, row.error_global, row.error_l2, row.reference_error})
     bind_exact(statement, index++, error);
   statement.bind(index++, row.reference);
   statement.bind(index++, row.subnormals);
@@ -255,7 +262,7 @@ Row read_row(const Statement& query, const fs::path& file) {
   for (std::int64_t* count : {&row.steps, &row.rejected, &row.rhs}) *count = query.integer(column++);
   row.cpu_s = samples_from_json(query.text(column++), file);
   row.runs_per_sample = query.integer(column++);
-  for (double* error : {&row.error_end, &row.error_global, &row.reference_error})
+  for (double* error : {&row.error_end, &row.error_global, &row.error_l2, &row.reference_error})
     *error = exact_number(query, column++);
   row.reference = query.text(column++);
   row.subnormals = query.integer(column++);
@@ -358,11 +365,16 @@ std::unique_ptr<Store::Impl> Store::Impl::open(const fs::path& file, bool create
       throw InputError(fmt::format(
           "'{}' is an SQLite file but not a store of hmax, left untouched: choose another file.", path));
     }
+    if (id.version == 1 && sqlite3_db_readonly(database.get(), "main") == 0) {
+      bring_up_to_date(database.get());
+      id = identify(database);
+    }
     if (id.version != schema_version) {
       throw InputError(
           fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
-                      "choose another file, or export it with the hmax that made it.",
-                      path, id.version, schema_version));
+                      "{}choose another file, or export it with the hmax that made it.",
+                      path, id.version, schema_version,
+                      id.version == 1 ? "make it writable, so that it can be brought up to date, " : ""));
     }
     sqlite::execute(database.get(), "PRAGMA synchronous = NORMAL");
     return std::make_unique<Impl>(file, std::move(database));

@@ -33,9 +33,9 @@ struct Session {
 /// another schema.
 class Store {
  public:
-  /// The number of the table layout in results/schema.hpp; a file with another number is refused and left
-  /// untouched.
-  static constexpr int schema_version = 1;
+  /// The number of the table layout in results/schema.hpp. A file with a lower one is brought to it when it
+  /// is opened, in one transaction; one with a higher number is refused and left untouched.
+  static constexpr int schema_version = 2;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.
   static Store open_or_create(const std::filesystem::path& file);

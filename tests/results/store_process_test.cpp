@@ -141,6 +141,23 @@ TEST(StoreProcess, ARowThatAnotherProcessStoredMeanwhileIsAnInputError) {
   EXPECT_EQ(first.rows()[0].session, 2);  // h descends
 }
 
+TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
+  Scratch scratch;
+  {
+    Store store = Store::open_or_create(scratch / "old");
+    store.begin_session({});
+    store.insert(numbered(1));
+  }
+  foreign_sql(scratch / "old", "ALTER TABLE rows DROP COLUMN error_l2; PRAGMA user_version = 1");
+  Store store = Store::open_existing(scratch / "old");
+  ASSERT_EQ(store.size(), 1);
+  EXPECT_TRUE(std::isnan(store.rows()[0].error_l2));
+  EXPECT_EQ(store.rows()[0].key, numbered(1).key);
+  store.begin_session({});
+  store.insert(numbered(2));
+  EXPECT_EQ(Store::open_existing(scratch / "old").size(), 2);
+}
+
 TEST(StoreProcess, AnotherSchemaOrApplicationIsRefusedAndLeftUntouched) {
   Scratch scratch;
   {

@@ -40,6 +40,7 @@ Row row(const std::string& method, double h) {
   r.cpu_s = {1e-4, 2e-4, 1.5e-4};
   r.error_end = 1e-6;
   r.error_global = 2e-6;
+  r.error_l2 = 1.5e-6;
   r.reference_error = 1e-14;
   r.reference = "dop_853 at 1e-14";
   return r;
@@ -66,6 +67,7 @@ void expect_same_row(const Row& a, const Row& b) {
   EXPECT_EQ(a.runs_per_sample, b.runs_per_sample);
   expect_same_number(a.error_end, b.error_end);
   expect_same_number(a.error_global, b.error_global);
+  expect_same_number(a.error_l2, b.error_l2);
   expect_same_number(a.reference_error, b.reference_error);
   EXPECT_EQ(a.reference, b.reference);
   EXPECT_EQ(a.subnormals, b.subnormals);
