@@ -82,8 +82,19 @@ void require_one_view(const PhaseOptions& options) {
     throw InputError("--bifurcation looks at no part of the plane; leave --window out");
 }
 
+/// The name of the figure of the view that is asked for.
+std::string figure_name(const PhaseOptions& options) {
+  const bool map = !options.method.method.empty() || !options.method.tableau.empty();
+  return map                           ? "map"
+         : options.basins              ? "basins"
+         : options.poincare            ? "poincare"
+         : options.bifurcation.empty() ? "phase"
+                                       : "bifurcation";
+}
+
 void phase(const PhaseOptions& options, Console& console) {
   require_one_view(options);
+  if (!options.output.empty()) check_figure_files(options.output, figure_name(options));
   if (!options.method.method.empty() || !options.method.tableau.empty()) return phase_map(options, console);
   if (!options.basins && !options.cells.empty())
     throw InputError("--cells is the grid of --basins; add --basins, or leave it out");
@@ -94,7 +105,7 @@ void phase(const PhaseOptions& options, Console& console) {
   const PhaseView view = view_of(options);
   Json document = document_of(view);
   std::string text = headline(view.problem) + equilibria_table(view, console);
-  if (!options.output.empty()) deliver(phase_portrait(view), options, "phase", document, text, console);
+  if (!options.output.empty()) deliver(phase_portrait(view), options, document, text, console);
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
   if (console.json) return console.print_json(document);
   console.print(text);
@@ -270,9 +281,9 @@ PhasePlane plane_of(const PhaseView& view) {
   return plane;
 }
 
-void deliver(const Figure& figure, const PhaseOptions& options, const std::string& name, Json& document,
-             std::string& text, Console& console) {
-  const FigureFiles files = draw(figure, options.output, name);
+void deliver(const Figure& figure, const PhaseOptions& options, Json& document, std::string& text,
+             Console& console) {
+  const FigureFiles files = draw(figure, options.output, figure_name(options));
   document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
   if (files.drawn())
     text += fmt::format("\nThe figure: {}.svg\n", files.base.string());
@@ -332,6 +343,7 @@ void add_phase(CLI::App& app, Console& console) {
   command.add_option("--output", options->output, "Draw the figure into this folder, as SVG, PNG and PDF")
       ->type_name("FOLDER");
   add_force(command);
+  add_figure_style(command);
   command.callback([options, &console] { phase(*options, console); });
 }
 

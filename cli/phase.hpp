@@ -68,8 +68,8 @@ std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, boo
 PhasePlane plane_of(const PhaseView& view);
 
 /// Draws into the folder of --output and says what came of it: a line for people and the key `figure`.
-void deliver(const Figure& figure, const PhaseOptions& options, const std::string& name,
-             nlohmann::ordered_json& document, std::string& text, Console& console);
+void deliver(const Figure& figure, const PhaseOptions& options, nlohmann::ordered_json& document,
+             std::string& text, Console& console);
 
 /// The view of --method: what steps of a method make of the plane.
 void phase_map(const PhaseOptions& options, Console& console);

@@ -104,7 +104,7 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   document["unbounded"] = found.share(unbounded);
   document["undecided"] = found.share(undecided);
   std::string text = headline(view.problem) + equilibria_table(view, console) + "\n" + table.text(console);
-  if (!options.output.empty()) deliver(picture(view, found), options, "basins", document, text, console);
+  if (!options.output.empty()) deliver(picture(view, found), options, document, text, console);
   if (console.json) return console.print_json(document);
   console.print(text);
 }

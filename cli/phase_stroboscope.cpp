@@ -357,7 +357,7 @@ void phase_poincare(const PhaseOptions& options, Console& console) {
   document.update(section_document(problem, section));
   std::string text = headline(problem) + report_of(problem, section, console);
   if (!options.output.empty() && !section.points.empty())
-    deliver(picture(problem, section), options, "poincare", document, text, console);
+    deliver(picture(problem, section), options, document, text, console);
   if (section.diverges()) console.exit_code = Exit::failed;
   if (console.json) return console.print_json(document);
   console.print(text);
@@ -416,7 +416,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
                  options.follow ? "each value from where the one before has ended"
                                 : fmt::format("each value from y0 = {}", describe(first.y0))),
              .panel_height = 440},
-            options, "bifurcation", document, text, console);
+            options, document, text, console);
   }
   if (console.json) return console.print_json(document);
   console.print(text);

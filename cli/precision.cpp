@@ -36,9 +36,10 @@ struct PrecisionOptions {
 /// The error that is asked for; by default that of the end of stiff problems, whose largest one is that of
 /// jumps which come a little early or late.
 ErrorOf error_of(const PrecisionOptions& options, const Problem& problem) {
-  constexpr std::array<std::string_view, 2> words{"end", "max"};
+  constexpr std::array<std::string_view, 3> words{"end", "max", "l2"};
   if (options.error.empty()) return problem.stiff ? ErrorOf::end : ErrorOf::largest;
-  return parse_choice("--error", options.error, words) == words[0] ? ErrorOf::end : ErrorOf::largest;
+  const std::string word = parse_choice("--error", options.error, words);
+  return word == "end" ? ErrorOf::end : word == "max" ? ErrorOf::largest : ErrorOf::root_mean_square;
 }
 
 PrecisionSpec spec_of(const PrecisionOptions& options) {
@@ -119,6 +120,7 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::
                         {"outcome", row.outcome},
                         {"error_global", number_or_null(row.error_global)},
                         {"error_end", number_or_null(row.error_end)},
+                        {"error_l2", number_or_null(row.error_l2)},
                         {"error_of", error_of},
                         {"cpu_median_s", number_or_null(time.median)},
                         {"cpu_q1_s", number_or_null(time.q1)},
@@ -133,10 +135,14 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::
   return document;
 }
 
+double value_of(const Row& row, ErrorOf which) {
+  return which == ErrorOf::end ? row.error_end : which == ErrorOf::largest ? row.error_global : row.error_l2;
+}
+
 std::string for_people(const std::vector<Row>& rows, ErrorOf which, const Console& console) {
   TextTable table({"method", "rtol or h [s]", "error", "CPU time [s]", "rhs", "outcome"});
   for (const Row& row : rows) {
-    const double error = which == ErrorOf::end ? row.error_end : row.error_global;
+    const double error = value_of(row, which);
     table.add(
         {row.key.method,
          row.key.mode == "fixed" ? "h " + short_number(row.key.h) : "rtol " + short_number(row.key.rtol),
@@ -148,14 +154,14 @@ std::string for_people(const std::vector<Row>& rows, ErrorOf which, const Consol
 
 /// What a figure shows: the error that is asked for, where it is less than the solution.
 std::vector<Row> useful(std::vector<Row> rows, ErrorOf which, double size) {
-  if (which == ErrorOf::end)
-    for (Row& row : rows) row.error_global = row.error_end;
+  for (Row& row : rows) row.error_global = value_of(row, which);
   std::erase_if(rows, [&](const Row& row) { return row.error_global > size; });
   return rows;
 }
 
 void precision(const PrecisionOptions& options, Console& console) {
   const auto& interrupted = interrupt_flag();
+  if (!options.output.empty()) check_figure_files(options.output, "precision");
   const SweepPlan plan = plan_sweep(precision_sweep(spec_of(options)));
   const TemporaryFolder temporary;
   Store store = open_sweep_store(
@@ -225,7 +231,8 @@ void add_precision(CLI::App& app, Console& console) {
   add_number(command, "--atol-over-rtol", options->atol_over_rtol,
              "Absolute over relative tolerance; 1 by default");
   text("--error", options->error,
-       "Which error is shown: end, by default of stiff problems, or max, the largest at any accepted step",
+       "Which error is shown: end, by default of stiff problems; max, the largest at any accepted step; l2, "
+       "the root mean square over time",
        "NAME");
   add_number(command, "--budget", options->budget,
              "CPU time of a run [s] after which it is given up; 0.5 by default");
@@ -236,6 +243,7 @@ void add_precision(CLI::App& app, Console& console) {
   text("--output", options->output, "Draw the figure precision.svg, .png and .pdf into this folder",
        "FOLDER");
   add_force(command);
+  add_figure_style(command);
   command.callback([options, &console] { precision(*options, console); });
 }
 

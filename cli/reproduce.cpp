@@ -182,6 +182,7 @@ void add_reproduce(CLI::App& app, Console& console) {
   oscillators.footer(oscillators.get_footer() +
                      "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
   add_force(oscillators);
+  add_figure_style(oscillators);
   oscillators.callback([&console, folder] {
     const std::filesystem::path output = *folder;
     StudyRows rows;
@@ -213,6 +214,7 @@ void add_reproduce(CLI::App& app, Console& console) {
   auto limits_folder = std::make_shared<std::string>("results/runs/stability");
   stability.add_option("--output", *limits_folder, "Folder of the report")->capture_default_str();
   add_force(stability);
+  add_figure_style(stability);
   stability.callback([&console, limits_folder] { stability_study(*limits_folder, console); });
 
   CLI::App& tissue = add_command(
@@ -229,6 +231,7 @@ void add_reproduce(CLI::App& app, Console& console) {
   tissue.add_flag("--scale", options->scale,
                   "Also what meshes of a thousand to a million tetrahedra cost: some minutes and gigabytes");
   add_force(tissue);
+  add_figure_style(tissue);
   tissue.callback([&console, tissue_folder, options] { tissue_study(*tissue_folder, *options, console); });
 }
 

@@ -257,6 +257,8 @@ PageSection sliding_section(Atelier& atelier) {
 
 void gallery(const std::string& names, const std::string& output, Console& console) {
   if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
+  const fs::path page = fs::path(output) / "index.html";
+  check_writable(page, "<!DOCTYPE html>");
   const auto& interrupted = interrupt_flag();
   const std::vector<Chapter> chapters = chapters_of(names);
   Json files = Json::array();
@@ -278,7 +280,6 @@ void gallery(const std::string& names, const std::string& output, Console& conso
         console.remark(picture.problem);
         break;
       }
-  const fs::path page = fs::path(output) / "index.html";
   write_page(
       page,
       page_text(
@@ -305,6 +306,7 @@ void add_stability_gallery(CLI::App& stability, Console& console, const std::str
   command.add_option("--method,--methods", *methods, formulas + "; all by default")->type_name("A,B");
   command.add_option("--output", *output, "The folder of the page and its figures")->type_name("FOLDER");
   add_force(command);
+  add_figure_style(command);
   command.callback([methods, output, &console] { gallery(*methods, *output, console); });
 }
 

@@ -188,6 +188,7 @@ Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options,
 std::string words_of(double h) { return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h); }
 
 void map(const MapOptions& options, Console& console) {
+  if (!options.output.empty()) check_figure_files(options.output, "map");
   for (const auto& [name, text, example] :
        {std::tuple{"--x", &options.x, options.rayleigh ? "alpha=0:2:41" : "c=0:10:81"},
         {"--y", &options.y, options.rayleigh ? "beta=0:0.5:41" : "k1=0.1:10:61"}})
@@ -276,6 +277,7 @@ void add_stability_map(CLI::App& stability, Console& console) {
   command.add_option("--output", options->output, "Draw map.svg, map.png and map.pdf into this folder")
       ->type_name("FOLDER");
   add_force(command);
+  add_figure_style(command);
   command.callback([options, &console] { map(*options, console); });
 }
 

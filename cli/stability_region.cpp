@@ -158,6 +158,7 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
   command.add_flag("--order-star", options->order_star,
                    "Where a step amplifies more than the equation, |R(z) e^-z| > 1; one-step methods only");
   add_force(command);
+  add_figure_style(command);
   command.callback([options, &console] { region(*options, console); });
 }
 

@@ -126,6 +126,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
 /// Every solver on the same balance: a table, and the figure of their residuals.
 void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
                       StaticSettings settings, Console& console) {
+  check_figure_files(options.compare, "residuals");
   if (!options.relaxation) settings.relaxation = best_relaxation(model, settings);
   const std::vector<StaticWay> ways = all_ways(model, settings);
   const std::string iterations = iterations_in_words(settings);
@@ -399,6 +400,7 @@ void add_static(CLI::App& app, Console& console) {
        "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
   options->picture.add_to(command, "Draw the body in balance before its shape at rest");
   add_force(command);
+  add_figure_style(command);
   command.callback([options, &console] { solve(*options, console); });
 }
 

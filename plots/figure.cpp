@@ -1,6 +1,7 @@
 #include "plots/figure.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
+#include "plots/alt_text.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/tics.hpp"
 #include "results/errors.hpp"
@@ -19,12 +21,17 @@
 namespace hmax {
 namespace {
 
-// Lengths are pixels of a figure 900 wide, the width at which a README shows it; y counts from the top.
-constexpr double width = 900;
+// Lengths are pixels; y counts from the top.
+constexpr double page_width = 900;   // at which a README shows a figure
+constexpr double slide_width = 600;  // the same text is half as large again beside it
+constexpr int most_slide_columns = 2;
+constexpr double tallest_slide_panel = 325;
+constexpr double png_width = 1800;
 constexpr double left_margin = 74, right_margin = 20, below_panel = 56;
-constexpr double title_height = 40, panel_title_height = 26, note_height = 15, key_row = 19,
+constexpr double title_line = 22, below_title = 18, panel_title_height = 26, note_height = 15, key_row = 19,
                  footer_height = 24, footer_line = 13;
-constexpr std::size_t longest_footer = 145;
+constexpr double title_character = 8.8, footer_character = 6.2, label_character = 7;  // mean widths
+constexpr double label_line = 16;
 constexpr double key_sample = 34;  // length of the line sample in the key
 constexpr double character = 7.1;  // mean width of a character of the key's font
 constexpr double lost_cell = 10;   // width and height given to a mark in the strip of lost runs
@@ -201,6 +208,21 @@ Extent extent_of(const Panel& panel, double panel_width, double panel_height) {
   return extent;
 }
 
+std::atomic<FigureStyle>& chosen_style() {
+  static std::atomic<FigureStyle> style = FigureStyle::page;
+  return style;
+}
+
+double figure_width() { return figure_style() == FigureStyle::slide ? slide_width : page_width; }
+
+/// The columns that a figure gets which asks for so many.
+int columns_of(int asked) {
+  const int columns = std::max(1, asked);
+  return figure_style() == FigureStyle::slide ? std::min(columns, most_slide_columns) : columns;
+}
+
+std::size_t characters(double pixels, double each) { return static_cast<std::size_t>(pixels / each); }
+
 /// The text being written: script and data grow together, a block of data has the number by which the script
 /// asks for it.
 class Writer {
@@ -219,17 +241,20 @@ class Writer {
   /// Heights of rows and of the whole, the rows of the key.
   void layout() {
     const auto columns = static_cast<std::size_t>(columns_);
-    double y = figure_.title.empty() ? 8 : title_height;
+    title_ = lines_of(one_line(figure_.title), characters(width_ - 32, title_character));
+    double y = title_.empty() ? 8 : below_title + title_line * static_cast<double>(title_.size());
     for (std::size_t first = 0; first < figure_.panels.size(); first += columns) {
       std::size_t notes = 0;
       bool titled = false;
+      std::size_t label_lines = 1;
       for (std::size_t i = first; i < std::min(first + columns, figure_.panels.size()); ++i) {
         notes = std::max(notes, figure_.panels[i].notes.size());
         titled = titled || !figure_.panels[i].title.empty();
+        label_lines = std::max(label_lines, x_label(figure_.panels[i]).size());
       }
       y += (titled ? panel_title_height : 8) + note_height * static_cast<double>(notes);
       tops_.push_back(y);
-      y += figure_.panel_height + below_panel;
+      y += panel_height_ + below_panel + label_line * static_cast<double>(label_lines - 1);
     }
     key_ = key_of(figure_);
     std::size_t longest = 1;
@@ -238,25 +263,31 @@ class Writer {
       longest = std::max(longest, length_of(entry.label));
     }
     key_width_ = key_sample + 26 + character * static_cast<double>(longest);
-    const auto most = std::clamp<std::size_t>(static_cast<std::size_t>((width - 40) / key_width_), 1, 6);
+    const auto most = std::clamp<std::size_t>(characters(width_ - 40, key_width_), 1, 6);
     key_rows_ = (key_.size() + most - 1) / most;
     key_top_ = y + 4;
     height_ = std::ceil(key_top_ + key_row * static_cast<double>(key_rows_) + footer_height);
-    footer_ = lines_of(figure_.footer, longest_footer);
+    footer_ = lines_of(figure_.footer, characters(width_, footer_character));
     if (footer_.size() > 1) height_ += footer_line * static_cast<double>(footer_.size() - 1);
   }
 
-  double across(double x) const { return x / width; }
+  /// The label of the x axis in lines that no neighbour's label meets.
+  std::vector<std::string> x_label(const Panel& panel) const {
+    return lines_of(one_line(panel.x.label), characters(width_ / columns_ - 12, label_character));
+  }
+
+  double across(double x) const { return x / width_; }
   double up(double y) const { return 1 - y / height_; }
 
   void header() {
+    const double scale = png_width / width_;
     script_ = fmt::format(
         "# Draws {0}.svg, {0}.png and {0}.pdf from {0}.dat: run `gnuplot {0}.gp` in this folder.\n"
         "reset\n"
         "if (!exists('pass')) pass = 1\n"
         "if (pass == 1) set terminal svg size {1},{2} font 'sans-serif,12' background '#ffffff' enhanced\n"
-        "if (pass == 2) set terminal pngcairo size {3},{4} font 'sans-serif,12' fontscale 1.5 linewidth 2 "
-        "pointscale 2 background '#ffffff' enhanced\n"
+        "if (pass == 2) set terminal pngcairo size {3},{4} font 'sans-serif,12' fontscale {8} linewidth {9} "
+        "pointscale {9} background '#ffffff' enhanced\n"
         "if (pass == 3) set terminal pdfcairo size {5}in,{6}in font 'sans-serif,12' fontscale 0.54 linewidth "
         "1 "
         "pointscale 0.72 background '#ffffff' enhanced\n"
@@ -271,8 +302,8 @@ class Writer {
         "set border 3 lc rgb '#606060' lw 0.8\n"
         "set style line 100 lc rgb '#d4d4d4' lw 0.6 dt 1\n"
         "set multiplot\n",
-        name_, width, height_, 2 * width, 2 * height_, width / 100, height_ / 100,
-        gnuplot_string(name_ + "."));
+        name_, width_, height_, png_width, std::ceil(scale * height_), width_ / 100, height_ / 100,
+        gnuplot_string(name_ + "."), 0.75 * scale, scale);
   }
 
   void label(std::string_view text, double x, double y, std::string_view font, std::string_view more = "") {
@@ -287,11 +318,15 @@ class Writer {
 
   const Figure& figure_;
   const std::string& name_;
-  int columns_ = std::max(1, figure_.columns);
+  double width_ = figure_width();
+  double panel_height_ = figure_style() == FigureStyle::slide
+                             ? std::min<double>(figure_.panel_height, tallest_slide_panel)
+                             : figure_.panel_height;
+  int columns_ = columns_of(figure_.columns);
   std::string script_, data_;
   int blocks_ = 0;
   double height_ = 0, key_top_ = 0, key_width_ = 0;
-  std::vector<std::string> footer_;
+  std::vector<std::string> title_, footer_;
   std::size_t key_rows_ = 0;
   std::vector<Entry> key_;
   std::vector<double> tops_;
@@ -312,13 +347,14 @@ int Writer::block(const std::string& comment, const std::vector<std::array<doubl
 
 void Writer::panel(const Panel& panel, std::size_t index) {
   const auto column = static_cast<double>(index % static_cast<std::size_t>(columns_));
-  const double share = width / columns_;
+  const double share = width_ / columns_;
   const double left = share * column + left_margin, right = left + panel_width(columns_);
-  const double top = tops_[index / static_cast<std::size_t>(columns_)], bottom = top + figure_.panel_height;
-  const Extent extent = extent_of(panel, right - left, figure_.panel_height);
+  const double top = tops_[index / static_cast<std::size_t>(columns_)], bottom = top + panel_height_;
+  const Extent extent = extent_of(panel, right - left, panel_height_);
 
   script_ += "\nunset label\nunset object\n";
-  if (index == 0 && !figure_.title.empty()) label(figure_.title, 16, 20, "bold.',16'");
+  for (std::size_t i = 0; index == 0 && i < title_.size(); ++i)
+    label(title_[i], 16, 20 + title_line * static_cast<double>(i), "bold.',16'");
   const double notes = note_height * static_cast<double>(panel.notes.size());
   if (!panel.title.empty())
     label(shortened(one_line(panel.title), static_cast<std::size_t>((right - left) / 8.4)), left,
@@ -329,7 +365,12 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   script_ += fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n", across(left),
                          across(right));
   script_ += fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}\n", up(top), up(bottom));
-  script_ += fmt::format("set xlabel {} noenhanced offset 0,0.3\n", gnuplot_string(panel.x.label));
+  const std::vector<std::string> x_lines = x_label(panel);
+  script_ += fmt::format("set xlabel {} noenhanced offset 0,0.3\n",
+                         gnuplot_string(x_lines.empty() ? "" : x_lines[0]));
+  for (std::size_t i = 1; i < x_lines.size(); ++i)
+    label(x_lines[i], (left + right) / 2, bottom + 45 + label_line * static_cast<double>(i),
+          "'sans-serif,12'", "center");
   script_ += "unset ylabel\n";
   script_ += panel.grid ? "set grid ls 100\n" : "unset grid\n";
   label(panel.y.label, share * column + 14, (top + bottom) / 2, "'sans-serif,12'", "center rotate by 90");
@@ -337,7 +378,7 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   script_ += panel.y.logarithmic ? "set logscale y\n" : "unset logscale y\n";
   script_ += drawn_range('x', panel.x, extent.x) + drawn_range('y', panel.y, extent.y);
   script_ += tics('x', panel.x, extent.x, right - left);
-  script_ += tics('y', panel.y, {extent.y.low, extent.end_of_tics}, figure_.panel_height);
+  script_ += tics('y', panel.y, {extent.y.low, extent.end_of_tics}, panel_height_);
 
   if (extent.strip > 0) {
     script_ += fmt::format(
@@ -394,7 +435,7 @@ void Writer::panel(const Panel& panel, std::size_t index) {
     // A line without markers needs no two points nearer than a quarter of a pixel.
     const auto pixel = [&](const std::array<double, 4>& row) {
       return std::pair(fraction(row[0], panel.x, extent.x) * (right - left),
-                       fraction(row[1], panel.y, extent.y) * figure_.panel_height);
+                       fraction(row[1], panel.y, extent.y) * panel_height_);
     };
     std::pair last(0.0, 0.0);
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
@@ -479,12 +520,6 @@ constexpr std::array pictures{".svg", ".png", ".pdf"};
 /// With what the script of a figure begins, which tells that the files beside it are ours too.
 std::string opening_of(const std::string& name) { return fmt::format("# Draws {}.svg,", name); }
 
-void check_figure(const std::filesystem::path& base, const std::string& opening) {
-  const bool own = is_own_file(base.string() + ".gp", opening);
-  for (const char* extension : {".gp", ".dat", ".svg", ".png", ".pdf"})
-    check_replaceable(base.string() + extension, own);
-}
-
 /// cairo writes the time of day into a PDF; digits of equal number keep the file's offsets valid.
 void remove_creation_date(const std::filesystem::path& pdf) {
   std::ifstream in(pdf, std::ios::binary);
@@ -514,9 +549,19 @@ Style family_style(int k, bool markers) {
   return {.colour = k, .dash = k, .marker = markers ? wrapped(shapes, k) : 0};
 }
 
-double panel_width(int columns) { return width / std::max(1, columns) - left_margin - right_margin; }
+void set_figure_style(FigureStyle style) { chosen_style() = style; }
+FigureStyle figure_style() { return chosen_style(); }
+
+double panel_width(int columns) { return figure_width() / columns_of(columns) - left_margin - right_margin; }
 
 FigureSource source_of(const Figure& figure, const std::string& name) { return Writer(figure, name).write(); }
+
+void check_figure_files(const std::filesystem::path& directory, const std::string& name) {
+  const std::string base = (directory / name).string();
+  const bool own = is_own_file(base + ".gp", opening_of(name));
+  for (const char* extension : {".gp", ".dat", ".svg", ".png", ".pdf"})
+    check_replaceable(base + extension, own);
+}
 
 FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, const std::string& name) {
   const bool plain = !name.empty() && name[0] != '-' && std::all_of(name.begin(), name.end(), [](char c) {
@@ -533,9 +578,9 @@ FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, c
                      "; choose another");
 
   const FigureSource source = source_of(figure, name);
-  FigureFiles files{directory / name, {}, {}};
+  FigureFiles files{.base = directory / name, .made = {}, .problem = {}, .alt = alt_text(figure)};
   const auto file = [&](const char* extension) { return directory / (name + extension); };
-  check_figure(directory / name, opening_of(name));
+  check_figure_files(directory, name);
   write_file(file(".gp"), source.script, opening_of(name));
   write_file(file(".dat"), source.data, "#");
   files.made = {file(".gp"), file(".dat")};
@@ -543,6 +588,7 @@ FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, c
   for (const char* extension : pictures) std::filesystem::remove(file(extension), failed);
   files.problem = run_gnuplot(directory, name + ".gp");
   remove_creation_date(file(".pdf"));
+  describe_svg(file(".svg"), figure.title, files.alt);
   for (const char* extension : pictures)
     if (std::filesystem::exists(file(extension))) files.made.push_back(file(extension));
   return files;

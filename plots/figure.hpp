@@ -98,18 +98,30 @@ struct Figure {
   std::vector<Panel> panels = {};
   int columns = 1;
   std::string footer = {};  ///< method, tolerance, machine; small and grey, broken into lines
-  int panel_height = 300;   ///< of the plotting area, in pixels of a figure 900 wide
+  int panel_height = 300;   ///< of the plotting area, in pixels
 };
 
-/// The width of the plotting area of each of `columns` panels, in the pixels that panel_height counts.
+/// Where a figure is shown, which decides how large its text is beside it.
+enum class FigureStyle {
+  page,   ///< text of a page: a figure is 900 pixels wide
+  slide,  ///< text half as large again: 600 pixels, at most two panels in a row
+};
+
+/// From now on. A program says so once, at its start or by an option.
+void set_figure_style(FigureStyle style);
+FigureStyle figure_style();
+
+/// The width of the plotting area of each of `columns` panels, in the pixels that panel_height counts; of
+/// a slide, that of the columns that it has.
 double panel_width(int columns);
 
 /// What `draw` left behind.
 struct FigureFiles {
   std::filesystem::path base;  ///< directory / name without extension
   std::vector<std::filesystem::path>
-      made;             ///< every file that exists now: .gp, .dat, and .svg, .png, .pdf when drawn
-  std::string problem;  ///< empty when drawn; otherwise one sentence with the remedy
+      made;              ///< every file that exists now: .gp, .dat, and .svg, .png, .pdf when drawn
+  std::string problem;   ///< empty when drawn; otherwise one sentence with the remedy
+  std::string alt = {};  ///< what is seen, in words
   bool drawn() const { return problem.empty(); }
 };
 
@@ -119,6 +131,11 @@ struct FigureFiles {
 /// @param name  letters, digits, '_', '-'
 /// @throws InputError when the name has other characters, a figure has no panel, or a file cannot be written
 FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, const std::string& name);
+
+/// Throws what `draw` would throw now because files are there that it must not replace: for callers whose
+/// figure takes long to compute.
+/// @throws InputError
+void check_figure_files(const std::filesystem::path& directory, const std::string& name);
 
 /// The text of name.gp and of name.dat, what `draw` writes.
 struct FigureSource {

@@ -26,9 +26,10 @@ std::string figure_text(const FigureFiles& figure, const std::string& title,
   const bool scripted = figure.made.empty() || std::ranges::any_of(figure.made, [](const auto& file) {
                           return file.extension() == ".gp";
                         });
-  if (!scripted) return fmt::format("![{0}]({1}.svg)\n\n", markdown_text(title), base);
-  return fmt::format("[![{0}]({1}.png)]({1}.svg)\n\n[SVG]({1}.svg) · [PDF]({1}.pdf) · {2}\n\n",
-                     markdown_text(title), base, sources);
+  const std::string alt = markdown_text(figure.alt.empty() ? title : figure.alt);
+  if (!scripted) return fmt::format("![{0}]({1}.svg)\n\n", alt, base);
+  return fmt::format("[![{0}]({1}.png)]({1}.svg)\n\n[SVG]({1}.svg) · [PDF]({1}.pdf) · {2}\n\n", alt, base,
+                     sources);
 }
 
 }  // namespace

@@ -79,6 +79,8 @@ Panel empty_plane(const PlaneFrame& frame, const PlaneAxes& axes) {
 }  // namespace
 
 PlaneFrame equal_frame(Range re, Range im, int columns, int least_height, int most_height) {
+  // A slide is wider than high.
+  if (figure_style() == FigureStyle::slide) most_height = std::max(least_height, most_height * 5 / 8);
   const double width = panel_width(columns), across = re.high - re.low, up = im.high - im.low;
   const int height =
       std::clamp(static_cast<int>(std::lround(width * up / across)), least_height, most_height);
@@ -173,6 +175,7 @@ Panel oscillation_panel(const std::vector<OscillationLimit>& limits) {
     }
     panel.curves.push_back(std::move(curve));
   }
+  if (limits.size() > 1) panel.notes = {"stable to the left of a curve"};
   return panel;
 }
 

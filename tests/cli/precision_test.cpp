@@ -40,6 +40,27 @@ TEST(PrecisionCommand, ShowsTheErrorOfTheEndOfStiffProblems) {
             std::string::npos);
 }
 
+TEST(PrecisionCommand, ShowsTheRootMeanSquareOverTime) {
+  const Shell shell;
+  const std::string command = "precision --problem liver_forced --methods rk4 --h 0.1 --t-end 20 --error l2";
+  EXPECT_NE(shell.hmax(command).out.find("root mean square over time"), std::string::npos);
+  const auto row = shell.hmax(command + " --json").json().at(0);
+  const double mean = row.at("error_l2").get<double>(), largest = row.at("error_global").get<double>();
+  EXPECT_GT(mean, 0);
+  EXPECT_LT(mean, 0.9 * largest);
+  EXPECT_GT(mean, 0.05 * largest);
+}
+
+TEST(PrecisionCommand, RefusesAFigureBeforeItMeasures) {
+  const Shell shell;
+  std::filesystem::create_directories(shell / "mine");
+  write_text(shell / "mine/precision.svg", "a drawing of my own");
+  const Told told = shell.hmax("precision --methods rk4 --h 0.1 --t-end 5 --store kept.sqlite --output mine");
+  EXPECT_EQ(told.exit_code, 2);
+  EXPECT_NE(told.err.find("--force"), std::string::npos) << told.err;
+  EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
+}
+
 TEST(PrecisionCommand, GivesUpRunsThatTakeTooLong) {
   const Told told = Shell().hmax("precision --problem hires --methods rk4 --h 1e-3 --budget 1e-6 --json");
   EXPECT_EQ(told.json().at(0).at("outcome"), "over_budget");

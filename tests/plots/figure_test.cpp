@@ -13,6 +13,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/own_files.hpp"
+#include "plots/alt_text.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/errors.hpp"
 
@@ -103,10 +105,81 @@ TEST_F(FigureTest, GnuplotDrawsThreePicturesTwiceTheSame) {
 TEST_F(FigureTest, TheScriptDrawsAgainInItsOwnFolder) {
   if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
   draw(small_figure(), folder, "steps");
-  const std::string before = contents(folder / "steps.svg");
+  // Behind the words for those who cannot see it, which gnuplot knows nothing of.
+  const auto drawn = [&] {
+    const std::string svg = contents(folder / "steps.svg");
+    return svg.substr(svg.find("</desc>"));
+  };
+  const std::string before = drawn(), png = contents(folder / "steps.png");
   fs::remove(folder / "steps.svg");
   EXPECT_EQ(run_gnuplot(folder, "steps.gp"), "");
-  EXPECT_EQ(contents(folder / "steps.svg"), before);
+  EXPECT_EQ(drawn(), before);
+  EXPECT_EQ(contents(folder / "steps.png"), png);
+}
+
+TEST_F(FigureTest, SaysInWordsWhatIsSeen) {
+  Figure figure = small_figure();
+  figure.title = "Error < step & more";
+  EXPECT_EQ(
+      alt_text(figure),
+      "Error < step & more. a panel: error [1] (logarithmic) over h [s] (logarithmic). Shown: rk2_heun, rk4.");
+  const FigureFiles files = draw(figure, folder, "steps");
+  EXPECT_EQ(files.alt, alt_text(figure));
+  if (!files.drawn()) GTEST_SKIP() << files.problem;
+  const std::string svg = contents(folder / "steps.svg");
+  EXPECT_NE(svg.find("<svg role=\"img\""), std::string::npos);
+  EXPECT_NE(svg.find("<title>Error &lt; step &amp; more</title>"), std::string::npos);
+  EXPECT_NE(svg.find("Shown: rk2_heun, rk4.</desc>"), std::string::npos);
+}
+
+TEST(AltText, CountsWhatItDoesNotName) {
+  Figure figure = small_figure();
+  figure.panels.resize(7, figure.panels[0]);
+  for (std::size_t i = 0; i < 7; ++i) figure.panels[i].title = "panel " + std::to_string(i);
+  const std::string text = alt_text(figure);
+  EXPECT_NE(text.find("panel 3"), std::string::npos) << text;
+  EXPECT_EQ(text.find("panel 4"), std::string::npos) << text;
+  EXPECT_NE(text.find("and 3 more"), std::string::npos) << text;
+}
+
+TEST_F(FigureTest, LongLabelsAreBrokenBeforeTheyMeet) {
+  Figure figure = small_figure();
+  figure.panels.resize(2, figure.panels[0]);
+  figure.columns = 2;
+  const std::string one_row = source_of(figure, "steps").script;
+  for (Panel& panel : figure.panels)
+    panel.x.label = "largest error of any displacement [m] or velocity [m/s], root mean square over time";
+  const std::string script = source_of(figure, "steps").script;
+  EXPECT_EQ(script.find("velocity [m/s], root mean square over time"), std::string::npos);
+  EXPECT_NE(script.find("over time'"), std::string::npos);
+  EXPECT_GT(script.find("svg size 900,"), 0U);
+  EXPECT_NE(script.substr(script.find("svg size"), 20), one_row.substr(one_row.find("svg size"), 20));
+}
+
+TEST_F(FigureTest, TextOfASlideIsLargerBesideTheFigure) {
+  Figure figure = small_figure();
+  figure.panels.resize(3, figure.panels[0]);
+  figure.columns = 3;
+  const std::string page = source_of(figure, "steps").script;
+  const double on_page = panel_width(3);
+  set_figure_style(FigureStyle::slide);
+  const std::string slide = source_of(figure, "steps").script;
+  const double on_slide = panel_width(3), in_two = panel_width(2);
+  set_figure_style(FigureStyle::page);
+  EXPECT_NE(page.find("terminal svg size 900,"), std::string::npos);
+  EXPECT_NE(slide.find("terminal svg size 600,"), std::string::npos);
+  EXPECT_NE(slide.find("pngcairo size 1800,"), std::string::npos);
+  EXPECT_GT(on_page, 200);
+  EXPECT_EQ(on_slide, in_two);  // never three panels in a row
+}
+
+TEST_F(FigureTest, RefusesFilesOfOthersBeforehand) {
+  allow_replacing(Replacing::own);
+  std::ofstream(folder / "steps.svg") << "a drawing of somebody else";
+  EXPECT_THROW(check_figure_files(folder, "steps"), InputError);
+  fs::remove(folder / "steps.svg");
+  EXPECT_NO_THROW(check_figure_files(folder, "steps"));
+  allow_replacing(Replacing::any);
 }
 
 TEST_F(FigureTest, ScriptsNameNoFolder) {

@@ -136,6 +136,8 @@ TEST(StabilityFigures, AChartEndsWhereStepsAreUnstable) {
   const Panel two = oscillation_panel({{"a", {0, 2}, {2, 1}}, {"b", {0, 2}, {infinity, infinity}}});
   EXPECT_TRUE(two.fills.empty());
   EXPECT_EQ(two.curves[1].label, "b: every ωh");
+  ASSERT_EQ(two.notes.size(), 1U);
+  EXPECT_NE(two.notes[0].find("left"), std::string::npos);  // of which side is stable
   // What never ends lies beyond the edge.
   EXPECT_GT(two.curves[1].x[0], two.x.range->high);
 }
