@@ -93,6 +93,10 @@ struct Growth {
 /// @param c  shape (degree + 1), overwritten
 bool roots_are_at_most_one(Complex* c, std::size_t degree);
 
+/// What is left of an infinitely fast mode counts as nothing below this: coefficients that are published to
+/// sixteen digits leave some 1e-11.
+inline constexpr double annihilated = 1e-9;
+
 /// Which steps are unstable.
 struct UnstableSteps {
   std::vector<Interval> intervals;  ///< [s], ascending, open

@@ -16,10 +16,6 @@ struct Lobe {
   double from = 0, to = 0;  ///< |z|
 };
 
-/// What is left of an infinitely fast mode counts as nothing below this: coefficients that are published to
-/// sixteen digits leave some 1e-11.
-inline constexpr double annihilated = 1e-9;
-
 /// Of y' = lambda y, z = h lambda; for methods that step positions and velocities, of an oscillation with the
 /// eigenvalues lambda and conj(lambda).
 struct StabilityLimits {

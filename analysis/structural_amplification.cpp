@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "analysis/limits.hpp"
-
 namespace hmax {
 
 namespace {

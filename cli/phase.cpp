@@ -11,6 +11,7 @@
 #include "bench/planar.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
+#include "plots/draw.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 

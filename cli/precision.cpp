@@ -16,6 +16,7 @@
 #include "cli/choices.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
+#include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"

@@ -12,6 +12,7 @@
 #include "bench/series.hpp"
 #include "bench/sweep.hpp"
 #include "plots/curves.hpp"
+#include "plots/draw.hpp"
 #include "plots/report.hpp"
 #include "plots/running_totals.hpp"
 #include "plots/steps.hpp"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "plots/figure.hpp"
+#include "plots/draw.hpp"
 #include "plots/report.hpp"
 #include "results/numbers.hpp"
 #include "results/table.hpp"

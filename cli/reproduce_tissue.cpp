@@ -16,6 +16,7 @@
 #include "cli/body_picture.hpp"
 #include "cli/reproduce_tissue_parts.hpp"
 #include "cli/static_comparison.hpp"
+#include "plots/draw.hpp"
 #include "plots/report.hpp"
 #include "problems/tissue/mesh_names.hpp"
 #include "problems/tissue/mesh_quality.hpp"

@@ -8,6 +8,7 @@
 #include "bench/particle_limits.hpp"
 #include "bench/trajectory_limit.hpp"
 #include "cli/reproduce_tissue_parts.hpp"
+#include "plots/draw.hpp"
 
 namespace hmax {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/catalogue.hpp"
-#include "cli/reproduce_tissue.hpp"
+#include "cli/tissue_study.hpp"
 #include "plots/report.hpp"
 
 namespace hmax {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/reproduce_tissue_parts.hpp"
+#include "plots/draw.hpp"
 
 namespace hmax {
 

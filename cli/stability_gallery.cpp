@@ -16,6 +16,7 @@
 #include "cli/stability.hpp"
 #include "cli/stability_parts.hpp"
 #include "cli/stability_pictures.hpp"
+#include "plots/draw.hpp"
 #include "plots/page.hpp"
 #include "plots/sliding.hpp"
 #include "problems/liver_materials.hpp"

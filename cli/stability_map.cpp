@@ -14,6 +14,7 @@
 #include "cli/outputs.hpp"
 #include "cli/stability.hpp"
 #include "plots/curves.hpp"
+#include "plots/draw.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

@@ -10,6 +10,7 @@
 #include "cli/stability.hpp"
 #include "cli/stability_parts.hpp"
 #include "cli/stability_pictures.hpp"
+#include "plots/draw.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 #include "results/table.hpp"

@@ -17,6 +17,7 @@
 #include "cli/outputs.hpp"
 #include "cli/static_comparison.hpp"
 #include "cli/tool_report.hpp"
+#include "plots/draw.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/table.hpp"

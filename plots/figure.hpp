@@ -1,8 +1,8 @@
-/// What a figure is made of, and the one function that draws it in the house style.
+/// What a figure is made of, in the house style.
 #pragma once
 
 #include <array>
-#include <filesystem>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +20,16 @@ struct Style {
   double size = 1;     ///< of the marker
   bool light = false;  ///< a tint of the colour, as areas have it
 };
+
+/// An element of a palette; indices wrap around.
+template <class Array>
+auto wrapped(const Array& values, int index) {
+  const int size = static_cast<int>(values.size());
+  return values[static_cast<std::size_t>(((index % size) + size) % size)];
+}
+
+/// The full colour of a style, or its tint, "#0072b2".
+const char* colour_of(const Style& style);
 
 /// A colour by its index, mixed with white, "#b8d6e8": shade 0 is white, 1 the full colour.
 std::string colour_name(int colour, double shade = 1);
@@ -111,36 +121,15 @@ enum class FigureStyle {
 void set_figure_style(FigureStyle style);
 FigureStyle figure_style();
 
+/// What a figure is laid out on, and what stands left and right of the plotting area of each panel [pixels].
+double figure_width();
+inline constexpr double left_margin = 74, right_margin = 20;
+
+/// The columns that a figure gets which asks for so many.
+int columns_of(int asked);
+
 /// The width of the plotting area of each of `columns` panels, in the pixels that panel_height counts; of
 /// a slide, that of the columns that it has.
 double panel_width(int columns);
-
-/// What `draw` left behind.
-struct FigureFiles {
-  std::filesystem::path base;  ///< directory / name without extension
-  std::vector<std::filesystem::path>
-      made;              ///< every file that exists now: .gp, .dat, and .svg, .png, .pdf when drawn
-  std::string problem;   ///< empty when drawn; otherwise one sentence with the remedy
-  std::string alt = {};  ///< what is seen, in words
-  bool drawn() const { return problem.empty(); }
-};
-
-/// Writes name.gp and name.dat into `directory` (made when missing) and lets gnuplot draw name.svg, name.png,
-/// name.pdf. `gnuplot name.gp` in that directory draws them again. The same figure gives the same bytes: no
-/// dates, no absolute paths.
-/// @param name  letters, digits, '_', '-'
-/// @throws InputError when the name has other characters, a figure has no panel, or a file cannot be written
-FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, const std::string& name);
-
-/// Throws what `draw` would throw now because files are there that it must not replace: for callers whose
-/// figure takes long to compute.
-/// @throws InputError
-void check_figure_files(const std::filesystem::path& directory, const std::string& name);
-
-/// The text of name.gp and of name.dat, what `draw` writes.
-struct FigureSource {
-  std::string script, data;
-};
-FigureSource source_of(const Figure& figure, const std::string& name);
 
 }  // namespace hmax

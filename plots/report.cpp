@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
+#include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/errors.hpp"
 #include "results/table.hpp"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "plots/figure.hpp"
+#include "plots/draw.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

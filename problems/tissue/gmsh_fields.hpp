@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_text.hpp"
+#include "problems/tissue/tet_mesh.hpp"
 
 namespace hmax {
+
+struct MeshFile;  // problems/tissue/mesh_file.hpp
 
 MeshFile read_gmsh(const std::string& name, std::string_view text);
 MeshFile read_gmsh_4(MeshText& text, bool binary, bool swapped);

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "problems/tissue/gmsh_fields.hpp"
+#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {

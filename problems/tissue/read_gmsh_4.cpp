@@ -2,6 +2,7 @@
 #include <map>
 
 #include "problems/tissue/gmsh_fields.hpp"
+#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {

@@ -1,6 +1,7 @@
 /// Medit .mesh [frey2001medit], which also GHS3D writes.
 #include <algorithm>
 
+#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {

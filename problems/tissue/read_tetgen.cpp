@@ -1,6 +1,7 @@
 /// TetGen's pair of .node and .ele [si2015tetgen]; both count from 0 or both from 1.
 #include <cmath>
 
+#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <map>
 
+#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "problems/tissue/mesh_file.hpp"
 #include "problems/tissue/mesh_readers.hpp"
 
 namespace hmax {

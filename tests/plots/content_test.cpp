@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "plots/curves.hpp"
+#include "plots/draw.hpp"
 #include "plots/report.hpp"
 #include "plots/running_totals.hpp"
 #include "plots/steps.hpp"

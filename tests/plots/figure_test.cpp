@@ -1,5 +1,3 @@
-#include "plots/figure.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +13,7 @@
 
 #include "core/own_files.hpp"
 #include "plots/alt_text.hpp"
+#include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/errors.hpp"
 

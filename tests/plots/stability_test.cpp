@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "plots/draw.hpp"
+
 namespace hmax {
 namespace {
 
