@@ -42,12 +42,6 @@ void check(const TissueSettings& settings, double step) {
   require_none(settings.tools.empty(), "tools");
   require_none(settings.forces.empty(), "pressing forces");
   for (const Support& support : settings.supports) require_none(support.travel.isZero(), "moving supports");
-  if (!is_same(settings, &TissueMaterial::poisson))
-    throw std::invalid_argument("SOFA's force fields take one Poisson ratio; give all regions the same nu");
-  if (!is_linear(settings) && !is_same(settings, &TissueMaterial::young))
-    throw std::invalid_argument(
-        "SOFA's hyperelastic force field takes one material; choose fem_corotational or fem_cauchy, or give all "
-        "regions the same E");
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
   for (const TissueMaterial& material : settings.materials) {
     require(positive(material.young), "Young's modulus", material.young, "give a positive one in Pa");
@@ -79,18 +73,18 @@ std::string young_moduli(const TissueBody& body) {
   return listed(young.reshaped());
 }
 
-std::string force_field(const TissueBody& body) {
-  const TissueSettings& settings = body.settings();
-  const auto& [young, poisson, density] = settings.materials[0];
+/// @param moduli  Young's modulus, or one of each tetrahedron; hyperelastic fields take that of the
+///                material instead
+std::string force_field(TissueModel model, const TissueMaterial& material, const std::string& moduli) {
+  const auto& [young, poisson, density] = material;
   const double mu = young / (2 * (1 + poisson));
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
-  const std::string linear = "<TetrahedronFEMForceField template=\"Vec3d\" youngModulus=\"" +
-                             young_moduli(body) + "\" poissonRatio=\"" + shortest_digits(poisson) +
-                             "\" method=\"";
+  const std::string linear = "<TetrahedronFEMForceField template=\"Vec3d\" youngModulus=\"" + moduli +
+                             "\" poissonRatio=\"" + shortest_digits(poisson) + "\" method=\"";
   const std::string hyperelastic =
       "<TetrahedronHyperelasticityFEMForceField template=\"Vec3d\" ParameterSet=\"" + shortest_digits(mu) +
       " ";
-  switch (settings.model) {
+  switch (model) {
     case TissueModel::fem_cauchy:
       return linear + "small\"/>";
     case TissueModel::fem_corotational:
@@ -100,6 +94,46 @@ std::string force_field(const TissueBody& body) {
     default:
       return hyperelastic + shortest_digits(lambda + 2 * mu / 3) + "\" materialName=\"NeoHookean\"/>";
   }
+}
+
+/// Whether one force field holds all materials: of E of each tetrahedron, or of one material.
+bool has_one_field(const TissueSettings& settings) {
+  return is_same(settings, &TissueMaterial::poisson) &&
+         (is_linear(settings) || is_same(settings, &TissueMaterial::young));
+}
+
+/// The tetrahedra of each region, as the file lists their corners.
+std::vector<std::vector<TetMesh::Index>> corners_of_regions(const TissueBody& body) {
+  const TetMesh& mesh = body.mesh();
+  Eigen::MatrixXd regions(1, mesh.tetrahedron_count());
+  for (Eigen::Index t = 0; t < regions.cols(); ++t) regions(0, t) = static_cast<double>(mesh.region(t));
+  if (body.origin()) regions = body.origin()->on_tetrahedra(regions);
+  const TetMesh& written = body.origin() ? body.origin()->file.mesh : mesh;
+  std::vector<std::vector<TetMesh::Index>> corners(body.settings().materials.size());
+  for (Eigen::Index t = 0; t < regions.cols(); ++t)
+    for (const TetMesh::Index corner : written.tetrahedra.col(t))
+      corners[static_cast<std::size_t>(regions(0, t))].push_back(corner);
+  return corners;
+}
+
+/// The force field of the body, or a child node of each region with a force field on its tetrahedra. A node
+/// without a MechanicalObject takes the one above it, so that all act on the same points.
+std::string force_fields(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  if (has_one_field(settings)) return force_field(settings.model, settings.materials[0], young_moduli(body));
+  const std::vector<std::vector<TetMesh::Index>> corners = corners_of_regions(body);
+  std::string nodes;
+  for (std::size_t region = 0; region < corners.size(); ++region) {
+    if (corners[region].empty()) continue;
+    const TissueMaterial& material = settings.materials[region];
+    nodes += (nodes.empty() ? "<Node name=\"region_" : "\n    <Node name=\"region_") +
+             std::to_string(region + 1) +
+             "\">\n      <TetrahedronSetTopologyContainer name=\"part\" position=\"@../mesh.position\" "
+             "tetrahedra=\"" +
+             listed(corners[region]) + "\"/>\n      " +
+             force_field(settings.model, material, shortest_digits(material.young)) + "\n    </Node>";
+  }
+  return nodes;
 }
 
 std::string mass(const TissueBody& body) {
@@ -152,9 +186,9 @@ std::string sofa_text(const TissueBody& body, double step) {
       "\" tetrahedra=\"" + listed(mesh.tetrahedra.reshaped()) + "\"/>");
   add("<TetrahedronSetGeometryAlgorithms template=\"Vec3d\"/>");
   add("<MechanicalObject template=\"Vec3d\" name=\"points\"/>");
-  add(force_field(body));
   add(mass(body));
   if (!fixed.empty()) add("<FixedProjectiveConstraint indices=\"" + listed(fixed) + "\"/>");
+  add(force_fields(body));
   return text + "  </Node>\n</Node>\n";
 }
 

@@ -221,8 +221,11 @@ TEST(Mesh, ASceneHasTheMaterialsAndSupportsOfItsRegions) {
   expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --support all"),
                  "no group or region 'all'");
   expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --set E:lung=1"), "no region lung");
-  expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --model fem_green --set E:tumour=9"),
-                 "hyperelastic force field takes one material");
+  EXPECT_EQ(shell.hmax("mesh convert two.msh nu.scn --unit m --set nu:tumour=0.3").exit_code, 0);
+  const std::string two_fields = read_text(shell / "nu.scn");
+  for (const char* part :
+       {"name=\"region_2\"", "poissonRatio=\"0.3\"", "poissonRatio=\"0.45\"", "tetrahedra=\"2 3 4 5\""})
+    EXPECT_NE(two_fields.find(part), std::string::npos) << part << two_fields;
 }
 
 TEST(Mesh, RefusesWhatIsNoMesh) {
