@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <cstddef>
 
 #include "integrators/tableau.hpp"
@@ -60,6 +59,24 @@ inline constexpr long double alpha = (9 - gamma) / 2;
 inline constexpr long double beta = detail::square_root(60 / gamma - alpha * alpha);
 
 namespace detail {
+/// A complex number for constants: std::complex<long double> of libstdc++ is not constexpr for clang.
+struct ComplexConstant {
+  long double re = 0, im = 0;
+
+  constexpr ComplexConstant(long double real, long double imaginary = 0) : re(real), im(imaginary) {}
+  friend constexpr ComplexConstant operator-(ComplexConstant a) { return {-a.re, -a.im}; }
+  friend constexpr ComplexConstant operator-(ComplexConstant a, ComplexConstant b) {
+    return {a.re - b.re, a.im - b.im};
+  }
+  friend constexpr ComplexConstant operator*(ComplexConstant a, ComplexConstant b) {
+    return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+  }
+  friend constexpr ComplexConstant operator/(ComplexConstant a, ComplexConstant b) {
+    const long double square = b.re * b.re + b.im * b.im;
+    return {(a.re * b.re + a.im * b.im) / square, (a.im * b.re - a.re * b.im) / square};
+  }
+};
+
 /// v = (v_1, v_2, 1) with A^-1 v = w v, from the first two rows of (I - w A) v = 0.
 template <class Number>
 constexpr std::array<Number, 2> eigenvector(Number w) {
@@ -71,8 +88,8 @@ constexpr std::array<Number, 2> eigenvector(Number w) {
 }
 constexpr Matrix3 eigenvectors() {
   const auto v = eigenvector<long double>(gamma);
-  const auto u = eigenvector<std::complex<long double>>({alpha, -beta});
-  return {{{v[0], u[0].real(), u[0].imag()}, {v[1], u[1].real(), u[1].imag()}, {1, 1, 0}}};
+  const auto u = eigenvector<ComplexConstant>({alpha, -beta});
+  return {{{v[0], u[0].re, u[0].im}, {v[1], u[1].re, u[1].im}, {1, 1, 0}}};
 }
 }  // namespace detail
 
