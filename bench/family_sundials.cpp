@@ -199,9 +199,12 @@ void add_sundials(std::vector<Method>& all) {
              {.package = Package::imex, .explicit_table = explicit_table, .implicit_table = implicit_table}));
   };
   // Their stability is that of the half that is declared stiff.
-  imex({"arkode_imex_ark324l2sa", 3, 3, 4, true, true}, ARKODE_ARK324L2SA_DIRK_4_2_3, ARKODE_ARK324L2SA_ERK_4_2_3);
-  imex({"arkode_imex_ark436l2sa", 4, 4, 6, true, true}, ARKODE_ARK436L2SA_DIRK_6_3_4, ARKODE_ARK436L2SA_ERK_6_3_4);
-  imex({"arkode_imex_ark548l2sa", 5, 5, 8, true, true}, ARKODE_ARK548L2SA_DIRK_8_4_5, ARKODE_ARK548L2SA_ERK_8_4_5);
+  imex({"arkode_imex_ark324l2sa", 3, 3, 4, true, true}, ARKODE_ARK324L2SA_DIRK_4_2_3,
+       ARKODE_ARK324L2SA_ERK_4_2_3);
+  imex({"arkode_imex_ark436l2sa", 4, 4, 6, true, true}, ARKODE_ARK436L2SA_DIRK_6_3_4,
+       ARKODE_ARK436L2SA_ERK_6_3_4);
+  imex({"arkode_imex_ark548l2sa", 5, 5, 8, true, true}, ARKODE_ARK548L2SA_DIRK_8_4_5,
+       ARKODE_ARK548L2SA_ERK_8_4_5);
 
   all.push_back(line({"arkode_mri", 3, 0, 3}, {.package = Package::mri}));
 }

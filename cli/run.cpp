@@ -390,11 +390,11 @@ BodyPicture picture_of(const RunOptions& options, const Problem& problem, const 
   const Eigen::VectorXd q = record.y.head(body.dofs());
   const BodyValue value = options.picture.value();
   BodyPicture picture{
-      .title = fmt::format("{}{} after {} s: {}{} mm at most", title_of(problem.id),
-                           problem.material.empty() ? "" : " of " + problem.material,
-                           short_number(record.t, 4),
-                           body.least_volume(record.t, q).first > 0 ? "" : "turned inside out, ",
-                           short_number(1000 * largest_displacement(q), 3)),
+      .title =
+          fmt::format("{}{} after {} s: {}{} mm at most", title_of(problem.id),
+                      problem.material.empty() ? "" : " of " + problem.material, short_number(record.t, 4),
+                      body.least_volume(record.t, q).first > 0 ? "" : "turned inside out, ",
+                      short_number(1000 * largest_displacement(q), 3)),
       .caption =
           fmt::format("{}; {}. {}, {}.", problem.note, describe(problem.parameters), method.id,
                       spec.adaptive ? fmt::format("rtol {}, atol {}", to_text(spec.rtol), to_text(spec.atol))
