@@ -117,7 +117,8 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
 
 ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
                         std::function<std::vector<std::complex<double>>(double h)> roots) {
-  return [=](double h, std::int64_t steps, const auto& show) {
+  return [run = std::move(run), rest = std::move(rest), roots = std::move(roots)](
+             double h, std::int64_t steps, const auto& show) {
     // The coefficients of the product, ascending in E.
     std::vector<std::complex<double>> c{1};
     for (const std::complex<double> root : roots(h)) {

@@ -55,7 +55,7 @@ std::vector<Eigen::VectorXd> path(const Method& method, const Problem& problem, 
 double of_recurrence(const Method& method) {
   const std::vector<ComplexPolynomial>& p = method.amplification->in_z->coefficients();
   // The first steps are those of another method.
-  const auto first = static_cast<std::size_t>(method.order + 1);
+  const auto first = static_cast<std::size_t>(method.order) + 1;
   double worst = 0;
   for (const Complex z : samples) {
     const Complex smaller = 0.2 * z;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/mesh_choice.hpp"
@@ -43,7 +44,7 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
 /// Runs a subcommand; what lower floors refuse is bad input.
 template <class Run>
 auto with_sentences(Run run, std::shared_ptr<MeshCommand> options, Console& console) {
-  return [run, options, &console] {
+  return [run = std::move(run), options = std::move(options), &console] {
     try {
       run(*options, console);
     } catch (const std::invalid_argument& error) {

@@ -297,17 +297,15 @@ void add_phase(CLI::App& app, Console& console) {
       app, console, "phase",
       "Show what a problem of two states does: where it rests, and what a method makes of it",
       {"hmax phase --problem liver_cubic --set c=-0.2",
-       "hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 --output "
-       "results/runs/phase",
-       "hmax phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 "
-       "--output results/runs/phase",
+       ("hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 "
+        "--output results/runs/phase"),
+       ("hmax phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 "
+        "--output results/runs/phase"),
        "hmax phase --problem liver_cubic --set k1=-1 --set c=0.2 --basins --cells 60 --window -3,3,-3,3",
-       "hmax phase --problem liver_forced --poincare --set c=0.05 --set P=7.5 --set k1=0 --set "
-       "k3=1 --set m=1 "
-       "--set w=1 --periods 500",
-       "hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 60 --set "
-       "c=0.05 --set k1=0 "
-       "--set k3=1 --set m=1 --set w=1 --output results/runs/phase",
+       ("hmax phase --problem liver_forced --poincare --set c=0.05 --set P=7.5 --set k1=0 --set k3=1 --set m=1 "
+        "--set w=1 --periods 500"),
+       ("hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 60 --set c=0.05 --set k1=0 "
+        "--set k3=1 --set m=1 --set w=1 --output results/runs/phase"),
        "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
   options->problem.add_to(command);

@@ -119,9 +119,9 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
           observer(view);
           if (view.stop()) {
             State stopped = now;
-            view.at(*view.stop(), stopped);
+            view.at(*view.stop(), stopped);  // NOLINT(bugprone-unchecked-optional-access): asked above
             now = stopped;
-            t = *view.stop();
+            t = *view.stop();  // NOLINT(bugprone-unchecked-optional-access): asked above
             return finish(Outcome::stopped, t);
           }
         }

@@ -307,8 +307,9 @@ class Page {
   std::string view(std::size_t index) {
     const BodyView simple = drawn(picture_.views[index]);
     const auto columns = static_cast<std::size_t>(columns_);
-    const double left = margin + share_ * static_cast<double>(index % columns);
-    double y = top_ + row_ * static_cast<double>(index / columns);
+    const std::size_t row = index / columns, column = index % columns;
+    const double left = margin + share_ * static_cast<double>(column);
+    double y = top_ + row_ * static_cast<double>(row);
     const Box& box = boxes_[index];
     std::string svg;
     if (titled_) svg += svg_text(left, y + 16, simple.title, "font-size=\"14\"");

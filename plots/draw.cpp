@@ -458,8 +458,9 @@ void Writer::panel(const Panel& panel, std::size_t index) {
 void Writer::key() {
   for (std::size_t i = 0; i < key_.size(); ++i) {
     const Entry& entry = key_[i];
-    const double x = left_margin - 30 + key_width_ * static_cast<double>(i / key_rows_);
-    const double y = key_top_ + key_row * (static_cast<double>(i % key_rows_) + 0.5);
+    const std::size_t column = i / key_rows_, row = i % key_rows_;
+    const double x = left_margin - 30 + key_width_ * static_cast<double>(column);
+    const double y = key_top_ + key_row * (static_cast<double>(row) + 0.5);
     // The svg terminal joins neighbours of one colour and width into one path, with the dash of the first.
     Style style = entry.style;
     style.width += i % 2 == 0 ? 0 : 0.01;

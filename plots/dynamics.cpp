@@ -1,6 +1,7 @@
 #include "plots/dynamics.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace hmax {
 
@@ -46,12 +47,12 @@ std::vector<Area> basin_areas(const BasinMap& map, const std::vector<std::string
     areas.push_back({.label = labels[k], .colour = static_cast<int>(k % grey)});
   areas.push_back({.label = none, .colour = grey});
   const double w = (map.x.high - map.x.low) / map.columns, h = (map.v.high - map.v.low) / map.rows;
-  for (int row = 0; row < map.rows; ++row)
+  for (int row = 0; row < map.rows; ++row) {
+    const int* const at = map.attractor.data() + std::ptrdiff_t{row} * map.columns;
     for (int column = 0; column < map.columns;) {
-      const auto at = [&](int i) { return map.attractor[static_cast<std::size_t>(row * map.columns + i)]; };
       int end = column + 1;
-      while (end < map.columns && at(end) == at(column)) ++end;
-      Area& area = at(column) < 0 ? areas.back() : areas[static_cast<std::size_t>(at(column))];
+      while (end < map.columns && at[end] == at[column]) ++end;
+      Area& area = at[column] < 0 ? areas.back() : areas[static_cast<std::size_t>(at[column])];
       area.x.push_back(map.x.low + w * (column + end) / 2);
       area.y.push_back(map.v.low + h * (row + 0.5));
       area.w.push_back(w * (end - column));
@@ -59,6 +60,7 @@ std::vector<Area> basin_areas(const BasinMap& map, const std::vector<std::string
       area.h.push_back(1.04 * h);
       column = end;
     }
+  }
   std::erase_if(areas, [](const Area& area) { return area.x.empty(); });
   return areas;
 }

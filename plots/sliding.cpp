@@ -28,8 +28,8 @@ struct View {
   double left, top, width, height;
   Range re, im;
 
-  View(double left_, double top_, double width_, double height_, Range re_, Range im_)
-      : left(left_), top(top_), width(width_), height(height_), re(re_), im(im_) {
+  View(double from_left, double from_top, double wide, double high, Range real, Range imaginary)
+      : left(from_left), top(from_top), width(wide), height(high), re(real), im(imaginary) {
     const double unit = std::max((re.high - re.low) / width, (im.high - im.low) / height);
     const double middle_re = (re.low + re.high) / 2, middle_im = (im.low + im.high) / 2;
     re = {middle_re - unit * width / 2, middle_re + unit * width / 2};

@@ -52,8 +52,8 @@ class PlainGreen {
       const Matrix3d S = 2 * lame_.mu * E + lame_.lambda * E.trace() * Matrix3d::Identity();
       const Matrix3d H = -e.volume * F * S * e.Bm.transpose();
       for (std::size_t a = 1; a < 4; ++a)
-        Eigen::Map<Vector3d>(f + 3 * e.points[a]) += H.col(static_cast<Eigen::Index>(a) - 1);
-      Eigen::Map<Vector3d>(f + 3 * e.points[0]) -= H.col(0) + H.col(1) + H.col(2);
+        Eigen::Map<Vector3d>(f + 3L * e.points[a]) += H.col(static_cast<Eigen::Index>(a) - 1);
+      Eigen::Map<Vector3d>(f + 3L * e.points[0]) -= H.col(0) + H.col(1) + H.col(2);
     }
   }
 
@@ -96,10 +96,10 @@ class PlainGreen {
     double volume;
   };
   static Matrix3d deformation(const double* x, const Element& e) {
-    const Vector3d origin = Map(x + 3 * e.points[0]);
+    const Vector3d origin = Map(x + 3L * e.points[0]);
     Matrix3d Ds;
-    Ds << Map(x + 3 * e.points[1]) - origin, Map(x + 3 * e.points[2]) - origin,
-        Map(x + 3 * e.points[3]) - origin;
+    Ds << Map(x + 3L * e.points[1]) - origin, Map(x + 3L * e.points[2]) - origin,
+        Map(x + 3L * e.points[3]) - origin;
     return Ds * e.Bm;
   }
   Lame lame_;
@@ -117,10 +117,10 @@ struct PlainSprings {
 
   void force(const double* x, double* f) const {
     for (const Spring& s : springs) {
-      const Vector3d d = Map(x + 3 * s.b) - Map(x + 3 * s.a);
+      const Vector3d d = Map(x + 3L * s.b) - Map(x + 3L * s.a);
       const Vector3d pull = s.stiffness * (1 - s.length / d.norm()) * d;
-      Eigen::Map<Vector3d>(f + 3 * s.a) += pull;
-      Eigen::Map<Vector3d>(f + 3 * s.b) -= pull;
+      Eigen::Map<Vector3d>(f + 3L * s.a) += pull;
+      Eigen::Map<Vector3d>(f + 3L * s.b) -= pull;
     }
   }
 };
@@ -129,7 +129,7 @@ struct PlainSprings {
 TetMesh mesh_of(int tetrahedra, bool shuffled) {
   static const std::map<int, Eigen::Vector3i> cells{
       {1152, {8, 6, 4}}, {10368, {12, 12, 12}}, {101400, {26, 26, 25}}, {998250, {55, 55, 55}}};
-  const Eigen::Vector3i n = cells.at(tetrahedra);
+  const Eigen::Vector3i& n = cells.at(tetrahedra);
   TetMesh mesh = box_mesh(0.2 / n[0] * n.cast<double>(), n);
   std::mt19937_64 random(7);
   Renumbering order;

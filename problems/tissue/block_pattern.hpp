@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -49,7 +50,8 @@ class BlockPattern {
   template <class Block>
   void add(double* values, Index slot, Index j, const Block& block) const {
     if (slot < 0) return;
-    for (int c = 0; c < 3; ++c) Eigen::Map<Eigen::Vector3d>(values + slot + c * stride(j)) += block.col(c);
+    for (int c = 0; c < 3; ++c)
+      Eigen::Map<Eigen::Vector3d>(values + slot + std::ptrdiff_t{c} * stride(j)) += block.col(c);
   }
 
   /// The number of the block of a pair i != j among those below the diagonal, column by column; -1 when a
