@@ -89,7 +89,7 @@ bool is_unconditionally_stable(const Amplification& amplification) {
 }
 
 bool annihilates_fast_modes(const Amplification& amplification) {
-  return amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial->radius_at_infinity() <
+  return amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial.value().radius_at_infinity() <
          annihilated;
 }
 
