@@ -177,9 +177,9 @@ class Iteration {
     return walk(searches, has_energy);
   }
 
-  /// Leaves a balance that is a saddle of the energy, along the direction in which K is most negative.
+  /// Leaves an equilibrium that is a saddle of the energy, along the direction in which K is most negative.
   /// @param knows  the last K that Newton's method has seen tells, which costs nothing
-  /// @returns false where the balance is stable, or nothing is known of it
+  /// @returns false where the equilibrium is stable, or nothing is known of it
   bool leave_saddle(bool knows) {
     if (!settings_.leave_saddles || !settings_.line_search || !model_.energy ||
         settings_.method == StaticMethod::linear)

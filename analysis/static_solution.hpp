@@ -31,8 +31,8 @@ struct StaticModel {
   std::function<double(const Eigen::VectorXd& q)> energy{};
   /// |F| that is rounding: no iteration can be asked for less [N].
   double rounding = 0;
-  /// Whether line searches may go there: an element turned inside out has balances of its own, which no body
-  /// comes to. Empty: everywhere.
+  /// Whether line searches may go there: an element turned inside out has equilibria of its own, which no
+  /// body comes to. Empty: everywhere.
   std::function<bool(const Eigen::VectorXd& q)> admissible{};
 };
 
@@ -71,10 +71,10 @@ struct StaticSettings {
   int iterations = 1000;
   std::optional<int> load_steps{};  ///< equal ones; none: one, and for bodies as many as it takes
   /// Halves a step until the energy or the residual falls. With an energy, where K is not positive definite,
-  /// as in a body that buckles, steps with K + tau I, downhill, and leaves a balance that is not stable
+  /// as in a body that buckles, steps with K + tau I, downhill, and leaves an equilibrium that is not stable
   /// [nocedal2006numerical, sections 3.1 and 3.4].
   bool line_search = true;
-  /// Else line searches end in a saddle too, as the straight balance of a column that buckles is one.
+  /// Else line searches end in a saddle too, as the straight equilibrium of a column that buckles is one.
   bool leave_saddles = true;
   /// Of sor and conjugate gradients, relative to the right-hand side. None: in Newton's method as loose as
   /// its convergence allows [eisenstat1996choosing], else 1e-4.

@@ -18,7 +18,7 @@ double equilibrium_time(const TissueBody& body) { return std::isfinite(body.sett
 
 namespace {
 
-/// The balance of forces as they are at t, of the displacements q beyond `from`, shape (dofs).
+/// The equilibrium of forces as they are at t, of the displacements q beyond `from`, shape (dofs).
 StaticModel model_from(const Problem& problem, double load_scale, double t, const Eigen::VectorXd& from) {
   const auto body = problem.body;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
@@ -31,7 +31,7 @@ StaticModel model_from(const Problem& problem, double load_scale, double t, cons
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * K0.diagonal().cwiseAbs().maxCoeff() *
                           body->mesh().points.cwiseAbs().maxCoeff() *
                           std::sqrt(static_cast<double>(body->dofs()));
-  // Small strains know no volume, and have one balance.
+  // Small strains know no volume, and have one equilibrium.
   const bool may_invert = body->settings().model != TissueModel::fem_cauchy;
   return {
       .dofs = body->dofs(),
@@ -71,9 +71,10 @@ void prepend(const StaticSolution& before, StaticSolution& solution) {
 /// near to that of TimeProfile; strides near the ends are a little shorter than in the middle.
 double time_of(double share) { return 0.5 - std::sin(std::asin(1 - 2 * share) / 3); }
 
-/// The balance at the end of ramps, followed along them: a tool that stood at the end of its path at once
-/// would press on the wrong side of the surface. A stride that finds no balance is halved.
-StaticSolution followed_balance(const Problem& problem, const StaticSettings& settings, const Clock& clock) {
+/// The equilibrium at the end of ramps, followed along them: a tool that stood at the end of its path at once
+/// would press on the wrong side of the surface. A stride that finds no equilibrium is halved.
+StaticSolution followed_equilibrium(const Problem& problem, const StaticSettings& settings,
+                                    const Clock& clock) {
   constexpr int usual_stages = 20, most_halvings = 4, most_on_the_way = 40;
   const int stages = settings.load_steps.value_or(usual_stages);
   const double t_end = equilibrium_time(*problem.body);
@@ -105,7 +106,7 @@ StaticSolution followed_balance(const Problem& problem, const StaticSettings& se
     std::ranges::for_each(next.history, number);
     prepend(solution, next);
     solution = std::move(next);
-    // Before the end what is nearly a balance leads on as well.
+    // Before the end what is nearly an equilibrium leads on as well.
     const bool good =
         solution.converged || (!last && !solution.barred && solution.history.back().residual < 1e-2);
     if (!good && halvings < most_halvings) {
@@ -127,9 +128,9 @@ StaticModel static_model(const Problem& problem, double load_scale) {
                     Eigen::VectorXd::Zero(problem.body->dofs()));
 }
 
-StaticSolution found_balance(const Problem& problem, double load_scale, const StaticSettings& settings,
-                             const Clock& clock) {
-  if (equilibrium_time(*problem.body) > 0) return followed_balance(problem, settings, clock);
+StaticSolution found_equilibrium(const Problem& problem, double load_scale, const StaticSettings& settings,
+                                 const Clock& clock) {
+  if (equilibrium_time(*problem.body) > 0) return followed_equilibrium(problem, settings, clock);
   const StaticModel model = static_model(problem, load_scale);
   StaticSolution at_once = solve_static(model, settings, clock);
   if (!at_once.barred || settings.load_steps) return at_once;

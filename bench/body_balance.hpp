@@ -1,4 +1,4 @@
-/// Bodies on meshes in balance: the forces to be solved for, and what to say of a body that finds none.
+/// Bodies on meshes in equilibrium: the forces to be solved for, and what to say of a body that finds none.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,15 @@ namespace hmax {
 /// never settles.
 double equilibrium_time(const TissueBody& body);
 
-/// The balance of forces of a body under a multiple of its load as it is at equilibrium_time().
+/// The equilibrium of forces of a body under a multiple of its load as it is at equilibrium_time().
 StaticModel static_model(const Problem& problem, double load_scale);
 
-/// The balance under a multiple of the whole load. The load acts at once or, where that leads to elements
+/// The equilibrium under a multiple of the whole load. The load acts at once or, where that leads to elements
 /// turned inside out, in ten steps; the history then holds both. A load that moves, as a tool does, is
 /// followed along its ramp in 20 steps or as many as `settings` says.
 /// @param load_scale  1 for a load that moves
-StaticSolution found_balance(const Problem& problem, double load_scale, const StaticSettings& settings,
-                             const Clock& clock);
+StaticSolution found_equilibrium(const Problem& problem, double load_scale, const StaticSettings& settings,
+                                 const Clock& clock);
 
 /// "converged", "not_converged", "collapsed" where the search ended at elements about to turn inside out, or
 /// "inverted" where some are.

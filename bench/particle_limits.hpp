@@ -33,9 +33,9 @@ std::vector<double> stable_step_rates(std::span<const Method> methods, const Par
 /// part in a thousand: looked for between `softest` and `stiffest`, one of which it is when all or none are.
 double stiffest_stable(const Method& method, ParticleBody body, double rate, double softest, double stiffest);
 
-/// The heaviest particle [kg] with which the body still has a balance, hanging in its weight, without an
+/// The heaviest particle [kg] with which the body still has an equilibrium, hanging in its weight, without an
 /// element turned inside out, to one part in a hundred. Springs are linear in their length, so that the
-/// balance depends on mass over E alone.
+/// equilibrium depends on mass over E alone.
 double heaviest_hanging(ParticleBody body);
 
 }  // namespace hmax

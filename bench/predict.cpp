@@ -201,8 +201,8 @@ void look_at_contact(Linearised& near, const Problem& problem) {
         "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
 }
 
-/// Under a load the balance of a body is found with its stiffness, half as many unknowns.
-EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatcher& watcher) {
+/// Under a load the equilibrium of a body is found with its stiffness, half as many unknowns.
+EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumWatcher& watcher) {
   const TissueBody& body = *problem.body;
   EquilibriumSearch search;
   search.outcome = EquilibriumOutcome::found;
@@ -214,7 +214,7 @@ EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatch
   StaticSettings settings{.tolerance = 1e-12};
   if (body.dofs() > most_cheaply_factored) settings.inner = InnerSolver::conjugate_gradients;
   if (watcher) settings.seen = [&](const StaticIterate& iterate) { watcher(iterate.residual); };
-  StaticSolution solution = found_balance(problem, 1, settings, [] { return 0.0; });
+  StaticSolution solution = found_equilibrium(problem, 1, settings, [] { return 0.0; });
   // One that is not stable still tells that the body buckles.
   settings.leave_saddles = false;
   if (!solution.converged && body.is_autonomous())
@@ -224,7 +224,7 @@ EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatch
   if (!solution.converged) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
     search.message =
-        fmt::format("no balance was found: {}; a smaller load or a stiffer material may have one",
+        fmt::format("no equilibrium was found: {}; a smaller load or a stiffer material may have one",
                     cause_of(problem, solution));
     return search;
   }
@@ -233,7 +233,7 @@ EquilibriumSearch balance_of_body(const Problem& problem, const EquilibriumWatch
 }
 
 EquilibriumSearch equilibrium_of(const Problem& problem, const EquilibriumWatcher& watcher) {
-  if (problem.body) return balance_of_body(problem, watcher);
+  if (problem.body) return equilibrium_of_body(problem, watcher);
   return std::visit(
       [&]<class Sys>(const Sys& system) {
         return find_equilibrium(system, 0, typename Sys::State(problem.y0));
@@ -297,7 +297,7 @@ void is_of_growing_model(Prediction& row, const Mode& mode, const Problem& probl
   const Complex lambda = mode.lambda;
   if (problem.body && near.at_equilibrium && lambda.imag() == 0)
     row.note = fmt::format(
-        "the body buckles: its stiffness in this balance has a negative eigenvalue, and it leaves the balance as "
+        "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
         "exp({:.4g} t) whatever the step; take less load, `--along load` shows up to which share it does not",
         lambda.real());
   else

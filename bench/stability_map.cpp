@@ -99,7 +99,7 @@ std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, con
     for (const double value : x.values) {
       const Problem problem = problem_at(value, y.values[row]);
       const Linearised near = linearised(problem);
-      // Without a balance the limit would be that of another state than at the other points.
+      // Without an equilibrium the limit would be that of another state than at the other points.
       const bool lost = problem.body && !near.at_equilibrium;
       for (std::size_t i = 0; i < methods.size(); ++i) {
         const Prediction prediction = lost ? Prediction{} : predict(methods[i], problem, near);

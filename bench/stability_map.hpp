@@ -27,7 +27,7 @@ struct StabilityMap {
   std::string method;
   MapAxis x, y;
   /// [s], h_max[row * x.values.size() + column], rows along y. Infinity where every step is stable, 0 where
-  /// none is, NaN where the model itself grows, a body has no balance, or the analysis does not cover it.
+  /// none is, NaN where the model itself grows, a body has no equilibrium, or the analysis does not cover it.
   std::vector<double> h_max;
   std::string note;  ///< why there are NaN, from the first of them
 

@@ -122,15 +122,16 @@ Path load_path(const Problem& problem, int points, const Watcher& watcher) {
     const double share = static_cast<double>(i) / points;
     Eigen::VectorXd y = problem.y0;
     if (i > 0) {
-      const StaticSolution balance = solve_static(
+      const StaticSolution equilibrium = solve_static(
           static_model(problem, share),
           {.load_steps = 1 + static_cast<int>(4 * share), .leave_saddles = false}, [] { return 0.0; });
-      if (!balance.converged) {
-        path.note = fmt::format("no balance was found under more than {} of the load: under {} of it {}",
-                                four_digits(path.at.back()), four_digits(share), cause_of(problem, balance));
+      if (!equilibrium.converged) {
+        path.note =
+            fmt::format("no equilibrium was found under more than {} of the load: under {} of it {}",
+                        four_digits(path.at.back()), four_digits(share), cause_of(problem, equilibrium));
         break;
       }
-      y.head(balance.q.size()) = balance.q;
+      y.head(equilibrium.q.size()) = equilibrium.q;
     }
     path.at.push_back(share);
     path.y.push_back(std::move(y));

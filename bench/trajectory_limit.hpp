@@ -28,8 +28,8 @@ struct Path {
 /// most_observed_steps attempts
 Path motion_path(const Problem& problem, double t_end, int points = 400, const Watcher& watcher = {});
 
-/// The balances of a body under shares of its load from 0 to 1 in `points` equal strides, as far as there are
-/// any.
+/// The equilibria of a body under shares of its load from 0 to 1 in `points` equal strides, as far as there
+/// are any.
 /// @throws InputError  for what is no body, and for loads that change with time
 Path load_path(const Problem& problem, int points = 40, const Watcher& watcher = {});
 

@@ -326,7 +326,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     row.note =
         near.status.empty()
             ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
-            : "not verified: no balance was found, so that the body moves away from this state; a smaller "
+            : "not verified: no equilibrium was found, so that the body moves away from this state; a smaller "
               "load, like --set g=0, can be verified";
     return;
   }

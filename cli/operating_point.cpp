@@ -44,7 +44,7 @@ void announce_equilibrium(Console& console, const Problem& problem, OperatingPoi
     return;
   // Measured on balls in their weight of 29,000 to 275,000 degrees of freedom, within a factor of 2: Newton's
   // steps by conjugate gradients, and up to most_judged_by_factor a factor of K that tells whether the
-  // balance is stable.
+  // equilibrium is stable.
   const auto dofs = static_cast<double>(problem.body->dofs());
   const double factored = dofs <= most_judged_by_factor ? dofs : 0;
   const double seconds = 7.5e-5 * dofs * std::cbrt(dofs / 1e5) + 2.8e-9 * factored * factored;

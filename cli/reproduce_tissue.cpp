@@ -50,7 +50,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double pressing = 0.5;          // on springs and elements [N]
-constexpr double pressing_solvers = 0.2;  // where every solver finds the balance [N]
+constexpr double pressing_solvers = 0.2;  // where every solver finds the equilibrium [N]
 constexpr std::array<std::string_view, 2> meshes{"phantom", "liver"};
 
 FigureFiles picture(const BodyPicture& picture, const fs::path& folder, const std::string& name) {
@@ -60,7 +60,7 @@ FigureFiles picture(const BodyPicture& picture, const fs::path& folder, const st
 
 std::string millimetres(double metres) { return fmt::format("{:.3g} mm", 1000 * metres); }
 
-StaticSolution balance(const Problem& problem, double share = 1, int load_steps = 4) {
+StaticSolution equilibrium(const Problem& problem, double share = 1, int load_steps = 4) {
   return solve_static(static_model(problem, share), {.load_steps = load_steps}, thread_cpu_seconds);
 }
 
@@ -94,7 +94,7 @@ ReportSection deflections(const fs::path& folder, TissueStudy& study) {
   int k = 0;
   for (const std::string_view model : {"mass_spring", "fem_green"}) {
     const Problem problem = study_tissue(model, "liver", "press", {{"force", pressing}});
-    const StaticSolution solution = balance(problem);
+    const StaticSolution solution = equilibrium(problem);
     *found[k++] = largest_displacement(solution.q);
     BodyView view = body_view(*problem.body, 0, solution.q, BodyValue::displacement);
     view.title = model == "mass_spring" ? "Mass-spring" : "Finite elements, Green's strain";
@@ -130,7 +130,7 @@ ReportSection load_paths(const fs::path& folder, const std::string& machine) {
       constexpr int points = 10;
       for (int i = 1; i <= points; ++i) {
         const double share = double(i) / points;
-        const StaticSolution solution = balance(problem, share, 1 + i / 2);
+        const StaticSolution solution = equilibrium(problem, share, 1 + i / 2);
         if (!solution.converged) break;
         curve.x.push_back(1000 * largest_displacement(solution.q));
         curve.y.push_back(most * share);
@@ -143,7 +143,7 @@ ReportSection load_paths(const fs::path& folder, const std::string& machine) {
       .title = "Force against displacement",
       .text =
           "Small strain is a straight line; Green's strain stiffens when pulled and softens when pressed. A "
-          "curve ends where no balance was found.",
+          "curve ends where no equilibrium was found.",
       .figures = {draw(figure, folder, "load_paths")}};
 }
 

@@ -171,7 +171,7 @@ ReportSection particle_limits(const fs::path& folder, const TissueOptions& optio
           "since it takes them explicitly.\n"
           "- \"Not stable\" for a large mass can then mean two things. A step of explicit Euler that is too long "
           "for its dampers stays so however heavy the particles are. And weight: beyond {:.2g} g a particle the "
-          "body that hangs in it has no balance without an element turned inside out (grey), which no step "
+          "body that hangs in it has no equilibrium without an element turned inside out (grey), which no step "
           "mends.",
           bare.mesh, study_young / 1000, mean_spring_stiffness(bare), printed_rate, table, printed_rate,
           1000 * printed_mass, stiffest_in_words(of("none", "rk4").stiffest),
@@ -225,7 +225,7 @@ ReportSection path_limits(const fs::path& folder, const TissueOptions& options, 
   for (const std::string_view load : {"gravity", "press"}) {
     const std::string words =
         load == "gravity" ? "hanging in its weight" : fmt::format("pressed with {:g} N", path_force);
-    Panel share{.title = words + ", in balance",
+    Panel share{.title = words + ", in equilibrium",
                 .x = {.label = "share of the load [1]"},
                 .y = {.label = "h_max beside that at rest [1]"}};
     Panel motion{.title = words + ", all at once",
@@ -268,7 +268,7 @@ ReportSection path_limits(const fs::path& folder, const TissueOptions& options, 
       .text =
           about +
           fmt::format(
-              " h_max is that of the tangent at each state, K(q) on the balances while the load grows, and on "
+              " h_max is that of the tangent at each state, K(q) on the equilibria while the load grows, and on "
               "the motion of the body when the load comes at once. Where a curve is interrupted the tangent "
               "has a negative stiffness: the body buckles, and what grows is the model. The fastest mode "
               "sits in a few small elements, so a load far from them hardly moves the limit.\n\n{}",

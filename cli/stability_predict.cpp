@@ -216,7 +216,7 @@ std::string words_of_growth(const TrajectoryLimit& along, bool of_load) {
   const double at = along.t[static_cast<std::size_t>(first - along.h_max.begin())];
   return of_load
              ? fmt::format(
-                   "the body buckles from {} of the load on: the stiffness of its balance has a negative eigenvalue "
+                   "the body buckles from {} of the load on: the stiffness of its equilibrium has a negative eigenvalue "
                    "there; take less load, or look where it goes with `--along motion`",
                    short_number(at, 4))
              : fmt::format(

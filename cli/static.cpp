@@ -88,7 +88,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
       bounded ? ""
       : lost != 0
           ? fmt::format(
-                "from {} of the load on no balance was found to hold the frames against; take a smaller "
+                "from {} of the load on no equilibrium was found to hold the frames against; take a smaller "
                 "load, or look at it with `hmax static` alone",
                 short_number(lost, 3))
           : "the frames diverged; take more frames or more iterations a frame";
@@ -100,7 +100,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                       {"residual", row.residual},
                       {"error", std::isnan(row.error) ? Json() : Json(row.error)},
                       {"seconds", row.seconds}});
-      if (std::isnan(row.error)) list.back()["status"] = "no balance was found to hold the frame against";
+      if (std::isnan(row.error)) list.back()["status"] = "no equilibrium was found to hold the frame against";
     }
     return console.print_json({{"problem", problem.id},
                                {"outcome", bounded ? "converged" : "not_converged"},
@@ -124,7 +124,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   if (!bounded) console.print(status + "\n");
 }
 
-/// Every solver on the same balance: a table, and the figure of their residuals.
+/// Every solver on the same equilibrium: a table, and the figure of their residuals.
 void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
                       StaticSettings settings, Console& console) {
   check_figure_files(options.compare, "residuals");
@@ -176,15 +176,16 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
     console.remark(figure.problem);
 }
 
-/// The body in balance.
+/// The body in equilibrium.
 BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
                        const StaticSolution& solution, const std::string& outcome) {
   const BodyValue value = options.picture.value();
-  const char* no_balance = outcome == "inverted" ? "no balance, turned inside out, " : "no balance, ";
+  const char* no_equilibrium =
+      outcome == "inverted" ? "no equilibrium, turned inside out, " : "no equilibrium, ";
   BodyPicture picture{
       .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
                            problem.material.empty() ? "" : " of " + problem.material,
-                           outcome == "converged" ? "" : no_balance,
+                           outcome == "converged" ? "" : no_equilibrium,
                            short_number(1000 * largest_displacement(solution.q), 3)),
       .caption =
           fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
@@ -222,7 +223,7 @@ void refuse_ignored(const StaticOptions& options) {
   if (frames)
     refuse(
         {{"--output", !options.output.empty(),
-          "writes the residuals of one balance; leave it out, or --pseudo-dynamic and --frames"},
+          "writes the residuals of one equilibrium; leave it out, or --pseudo-dynamic and --frames"},
          {"--load-steps", !options.load_steps.empty(), "has no say in frames, each is a step; give --frames"},
          {"--iterations", !options.iterations.empty(), "has no say in frames; give --pseudo-dynamic NUMBER"},
          {"--no-line-search", options.no_line_search, "is what frames do in any case; leave it out"}});
@@ -248,7 +249,7 @@ void solve(const StaticOptions& options, Console& console) {
   Problem problem = options.problem.make();
   if (!problem.body)
     throw InputError(fmt::format(
-        "{} is no body on a mesh, so there is nothing to find in balance; name one with --mesh", problem.id));
+        "{} is no body on a mesh, and hmax static is for those; name one with --mesh", problem.id));
   const double t = equilibrium_time(*problem.body);
   if (problem.body->settled() != t)
     throw InputError("this load changes with time; take gravity, press, pull or tool");
@@ -273,7 +274,7 @@ void solve(const StaticOptions& options, Console& console) {
   remark_unusual(console, problem);
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
   if ((frames || !options.compare.empty()) && options.picture.wanted())
-    throw InputError("a picture shows one balance; leave --pseudo-dynamic, --frames and --compare out");
+    throw InputError("a picture shows one equilibrium; leave --pseudo-dynamic, --frames and --compare out");
   if (!options.compare.empty()) return print_comparison(options, problem, model, settings, console);
   if (frames) return print_frames(options, problem, model, settings, console);
 
@@ -288,7 +289,7 @@ void solve(const StaticOptions& options, Console& console) {
                       fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
                                   short_number(iterate.residual, 3)));
     };
-    return found_balance(problem, scale, shown, thread_cpu_seconds);
+    return found_equilibrium(problem, scale, shown, thread_cpu_seconds);
   }();
   const double seconds = thread_cpu_seconds() - start;
   const double volume = problem.body->least_volume(t, solution.q).first;
@@ -386,7 +387,7 @@ void add_static(CLI::App& app, Console& console) {
        "NUMBER");
   text("--iterations", options->iterations, "At most, in each load step; 1000 by default", "NUMBER");
   add_number(command, "--tolerance", options->tolerance,
-             "Residual beside the load at which a balance counts as found; 1e-9 by default");
+             "Residual beside the load at which an equilibrium counts as found; 1e-9 by default");
   add_number(command, "--linear-tolerance", options->inner_tolerance,
              "The same of sor and cg; by default what Newton's method needs, else 1e-4");
   add_number(command, "--relaxation", options->relaxation,
@@ -399,7 +400,7 @@ void add_static(CLI::App& app, Console& console) {
   text("--output", options->output, "Write the history of residuals to a CSV file", "FILE");
   text("--compare", options->compare,
        "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
-  options->picture.add_to(command, "Draw the body in balance before its shape at rest");
+  options->picture.add_to(command, "Draw the body in equilibrium before its shape at rest");
   add_force(command);
   add_figure_style(command);
   command.callback([options, &console] { solve(*options, console); });

@@ -47,7 +47,7 @@ Figure residual_figure(const std::vector<StaticWay>& ways, const std::string& ti
     const bool modified = way.method == StaticMethod::modified_newton;
     const auto inner = static_cast<std::size_t>(k % markers.size());
     Curve curve{.label = fmt::format("{}, {}{}", modified ? "modified Newton" : "Newton", name_of(way.inner),
-                                     way.solution.converged ? "" : ": no balance"),
+                                     way.solution.converged ? "" : ": no equilibrium"),
                 .style = {.colour = static_cast<int>(inner),
                           .dash = modified ? 1 : 0,
                           .marker = markers[inner] - (modified ? 1 : 0),

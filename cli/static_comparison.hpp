@@ -1,4 +1,4 @@
-/// Ways to a balance of forces beside each other: residuals against iterations and against time.
+/// Ways to an equilibrium of forces beside each other: residuals against iterations and against time.
 #pragma once
 
 #include <string>

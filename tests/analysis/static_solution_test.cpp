@@ -145,7 +145,8 @@ TEST(StaticSolution, SnapsThroughWhereTheEnergyLeads) {
 }
 
 /// A column pressed along x that gives way to either side y, E = x^2 / 2 + (1 - x) y^2 / 2 + y^4 / 4 - P x.
-/// Beyond P = 1 the straight balance (P, 0) is a saddle, and the stable ones are x = 2 P - 1, y^2 = x - 1.
+/// Beyond P = 1 the straight equilibrium (P, 0) is a saddle, and the stable ones are x = 2 P - 1, y^2 = x
+/// - 1.
 StaticModel column(double P) {
   return {.dofs = 2,
           .force =
@@ -171,7 +172,7 @@ StaticModel column(double P) {
               }};
 }
 
-TEST(StaticSolution, LeavesABalanceThatIsNotStable) {
+TEST(StaticSolution, LeavesAnEquilibriumThatIsNotStable) {
   for (const InnerSolver inner : {InnerSolver::direct, InnerSolver::conjugate_gradients})
     for (const double P : {1.2, 2.0, 5.0})
       for (const int steps : {1, 4}) {
@@ -181,7 +182,7 @@ TEST(StaticSolution, LeavesABalanceThatIsNotStable) {
         EXPECT_NEAR(std::abs(found.q[1]), std::sqrt(2 * P - 2), 1e-7) << name_of(inner) << ' ' << P;
       }
   EXPECT_NEAR(solve_static(column(0.9), {}, no_clock).q[0], 0.9, 1e-9);
-  // With the stiffness at rest too, which is taken up again after the look at that of the balance.
+  // With the stiffness at rest too, which is taken up again after the look at that of the equilibrium.
   const StaticSolution modified = solve_static(
       column(1.2), {.method = StaticMethod::modified_newton, .iterations = 1000, .load_steps = 3}, no_clock);
   ASSERT_TRUE(modified.converged) << modified.note;
@@ -232,7 +233,7 @@ TEST(StaticSolution, RefusesSettingsOutOfRange) {
   EXPECT_THROW(pseudo_dynamic(model, {}, 0, 1, no_clock), InputError);
 }
 
-TEST(PseudoDynamic, HasNoErrorWhereThereIsNoBalance) {
+TEST(PseudoDynamic, HasNoErrorWhereThereIsNoEquilibrium) {
   const auto frames = pseudo_dynamic(pulled_chain(3, -1, 3), {}, 10, 1, no_clock);
   ASSERT_FALSE(frames.empty());
   EXPECT_FALSE(std::isnan(frames.front().error));

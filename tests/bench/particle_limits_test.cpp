@@ -73,7 +73,7 @@ TEST(TheStiffestBody, IsTheOneWhoseLimitIsTheRate) {
   EXPECT_EQ(stiffest_stable(find_method("rk4"), phantom, 1e6, 1e2, 1e4), 1e4);
 }
 
-TEST(TheHeaviestParticle, HasABalanceAndALittleMoreOverturnsAnElement) {
+TEST(TheHeaviestParticle, HasAnEquilibriumAndALittleMoreOverturnsAnElement) {
   const double heaviest = heaviest_hanging(phantom);
   const auto least_volume = [&](double mass) {
     ParticleBody body = phantom;

@@ -321,7 +321,7 @@ TEST(TissueProblem, SaysWhatIsWrongWithItsName) {
             std::string::npos);
 }
 
-TEST(TissueBalance, IsWhereTheMotionComesToRest) {
+TEST(TissueEquilibrium, IsWhereTheMotionComesToRest) {
   const Problem problem = make_problem(
       "fem_green/press@cube:n=2",
       {.material = {}, .parameters = {{"E", 4000}, {"force", 0.3}, {"alpha", 20}, {"beta", 0.02}}, .y0 = {}});

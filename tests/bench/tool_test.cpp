@@ -22,9 +22,9 @@ Problem pressed(const std::string& mesh, std::vector<std::pair<std::string, doub
 
 /// The indentation over the depth, in static equilibrium, where the tool does not slide off.
 double share_reached(const Problem& problem) {
-  const StaticSolution balance = found_balance(problem, 1, {}, [] { return 0.0; });
-  EXPECT_TRUE(balance.converged) << problem.id << ": " << balance.note;
-  const auto reach = problem.body->tool_reaches(problem.body->settled(), balance.q).front();
+  const StaticSolution equilibrium = found_equilibrium(problem, 1, {}, [] { return 0.0; });
+  EXPECT_TRUE(equilibrium.converged) << problem.id << ": " << equilibrium.note;
+  const auto reach = problem.body->tool_reaches(problem.body->settled(), equilibrium.q).front();
   EXPECT_GE(reach.displacement, 0.5 * reach.depth) << problem.id;
   return reach.indentation / reach.depth;
 }

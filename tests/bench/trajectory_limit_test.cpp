@@ -67,7 +67,7 @@ std::string complaint(const Function& function) {
   return "";
 }
 
-TEST(LoadPath, HasTheBalanceOfEachShareOfTheLoad) {
+TEST(LoadPath, HasTheEquilibriumOfEachShareOfTheLoad) {
   const Problem problem = cube("fem_green/press", {{"force", 1}});
   const Path path = load_path(problem, 4);
   ASSERT_EQ(path.at, (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
@@ -84,10 +84,10 @@ TEST(LoadPath, HasTheBalanceOfEachShareOfTheLoad) {
   }
 }
 
-TEST(LoadPath, EndsWhereThereIsNoBalance) {
+TEST(LoadPath, EndsWhereThereIsNoEquilibrium) {
   const Path path = load_path(cube("fem_green/press", {{"force", 500}}), 5);
   EXPECT_LT(path.at.back(), 1);
-  EXPECT_NE(path.note.find("no balance"), std::string::npos);
+  EXPECT_NE(path.note.find("no equilibrium"), std::string::npos);
 }
 
 TEST(MotionPath, EndsWhereAnElementIsTurnedInsideOut) {

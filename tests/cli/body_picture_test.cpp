@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST(Pictures, OfABodyInBalanceShowItsLoadItsSupportsAndItsShapeAtRest) {
+TEST(Pictures, OfABodyInEquilibriumShowItsLoadItsSupportsAndItsShapeAtRest) {
   const Shell shell;
   const Told told = shell.hmax("static --mesh phantom --load press --picture new/pressed.svg --json");
   ASSERT_EQ(told.exit_code, 0) << told.err;
@@ -79,7 +79,7 @@ TEST(Statics, AreComparedInATableAndAFigure) {
   EXPECT_TRUE(std::filesystem::exists(shell / "out/residuals.gp"));
 }
 
-TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheBalance) {
+TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheEquilibrium) {
   const Shell shell;
   const Told told = shell.hmax("reproduce tissue --quick --scale --output out --json");
   ASSERT_EQ(told.exit_code, 0) << told.err;
@@ -100,7 +100,7 @@ TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheBalance) 
   EXPECT_NEAR(undamped.at("rk4").at("stiffest").get<double>(), 5300 * std::pow(280 * rk4, 2),
               2e-3 * 5300 * std::pow(280 * rk4, 2));
   EXPECT_GT(study.at("heaviest_particle"), 0);
-  // Two loads, in balance and in motion, three models, two methods.
+  // Two loads, in equilibrium and in motion, three models, two methods.
   EXPECT_EQ(study.at("paths").size(), 24U);
   double largest_change = 0;
   for (const Json& path : study.at("paths")) {

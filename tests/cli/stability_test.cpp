@@ -406,7 +406,7 @@ TEST(StabilityPredict, LooksAtABodyUnderAGrowingLoad) {
   double least = 1;
   for (const Json& point : along.at("path")) least = std::min(least, point.at(1).get<double>());
   EXPECT_EQ(along.at("h_min"), least);
-  // The end of the path is the balance that is linearised without it.
+  // The end of the path is the equilibrium that is linearised without it.
   EXPECT_EQ(along.at("path").back().at(0), 1);
   EXPECT_NEAR(along.at("path").back().at(1), row.at("h_max"), 1e-6 * row.at("h_max").get<double>());
   EXPECT_TRUE(along.contains("share"));
@@ -421,7 +421,7 @@ TEST(StabilityPredict, LooksAtABodyUnderAGrowingLoad) {
           .at(0)
           .at("along");
   EXPECT_LT(broken.at("path").back().at(0), 1);
-  EXPECT_NE(broken.at("status").get<std::string>().find("no balance"), std::string::npos);
+  EXPECT_NE(broken.at("status").get<std::string>().find("no equilibrium"), std::string::npos);
   expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --along load"),
                  "no body");
   expect_refused(shell.hmax("stability predict --mesh phantom --methods rk4 --along laod"), "load");

@@ -140,7 +140,7 @@ TEST(Static, HasTheKeysOfTheContract) {
   EXPECT_LE(found.at("residuals").back().get<double>(), 1e-9);
 }
 
-TEST(Static, FindsOneBalanceBySeveralWays) {
+TEST(Static, FindsOneEquilibriumBySeveralWays) {
   const auto displacement = [](const std::string& how) {
     const Json found = json_of("static --mesh phantom --load press --json " + how);
     EXPECT_EQ(found.at("outcome"), "converged") << how;
@@ -168,7 +168,7 @@ TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
   EXPECT_NE(ways.at(0).at("status").get<std::string>().find("tetrahedron"), std::string::npos);
   // What is known at rest is still said of it.
   const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --set g=30 --method rk4");
-  EXPECT_NE(predicted.out.find("no balance was found: tetrahedron"), std::string::npos) << predicted.out;
+  EXPECT_NE(predicted.out.find("no equilibrium was found: tetrahedron"), std::string::npos) << predicted.out;
   EXPECT_EQ(predicted.out.find("load steps"), std::string::npos) << predicted.out;
 }
 
@@ -186,7 +186,7 @@ TEST(Static, BringsALoadOnInStepsWhereAllAtOnceIsTooMuch) {
   EXPECT_EQ(Shell{}.hmax(pressed + " --load-steps 1").json().at("outcome"), "collapsed");
 }
 
-TEST(Static, FindsBalancesOfSmallLoadsAndStiffBodiesToRounding) {
+TEST(Static, FindsEquilibriaOfSmallLoadsAndStiffBodiesToRounding) {
   for (const char* body : {"--mesh beam:n=2 --set E=2e11 --set rho=7800", "--mesh liver --set E=1e7",
                            "--mesh phantom --load press --set force=0.001"}) {
     EXPECT_EQ(json_of(std::string("static --json ") + body).at("outcome"), "converged") << body;
@@ -247,7 +247,7 @@ TEST(Static, HasTheEnergyOfTheLoadThatActs) {
   EXPECT_LT(energy("1"), 0);
 }
 
-TEST(Static, SaysFromWhichLoadFramesHaveNoBalanceToBeHeldAgainst) {
+TEST(Static, SaysFromWhichLoadFramesHaveNoEquilibriumToBeHeldAgainst) {
   const Told told =
       Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --pseudo-dynamic 3 --frames 10 --json");
   EXPECT_EQ(told.exit_code, 1);
@@ -255,7 +255,7 @@ TEST(Static, SaysFromWhichLoadFramesHaveNoBalanceToBeHeldAgainst) {
   EXPECT_NE(told.json().at("status").get<std::string>().find("of the load"), std::string::npos);
   const Json last = told.json().at("frames").back();
   EXPECT_TRUE(last.at("error").is_null());
-  EXPECT_NE(last.at("status").get<std::string>().find("no balance"), std::string::npos);
+  EXPECT_NE(last.at("status").get<std::string>().find("no equilibrium"), std::string::npos);
 }
 
 TEST(RunOnAMesh, SaysThatElementsHaveEndedInsideOut) {
@@ -268,7 +268,7 @@ TEST(RunOnAMesh, SaysThatElementsHaveEndedInsideOut) {
             0.5);
 }
 
-TEST(StabilityMap, HasNoLimitWhereABodyHasNoBalance) {
+TEST(StabilityMap, HasNoLimitWhereABodyHasNoEquilibrium) {
   const Shell shell;
   const Json map =
       shell
@@ -277,7 +277,7 @@ TEST(StabilityMap, HasNoLimitWhereABodyHasNoBalance) {
           .json();
   EXPECT_TRUE(map.at("h_max").at(0).at(0).is_number());
   EXPECT_TRUE(map.at("h_max").at(0).at(1).is_null());
-  EXPECT_NE(map.at("status").get<std::string>().find("no balance"), std::string::npos);
+  EXPECT_NE(map.at("status").get<std::string>().find("no equilibrium"), std::string::npos);
   // Grey up to the point that has one, not white.
   EXPECT_NE(read_text(shell / "map/map.dat").find("the model has no rest: x, y"), std::string::npos);
   EXPECT_NE(read_text(shell / "map/map.gp").find("'g [m/s²]'"), std::string::npos);
@@ -289,7 +289,7 @@ TEST(Static, SaysThatNothingHoldsABody) {
   EXPECT_NE(told.json().at("status").get<std::string>().find("supports"), std::string::npos);
 }
 
-TEST(Static, EndsWithOneWhenThereIsNoBalance) {
+TEST(Static, EndsWithOneWhenThereIsNoEquilibrium) {
   const Told result = Shell{}.hmax("static --mesh phantom --load press --load-scale 1e4 --json");
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.json().at("outcome"), "converged");

@@ -153,7 +153,7 @@ TEST(TissueWords, SayThatNothingLoadsABody) {
                    "nothing loads fem_green");
 }
 
-TEST(TissueWords, RefuseOptionsOfStaticBalancesThatHaveNoSay) {
+TEST(TissueWords, RefuseOptionsOfStaticEquilibriaThatHaveNoSay) {
   const auto refused = [](const std::string& options, const std::string& option) {
     expect_refusal("static --mesh phantom --load press " + options, option);
   };
@@ -166,7 +166,7 @@ TEST(TissueWords, RefuseOptionsOfStaticBalancesThatHaveNoSay) {
   refused("--compare out --linear direct", "--linear has no say in --compare");
   refused("--compare out --output a.csv", "--output writes the residuals of one solver");
   refused("--compare out --pseudo-dynamic 2", "choose one");
-  refused("--frames 3 --output a.csv", "--output writes the residuals of one balance");
+  refused("--frames 3 --output a.csv", "--output writes the residuals of one equilibrium");
   refused("--frames 3 --load-steps 3", "--load-steps has no say in frames");
   refused("--pseudo-dynamic 2 --iterations 3", "--iterations has no say in frames");
   refused("--pseudo-dynamic 2 --no-line-search", "--no-line-search is what frames do");
