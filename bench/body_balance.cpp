@@ -14,7 +14,9 @@ double largest_displacement(const Eigen::VectorXd& q) {
   return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
 }
 
-double equilibrium_time(const TissueBody& body) { return std::isfinite(body.settled()) ? body.settled() : 0; }
+double equilibrium_time(const TissueBody& body) {
+  return std::isfinite(body.steady_from()) ? body.steady_from() : 0;
+}
 
 namespace {
 
@@ -44,7 +46,7 @@ StaticModel model_from(const Problem& problem, double load_scale, double t, cons
       .stiffness = [body, t, from, zero](const Eigen::VectorXd& q,
                                          StaticModel::Matrix& K) { body->stiffness(t, from + q, zero, K); },
       // Supports that move drag their neighbours along with a force that no energy has.
-      .energy = body->settled() == t
+      .energy = body->steady_from() == t
                     ? [body, t, from,
                        load](const Eigen::VectorXd& q) { return body->energy(t, from + q) - load.dot(q); }
                     : decltype(StaticModel::energy){},

@@ -208,7 +208,7 @@ EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumW
   search.outcome = EquilibriumOutcome::found;
   search.state = problem.y0;
   // A load that never settles does not act yet; only supports that start at once drag at their neighbours.
-  if (body.settled() != equilibrium_time(body)) return search;
+  if (body.steady_from() != equilibrium_time(body)) return search;
   // A tool at the end of its path may stand within a body that does not move, and touch nothing of it.
   if (body.is_autonomous() && is_at_rest(body)) return search;
   StaticSettings settings{.tolerance = 1e-12};

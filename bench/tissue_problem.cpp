@@ -167,11 +167,11 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   return problem;
 }
 
-Problem settled(const Problem& problem) {
+Problem after_ramps(const Problem& problem) {
   if (!problem.body || problem.body->is_autonomous()) return problem;
   const TissueBody& body = *problem.body;
   Problem later = problem;
-  later.body = std::make_shared<const TissueBody>(body.mesh(), settled(body.settings()), body.origin());
+  later.body = std::make_shared<const TissueBody>(body.mesh(), after_ramps(body.settings()), body.origin());
   later.system = AnySystem(SharedBody{later.body});
   return later;
 }

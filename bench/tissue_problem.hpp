@@ -19,7 +19,7 @@ bool is_tissue_id(std::string_view id);
 Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
 
 /// The problem once its ramps have ended, from then on: a tool that has moved in stands there from t = 0.
-Problem settled(const Problem& problem);
+Problem after_ramps(const Problem& problem);
 
 /// Where a problem starts: its numbers, or "rest" of a body, which always does.
 std::string start_in_words(const Problem& problem);

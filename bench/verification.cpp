@@ -316,7 +316,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     return;
   // Of the motion that the force makes every state is kept, to be taken off.
   constexpr Eigen::Index most_driven_states = 20;
-  Problem free = settled(problem);
+  Problem free = after_ramps(problem);
   if (is_driven(free) && near.model.y.size() > most_driven_states) {
     row.note = fmt::format("not verified: a force moves the {} states of the model during the runs",
                            near.model.y.size());

@@ -251,7 +251,7 @@ void solve(const StaticOptions& options, Console& console) {
     throw InputError(fmt::format(
         "{} is no body on a mesh, and hmax static is for those; name one with --mesh", problem.id));
   const double t = equilibrium_time(*problem.body);
-  if (problem.body->settled() != t)
+  if (problem.body->steady_from() != t)
     throw InputError("this load changes with time; take gravity, press, pull or tool");
   const bool has_tool = !problem.body->settings().tools.empty();
   if (has_tool && (options.load_scale || !options.per_frame.empty() || !options.frames.empty() ||

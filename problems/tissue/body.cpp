@@ -74,7 +74,7 @@ void TissueBody::number_free_points() {
     check_points(support.points, "a support");
     check_profile(support.profile);
     for (const Index i : support.points) held[at(i)] = true;
-    if (!support.travel.isZero(0)) settled_ = std::max(settled_, support.profile.settled());
+    if (!support.travel.isZero(0)) steady_from_ = std::max(steady_from_, support.profile.steady_from());
   }
   for (const PressingForce& load : settings_.forces) {
     check_points(load.points, "a force");
@@ -84,7 +84,7 @@ void TissueBody::number_free_points() {
     if (!load.shares.empty() && load.shares.size() != load.points.size())
       throw std::invalid_argument("a force has " + std::to_string(load.points.size()) + " points but " +
                                   std::to_string(load.shares.size()) + " shares; give each point one");
-    settled_ = std::max(settled_, load.profile.settled());
+    steady_from_ = std::max(steady_from_, load.profile.steady_from());
   }
   for (const SphereTool& tool : settings_.tools) {
     check_profile(tool.profile);
@@ -92,7 +92,7 @@ void TissueBody::number_free_points() {
     require(tool.stiffness >= 0, tool.stiffness, "the stiffness of a tool", "zero or more");
     require(tool.damping >= 0, tool.damping, "the damping of a tool", "zero or more");
     tools_damp_ = tools_damp_ || tool.damping != 0;
-    if (!tool.travel.isZero(0)) settled_ = std::max(settled_, tool.profile.settled());
+    if (!tool.travel.isZero(0)) steady_from_ = std::max(steady_from_, tool.profile.steady_from());
   }
   // Loads carry the shares of their points as fractions of one.
   for (PressingForce& load : settings_.forces) {

@@ -50,10 +50,10 @@ class TissueBody {
 
   [[nodiscard]] Eigen::Index dofs() const { return mass_.size(); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
-  [[nodiscard]] bool is_autonomous() const { return settled_ == 0; }
+  [[nodiscard]] bool is_autonomous() const { return steady_from_ == 0; }
   /// The instant from which on no load changes with time [s], as after a ramp; infinity where one always
   /// does.
-  [[nodiscard]] double settled() const { return settled_; }
+  [[nodiscard]] double steady_from() const { return steady_from_; }
   /// The state at rest: the body as the mesh has it.
   [[nodiscard]] State y0() const { return State::Zero(dim()); }
   /// (|X|, 0) of the free points, shape (dim): springs, skins and tools meet positions X + q, with their
@@ -144,7 +144,7 @@ class TissueBody {
   TetMesh mesh_;
   std::shared_ptr<const MeshOrigin> origin_;
   TissueSettings settings_;
-  double settled_ = 0;
+  double steady_from_ = 0;
   double size_ = 0;  ///< the diagonal of the box around the mesh [m]
   bool has_dampers_ = false, tools_damp_ = false;
   std::vector<Index> free_points_;

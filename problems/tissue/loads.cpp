@@ -36,7 +36,7 @@ double TimeProfile::rate(double t) const {
   return 0;
 }
 
-double TimeProfile::settled() const {
+double TimeProfile::steady_from() const {
   switch (kind) {
     case Kind::ramp:
       return start + rise;

@@ -24,7 +24,7 @@ struct TimeProfile {
   [[nodiscard]] double value(double t) const;
   [[nodiscard]] double rate(double t) const;
   /// From when on the factor stays the same [s]; infinity: never.
-  [[nodiscard]] double settled() const;
+  [[nodiscard]] double steady_from() const;
 };
 
 /// Points that the equations no longer contain: they stand at rest + travel * profile(t).

@@ -34,7 +34,7 @@ std::string_view id_of(TissueModel model) {
   return "";
 }
 
-TissueSettings settled(TissueSettings settings) {
+TissueSettings after_ramps(TissueSettings settings) {
   const auto end = [](TimeProfile& profile) {
     if (profile.kind == TimeProfile::Kind::ramp) profile = {};
   };

@@ -76,6 +76,6 @@ struct TissueSettings {
 };
 
 /// The same after its ramps: what they move stands where they end.
-TissueSettings settled(TissueSettings settings);
+TissueSettings after_ramps(TissueSettings settings);
 
 }  // namespace hmax
