@@ -105,6 +105,8 @@ struct Method {
   bool own_control = false;         ///< steers adaptive runs by rules of its own, not by RunSpec::control
   bool needs_second_order = false;  ///< positions and velocities, M q'' = F
   bool needs_split = false;         ///< a declared stiff part
+  bool linearly_implicit = false;   ///< solves linear equations alone, with one Jacobian a step
+  bool stages_by_radius = false;    ///< chooses its stages by a spectral radius
   std::function<Runner(const Problem&)> bind;
   std::shared_ptr<const Amplification> amplification{};  ///< null for methods that only run adaptively
 
@@ -114,10 +116,9 @@ struct Method {
   std::function<Method(const Parameters&)> with{};
 
   [[nodiscard]] bool adaptive() const { return error_order > 0; }
-  /// By Newton's method: linearly implicit ones solve linear equations.
-  [[nodiscard]] bool solves_nonlinear_equations() const {
-    return !is_explicit && needs_jacobian && family != "rosenbrock";
-  }
+  /// By Newton's method: linearly implicit ones solve linear equations. Explicit positions do not exclude it,
+  /// since forces may depend on the velocity that a step ends with.
+  [[nodiscard]] bool solves_nonlinear_equations() const { return needs_jacobian && !linearly_implicit; }
   /// A method that chooses its order as it runs has no order of its own.
   [[nodiscard]] bool has_variable_order() const { return order == 0 && !fixed_step; }
   /// How far a measured order may be from `order`: multistep methods and high orders show theirs only at

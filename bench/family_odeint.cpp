@@ -73,6 +73,7 @@ struct Facts {
   int order, error_order, stages;
   bool is_implicit = false, l_stable = false;
   bool in_long_double = true;  ///< false: its coefficients are written in double
+  bool linearly_implicit = false;
 };
 
 /// @param all  the methods of hmax
@@ -93,6 +94,7 @@ Method line(const std::vector<Method>& all, const Facts& facts) {
                 .source = "ahnert2011odeint",
                 .fixed_step = !std::same_as<Fixed<ExtendedSystem>, None<ExtendedSystem>>,
                 .own_control = true,
+                .linearly_implicit = facts.linearly_implicit,
                 .bind = {}};
   if (!facts.same_as.empty())
     method.amplification = std::ranges::find(all, facts.same_as, &Method::id)->amplification;

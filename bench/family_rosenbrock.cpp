@@ -29,6 +29,7 @@ Method rosenbrock() {
                 .l_stable = T::l_stable,
                 .engine = "hmax",
                 .source = std::string(T::source),
+                .linearly_implicit = true,
                 .bind = {}};
   method.amplification = shared(rosenbrock_amplification(T::tableau, T::order));
   for (const std::string_view alias : T::aliases) method.aliases.emplace_back(alias);

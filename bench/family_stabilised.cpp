@@ -20,6 +20,7 @@ Method stabilised() {
           .stages = 0,  // chosen at run time
           .engine = "hmax",
           .source = std::string(Polynomials::source),
+          .stages_by_radius = true,
           .bind =
               [](const Problem& problem) {
                 return bind_problem(problem, 3, []<class Sys>(std::type_identity<Sys>) {

@@ -188,7 +188,7 @@ std::vector<Formula> choose_formulas(const std::vector<std::string>& names) {
       continue;
     }
     for (const Method& method : methods())
-      if ((name == "all" || method.family == name) && method.amplification && method.family != "stabilised")
+      if ((name == "all" || method.family == name) && method.amplification && !method.stages_by_radius)
         chosen.push_back(formula_of(method));
   }
   return chosen;

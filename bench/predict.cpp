@@ -95,7 +95,7 @@ std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const st
 /// The spectral radius by which a stabilised method chooses its stages: the bound of the system, or what the
 /// estimate of the stepper comes to. Others do not ask for it, and of a large body it takes a while.
 double radius_told(const Method& method, const Problem& problem, const Linearised& near) {
-  if (method.family != "stabilised") return std::numeric_limits<double>::quiet_NaN();
+  if (!method.stages_by_radius) return std::numeric_limits<double>::quiet_NaN();
   return std::visit(
       [&]<class Sys>(const Sys& system) -> double {
         if constexpr (BoundedSpectrumSystem<Sys>)

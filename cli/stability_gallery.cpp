@@ -195,8 +195,7 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
     for (const Formula& formula : chapter.formulas) {
       // What foreign engines step with an old Jacobian is not known.
       const bool own = formula.method && formula.method->engine == "hmax";
-      if (!own ||
-          !(parts.fast.empty() ? formula.method->family == "rosenbrock" : formula.method->needs_split))
+      if (!own || !(parts.fast.empty() ? formula.method->linearly_implicit : formula.method->needs_split))
         continue;
       const PlaneLook look{.cells = 160};
       for (Panel& panel : panels_of(formula, part_regions(formula, parts), look, 300))

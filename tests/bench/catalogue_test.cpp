@@ -39,6 +39,18 @@ TEST(Catalogue, FamiliesAndAllStandForTheMethodsThatSuitTheProblem) {
   EXPECT_THROW(choose_methods({"explicit_runge_kuta"}, {}), InputError);
 }
 
+TEST(Catalogue, KnowsWhichMethodsSolveNonlinearEquations) {
+  const auto solves = [](const char* id) { return find_method(id).solves_nonlinear_equations(); };
+  for (const char* id : {"rodas_4", "rosenbrock_23", "linearly_implicit_euler", "rk4", "symplectic_euler"})
+    EXPECT_FALSE(solves(id)) << id;
+  for (const char* id : {"newmark", "explicit_newmark", "implicit_euler", "radau_iia_5"})
+    EXPECT_TRUE(solves(id)) << id;
+  for (const Method& method : methods()) {
+    if (method.id == "odeint_rosenbrock4") EXPECT_FALSE(method.solves_nonlinear_equations());
+    if (method.id == "odeint_implicit_euler") EXPECT_TRUE(method.solves_nonlinear_equations());
+  }
+}
+
 TEST(Catalogue, AMethodWithoutParametersTakesNone) { EXPECT_THROW(find_method("rk4:beta=1"), InputError); }
 
 TEST(Catalogue, JacobianPoliciesReadBackAsWritten) {

@@ -225,5 +225,15 @@ TEST(Run, RefusesAnOutputThatCannotBeWritten) {
   EXPECT_FALSE(std::filesystem::exists(shell / "m.csv"));
 }
 
+TEST(Run, CountsNewtonIterationsOfTheMethodsWhoseLimitItTakes) {
+  const Shell shell;
+  for (const char* method : {"explicit_newmark", "newmark", "rk4", "rodas_4", "symplectic_euler"}) {
+    const std::string run =
+        std::string("run --problem liver_forced --h 0.1 --t-end 1 --json --method ") + method;
+    const bool counts = shell.hmax(run).json().at("stats").at("newton") > 0;
+    EXPECT_EQ(shell.hmax(run + " --newton-iterations 20").exit_code, counts ? 0 : 2) << method;
+  }
+}
+
 }  // namespace
 }  // namespace hmax
