@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <concepts>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
 
 #include <boost/version.hpp>
+#include <fmt/format.h>
 
 #include "bench/bind.hpp"
 #include "integrators/odeint/explicit_peers.hpp"
@@ -77,6 +79,7 @@ struct Facts {
 };
 
 /// @param all  the methods of hmax
+/// @throws std::logic_error  where none of them is called Facts::same_as
 template <template <class> class Fixed, template <class> class Steered>
 Method line(const std::vector<Method>& all, const Facts& facts) {
   Method method{.id = facts.id,
@@ -96,8 +99,13 @@ Method line(const std::vector<Method>& all, const Facts& facts) {
                 .own_control = true,
                 .linearly_implicit = facts.linearly_implicit,
                 .bind = {}};
-  if (!facts.same_as.empty())
-    method.amplification = std::ranges::find(all, facts.same_as, &Method::id)->amplification;
+  if (!facts.same_as.empty()) {
+    const auto own = std::ranges::find(all, facts.same_as, &Method::id);
+    if (own == all.end())
+      throw std::logic_error(fmt::format("{} is given the amplification of {}, which no method is called",
+                                         facts.id, facts.same_as));
+    method.amplification = own->amplification;
+  }
   const OdeintEngine<Fixed, Steered> engine{method.error_order};
   method.bind = [engine, extends = facts.in_long_double](const Problem& problem) {
     Runner runner = std::visit(
@@ -131,7 +139,7 @@ void add_odeint(std::vector<Method>& all) {
   all.push_back(
       line<None, odeint::BulirschStoerDensePeer>(all, {"odeint_bulirsch_stoer_dense", {}, 0, 5, 0}));
   all.push_back(line<odeint::Rosenbrock4Peer, odeint::Rosenbrock4Peer>(
-      all, {"odeint_rosenbrock4", "rodas_4", 4, 4, 6, true, true, false}));
+      all, {"odeint_rosenbrock4", "rodas_4", 4, 4, 6, true, true, false, true}));
   all.push_back(line<odeint::ImplicitEulerPeer, None>(
       all, {"odeint_implicit_euler", "implicit_euler", 1, 0, 1, true, true}));
 }

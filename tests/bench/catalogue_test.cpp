@@ -1,9 +1,12 @@
 #include "bench/catalogue.hpp"
 
+#include <algorithm>
 #include <set>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "bench/families.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -49,6 +52,13 @@ TEST(Catalogue, KnowsWhichMethodsSolveNonlinearEquations) {
     if (method.id == "odeint_rosenbrock4") EXPECT_FALSE(method.solves_nonlinear_equations());
     if (method.id == "odeint_implicit_euler") EXPECT_TRUE(method.solves_nonlinear_equations());
   }
+}
+
+TEST(Catalogue, APeerOfAMethodThatIsNotThereIsAnError) {
+  if (std::ranges::none_of(methods(), [](const Method& method) { return method.family == "odeint"; }))
+    GTEST_SKIP() << "without Boost";
+  std::vector<Method> none;
+  EXPECT_THROW(add_odeint(none), std::logic_error);
 }
 
 TEST(Catalogue, AMethodWithoutParametersTakesNone) { EXPECT_THROW(find_method("rk4:beta=1"), InputError); }
