@@ -181,6 +181,7 @@ Method find_method(std::string_view name) {
     names.push_back(method.id);
     names.insert(names.end(), method.aliases.begin(), method.aliases.end());
   }
+  if (const std::string why = why_left_out(id); !why.empty()) throw InputError(why);
   for (const auto& [prefix, library, package, present] : foreign_engines)
     if (id.starts_with(prefix) && !present)
       throw InputError(

@@ -2,6 +2,8 @@
 /// of its own: that source alone is compiled anew when the family changes.
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/catalogue.hpp"
@@ -20,5 +22,13 @@ void add_rosenbrock(std::vector<Method>& all);
 /// The foreign engines add nothing where their library is missing.
 void add_sundials(std::vector<Method>& all);
 void add_odeint(std::vector<Method>& all);
+
+/// The method of order 2 with an implicit table of ARKODE, by the number of the table; why_left_out says of a
+/// number that the library does not have that it adds nothing.
+void add_arkode_dirk(std::vector<Method>& all, const char* id, int implicit_table);
+
+/// Why add_sundials has left a method out, and what to do: its coefficients are in another version of the
+/// library. Empty for all others.
+std::string why_left_out(std::string_view id);
 
 }  // namespace hmax

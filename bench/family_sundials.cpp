@@ -4,6 +4,7 @@
 #if HMAX_HAVE_SUNDIALS
 
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -98,8 +99,6 @@ struct Coefficients {
   std::vector<long double> a, b;
 
   explicit Coefficients(const sundials::Table& table) {
-    if (!table)
-      throw InputError("this SUNDIALS lacks a table of the method; build hmax with another version");
     const int s = table->stages;
     for (int i = 0; i < s; ++i) a.insert(a.end(), table->A[i], table->A[i] + s);
     b.assign(table->b, table->b + s);
@@ -107,14 +106,13 @@ struct Coefficients {
 };
 
 /// From the tables that the library steps with; null where a method is more than tables.
+/// @throws std::invalid_argument  where the library lacks one of them
 std::shared_ptr<const Amplification> amplification_of(const sundials::Method& choice, int order) {
   const auto implicit = [&] {
-    return Coefficients(
-        sundials::Table(ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(choice.implicit_table))));
+    return Coefficients(sundials::library_table(static_cast<ARKODE_DIRKTableID>(choice.implicit_table)));
   };
   const auto explicit_part = [&] {
-    return Coefficients(
-        sundials::Table(ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(choice.explicit_table))));
+    return Coefficients(sundials::library_table(static_cast<ARKODE_ERKTableID>(choice.explicit_table)));
   };
   switch (choice.package) {
     case Package::erk: {
@@ -159,14 +157,43 @@ Method line(const Facts& facts, const sundials::Method& choice) {
   return method;
 }
 
+/// Methods without their tables, and which these are.
+std::vector<std::pair<std::string, std::string>>& left_out() {
+  static std::vector<std::pair<std::string, std::string>> methods;
+  return methods;
+}
+
+/// Versions of the library differ in their tables: a method that is not there must not cost the others.
+void add(std::vector<Method>& all, const Facts& facts, const sundials::Method& choice) {
+  try {
+    all.push_back(line(facts, choice));
+  } catch (const std::invalid_argument& missing) {
+    left_out().emplace_back(facts.id, missing.what());
+  }
+}
+
 }  // namespace
 
+void add_arkode_dirk(std::vector<Method>& all, const char* id, int implicit_table) {
+  add(all, {id, 2, 2, 2}, {.package = Package::dirk, .implicit_table = implicit_table});
+}
+
+std::string why_left_out(std::string_view id) {
+  for (const auto& [method, missing] : left_out())
+    if (method == id)
+      return fmt::format(
+          "{} needs a table that this build lacks: {}; take another method, or build hmax with another "
+          "version of SUNDIALS",
+          method, missing);
+  return {};
+}
+
 void add_sundials(std::vector<Method>& all) {
-  all.push_back(line({"cvode_adams", 0, 2, 1}, {.package = Package::cvode_adams}));
-  all.push_back(line({"cvode_bdf", 0, 2, 1}, {.package = Package::cvode_bdf}));
+  add(all, {"cvode_adams", 0, 2, 1}, {.package = Package::cvode_adams});
+  add(all, {"cvode_bdf", 0, 2, 1}, {.package = Package::cvode_bdf});
 
   const auto erk = [&](const Facts& facts, ARKODE_ERKTableID table) {
-    all.push_back(line(facts, {.package = Package::erk, .explicit_table = table}));
+    add(all, facts, {.package = Package::erk, .explicit_table = table});
   };
   erk({"arkode_erk_heun_euler_212", 2, 2, 2}, ARKODE_HEUN_EULER_2_1_2);
   erk({"arkode_erk_bogacki_shampine_423", 3, 3, 4}, ARKODE_BOGACKI_SHAMPINE_4_2_3);
@@ -179,7 +206,7 @@ void add_sundials(std::vector<Method>& all) {
   erk({"arkode_erk_fehlberg_13_7_8", 8, 8, 13}, ARKODE_FEHLBERG_13_7_8);
 
   const auto dirk = [&](const Facts& facts, ARKODE_DIRKTableID table) {
-    all.push_back(line(facts, {.package = Package::dirk, .implicit_table = table}));
+    add(all, facts, {.package = Package::dirk, .implicit_table = table});
   };
   dirk({"arkode_dirk_sdirk_212", 2, 2, 2, true}, ARKODE_SDIRK_2_1_2);
   dirk({"arkode_dirk_billington_332", 2, 3, 3, true, true}, ARKODE_BILLINGTON_3_3_2);
@@ -194,9 +221,8 @@ void add_sundials(std::vector<Method>& all) {
 
   const auto imex = [&](const Facts& facts, ARKODE_DIRKTableID implicit_table,
                         ARKODE_ERKTableID explicit_table) {
-    all.push_back(
-        line(facts,
-             {.package = Package::imex, .explicit_table = explicit_table, .implicit_table = implicit_table}));
+    add(all, facts,
+        {.package = Package::imex, .explicit_table = explicit_table, .implicit_table = implicit_table});
   };
   // Their stability is that of the half that is declared stiff.
   imex({"arkode_imex_ark324l2sa", 3, 3, 4, true, true}, ARKODE_ARK324L2SA_DIRK_4_2_3,
@@ -206,7 +232,7 @@ void add_sundials(std::vector<Method>& all) {
   imex({"arkode_imex_ark548l2sa", 5, 5, 8, true, true}, ARKODE_ARK548L2SA_DIRK_8_4_5,
        ARKODE_ARK548L2SA_ERK_8_4_5);
 
-  all.push_back(line({"arkode_mri", 3, 0, 3}, {.package = Package::mri}));
+  add(all, {"arkode_mri", 3, 0, 3}, {.package = Package::mri});
 }
 
 }  // namespace hmax
@@ -215,6 +241,8 @@ void add_sundials(std::vector<Method>& all) {
 
 namespace hmax {
 void add_sundials(std::vector<Method>&) {}
+void add_arkode_dirk(std::vector<Method>&, const char*, int) {}
+std::string why_left_out(std::string_view) { return {}; }
 }  // namespace hmax
 
 #endif

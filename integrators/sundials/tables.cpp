@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <stdexcept>
+#include <string>
 
 namespace hmax::sundials {
 
@@ -31,12 +33,29 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
   return longer;
 }
 
-Table explicit_table(ARKODE_ERKTableID id) {
-  Table table(ARKodeButcherTable_LoadERK(id));
+namespace {
+/// @param first, last  ids of the kind that the library knows
+template <class Id>
+Table checked(ARKodeButcherTable (*load)(Id), Id id, int first, int last, const char* kind) {
+  const int number = id;
+  Table table(number >= first && number <= last ? load(id) : nullptr);
   if (!table)
-    throw std::invalid_argument("this SUNDIALS has no explicit table " +
-                                std::to_string(static_cast<int>(id)) +
-                                "; build hmax with version 6 or later");
+    throw std::invalid_argument(std::string("SUNDIALS " SUNDIALS_VERSION " has no ") + kind + " table " +
+                                std::to_string(number));
+  return table;
+}
+}  // namespace
+
+Table library_table(ARKODE_ERKTableID id) {
+  return checked(ARKodeButcherTable_LoadERK, id, ARKODE_MIN_ERK_NUM, ARKODE_MAX_ERK_NUM, "explicit");
+}
+
+Table library_table(ARKODE_DIRKTableID id) {
+  return checked(ARKodeButcherTable_LoadDIRK, id, ARKODE_MIN_DIRK_NUM, ARKODE_MAX_DIRK_NUM, "implicit");
+}
+
+Table explicit_table(ARKODE_ERKTableID id) {
+  Table table = library_table(id);
   return is_taken_for_fsal(*table) ? with_honest_last_stage(*table) : std::move(table);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>  // the header of the library needs it
 #include <memory>
 
+#include <arkode/arkode_butcher_dirk.h>
 #include <arkode/arkode_butcher_erk.h>
 
 namespace hmax::sundials {
@@ -25,8 +26,14 @@ bool is_taken_for_fsal(const ARKodeButcherTableMem& table);
 /// evaluations of f a step as the table itself should.
 Table with_honest_last_stage(const ARKodeButcherTableMem& table);
 
+/// Tables as the library has them. Those that it lacks it tells on standard error of its own accord, so the
+/// range of its ids is looked at first.
+/// @throws std::invalid_argument  where it has none of this id, as another version of it may
+Table library_table(ARKODE_ERKTableID id);
+Table library_table(ARKODE_DIRKTableID id);
+
 /// A table of the library as ERKStep runs it rightly.
-/// @throws std::bad_alloc
+/// @throws std::bad_alloc, std::invalid_argument
 Table explicit_table(ARKODE_ERKTableID id);
 
 }  // namespace hmax::sundials

@@ -61,6 +61,23 @@ TEST(Catalogue, APeerOfAMethodThatIsNotThereIsAnError) {
   EXPECT_THROW(add_odeint(none), std::logic_error);
 }
 
+TEST(Catalogue, AMethodWithoutItsTableIsLeftOutAndSaidWhy) {
+  if (std::ranges::none_of(methods(),
+                           [](const Method& method) { return method.family == "sundials_arkode"; }))
+    GTEST_SKIP() << "without SUNDIALS";
+  std::vector<Method> found;
+  add_arkode_dirk(found, "arkode_dirk_of_tomorrow", 99'999);
+  EXPECT_TRUE(found.empty());
+  EXPECT_NE(why_left_out("arkode_dirk_of_tomorrow").find("no implicit table 99999"), std::string::npos);
+  try {
+    find_method("arkode_dirk_of_tomorrow");
+    ADD_FAILURE() << "a method without its table was found";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("another version of SUNDIALS"), std::string::npos);
+  }
+  EXPECT_EQ(why_left_out("rk4"), "");
+}
+
 TEST(Catalogue, AMethodWithoutParametersTakesNone) { EXPECT_THROW(find_method("rk4:beta=1"), InputError); }
 
 TEST(Catalogue, JacobianPoliciesReadBackAsWritten) {

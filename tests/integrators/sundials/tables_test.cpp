@@ -113,6 +113,13 @@ std::complex<double> stability_function(const ARKodeButcherTableMem& table, std:
   return 1.0 + z * (b * I_zA.fullPivLu().solve(Eigen::VectorXcd::Ones(s)))(0);
 }
 
+TEST(Tables, ThatTheLibraryDoesNotHaveAreSaid) {
+  EXPECT_THROW(library_table(static_cast<ARKODE_ERKTableID>(ARKODE_MAX_ERK_NUM + 1)), std::invalid_argument);
+  EXPECT_THROW(library_table(static_cast<ARKODE_DIRKTableID>(ARKODE_MAX_DIRK_NUM + 1)),
+               std::invalid_argument);
+  EXPECT_THROW(explicit_table(static_cast<ARKODE_ERKTableID>(-1)), std::invalid_argument);
+}
+
 TEST(DirkTables, AreAsStableAsTheCatalogueSays) {
   const std::pair<const char*, ARKODE_DIRKTableID> listed[]{
       {"arkode_dirk_sdirk_212", ARKODE_SDIRK_2_1_2},
