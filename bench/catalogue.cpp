@@ -236,6 +236,37 @@ bool has_split(const Problem& problem) {
   return any == nullptr || any->has_split();
 }
 
+bool is_undamped(const Problem& problem) {
+  if (!is_second_order(problem)) return false;
+  return std::visit(
+      [&](const auto& system) {
+        using State = typename std::remove_cvref_t<decltype(system)>::State;
+        const Eigen::Index n = problem.y0.size() / 2;
+        State y = problem.y0, still = problem.y0, moving = problem.y0;
+        const double size = std::max(0.1, problem.y0.cwiseAbs().maxCoeff());
+        for (const double place : {0.0, 0.31, -0.17})
+          for (const double speed : {0.7, -1.3, 2.1}) {
+            for (Eigen::Index i = 0; i < n; ++i) {
+              y[i] = problem.y0[i] + place * size;
+              y[n + i] = 0;
+            }
+            system.rhs(0, y, still);
+            // Not all velocities alike: relative ones count too.
+            for (Eigen::Index i = 0; i < n; ++i)
+              y[n + i] = size * speed * (1 + 0.1 * static_cast<double>(i % 7));
+            system.rhs(0, y, moving);
+            for (Eigen::Index i = n; i < 2 * n; ++i)
+              if (moving[i] != still[i]) return false;
+          }
+        return true;
+      },
+      problem.system);
+}
+
+int order_on(const Method& method, const Problem& problem) {
+  return method.order_undamped > 0 && is_undamped(problem) ? method.order_undamped : method.order;
+}
+
 void check(const RunSpec& spec, const Method& method, const Problem& problem) {
   auto positive = [](double value, std::string_view what, std::string_view remedy) {
     if (!(value > 0) || !std::isfinite(value))

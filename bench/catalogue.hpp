@@ -107,6 +107,7 @@ struct Method {
   bool needs_split = false;         ///< a declared stiff part
   bool linearly_implicit = false;   ///< solves linear equations alone, with one Jacobian a step
   bool stages_by_radius = false;    ///< chooses its stages by a spectral radius
+  int order_undamped = 0;           ///< where forces do not depend on velocities; 0: the same
   std::function<Runner(const Problem&)> bind;
   std::shared_ptr<const Amplification> amplification{};  ///< null for methods that only run adaptively
 
@@ -157,6 +158,13 @@ inline constexpr std::int64_t adaptive_attempts = 20'000'000;
 /// Whether a problem has positions and velocities, and whether it declares a stiff part.
 bool is_second_order(const Problem& problem);
 bool has_split(const Problem& problem);
+
+/// Whether no acceleration of a problem with positions and velocities depends on the velocities, as nine
+/// states show to the last bit.
+bool is_undamped(const Problem& problem);
+
+/// The order that a method has on a problem.
+int order_on(const Method& method, const Problem& problem);
 
 /// The control of a run as people and stores read it: none, own, or the word of RunSpec::control.
 std::string control_of(const Method& method, const RunSpec& spec);

@@ -107,6 +107,7 @@ void add_structural(std::vector<Method>& all) {
                                                      symplectic_euler_amplification()));
   all.push_back(explicit_structural<VelocityVerlet>("velocity_verlet", {}, "swope1982computer",
                                                     kick_drift_kick_amplification(KickDamping::half_step)));
+  all.back().order_undamped = 2;
   all.push_back(explicit_structural<StormerVerlet>("stormer_verlet", {"verlet"}, "hairer2006geometric",
                                                    kick_drift_kick_amplification(KickDamping::predicted)));
   all.push_back(explicit_structural<CentralDifference>("central_difference", {}, "hughes2000finite",

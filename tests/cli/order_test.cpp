@@ -64,5 +64,18 @@ TEST(OrderCommand, FailsWhereNoSlopeCanBeSeen) {
   expect_refused(shell.hmax("order --problem liver_linear --method rk4 --t-end nan"), "end time");
 }
 
+TEST(OrderCommand, ExpectsTheOrderThatAMethodHasOnTheFormOfTheProblem) {
+  const Shell shell;
+  for (const char* problem : {"liver_linear --set c=0", "liver_cubic --set c=0", "kepler"}) {
+    const Told told = shell.hmax(std::string("order --json --method velocity_verlet --problem ") + problem);
+    EXPECT_EQ(told.exit_code, 0) << problem << told.out << told.err;
+    EXPECT_EQ(told.json().at("expected"), 2) << problem;
+  }
+  const Told damped = shell.hmax("order --json --method velocity_verlet --problem liver_cubic");
+  EXPECT_EQ(damped.exit_code, 0) << damped.out;
+  EXPECT_EQ(damped.json().at("expected"), 1);
+  EXPECT_EQ(shell.hmax("order --json --method symplectic_euler --problem kepler").json().at("expected"), 1);
+}
+
 }  // namespace
 }  // namespace hmax
