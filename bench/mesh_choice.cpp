@@ -93,7 +93,8 @@ double unit_in_metres(std::string_view text) {
 LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
   OpenedMesh opened = open_mesh(text);
   if (!opened.from_file) {
-    if (unit) throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
+    if (unit.value_or(1) != 1)
+      throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
     MeshImport import = import_as_it_is(std::move(opened.file));
     return {.name = text,
             .mesh = std::move(import.mesh),

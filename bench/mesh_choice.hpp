@@ -33,9 +33,8 @@ struct LoadedMesh {
 };
 
 /// @param unit  metres in one unit of a file's coordinates, as the user states it. Files do not say it and it
-/// is
-///              never guessed: without it a file is refused with the size of its box; meshes by name are in
-///              metres and take none.
+///              is never guessed: without it a file is refused with the size of its box. Meshes by name are
+///              in metres, and refuse any other unit.
 /// @throws InputError as open_mesh, and for defects of the mesh and a unit that is missing or too much
 LoadedMesh load_mesh(const std::string& text, std::optional<double> unit = {});
 

@@ -344,7 +344,7 @@ void check_mesh(const MeshCommand& options, Console& console) {
 
 std::optional<double> unit_of(const OpenedMesh& opened, const MeshCommand& options) {
   if (opened.from_file) return options.metres();
-  if (!options.unit.empty())
+  if (options.metres().value_or(1) != 1)
     throw InputError(fmt::format("the mesh {} is in metres; leave --unit out", options.mesh));
   return 1.0;
 }

@@ -21,12 +21,13 @@ std::string refusal(const std::string& text, std::optional<double> unit = {}) {
   return "";
 }
 
-TEST(MeshChoice, ANameIsInMetresAndTakesNoUnit) {
+TEST(MeshChoice, ANameIsInMetresAndTakesNoOtherUnit) {
   const LoadedMesh loaded = load_mesh("liver:refine=1");
   EXPECT_EQ(loaded.mesh.tetrahedron_count(), 8 * 1151);
   EXPECT_EQ(loaded.origin->file.mesh.points, loaded.mesh.points);
   EXPECT_EQ(loaded.origin->tetrahedron_number(0), 1);
   EXPECT_NE(refusal("liver", 0.01).find("leave the unit out"), std::string::npos);
+  EXPECT_EQ(refusal("liver", unit_in_metres("m")), "");
 }
 
 TEST(MeshChoice, AFileIsAskedForItsUnitWithTheSizeOfItsBox) {

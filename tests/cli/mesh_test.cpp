@@ -52,6 +52,9 @@ TEST(Mesh, InfoSaysThatTheUnitOfAFileIsNotStated) {
   EXPECT_NEAR(stated.at("regions")[1].at("volume").get<double>(), 1e-6 / 3, 1e-18);
   EXPECT_EQ(stated.at("box")[1][0], 0.09);
   expect_refused(shell.hmax("mesh info liver --unit cm"), "the mesh liver is in metres");
+  const Told same = shell.hmax("mesh info liver --unit m");
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_EQ(same.err, "");
   expect_refused(shell.hmax("mesh info two.msh --unit inch"), "'inch' is no unit of length");
 }
 
