@@ -352,6 +352,13 @@ std::string describe(const std::vector<std::pair<std::string, double>>& paramete
   return text;
 }
 
+std::string describe_acting(const Problem& problem) {
+  Parameters acting;
+  for (const auto& parameter : problem.parameters)
+    if (std::ranges::find(problem.idle, parameter.first) == problem.idle.end()) acting.push_back(parameter);
+  return acting.empty() ? "no parameters" : describe(acting);
+}
+
 std::string describe(const Eigen::VectorXd& y) {
   std::string text;
   for (const double value : y) {

@@ -58,6 +58,7 @@ struct Problem {
   std::optional<ExtendedSystem> extended = std::nullopt;
   std::shared_ptr<const TissueBody> body = nullptr;  ///< of tissue, whose states have no names
   std::vector<std::int64_t> tetrahedron_numbers{};   ///< of it, as users know them (bench/body_balance.hpp)
+  std::vector<std::string> idle{};                   ///< names of `parameters` that change nothing here
 };
 
 /// What a user may change of a problem.
@@ -176,6 +177,9 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem);
 
 /// "m=1.45 c=2 k1=0.7": shortest digits that read back equal.
 std::string describe(const std::vector<std::pair<std::string, double>>& parameters);
+
+/// The same of the parameters that act on the problem, for people; "no parameters" where it has none.
+std::string describe_acting(const Problem& problem);
 
 /// "0.5,1": shortest digits that read back equal.
 std::string describe(const Eigen::VectorXd& y);

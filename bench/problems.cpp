@@ -90,6 +90,8 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
                   .extended = ExtendedSystem(BasicOscillator<long double>(parameters))};
   for (const auto& [name, member] : oscillator_parameter_names)
     problem.parameters.emplace_back(name, parameters.*member);
+  if (parameters.k3 == 0) problem.idle.emplace_back("k3");
+  if (parameters.P == 0) problem.idle.insert(problem.idle.end(), {"P", "w"});
   override_start(problem, settings.y0);
   problem.has_exact_solution = exact_solution(parameters, problem.y0).has_value();
   return problem;

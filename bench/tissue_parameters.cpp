@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "bench/idle_parameters.hpp"
 #include "bench/suggest.hpp"
 #include "bench/support_sets.hpp"
 #include "problems/tissue/contact.hpp"
@@ -101,15 +102,18 @@ constexpr std::array<NamedOfRegion, 3> named_of_region{
     {{"E", &TissueMaterial::young}, {"nu", &TissueMaterial::poisson}, {"rho", &TissueMaterial::density}}};
 constexpr std::string_view table_name = "phi";
 
+/// Whether the model or the load is among those that read a parameter.
+bool is_read(std::string_view readers, const TissueId& id) {
+  if (readers.empty() || readers == springs) return readers.empty() || readers == id.model;
+  return std::ranges::any_of(readers | std::views::split(' '), [&](const auto& word) {
+    return std::string_view(word.begin(), word.end()) == id.load;
+  });
+}
+
 /// @throws InputError  when neither the model nor the load reads it: it would change nothing
 void require_read(std::string_view parameter, std::string_view readers, const TissueId& id) {
-  if (readers.empty() || readers == id.model) return;
-  const bool of_springs = readers == springs;
-  if (!of_springs && std::ranges::any_of(readers | std::views::split(' '), [&](const auto& word) {
-        return std::string_view(word.begin(), word.end()) == id.load;
-      }))
-    return;
-  if (of_springs)
+  if (is_read(readers, id)) return;
+  if (readers == springs)
     throw InputError(fmt::format("{} is of springs, and {} has none; leave it out or take mass_spring",
                                  parameter, id.model));
   const std::string_view first = readers.substr(0, readers.find(' '));
@@ -142,6 +146,18 @@ bool take_indexed(TissueParameters& parameters, const std::string& name, double 
     throw InputError(fmt::format("'{}' has no value for each region; E, nu and rho do, like E:3=8000", what));
   parameters.of_regions.push_back({it->value, index, value});
   return true;
+}
+
+/// @throws InputError  for a parameter that the user has changed and that changes nothing beside the others
+void require_acting(const TissueId& id, const TissueParameters& parameters, const ProblemSettings& settings) {
+  for (const auto& [name, value] : settings.parameters) {
+    const auto named = std::ranges::find(all_named, name, &Named::name);
+    // What is listed of a body makes it again; springs have no nu of their own that could be listed.
+    const bool unchanged = named != all_named.end() && value == TissueParameters{}.*(named->value);
+    // A share of 0 is none, beside whatever is held instead.
+    if ((unchanged && name != "nu") || (name == "support" && value == 0)) continue;
+    if (const std::string why = why_idle(id, parameters, name); !why.empty()) throw InputError(why);
+  }
 }
 
 TetMesh::Index region_count(const TetMesh& mesh) {
@@ -447,6 +463,7 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
     throw InputError(fmt::format(
         "equal_masses is {} but must be 1, the same mass at every point, or 0, by the volume around it",
         to_text(parameters.equal_masses)));
+  require_acting(id, parameters, settings);
   return parameters;
 }
 
@@ -465,6 +482,19 @@ std::vector<std::pair<std::string, double>> named_values(const TissueParameters&
   for (const auto& [strain, phi] : parameters.table)
     values.emplace_back(fmt::format("{}:{}", table_name, to_text(strain)), phi);
   return values;
+}
+
+std::vector<std::string> idle_parameters(const TissueId& id, const TissueParameters& parameters) {
+  // What is switched on by a number says nothing where that is 0.
+  constexpr std::array<std::string_view, 2> switches{"mass", "equal_masses"};
+  std::vector<std::string> idle;
+  for (const auto& [name, value] : named_values(parameters)) {
+    const auto named = std::ranges::find(all_named, name, &Named::name);
+    const bool read = named == all_named.end() || is_read(named->of, id);
+    const bool off = value == 0 && std::ranges::find(switches, name) != switches.end();
+    if (!read || off || !why_idle(id, parameters, name).empty()) idle.push_back(name);
+  }
+  return idle;
 }
 
 TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, const LoadedMesh& loaded) {

@@ -91,11 +91,16 @@ inline constexpr std::array<std::string_view, 3> tool_place_names{"tool_x", "too
 inline constexpr std::array<std::string_view, 3> tool_direction_names{"tool_dx", "tool_dy", "tool_dz"};
 
 /// Those of a mesh and material, with what the user sets.
-/// @throws InputError  for unknown names, numbers out of range, and what the model or the load does not have
+/// @throws InputError  for unknown names, numbers out of range, what the model or the load does not have, and
+/// what
+///                     changes nothing beside the others (bench/idle_parameters.hpp)
 TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& settings);
 
 /// Those that every body has, and of the others those that were asked for.
 std::vector<std::pair<std::string, double>> named_values(const TissueParameters& parameters);
+
+/// The names of those of them that change nothing of the body.
+std::vector<std::string> idle_parameters(const TissueId& id, const TissueParameters& parameters);
 
 /// @throws InputError  for regions and points that the mesh does not have
 TissueSettings tissue_settings(const TissueId& id, const TissueParameters& parameters,

@@ -156,7 +156,8 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .t_end = 1,
                   .system = AnySystem(SharedBody{body}),
                   .body = body,
-                  .tetrahedron_numbers = {}};
+                  .tetrahedron_numbers = {},
+                  .idle = idle_parameters(id, parameters)};
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
     problem.tetrahedron_numbers.push_back(loaded.origin->tetrahedron_number(t));
   const bool is_linear = id.model == "fem_cauchy" && body->settings().tools.empty();

@@ -130,6 +130,16 @@ ProblemSettings ProblemChoice::settings() const {
   return settings;
 }
 
+void ProblemChoice::remark_idle(Console& console, const Problem& made) const {
+  for (const std::string& assignment : set) {
+    const auto [name, value] = parse_assignment("--set", assignment);
+    // A term that is switched off is what was asked for.
+    if (value != 0 && std::ranges::find(made.idle, name) != made.idle.end())
+      console.remark(fmt::format("{} of --set changes nothing of {} as the other parameters are: {}", name,
+                                 made.id, describe_acting(made)));
+  }
+}
+
 void MethodChoice::add_to(CLI::App& command) {
   command.add_option("--method", method, "An id or alias of `hmax list methods`")->type_name("ID");
   command.add_option("--tableau", tableau, "A file with an explicit tableau of your own")->type_name("FILE");

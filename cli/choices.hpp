@@ -41,6 +41,8 @@ struct ProblemChoice {
   /// What make_problem takes. @throws InputError  when a problem is missing, or given twice
   [[nodiscard]] std::string id() const;
   [[nodiscard]] ProblemSettings settings() const;
+  /// Says on standard error which parameters of --set change nothing of the problem that came of them.
+  void remark_idle(Console& console, const Problem& made) const;
 };
 
 /// --method or --tableau

@@ -54,6 +54,7 @@ void report_variable_order(const Problem& problem, const Method& method, Console
 void order(const OrderOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   const Method method = options.method.make();
+  options.problem.remark_idle(console, problem);
   if (method.has_variable_order()) return report_variable_order(problem, method, console);
   const std::vector<double> times = options.t_end ? std::vector{*options.t_end} : end_times(problem.t_end);
   check({.t_end = times.back(), .h = times.back()}, method, problem);

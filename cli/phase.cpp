@@ -59,7 +59,7 @@ Figure phase_portrait(const PhaseView& view) {
     for (const bool into : {false, true})
       for (Curve& way : ways_of(view, e, into)) figure.panels[0].curves.push_back(std::move(way));
   }
-  figure.footer = describe(view.problem.parameters);
+  figure.footer = describe_acting(view.problem);
   return figure;
 }
 
@@ -134,8 +134,7 @@ Window parse_window(const std::string& text) {
 std::string short_name(double value) { return short_number(value + 0.0, 5); }
 
 std::string headline(const Problem& problem) {
-  return fmt::format("{} with {}\n", problem.id,
-                     problem.parameters.empty() ? "no parameters" : describe(problem.parameters));
+  return fmt::format("{} with {}\n", problem.id, describe_acting(problem));
 }
 
 std::string equilibria_table(const PhaseView& view, const Console& console) {

@@ -59,11 +59,11 @@ Figure picture(const PhaseView& view, const Basins& found) {
   for (const Equilibrium& e : view.equilibria)
     if (e.type == EquilibriumType::saddle)
       for (Curve& way : ways_of(view, e, true)) panel.curves.push_back(std::move(way));
-  return {.title = fmt::format("{}: where each start comes to rest", view.problem.id),
-          .panels = {panel},
-          .footer =
-              fmt::format("{}; {} x {} starts", describe(view.problem.parameters), found.columns, found.rows),
-          .panel_height = 440};
+  return {
+      .title = fmt::format("{}: where each start comes to rest", view.problem.id),
+      .panels = {panel},
+      .footer = fmt::format("{}; {} x {} starts", describe_acting(view.problem), found.columns, found.rows),
+      .panel_height = 440};
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ Figure picture(const PhaseView& view, const MapView& seen) {
           .panels = {phase_panel(plane), right},
           .columns = 2,
           .footer = fmt::format("{}: {}; {} steps from each start", view.problem.id,
-                                describe(view.problem.parameters), shown_steps),
+                                describe_acting(view.problem), shown_steps),
           .panel_height = 330};
 }
 

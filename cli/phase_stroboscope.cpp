@@ -181,12 +181,12 @@ Figure picture(const Problem& problem, const Section& section) {
   std::string title = verdict(section);
   title = title.substr(0, title.find(','));
   title[0] = 'T';
-  return {.title = title,
-          .panels = {panel},
-          .footer = fmt::format("{}: {}; {} looks after {} periods of {} s", problem.id,
-                                describe(problem.parameters), section.looks.count, section.looks.skip,
-                                short_name(section.drive_period)),
-          .panel_height = 440};
+  return {
+      .title = title,
+      .panels = {panel},
+      .footer = fmt::format("{}: {}; {} looks after {} periods of {} s", problem.id, describe_acting(problem),
+                            section.looks.count, section.looks.skip, short_name(section.drive_period)),
+      .panel_height = 440};
 }
 
 /// The values of --from ... --to.

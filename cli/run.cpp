@@ -341,8 +341,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
                        bool own_tableau, const Console& console) {
   const auto& [record, cpu_seconds] = run;
   const bool done = record.outcome == Outcome::reached_end;
-  std::string text = fmt::format("{} with {}\n", problem.id,
-                                 problem.parameters.empty() ? "no parameters" : describe(problem.parameters));
+  std::string text = fmt::format("{} with {}\n", problem.id, describe_acting(problem));
   if (problem.body) text += body_in_words(problem) + "\n";
   text += fmt::format("{}, {}", method.id,
                       spec.adaptive ? fmt::format("rtol {}, atol {}, control {}", to_text(spec.rtol),
@@ -396,7 +395,7 @@ BodyPicture picture_of(const RunOptions& options, const Problem& problem, const 
                       body.least_volume(record.t, q).first > 0 ? "" : "turned inside out, ",
                       short_number(1000 * largest_displacement(q), 3)),
       .caption =
-          fmt::format("{}; {}. {}, {}.", problem.note, describe(problem.parameters), method.id,
+          fmt::format("{}; {}. {}, {}.", problem.note, describe_acting(problem), method.id,
                       spec.adaptive ? fmt::format("rtol {}, atol {}", to_text(spec.rtol), to_text(spec.atol))
                                     : fmt::format("h = {} s", to_text(spec.h))),
       .views = {body_view(body, record.t, q, value)}};
@@ -450,6 +449,7 @@ void run(const RunOptions& options, Console& console) {
   if (options.picture.wanted()) options.picture.check(*problem.body);
 
   remark_unusual(console, problem);
+  options.problem.remark_idle(console, problem);
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
   std::optional<std::size_t> points;

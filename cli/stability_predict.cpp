@@ -435,6 +435,7 @@ void predict_rows(const PredictOptions& asked, Console& console) {
             "leave out --verify, or name methods of `hmax list methods`",
             method.id));
   std::ranges::for_each(problems, [&](const Problem& problem) { remark_unusual(console, problem); });
+  asked.problem.remark_idle(console, problems.front());
   std::vector<PredictedRow> rows;
   Json models = Json::array();
   std::string states;

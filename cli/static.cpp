@@ -133,7 +133,7 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
   const std::string iterations = iterations_in_words(settings);
   const FigureFiles figure =
       draw(residual_figure(ways, fmt::format("{}: residuals of static solvers", problem.id),
-                           fmt::format("{}; {}; {}", problem.note, describe(problem.parameters), iterations)),
+                           fmt::format("{}; {}; {}", problem.note, describe_acting(problem), iterations)),
            options.compare, "residuals");
   if (std::ranges::none_of(ways, [](const StaticWay& way) { return way.solution.converged; }))
     console.exit_code = Exit::failed;
@@ -162,9 +162,9 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
          {"linear_tolerance", settings.inner_tolerance ? Json(*settings.inner_tolerance) : Json()},
          {"ways", list},
          {"figure", figure.drawn() ? Json(file) : Json()}});
-  console.print(fmt::format(
-      "{} with {}\n{}\n{}{}\n\n{}", problem.id, describe(problem.parameters), problem.note, iterations,
-      options.relaxation ? "" : ", the best for the stiffness at rest", table.text(console)));
+  console.print(fmt::format("{} with {}\n{}\n{}{}\n\n{}", problem.id, describe_acting(problem), problem.note,
+                            iterations, options.relaxation ? "" : ", the best for the stiffness at rest",
+                            table.text(console)));
   std::string notes;
   for (const StaticWay& way : ways)
     if (const std::string status = status_of(problem, way.solution); !status.empty())
@@ -188,8 +188,8 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
                            outcome == "converged" ? "" : no_equilibrium,
                            short_number(1000 * largest_displacement(solution.q), 3)),
       .caption =
-          fmt::format("{}; {}. Static balance by {}, {}, in {} load step{}.", problem.note,
-                      describe(problem.parameters), name_of(settings.method), name_of(settings.inner),
+          fmt::format("{}; {}. Static equilibrium by {}, {}, in {} load step{}.", problem.note,
+                      describe_acting(problem), name_of(settings.method), name_of(settings.inner),
                       solution.history.back().load_steps, solution.history.back().load_steps == 1 ? "" : "s"),
       .views = {body_view(*problem.body, equilibrium_time(*problem.body), solution.q, value)}};
   picture.colours = colours_of(value, picture.views);
@@ -299,7 +299,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (!options.output.empty()) {
     Table table;
     table.notes = {{"problem", problem.id},
-                   {"parameters", describe(problem.parameters)},
+                   {"parameters", describe_acting(problem)},
                    {"solver", std::string(name_of(settings.method))},
                    {"linear", std::string(name_of(settings.inner))}};
     table.columns = {"iteration", "load step", "residual", "time [s]", "inner iterations"};
@@ -359,7 +359,7 @@ void solve(const StaticOptions& options, Console& console) {
   }
   console.print(
       fmt::format("{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}",
-                  problem.id, describe(problem.parameters), body_in_words(problem), name_of(settings.method),
+                  problem.id, describe_acting(problem), body_in_words(problem), name_of(settings.method),
                   name_of(settings.inner), table.text(console), outcome, status.empty() ? "" : ": " + status,
                   short_number(1000 * largest_displacement(solution.q), 5), short_number(energy, 5),
                   tool ? "tool: " + tool->words() + "\n" : ""));

@@ -189,6 +189,50 @@ TEST(TissueProblem, RefusesNumbersThatNothingReads) {
   EXPECT_EQ(refusal("fem_green@phantom", "force", 0.5), "taken");
 }
 
+TEST(TissueProblem, RefusesParametersThatChangeNothingBesideOthers) {
+  const auto refusal = [](const std::string& id, std::vector<std::pair<std::string, double>> parameters,
+                          std::string material = {}) {
+    try {
+      make_problem(id, {.material = std::move(material), .parameters = std::move(parameters), .y0 = {}});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  for (const char* nu : {"nu", "nu:1"})
+    for (const double value : {0.3, 0.45})
+      EXPECT_NE(refusal("mass_spring@phantom", {{nu, value}}).find("Poisson's ratio of 1/4"),
+                std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", {{"rho", 900}, {"mass", 1}}).find("mass=0"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@phantom", {{"rho", 900}}, "male_slim").find("mass=0"), std::string::npos);
+  EXPECT_EQ(refusal("fem_green@phantom", {{"rho", 900}, {"mass", 0}}, "male_slim"), "taken");
+  EXPECT_NE(refusal("mass_spring@phantom", {{"E", 8000}, {"k", 10}}).find("k = 10"), std::string::npos);
+  EXPECT_EQ(refusal("mass_spring@phantom", {{"E", 8000}, {"k", 10}, {"skin", 1000}}), "taken");
+  EXPECT_EQ(refusal("mass_spring/tool@phantom", {{"E", 8000}, {"k", 10}}), "taken");
+  EXPECT_NE(refusal("fem_green@cube", {{"support", 0.3}, {"xmax", 0.01}}).find("a box"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@cube", {{"axis", 1}, {"xmax", 0.01}}).find("axis does not act"),
+            std::string::npos);
+  EXPECT_EQ(refusal("fem_green/press@cube", {{"axis", 1}, {"xmax", 0.01}}), "taken");
+}
+
+TEST(TissueProblem, DescribesTheParametersThatAct) {
+  const auto acting = [](const std::string& id, ProblemSettings settings = {}) {
+    return " " + describe_acting(make_problem(id, settings)) + " ";
+  };
+  const std::string springs =
+      acting("mass_spring/press@phantom", {.material = "male_slim", .parameters = {}, .y0 = {}});
+  for (const char* idle : {" nu=", " rho=", " g=", " depth=", " equal_masses="})
+    EXPECT_EQ(springs.find(idle), std::string::npos) << springs;
+  for (const char* shown : {" E=", " mass=", " damper=", " force=", " support=", " axis="})
+    EXPECT_NE(springs.find(shown), std::string::npos) << springs;
+  const std::string elements = acting("fem_green@phantom");
+  EXPECT_NE(elements.find(" nu=0.45 rho=1060 "), std::string::npos) << elements;
+  EXPECT_EQ(elements.find("damper"), std::string::npos) << elements;
+  EXPECT_EQ(acting("liver_linear").find("k3="), std::string::npos);
+  EXPECT_EQ(acting("liver_cubic").find("w="), std::string::npos);
+  EXPECT_EQ(acting("liver_forced"), " m=1.45 c=2 k1=0.7 k3=0.8 P=0.5 w=0.5 ");
+}
+
 /// The settings of a body of the name `id`.
 TissueSettings settings_with(const std::string& id, std::vector<std::pair<std::string, double>> parameters) {
   return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}).body->settings();

@@ -225,6 +225,25 @@ TEST(Run, RefusesAnOutputThatCannotBeWritten) {
   EXPECT_FALSE(std::filesystem::exists(shell / "m.csv"));
 }
 
+TEST(Run, ListsTheParametersThatActAndSaysWhichDoNot) {
+  const Shell shell;
+  const auto first_line = [](const Told& told) { return told.out.substr(0, told.out.find('\n')); };
+  const Told linear = shell.hmax("run --problem liver_linear --method rk4 --h 0.5");
+  EXPECT_EQ(first_line(linear), "liver_linear with m=1.45 c=0.3 k1=5.3");
+  EXPECT_EQ(linear.err, "");
+  const Told driven = shell.hmax("run --problem liver_linear --method rk4 --h 0.5 --set w=2");
+  EXPECT_NE(driven.err.find("w of --set changes nothing"), std::string::npos) << driven.err;
+  const std::string springs = "run --mesh phantom --model mass_spring --method rk4 --h 0.001 --t-end 0.01 ";
+  const Told plain = shell.hmax(springs);
+  EXPECT_EQ(first_line(plain).find("nu="), std::string::npos) << plain.out;
+  EXPECT_EQ(plain.err, "");
+  expect_refused(shell.hmax(springs + "--set nu=0.3"), "nu does not act on mass_spring");
+  const Told material = shell.hmax(springs + "--material male_slim");
+  EXPECT_EQ(material.exit_code, 0);
+  EXPECT_NE(material.err.find("springs have 1/4 whatever the material says"), std::string::npos)
+      << material.err;
+}
+
 TEST(Run, CountsNewtonIterationsOfTheMethodsWhoseLimitItTakes) {
   const Shell shell;
   for (const char* method : {"explicit_newmark", "newmark", "rk4", "rodas_4", "symplectic_euler"}) {
