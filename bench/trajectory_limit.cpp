@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -68,6 +69,31 @@ MotionSize size_of(const Eigen::Ref<const Eigen::VectorXd>& y, bool mechanical) 
 }
 
 }  // namespace
+
+std::optional<double> period_of_load(const Problem& problem) {
+  double slowest = infinity;
+  const auto look_at = [&](const TimeProfile& profile) {
+    if (profile.kind == TimeProfile::Kind::sine && profile.omega != 0)
+      slowest = std::min(slowest, std::abs(profile.omega));
+  };
+  if (problem.body) {
+    const TissueSettings& settings = problem.body->settings();
+    for (const Support& support : settings.supports) look_at(support.profile);
+    for (const PressingForce& load : settings.forces) look_at(load.profile);
+    for (const SphereTool& tool : settings.tools) look_at(tool.profile);
+  } else if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
+    const OscillatorParameters& p = oscillator->parameters();
+    if (p.P != 0 && p.w != 0) slowest = std::abs(p.w);
+  }
+  if (std::isinf(slowest)) return std::nullopt;
+  return 2 * std::numbers::pi / slowest;
+}
+
+double end_of_motion(const Problem& problem) {
+  constexpr double most_ends = 100;
+  const double period = period_of_load(problem).value_or(0);
+  return period <= most_ends * problem.t_end ? std::max(period, problem.t_end) : problem.t_end;
+}
 
 Path motion_path(const Problem& problem, double t_end, int points, const Watcher& watcher) {
   struct Inverted {};

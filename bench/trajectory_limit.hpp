@@ -22,6 +22,13 @@ struct Path {
   std::string note;                ///< why it ends early; empty when it does not
 };
 
+/// The longest period of what drives a problem [s]; nothing where no period is known.
+std::optional<double> period_of_load(const Problem& problem);
+
+/// The end of the motion that is looked at where nobody names one [s]: a whole period of the load, up to a
+/// hundred times the problem's own end, and that at least.
+double end_of_motion(const Problem& problem);
+
 /// The motion from y0 to t_end by dormand_prince_54 at a tolerance of 1e-10, looked at `points` times; of a
 /// body as far as none of its elements is turned inside out.
 /// @throws InputError  when t_end is no end of a run, or the motion does not reach it within

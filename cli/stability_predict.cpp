@@ -47,6 +47,8 @@ struct PredictOptions {
   std::optional<double> t_end;
 
   [[nodiscard]] bool along_load() const { return along == path_names[1]; }
+  /// Of the motion that is looked at [s].
+  [[nodiscard]] double end_of(const Problem& problem) const { return t_end.value_or(end_of_motion(problem)); }
 };
 
 /// Whether the load changes with time, so that one state does not tell of all.
@@ -327,7 +329,7 @@ Path path_of(const PredictOptions& options, const Problem& problem, const Watche
   if (options.along_load()) return load_path(problem, 40, watcher);
   // Contact comes and goes faster than a body moves otherwise.
   const int points = problem.body && problem.body->settings().tools.empty() ? 100 : 400;
-  return motion_path(problem, options.t_end.value_or(problem.t_end), points, watcher);
+  return motion_path(problem, options.end_of(problem), points, watcher);
 }
 
 /// What is to be said of rows, once of all methods of which it is to be said.
@@ -365,7 +367,7 @@ void look_along(const PredictOptions& options, const Problem& problem, const Pat
     rows[i].path_note = path.note;
   }
   if (!options.runs_from_start) return;
-  const double t_end = options.t_end.value_or(problem.t_end);
+  const double t_end = options.end_of(problem);
   std::optional<MotionSize> size;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!limits[i] || !(limits[i]->least > 0) || !std::isfinite(limits[i]->least)) continue;
@@ -385,6 +387,14 @@ std::string without_motion(const Problem& problem, const InputError& error) {
   return fmt::format("{}, but its motion is not in these limits: {}", why_along(problem), error.what());
 }
 
+/// Says where a motion is less than a period of its load; empty where it is not.
+std::string words_of_part(const Problem& problem, double t_end) {
+  const std::optional<double> period = period_of_load(problem);
+  if (!period || t_end >= (1 - 1e-5) * *period) return {};
+  return fmt::format("the motion ends at t = {} s, before one period of the load, {} s; take --t-end {}\n",
+                     short_number(t_end), short_number(*period), short_number(*period));
+}
+
 /// What the limits of a model hold for, and where it was linearised.
 std::string words_of_model(const PredictOptions& options, const Problem& problem, const Linearised& near,
                            bool has_path) {
@@ -393,12 +403,13 @@ std::string words_of_model(const PredictOptions& options, const Problem& problem
     words += fmt::format(
         "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
         "motion to t = {} s\n",
-        why_along(problem), short_number(options.t_end.value_or(problem.t_end)));
+        why_along(problem), short_number(options.end_of(problem)));
   else if (problem.body && !has_path && near.state_kind == "equilibrium" && near.model.y.norm() > 0 &&
            problem.body->settings().model != TissueModel::fem_cauchy)
     words +=
         "h_max is that of small motions about this state; a load that acts at once passes others, which --along looks "
         "at\n";
+  if (has_path && options.along == path_names[0]) words += words_of_part(problem, options.end_of(problem));
   if (const auto tool = tool_report(problem, near.model.t, near.model.y); tool && near.at_equilibrium)
     words += fmt::format("tool: {}\n", tool->words());
   return words;
@@ -496,7 +507,6 @@ void predict_rows(const PredictOptions& asked, Console& console) {
         if (const auto& seen = row.prediction.observed; seen && seen->contradicts())
           console.exit_code = Exit::failed;
       if (!path || interrupted) continue;
-      progress.update(static_cast<double>(rows.size()) / total, "along the " + options.along);
       try {
         look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()));
       } catch (const Interrupted&) {
@@ -564,7 +574,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       ->type_name("motion|load|none")
       ->expected(0, 1)
       ->default_str(std::string(path_names[0]));
-  add_number(command, "--t-end", options->t_end, "End of that motion [s]; the problem's own by default");
+  add_number(command, "--t-end", options->t_end,
+             "End of that motion [s]; by default the problem's own, and at least a period of its load");
   command.callback([options, &console] { predict_rows(*options, console); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -29,6 +30,24 @@ TEST(LimitAlongAMotion, OfALinearModelIsThatAtRestEverywhere) {
     const double at_rest = predict(method, problem, linearised(problem)).h_max.value();
     for (const double h : along->h_max) EXPECT_NEAR(h, at_rest, 1e-9 * at_rest) << name;
   }
+}
+
+TEST(LimitAlongAMotion, LooksAlongAWholePeriodOfTheLoad) {
+  const auto breathing = [](double period) {
+    return end_of_motion(make_problem("fem_green/breathing@cube:n=1",
+                                      {.material = {}, .parameters = {{"period", period}}, .y0 = {}}));
+  };
+  EXPECT_DOUBLE_EQ(breathing(4), 4);
+  EXPECT_DOUBLE_EQ(breathing(10), 10);
+  EXPECT_DOUBLE_EQ(breathing(0.1), 1);
+  EXPECT_DOUBLE_EQ(breathing(1e6), 1) << "what takes too long is said instead";
+  const auto forced = [](double w) {
+    return end_of_motion(make_problem("liver_forced", {.material = {}, .parameters = {{"w", w}}, .y0 = {}}));
+  };
+  EXPECT_DOUBLE_EQ(forced(0.5), 100);
+  EXPECT_NEAR(forced(0.05), 40 * std::numbers::pi, 1e-9);
+  EXPECT_FALSE(period_of_load(make_problem("liver_cubic")));
+  EXPECT_FALSE(period_of_load(make_problem("fem_green/tool@cube:n=1")));
 }
 
 TEST(LimitAlongAMotion, OfAHardeningSpringIsLeastWhereItTurns) {

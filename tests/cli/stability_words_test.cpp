@@ -1,0 +1,26 @@
+/// What `hmax stability predict` says of its rows, and of the motion that it looks along.
+#include <cmath>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(StabilityPredict, LooksAlongAWholePeriodOrSaysThatItDoesNot) {
+  const Shell shell;
+  const std::string line = "stability predict --mesh cube:n=1 --load breathing --methods rk4 ";
+  const Told whole = shell.hmax(line);
+  EXPECT_NE(whole.out.find("motion to t = 4 s"), std::string::npos) << whole.out;
+  EXPECT_EQ(whole.out.find("before one period"), std::string::npos) << whole.out;
+  EXPECT_NEAR(
+      shell.hmax(line + "--json").json().at("rows").at(0).at("along").at("path").back().at(0).get<double>(),
+      4, 1e-9);
+  const Told part = shell.hmax(line + "--t-end 1");
+  EXPECT_NE(part.out.find("before one period of the load, 4 s"), std::string::npos) << part.out;
+  EXPECT_NE(part.out.find("--t-end 4"), std::string::npos) << part.out;
+}
+
+}  // namespace
+}  // namespace hmax
