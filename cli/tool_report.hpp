@@ -28,7 +28,7 @@ struct ToolReport {
 /// @param y  the state, or the displacements alone
 std::optional<ToolReport> tool_report(const Problem& problem, double t, const Eigen::VectorXd& y);
 
-/// Prints the warning, if there is one, on standard error.
+/// Prints the warning, if there is one, on standard error; nothing before the press has ended.
 void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y);
 
 }  // namespace hmax

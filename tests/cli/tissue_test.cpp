@@ -316,6 +316,15 @@ TEST(Static, RunAndPredictSayHowDeepAToolIndents) {
   EXPECT_NE(Shell{}.hmax(predict + " --at rest").err.find("does not touch"), std::string::npos);
 }
 
+TEST(Static, WarnsOfAShallowToolOnlyOnceItsPressHasEnded) {
+  const std::string run =
+      "run --mesh phantom --load tool --method linearly_implicit_euler --h 0.01 --set "
+      "tool_stiffness=1e5 --t-end ";
+  EXPECT_EQ(Shell{}.hmax(run + "0.1").err, "");
+  EXPECT_EQ(Shell{}.hmax(run + "0.49").err, "");
+  EXPECT_NE(Shell{}.hmax(run + "0.5").err.find("raise tool_stiffness"), std::string::npos);
+}
+
 TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {
   const Json frames = json_of("static --mesh phantom --load press --pseudo-dynamic 1 --frames 10 --json");
   EXPECT_EQ(frames.at("frames").size(), 10u);
