@@ -17,6 +17,7 @@
 #include "cli/outputs.hpp"
 #include "cli/tool_report.hpp"
 #include "integrators/control.hpp"
+#include "integrators/newton.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/mesh_import.hpp"
 #include "problems/tissue/mesh_writers.hpp"
@@ -239,6 +240,28 @@ std::size_t write_points(const RunOptions& options, const RunSpec& spec, const P
   return table.values[0].size();
 }
 
+/// Whether the user limits the iterations of an adaptive run, which then takes shorter steps instead.
+bool is_limited(const RunRecord& record, const RunSpec& spec) {
+  return spec.adaptive && spec.newton.iterations > 0 && record.stats.newton > 0;
+}
+constexpr const char* without_limit =
+    "run without --newton-iterations, which tells whether its limit is the cause";
+
+/// Whether equations were not solved because the user's --newton-iterations did not suffice.
+bool stopped_by_limit(const RunRecord& record, const RunSpec& spec) {
+  return spec.newton.iterations > 0 && record.note == to_string(NewtonEnd::too_slow);
+}
+
+/// Why the equations of a fixed step were not solved, and what to do about it.
+std::string unsolved_in_words(const RunRecord& record, const RunSpec& spec) {
+  if (stopped_by_limit(record, spec))
+    return fmt::format("Newton's method has not converged within {} iteration{}; raise --newton-iterations",
+                       spec.newton.iterations, spec.newton.iterations == 1 ? "" : "s");
+  return fmt::format("{}; take a smaller step{}",
+                     record.note.empty() ? "the equations of a step are not solved" : record.note,
+                     spec.jacobian.every == JacobianUpdate::automatic ? "" : " or --jacobian auto");
+}
+
 /// What happened, and what to do about it when the end was not reached.
 std::string in_words(const RunRecord& record, const RunSpec& spec) {
   const std::string at = fmt::format("t = {} s{}", short_number(record.t, 10),
@@ -253,16 +276,16 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
              (spec.adaptive ? "; the solution may have no bound, or the tolerances are too loose for it"
                             : "; take a smaller step");
     case Outcome::step_too_small:
-      return "got stuck at " + at +
-             ", where no step meets the tolerances; the solution may have no bound there, or they are too "
-             "tight";
+      return "got stuck at " + at + ", where no step meets the tolerances; " +
+             (is_limited(record, spec) ? without_limit
+                                       : "the solution may have no bound there, or they are too tight");
     case Outcome::too_many_steps:
-      return fmt::format("used up {} steps at {}; raise --max-steps or take looser tolerances",
-                         spec.max_steps, at);
+      return fmt::format(
+          "used up {} steps at {}; {}", spec.max_steps, at,
+          is_limited(record, spec) ? without_limit : "raise --max-steps or take looser tolerances");
     case Outcome::newton_failed:
-      return fmt::format("stopped at t = {} s: {}; take a smaller step{}", short_number(record.t, 10),
-                         record.note.empty() ? "the equations of a step are not solved" : record.note,
-                         spec.jacobian.every == JacobianUpdate::automatic ? "" : " or --jacobian auto");
+      return fmt::format("stopped at t = {} s: {}", short_number(record.t, 10),
+                         unsolved_in_words(record, spec));
   }
   return "ended at " + at;
 }

@@ -244,6 +244,22 @@ TEST(Run, ListsTheParametersThatActAndSaysWhichDoNot) {
       << material.err;
 }
 
+TEST(Run, SaysWhenItsLimitOfNewtonIterationsIsTheCause) {
+  const Shell shell;
+  const std::string body =
+      "run --mesh phantom --load press --h 0.01 --t-end 0.05 --newton-iterations 1 --method ";
+  for (const char* method : {"newmark", "implicit_euler", "radau_iia_5"}) {
+    const Told told = shell.hmax(body + method);
+    EXPECT_EQ(told.exit_code, 1) << method;
+    EXPECT_NE(told.out.find("within 1 iteration; raise --newton-iterations"), std::string::npos) << told.out;
+    EXPECT_EQ(told.out.find("smaller step"), std::string::npos) << told.out;
+  }
+  const Told adaptive = shell.hmax(
+      "run --problem van_der_pol --method radau_iia_5 --rtol 1e-6 --atol 1e-6 --newton-iterations 1 --max-steps 1e5");
+  EXPECT_EQ(adaptive.exit_code, 1);
+  EXPECT_NE(adaptive.out.find("--newton-iterations"), std::string::npos) << adaptive.out;
+}
+
 TEST(Run, CountsNewtonIterationsOfTheMethodsWhoseLimitItTakes) {
   const Shell shell;
   for (const char* method : {"explicit_newmark", "newmark", "rk4", "rodas_4", "symplectic_euler"}) {
