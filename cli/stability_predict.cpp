@@ -356,12 +356,20 @@ std::string words_of_notes(const std::vector<PredictedRow>& rows) {
   return text;
 }
 
+/// What goes on along a path, and how to go without where nobody asked for it.
+std::string task_along(const PredictOptions& options, const Problem& problem, std::string_view what) {
+  return fmt::format("{} {}{}", what,
+                     options.along_load()
+                         ? "the growing load"
+                         : fmt::format("the motion to t = {} s", short_number(options.end_of(problem))),
+                     options.along_by_default ? "; --along none goes without" : "");
+}
+
 /// Puts the limits along a path into the rows of one problem.
 /// @throws Interrupted  after Ctrl-C; what is in the rows by then is finished
 void look_along(const PredictOptions& options, const Problem& problem, const Path& path,
-                std::span<const Method> methods, std::span<PredictedRow> rows) {
-  const std::vector<std::optional<TrajectoryLimit>> limits =
-      limits_along(methods, problem, path, leave_when_interrupted);
+                std::span<const Method> methods, std::span<PredictedRow> rows, const Watcher& watcher) {
+  const std::vector<std::optional<TrajectoryLimit>> limits = limits_along(methods, problem, path, watcher);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].along = limits[i];
     rows[i].path_note = path.note;
@@ -371,9 +379,8 @@ void look_along(const PredictOptions& options, const Problem& problem, const Pat
   std::optional<MotionSize> size;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!limits[i] || !(limits[i]->least > 0) || !std::isfinite(limits[i]->least)) continue;
-    if (!size) size = size_of_motion(problem, t_end, leave_when_interrupted);
-    rows[i].from_start =
-        limit_from_start(methods[i], problem, t_end, limits[i]->least, *size, leave_when_interrupted);
+    if (!size) size = size_of_motion(problem, t_end, watcher);
+    rows[i].from_start = limit_from_start(methods[i], problem, t_end, limits[i]->least, *size, watcher);
   }
 }
 
@@ -456,12 +463,15 @@ void predict_rows(const PredictOptions& asked, Console& console) {
     for (std::size_t which = 0; which < problems.size() && !interrupted; ++which) {
       const Problem& problem = problems[which];
       std::optional<Path> path;
-      const auto watch = [&] {
-        leave_when_interrupted();
-        progress.update(static_cast<double>(rows.size()) / total, "finding the " + options.along);
+      const auto watch = [&](std::string_view what) -> Watcher {
+        const std::string task = task_along(options, problem, what);
+        return [&, task] {
+          leave_when_interrupted();
+          progress.update(static_cast<double>(rows.size()) / total, task);
+        };
       };
       try {
-        if (!options.along.empty()) path = path_of(options, problem, watch);
+        if (!options.along.empty()) path = path_of(options, problem, watch("finding"));
       } catch (const Interrupted&) {
         break;  // the flag stays set: what is finished is printed
       } catch (const InputError& error) {
@@ -508,7 +518,8 @@ void predict_rows(const PredictOptions& asked, Console& console) {
           console.exit_code = Exit::failed;
       if (!path || interrupted) continue;
       try {
-        look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()));
+        look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()),
+                   watch("limits along"));
       } catch (const Interrupted&) {
         break;
       } catch (const InputError& error) {

@@ -6,23 +6,29 @@
 #include <regex>
 #include <string>
 #include <unistd.h>
+#include <vector>
 
 #include "tests/cli/program.hpp"
 
 namespace hmax {
 namespace {
 
-/// A run of 5e8 steps whose standard error is a terminal, and whose standard output is a file.
+/// A run of 5e8 steps, or another long command, whose standard error is a terminal, and whose standard output
+/// is a file.
 class LongRun {
  public:
-  LongRun() {
+  explicit LongRun(const std::vector<const char*>& words = {"run", "--problem", "liver_forced", "--method",
+                                                            "rk4", "--h", "2e-7", "--t-end", "100",
+                                                            "--max-steps", "1e9"}) {
+    std::vector<char*> arguments{const_cast<char*>("hmax")};
+    for (const char* word : words) arguments.push_back(const_cast<char*>(word));
+    arguments.push_back(nullptr);
     const std::string out = (folder_ / "out").string();
     child_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
     if (child_ != 0) return;
     setenv("TERM", "xterm", 1);
     dup2(open(out.c_str(), O_WRONLY | O_CREAT, 0600), STDOUT_FILENO);
-    execl(HMAX_PROGRAM, "hmax", "run", "--problem", "liver_forced", "--method", "rk4", "--h", "2e-7",
-          "--t-end", "100", "--max-steps", "1e9", nullptr);
+    execv(HMAX_PROGRAM, arguments.data());
     _exit(127);
   }
   ~LongRun() {
@@ -78,6 +84,13 @@ TEST(Progress, SaysHowFarALongRunIsAndHowLongItTakesAndWipesItselfOut) {
   const std::string end = run.screen_with(std::regex("is kept"));
   EXPECT_NE(end.find("\r\x1b[Khmax: interrupted; what was finished is kept\r\n"), std::string::npos) << end;
   EXPECT_EQ(run.results(), "");
+}
+
+TEST(Progress, OfALongPredictionSaysWhatItLooksAlongAndHowToGoWithout) {
+  LongRun run({"stability", "predict", "--mesh", "liver:refine=1", "--load", "tool", "--methods", "rk4"});
+  const std::string screen = run.screen_with(std::regex("go(es)? without"));
+  EXPECT_NE(screen.find("finding the motion to t = 1 s; --along none goes without"), std::string::npos)
+      << screen;
 }
 
 TEST(Progress, IsForTerminalsAlone) {
