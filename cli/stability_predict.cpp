@@ -264,6 +264,12 @@ std::string words_of(const std::optional<double>& h) {
   return !h ? "-" : std::isinf(*h) ? "unbounded" : std::isnan(*h) ? "grows" : short_number(*h, 7);
 }
 
+/// "+0.0012 %"; without a sign what rounds to nothing.
+std::string percents(double share) {
+  const std::string text = fmt::format("{:+.4f} %", 100 * share);
+  return text.find_first_of("123456789") == std::string::npos ? text.substr(1) : text;
+}
+
 std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptions& options,
                        const Console& console) {
   const bool verified = options.verify;
@@ -304,7 +310,7 @@ std::string for_people(const std::vector<PredictedRow>& rows, const PredictOptio
     if (verified) {
       const auto& seen = row.observed;
       cells.push_back(seen ? words_of(seen->h_max) : "-");
-      cells.push_back(seen && std::isfinite(seen->gap) ? fmt::format("{:+.4f} %", 100 * seen->gap) : "-");
+      cells.push_back(seen && std::isfinite(seen->gap) ? percents(seen->gap) : "-");
       cells.push_back(seen ? std::to_string(seen->steps) : "-");
     }
     if (!options.along.empty()) {

@@ -22,5 +22,14 @@ TEST(StabilityPredict, LooksAlongAWholePeriodOrSaysThatItDoesNot) {
   EXPECT_NE(part.out.find("--t-end 4"), std::string::npos) << part.out;
 }
 
+TEST(StabilityPredict, PrintsAGapThatRoundsToNothingWithoutASign) {
+  const std::string line = "stability predict --problem liver_linear --set c=6 --methods rkc_2 --verify ";
+  const double gap = Shell{}.hmax(line + "--json").json().at("rows").at(0).at("gap");
+  ASSERT_LT(std::abs(gap), 5e-7);
+  const Told told = Shell{}.hmax(line);
+  EXPECT_NE(told.out.find(" 0.0000 %"), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("+0.0000"), std::string::npos) << told.out;
+}
+
 }  // namespace
 }  // namespace hmax
