@@ -391,10 +391,13 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   }
   if (!seen.agrees && seen.steps >= most_observed_steps)
     excuse = fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
-  if (!is_linear(problem) && is_driven(free) && !seen.agrees)
+  if (!is_linear(problem) && is_driven(free) && !seen.agrees) {
     excuse =
-        "the force moves the model away from this state, so that small motions are those about another; the limit "
+        "the force moves the model away from this state, so that the runs show the limit of other states; the limit "
         "along the motion says more";
+    // Limits of different states are no prediction and observation of one.
+    seen.gap = std::numeric_limits<double>::quiet_NaN();
+  }
   seen.excused = !seen.agrees && !excuse.empty();
   if (!seen.agrees) row.note = seen.excused ? excuse : contradiction;
   seen.step_defect = step_defect(method);

@@ -31,5 +31,22 @@ TEST(StabilityPredict, PrintsAGapThatRoundsToNothingWithoutASign) {
   EXPECT_EQ(told.out.find("+0.0000"), std::string::npos) << told.out;
 }
 
+TEST(StabilityPredict, HasNoGapBetweenLimitsOfDifferentStates) {
+  const Json rows =
+      Shell{}
+          .hmax(
+              "stability predict --problem liver_forced --methods explicit_runge_kutta,structural --verify --json")
+          .json()
+          .at("rows");
+  int moved = 0;
+  for (const Json& row : rows) {
+    if (row.at("observed").is_null()) continue;
+    const bool away = row.value("status", "").find("moves the model away") != std::string::npos;
+    moved += away;
+    EXPECT_EQ(row.at("gap").is_null(), away || row.at("observed") == "unbounded") << row;
+  }
+  EXPECT_GT(moved, 0);
+}
+
 }  // namespace
 }  // namespace hmax
