@@ -13,6 +13,7 @@
 #include "bench/support_sets.hpp"
 #include "problems/tissue/contact.hpp"
 #include "problems/tissue/materials.hpp"
+#include "problems/tissue/surface_place.hpp"
 #include "problems/tissue/topology.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -356,9 +357,14 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
     throw InputError(
         which +
         " meets nothing of the body; place it nearer, turn it, or give a larger depth or tool_radius");
-  for (const TetMesh::Index i : surface.points)
-    if ((mesh.points.col(i) - tool.start).norm() < (1 - 1e-6) * tool.radius)
-      throw InputError(which + " starts inside the body; place its front on the surface or before it");
+  // A sphere rests on the samples of a triangle a little deeper than on the triangle.
+  const double resting = 0.05 * std::min(p.depth > 0 ? p.depth : tool.radius, tool.radius);
+  const SurfacePlace place = place_beside(mesh.points, surface.triangles, tool.start);
+  const bool meets_point = std::ranges::any_of(surface.points, [&](TetMesh::Index i) {
+    return (mesh.points.col(i) - tool.start).norm() < (1 - 1e-6) * tool.radius;
+  });
+  if (place.inside || meets_point || place.distance < tool.radius - resting)
+    throw InputError(which + " starts inside the body; place its front on the surface or before it");
   return tool;
 }
 

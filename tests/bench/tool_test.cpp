@@ -24,7 +24,7 @@ Problem pressed(const std::string& mesh, std::vector<std::pair<std::string, doub
 double share_reached(const Problem& problem) {
   const StaticSolution equilibrium = found_equilibrium(problem, 1, {}, [] { return 0.0; });
   EXPECT_TRUE(equilibrium.converged) << problem.id << ": " << equilibrium.note;
-  const auto reach = problem.body->tool_reaches(problem.body->settled(), equilibrium.q).front();
+  const auto reach = problem.body->tool_reaches(problem.body->steady_from(), equilibrium.q).front();
   EXPECT_GE(reach.displacement, 0.5 * reach.depth) << problem.id;
   return reach.indentation / reach.depth;
 }
@@ -46,6 +46,32 @@ TEST(Tool, StartsWhereItTouchesTheBody) {
   }
   EXPECT_THROW(pressed("liver", {{"tool_x", 0}, {"tool_y", 0}, {"tool_z", 0}}), InputError);
   EXPECT_THROW(pressed("liver", {{"depth", -0.01}}), InputError);
+}
+
+TEST(Tool, ThatBeginsInsideTheBodyIsRefused) {
+  // Points are 5 cm apart: a tool of a millimetre meets none of them.
+  const auto refusal = [](double x, double y, double z) -> std::string {
+    try {
+      pressed("cube:n=2,edge=0.1", {{"tool_x", x},
+                                    {"tool_y", y},
+                                    {"tool_z", z},
+                                    {"tool_radius", 0.001},
+                                    {"tool_dx", 0},
+                                    {"tool_dy", 0},
+                                    {"tool_dz", -1},
+                                    {"depth", 0.04}});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const TetMesh cube = pressed("cube:n=2,edge=0.1").body->mesh();
+  const Eigen::Vector3d low = cube.points.rowwise().minCoeff();
+  const auto at = [&](double x, double y, double z) { return refusal(low(0) + x, low(1) + y, low(2) + z); };
+  EXPECT_NE(at(0.03, 0.02, 0.035).find("starts inside the body"), std::string::npos) << "wholly inside";
+  EXPECT_NE(at(0.03, 0.02, 0.0995).find("starts inside the body"), std::string::npos) << "through a triangle";
+  EXPECT_EQ(at(0.03, 0.02, 0.1), "");
+  EXPECT_EQ(at(0.03, 0.02, 0.11), "");
 }
 
 TEST(Tool, DeeperThanItsDiameterIsFollowedToItsEquilibrium) {
