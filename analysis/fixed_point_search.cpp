@@ -173,16 +173,81 @@ std::optional<int> index_of(const FixedPoint& point) {
   return det.real() > 0 ? 1 : -1;
 }
 
+namespace {
+void sum_indices(FixedPointSearch& found) {
+  found.index_sum = 0;
+  for (const FixedPoint& point : found.points) {
+    const auto index = index_of(point);
+    found.index_sum = index && found.index_sum ? std::optional(*found.index_sum + *index) : std::nullopt;
+  }
+}
+
+/// The largest finite |f_i| on a grid over a window; 1 where that is 0.
+Vector2d size_of_field(const PlanarField& field, const Window& window) {
+  constexpr int grid = 16;
+  Vector2d largest = Vector2d::Zero();
+  for (int i = 0; i <= grid; ++i)
+    for (int j = 0; j <= grid; ++j) {
+      const Vector2d f =
+          field.rhs(window.lower + Vector2d(i, j).cwiseProduct(window.size()) / grid).cwiseAbs();
+      if (f.allFinite()) largest = largest.cwiseMax(f);
+    }
+  return largest.unaryExpr([](double size) { return size > 0 ? size : 1.0; });
+}
+}  // namespace
+
 FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box, std::int64_t most_steps) {
   require_plane(box);
   FixedPointSearch found = CellSearch(map, box, most_steps).run();
   const VectorXd size = box.size();
   found.degree =
       degree_around([&](const VectorXd& y) -> VectorXd { return (map(y) - y).cwiseQuotient(size); }, box);
+  sum_indices(found);
+  return found;
+}
+
+FixedPointSearch search_cheap_map(const VectorFunction& map, const Box& box) {
+  constexpr double same = 1e-5;  // in sizes of the box, as of find_fixed_points
+  FixedPointSearch found = search_fixed_points(map, box);
+  if (!found.whole) found.points.clear();
+  for (const FixedPoint& point : find_fixed_points(map, box))
+    if (std::ranges::none_of(found.points, [&](const FixedPoint& other) {
+          return (other.state - point.state).cwiseQuotient(box.size()).norm() < same;
+        }))
+      found.points.push_back(point);
+  std::ranges::sort(found.points, [](const FixedPoint& a, const FixedPoint& b) {
+    return std::lexicographical_compare(a.state.begin(), a.state.end(), b.state.begin(), b.state.end());
+  });
+  sum_indices(found);
+  return found;
+}
+
+EquilibriumSet search_equilibria(const PlanarField& field, const Window& window) {
+  EquilibriumSet found;
+  found.points = find_equilibria(field, window);
+  const Vector2d size = window.size(), largest = size_of_field(field, window);
+  const VectorFunction map = [&](const VectorXd& y) -> VectorXd {
+    return y + field.rhs(y).cwiseQuotient(largest).cwiseProduct(size);
+  };
+  const FixedPointSearch searched = search_fixed_points(map, {window.lower, window.upper});
+  found.whole = searched.whole;
+  found.degree = searched.degree;
+  if (searched.whole)
+    for (const FixedPoint& point : searched.points) {
+      const std::optional<Equilibrium> refined = equilibrium_from(field, window, point.state);
+      if (refined && std::ranges::none_of(found.points, [&](const Equilibrium& other) {
+            return (other.state - refined->state).cwiseQuotient(size).norm() < 1e-6;
+          }))
+        found.points.push_back(*refined);
+    }
+  std::ranges::sort(found.points, [](const Equilibrium& a, const Equilibrium& b) {
+    return std::pair(a.state(0), a.state(1)) < std::pair(b.state(0), b.state(1));
+  });
   found.index_sum = 0;
-  for (const FixedPoint& point : found.points) {
-    const auto index = index_of(point);
-    found.index_sum = index && found.index_sum ? std::optional(*found.index_sum + *index) : std::nullopt;
+  for (const Equilibrium& point : found.points) {
+    if (point.type == EquilibriumType::degenerate) found.index_sum.reset();
+    if (!found.index_sum) break;
+    *found.index_sum += point.type == EquilibriumType::saddle ? -1 : 1;
   }
   return found;
 }

@@ -1,4 +1,4 @@
-/// All fixed points of a map of the plane in a window, with the degree of the map as a check.
+/// All fixed points of a map of the plane, or equilibria of a field, in a window, with the degree as a check.
 #pragma once
 
 #include <cstdint>
@@ -20,15 +20,19 @@ std::optional<int> degree_around(const VectorFunction& g, const Box& box);
 /// 1e-8, where it is not decided by the multipliers.
 std::optional<int> index_of(const FixedPoint& point);
 
-/// What a search has found, and what that is worth.
-struct FixedPointSearch {
-  std::vector<FixedPoint> points;  ///< in lexicographic order, each once
-  std::optional<int> index_sum;    ///< of the points; nothing where one of them has no index
-  std::optional<int> degree;       ///< of Phi(y) - y around the border; nothing where it has none
-  bool whole = true;               ///< false where the search has been cut short
+/// What the border of a box tells of the points that a search has found inside.
+struct DegreeCheck {
+  std::optional<int> index_sum;  ///< of the points; nothing where one of them has no index
+  std::optional<int> degree;     ///< around the border; nothing where it has none
+  bool whole = true;             ///< false where the search has been cut short
 
   /// Whether the points account for the degree: what is missed then has indices that cancel.
   [[nodiscard]] bool accounts() const { return whole && degree && index_sum == degree; }
+};
+
+/// Fixed points, with the degree of Phi(y) - y.
+struct FixedPointSearch : DegreeCheck {
+  std::vector<FixedPoint> points;  ///< in lexicographic order, each once
 };
 
 /// Every fixed point in a box of the plane. Cells are divided, down to 1/4096 of the box, until either an
@@ -40,5 +44,20 @@ struct FixedPointSearch {
 /// @throws std::invalid_argument when the box is empty, not finite or not of two coordinates
 FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box,
                                      std::int64_t most_steps = 400'000);
+
+/// The same of a map that is cheap: with what find_fixed_points adds, and with that alone where the search is
+/// cut short.
+FixedPointSearch search_cheap_map(const VectorFunction& map, const Box& box);
+
+/// Equilibria, with the degree of f.
+struct EquilibriumSet : DegreeCheck {
+  std::vector<Equilibrium> points;  ///< by first then second component, each once
+};
+
+/// Every equilibrium in a window: those of find_equilibria and of the search in cells, as if f were
+/// Phi(y) - y. The index is sign det J: -1 of saddles, 1 of nodes, foci and centres, none of degenerate ones.
+/// Where equilibria are not isolated the search is cut short, and they are those of find_equilibria alone.
+/// @throws std::invalid_argument as find_equilibria
+EquilibriumSet search_equilibria(const PlanarField& field, const Window& window);
 
 }  // namespace hmax

@@ -160,6 +160,16 @@ EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
 
 EquilibriumType classify(const Matrix2d& J) { return classify(J, J); }
 
+std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
+                                            const Vector2d& start) {
+  require_valid(window);
+  const Scale scale = scale_of(field, window, 15);
+  const auto y = newton(field, window, scale, start);
+  if (!y) return std::nullopt;
+  const Matrix2d J = field.jacobian(*y);
+  return Equilibrium{*y, classify(J, scale.J), eigenvalues_2x2(J)};
+}
+
 std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts) {
   require_valid(window);
   if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");

@@ -4,6 +4,7 @@
 #include <array>
 #include <complex>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -85,6 +86,10 @@ struct Equilibrium {
 /// could make
 EquilibriumType classify(const Eigen::Matrix2d& J, const Eigen::Matrix2d& scale);
 EquilibriumType classify(const Eigen::Matrix2d& J);
+
+/// The equilibrium in the window that Newton's method reaches from a point; nothing where it reaches none.
+std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
+                                            const Eigen::Vector2d& start);
 
 /// Every equilibrium in the window that Newton's method reaches from a grid of starts x starts points, sorted
 /// by first then second component, each once. A line of equilibria is represented by points of it, all

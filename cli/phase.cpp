@@ -138,13 +138,13 @@ std::string headline(const Problem& problem) {
 }
 
 std::string equilibria_table(const PhaseView& view, const Console& console) {
-  if (view.equilibria.empty()) return "";
+  if (view.equilibria.empty()) return "\n" + guarantee(view) + "\n";
   const auto names = axis_names(view.problem);
   TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
   for (const Equilibrium& e : view.equilibria)
     table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
                in_words(e.eigenvalues)});
-  return "\n" + table.text(console);
+  return "\n" + table.text(console) + guarantee(view) + "\n";
 }
 
 std::vector<Vector2d> starts_of(const PhaseView& view) {
@@ -160,6 +160,49 @@ std::vector<Vector2d> starts_of(const PhaseView& view) {
   for (const auto& [u, v] : {std::pair{0.1, 0.85}, {0.9, 0.15}, {0.57, 0.44}, {0.42, 0.1}})
     starts.push_back(at(u, v));
   return starts;
+}
+
+std::string guarantee(const Problem& problem, const Window& w, const DegreeCheck& check, std::size_t count,
+                      const Searched& searched) {
+  const std::string where =
+      fmt::format("with {} from {} to {} and {} from {} to {}", problem.states[0], short_name(w.lower(0)),
+                  short_name(w.upper(0)), problem.states[1], short_name(w.lower(1)), short_name(w.upper(1)));
+  const std::string text = fmt::format("{} {} {}", count == 0 ? "no" : std::to_string(count),
+                                       count == 1 ? searched.one : searched.many, where);
+  if (!check.whole) return text + ", but the search was cut short and may have missed some; narrow --window";
+  if (!check.index_sum)
+    return fmt::format("{}, one of them {}, so that their indices do not tell whether all are found", text,
+                       searched.without);
+  const std::string sum = fmt::format("{}, whose indices sum to {}", text, *check.index_sum);
+  if (!check.degree)
+    return fmt::format(
+        "{}; the degree of the {} around the border, which would check them, is not defined: {}", sum,
+        searched.of, searched.border);
+  if (check.accounts())
+    return fmt::format(
+        "{}, as the degree of the {} around the border: {} can have been missed only in groups whose indices cancel",
+        sum, searched.of, searched.many);
+  return fmt::format(
+      "{}, but the degree of the {} around the border is {}: {} have been missed; search parts of it with --window",
+      sum, searched.of, *check.degree, searched.many);
+}
+
+std::string guarantee(const PhaseView& view) {
+  return guarantee(view.problem, view.window, view.check, view.equilibria.size(),
+                   {.one = "equilibrium",
+                    .many = "equilibria",
+                    .of = "field",
+                    .without = "degenerate",
+                    .border = "an equilibrium lies on it, or the field is not finite there"});
+}
+
+Json search_document(const Window& w, const DegreeCheck& check, const std::string& status) {
+  const auto or_null = [](std::optional<int> value) { return value ? Json(*value) : Json(); };
+  return {{"window", {w.lower(0), w.upper(0), w.lower(1), w.upper(1)}},
+          {"index_sum", or_null(check.index_sum)},
+          {"degree", or_null(check.degree)},
+          {"cut_short", !check.whole},
+          {"status", status}};
 }
 
 PhaseView view_of(const PhaseOptions& options) {
@@ -182,9 +225,12 @@ PhaseView view_of(const PhaseOptions& options) {
                  .field = planar_field(problem, t, window.size()),
                  .window = window,
                  .equilibria = {},
+                 .check = {},
                  .remarks = {}};
   require_finite(view);
-  view.equilibria = find_equilibria(view.field, window);
+  EquilibriumSet found = search_equilibria(view.field, window);
+  view.equilibria = std::move(found.points);
+  view.check = found;
   if (driven)
     view.remarks.push_back(
         fmt::format("A driven problem has no equilibria: these are of the field frozen at t = {} s (--at); "
@@ -215,6 +261,7 @@ Json document_of(const PhaseView& view) {
   document["window"] = {w.lower(0), w.upper(0), w.lower(1), w.upper(1)};
   document["remarks"] = view.remarks;
   document["equilibria"] = to_json(view.equilibria);
+  document["search"] = search_document(view.window, view.check, guarantee(view));
   return document;
 }
 

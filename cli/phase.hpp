@@ -3,9 +3,10 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "analysis/phase_plane.hpp"
+#include "analysis/fixed_point_search.hpp"
 #include "bench/catalogue.hpp"
 #include "cli/choices.hpp"
 #include "cli/console.hpp"
@@ -35,6 +36,7 @@ struct PhaseView {
   PlanarField field;
   Window window;
   std::vector<Equilibrium> equilibria;
+  DegreeCheck check;                 ///< what the border of the window tells of them
   std::vector<std::string> remarks;  ///< whole sentences
 };
 
@@ -52,6 +54,22 @@ nlohmann::ordered_json to_json(const std::vector<Equilibrium>& equilibria);
 nlohmann::ordered_json to_json(const std::array<std::complex<double>, 2>& eigenvalues);
 /// "-0.69 ± 0.0845i" or "-0.1, -3"
 std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues);
+
+/// What a search has looked for, in words.
+struct Searched {
+  std::string_view one, many;  ///< "equilibrium", "equilibria"
+  std::string_view of;         ///< whose degree it is: "field", "map"
+  std::string_view without;    ///< which of the points has no index, "degenerate"
+  std::string_view border;     ///< when the degree is not defined
+};
+/// What a search in a window is worth, as a sentence.
+std::string guarantee(const Problem& problem, const Window& window, const DegreeCheck& check,
+                      std::size_t count, const Searched& searched);
+/// {window, index_sum, degree, cut_short, status}
+nlohmann::ordered_json search_document(const Window& window, const DegreeCheck& check,
+                                       const std::string& status);
+/// guarantee() of the equilibria of a view.
+std::string guarantee(const PhaseView& view);
 
 /// "liver_cubic with m=1.45 ...", a line.
 std::string headline(const Problem& problem);

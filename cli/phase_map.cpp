@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/discrete_map.hpp"
+#include "analysis/fixed_point_search.hpp"
 #include "bench/one_step_map.hpp"
 #include "bench/planar.hpp"
 #include "cli/phase.hpp"
@@ -27,6 +27,7 @@ struct MapView {
   double h;
   VectorFunction map;
   std::vector<FixedPoint> fixed_points;
+  DegreeCheck check;           ///< what the border of the window tells of them
   std::vector<bool> spurious;  ///< of each fixed point
   std::vector<PeriodTwo> period_two;
 };
@@ -39,20 +40,33 @@ MapView map_of(const PhaseView& view, const PhaseOptions& options) {
                .h = *options.h,
                .map = one_step_map(method, view.still, *options.h),
                .fixed_points = {},
+               .check = {},
                .spurious = {},
                .period_two = {}};
   const Box box{view.window.lower, view.window.upper};
-  seen.fixed_points = find_fixed_points(seen.map, box);
+  FixedPointSearch found = search_cheap_map(seen.map, box);
+  seen.fixed_points = std::move(found.points);
+  seen.check = found;
   for (const FixedPoint& point : seen.fixed_points)
     seen.spurious.push_back(is_spurious(view.field.rhs, seen.h, point.state, box));
   seen.period_two = find_period_two(seen.map, box);
   return seen;
 }
 
+/// What the search for fixed points is worth. Of orbits of period two nothing is guaranteed.
+std::string guarantee(const PhaseView& view, const MapView& seen) {
+  return guarantee(view.problem, view.window, seen.check, seen.fixed_points.size(),
+                   {.one = "fixed point",
+                    .many = "fixed points",
+                    .of = "map",
+                    .without = "with a multiplier of 1",
+                    .border = "a fixed point lies on it, or a step from it diverges"});
+}
+
 std::array<std::complex<double>, 2> pair_of(const Multipliers& mu) { return {mu[0], mu[1]}; }
 
 /// The document's part that is about the map.
-void add_map(const MapView& seen, Json& document) {
+void add_map(const PhaseView& view, const MapView& seen, Json& document) {
   document["method"] = seen.method;
   document["h"] = seen.h;
   Json points = Json::array(), pairs = Json::array(), types = Json::array(), multipliers = Json::array();
@@ -72,6 +86,7 @@ void add_map(const MapView& seen, Json& document) {
     multipliers.push_back(to_json(pair_of(orbit.multipliers)));
   }
   document["fixed_points"] = points;
+  document["fixed_point_search"] = search_document(view.window, seen.check, guarantee(view, seen));
   document["period_two"] = pairs;
   document["period_two_types"] = types;
   document["period_two_multipliers"] = multipliers;
@@ -86,7 +101,8 @@ std::string table_of(const PhaseView& view, const MapView& seen, const Console& 
     table.add({std::string(name_of(point.type)), seen.spurious[i] ? "no: spurious" : "yes",
                short_name(point.state(0)), short_name(point.state(1)), in_words(pair_of(point.multipliers))});
   }
-  text += seen.fixed_points.empty() ? "no fixed point in the window\n" : table.text(console);
+  text += seen.fixed_points.empty() ? "" : table.text(console);
+  text += guarantee(view, seen) + "\n";
   if (seen.period_two.empty()) return text + "\nno orbit of period two in the window\n";
   TextTable pairs({"period two", "between", "and", "multipliers of two steps"});
   const auto in_brackets = [](const VectorXd& y) {
@@ -157,7 +173,7 @@ void phase_map(const PhaseOptions& options, Console& console) {
   const PhaseView view = view_of(options);
   const MapView seen = map_of(view, options);
   Json document = document_of(view);
-  add_map(seen, document);
+  add_map(view, seen, document);
   std::string text = headline(view.problem) + equilibria_table(view, console) + table_of(view, seen, console);
   if (!options.output.empty()) deliver(picture(view, seen), options, document, text, console);
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";

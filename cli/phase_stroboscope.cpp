@@ -128,31 +128,12 @@ std::string verdict(const Section& section) {
 
 /// What the search for motions of one period is worth, as a sentence.
 std::string guarantee(const Problem& problem, const Section& section) {
-  const FixedPointSearch& found = section.periodic;
-  const Window& w = section.searched;
-  const std::string where =
-      fmt::format("with {} from {} to {} and {} from {} to {}", problem.states[0], short_name(w.lower(0)),
-                  short_name(w.upper(0)), problem.states[1], short_name(w.lower(1)), short_name(w.upper(1)));
-  const auto count = found.points.size();
-  std::string text = fmt::format("{} motion{} of one period {}", count == 0 ? "no" : std::to_string(count),
-                                 count == 1 ? "" : "s", where);
-  if (!found.whole) return text + ", but the search was cut short and may have missed some; narrow --window";
-  if (!found.index_sum)
-    return text +
-           ", one of them with a multiplier of 1, so that their indices do not tell whether all are found";
-  text += fmt::format(", whose indices sum to {}", *found.index_sum);
-  if (!found.degree)
-    return text +
-           "; the degree of the map around the border, which would check them, is not defined: a motion "
-           "lies on it or diverges from it";
-  if (found.accounts())
-    return text +
-           ", as the degree of the map around the border: motions can have been missed only in groups "
-           "whose indices cancel";
-  return text + fmt::format(
-                    ", but the degree of the map around the border is {}: motions have been missed; "
-                    "search parts of it with --window",
-                    *found.degree);
+  return guarantee(problem, section.searched, section.periodic, section.periodic.points.size(),
+                   {.one = "motion of one period",
+                    .many = "motions of one period",
+                    .of = "map",
+                    .without = "with a multiplier of 1",
+                    .border = "a motion lies on it or diverges from it"});
 }
 
 Figure picture(const Problem& problem, const Section& section) {
@@ -281,18 +262,6 @@ Json column_document(const BifurcationColumn& column, double period) {
           {"followed", motion.followed}};
 }
 
-/// What the search for motions of one period has found and where.
-Json search_document(const Problem& problem, const Section& section) {
-  const FixedPointSearch& found = section.periodic;
-  const Window& w = section.searched;
-  const auto or_null = [](std::optional<int> value) { return value ? Json(*value) : Json(); };
-  return {{"window", {w.lower(0), w.upper(0), w.lower(1), w.upper(1)}},
-          {"index_sum", or_null(found.index_sum)},
-          {"degree", or_null(found.degree)},
-          {"cut_short", !found.whole},
-          {"status", guarantee(problem, section)}};
-}
-
 Json fixed_point_document(const FixedPoint& point) {
   const auto index = index_of(point);
   return {{"x", point.state(0)},
@@ -317,7 +286,7 @@ Json section_document(const Problem& problem, const Section& section) {
           {"lyapunov_error", section.exponent ? number_or_null(section.lyapunov_error()) : Json()},
           {"lyapunov_periods", section.exponent ? Json(section.exponent->count) : Json()},
           {"periodic", periodic},
-          {"search", search_document(problem, section)},
+          {"search", search_document(section.searched, section.periodic, guarantee(problem, section))},
           {"status", verdict(section)}};
 }
 

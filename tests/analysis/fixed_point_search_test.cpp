@@ -1,6 +1,7 @@
 #include "analysis/fixed_point_search.hpp"
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <stdexcept>
 
@@ -105,6 +106,54 @@ TEST(FixedPointSearch, SaysWhatItCannotTell) {
   EXPECT_FALSE(half.degree);
   EXPECT_THROW(search_fixed_points([](const VectorXd& y) { return y; }, {Vector2d(0, 0), Vector2d(0, 1)}),
                std::invalid_argument);
+}
+
+/// A field from its two components, with a Jacobian by differences.
+PlanarField field_of(std::function<Vector2d(const Vector2d&)> rhs) {
+  return {rhs, [rhs](const Vector2d& y) -> Eigen::Matrix2d {
+            return differenced_jacobian(rhs, y, Vector2d::Constant(1e-3));
+          }};
+}
+
+TEST(EquilibriumSearch, FindsWhatNewtonsMethodFromAGridOvershoots) {
+  // Newton's method on atan diverges from everywhere but a small part of the window.
+  const PlanarField steep = field_of([](const Vector2d& y) {
+    return Vector2d(-std::atan(3000 * (y(0) - 0.3003)), -std::atan(3000 * (y(1) - 0.2002)));
+  });
+  const Window window{{-1, -1}, {1, 1}};
+  EXPECT_TRUE(find_equilibria(steep, window).empty());
+  const EquilibriumSet found = search_equilibria(steep, window);
+  ASSERT_EQ(found.points.size(), 1U);
+  EXPECT_LT((found.points[0].state - Vector2d(0.3003, 0.2002)).norm(), 1e-9);
+  EXPECT_EQ(found.points[0].type, EquilibriumType::stable_node);
+  EXPECT_EQ(found.degree, 1);
+  EXPECT_TRUE(found.accounts());
+}
+
+TEST(EquilibriumSearch, SumsTheIndicesOfADoubleWell) {
+  const PlanarField well =
+      field_of([](const Vector2d& y) { return Vector2d(y(1), y(0) - y(0) * y(0) * y(0) - 0.2 * y(1)); });
+  const EquilibriumSet all = search_equilibria(well, {{-2, -2}, {2, 2}});
+  EXPECT_EQ(all.points.size(), 3U);
+  EXPECT_EQ(all.index_sum, 1);
+  EXPECT_TRUE(all.accounts());
+  const EquilibriumSet saddle = search_equilibria(well, {{-0.5, -1}, {0.5, 1}});
+  EXPECT_EQ(saddle.degree, -1);
+  EXPECT_TRUE(saddle.accounts());
+}
+
+TEST(EquilibriumSearch, SaysWhatItCannotTell) {
+  // x' = v, v' = -v: a line of equilibria, of which some are shown.
+  const EquilibriumSet line = search_equilibria(
+      field_of([](const Vector2d& y) { return Vector2d(y(1), -y(1)); }), {{-1, -1}, {1, 1}});
+  EXPECT_FALSE(line.points.empty());
+  EXPECT_FALSE(line.index_sum);
+  EXPECT_FALSE(line.accounts());
+  // One on the border.
+  const EquilibriumSet edge = search_equilibria(
+      field_of([](const Vector2d& y) { return Vector2d(y(0) - 1, y(1)); }), {{-1, -1}, {1, 1}});
+  EXPECT_FALSE(edge.degree);
+  EXPECT_FALSE(edge.accounts());
 }
 
 }  // namespace

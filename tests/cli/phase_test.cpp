@@ -51,6 +51,25 @@ TEST(Phase, FindsTheDoubleWellAndSaysWhereItLooked) {
   EXPECT_GT(document.at("window")[1].get<double>(), 1.1);
 }
 
+TEST(Phase, SaysWhatItsSearchGuarantees) {
+  const Shell shell;
+  const std::string well = "liver_cubic --set k1=-1 --set c=0.3 ";
+  const Json all = phase(shell, well).at("search");
+  EXPECT_EQ(all.at("degree"), 1);
+  EXPECT_EQ(all.at("index_sum"), 1);
+  EXPECT_EQ(all.at("cut_short"), false);
+  EXPECT_NE(all.at("status").get<std::string>().find("missed only in groups"), std::string::npos);
+  const Told told = shell.hmax("phase --problem " + well);
+  EXPECT_NE(told.out.find("3 equilibria with x from"), std::string::npos) << told.out;
+  // A window on whose border an equilibrium lies.
+  const Json edge = phase(shell, "liver_linear --window 0,1,-1,1").at("search");
+  EXPECT_TRUE(edge.at("degree").is_null());
+  EXPECT_NE(edge.at("status").get<std::string>().find("not defined"), std::string::npos);
+  const Json map =
+      phase(shell, "liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4").at("fixed_point_search");
+  EXPECT_EQ(map.at("index_sum"), map.at("degree")) << map;
+}
+
 TEST(Phase, FreezesADrivenProblemAndSaysSo) {
   const Shell shell;
   for (const double t : {0.0, 3.0}) {
