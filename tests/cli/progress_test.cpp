@@ -117,5 +117,20 @@ TEST(ExitCode, OfMemoryThatRunsOutIsThatOfAnInternalErrorWithARemedy) {
   EXPECT_FALSE(std::filesystem::exists(shell / "points.csv"));
 }
 
+TEST(ExitCode, OfMemoryThatRunsOutOnALargeMeshIsTheSame) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer reserves more memory than the limit of this test";
+#endif
+  for (const char* command : {"run --load press --method newmark --h 0.001 --t-end 0.002",
+                              "stability predict --methods rk4,newmark --set E=30000"}) {
+    const Told told = Shell().line(std::string("ulimit -v 130000; hmax ") + command + " --mesh ball:n=17");
+    EXPECT_EQ(told.exit_code, 3) << command;
+    EXPECT_EQ(told.out, "") << command;
+    EXPECT_NE(told.err.find("hmax: out of memory; take fewer points or a smaller problem\n"),
+              std::string::npos)
+        << told.err;
+  }
+}
+
 }  // namespace
 }  // namespace hmax
