@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/accuracy_suite.hpp"
-#include "cli/commands.hpp"
-#include "cli/outputs.hpp"
+#include "bench/timing/accuracy_suite.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

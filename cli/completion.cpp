@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue.hpp"
-#include "bench/sweep_file.hpp"
-#include "cli/commands.hpp"
-#include "problems/liver_materials.hpp"
-#include "problems/tissue/mesh_names.hpp"
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/timing/sweep_file.hpp"
+#include "cli/shared/commands.hpp"
+#include "problems/mesh/files/mesh_names.hpp"
+#include "problems/oscillator/liver_materials.hpp"
 #include "results/exports.hpp"
 
 namespace hmax {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "cli/commands.hpp"
+#include "cli/shared/commands.hpp"
 #include "core/instruction_set.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/build_info.hpp"

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue.hpp"
-#include "cli/commands.hpp"
-#include "problems/liver_materials.hpp"
+#include "bench/catalogue/catalogue.hpp"
+#include "cli/shared/commands.hpp"
+#include "problems/oscillator/liver_materials.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

@@ -8,9 +8,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/suggest.hpp"
-#include "cli/commands.hpp"
-#include "cli/last_resort.hpp"
+#include "bench/input/suggest.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/last_resort.hpp"
 #include "core/instruction_set.hpp"
 #include "core/own_files.hpp"
 #include "results/build_info.hpp"

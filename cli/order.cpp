@@ -1,5 +1,5 @@
 /// hmax order: the order of convergence that a method shows on a problem.
-#include "analysis/order.hpp"
+#include "analysis/amplification/order.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/catalogue.hpp"
-#include "cli/choices.hpp"
-#include "cli/commands.hpp"
+#include "bench/catalogue/catalogue.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 

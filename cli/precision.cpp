@@ -1,5 +1,5 @@
 /// hmax precision: what an error costs, method against method.
-#include "bench/precision.hpp"
+#include "bench/timing/precision.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "cli/choices.hpp"
-#include "cli/commands.hpp"
-#include "cli/outputs.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"

@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/suggest.hpp"
-#include "cli/commands.hpp"
-#include "cli/outputs.hpp"
+#include "bench/input/suggest.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
 #include "results/compare.hpp"
 #include "results/errors.hpp"
 #include "results/exports.hpp"

@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/sweep_file.hpp"
-#include "cli/choices.hpp"
-#include "cli/commands.hpp"
+#include "bench/timing/sweep_file.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

@@ -2,8 +2,8 @@
 /// itself.
 #include <cstdio>
 
-#include "integrators/dirk.hpp"
-#include "integrators/dirk_tableaux.hpp"
+#include "integrators/implicit/dirk.hpp"
+#include "integrators/implicit/dirk_tableaux.hpp"
 #include "integrators/integrate.hpp"
 
 /// m x'' = 0.1 - c x' - k (x + 100 x^3), y = (x, x'): the damper lets the fast mode vanish in 0.02 ms.

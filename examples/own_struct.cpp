@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "integrators/explicit_rk.hpp"
+#include "integrators/explicit/explicit_rk.hpp"
+#include "integrators/explicit/tableaux.hpp"
 #include "integrators/observers.hpp"
-#include "integrators/tableaux.hpp"
 
 /// m x'' = m g - c x' - k x exp(x / l) as a first-order system in y = (x, x').
 struct TissueStrip {

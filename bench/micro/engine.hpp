@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "problems/oscillator.hpp"
+#include "problems/oscillator/oscillator.hpp"
 
 namespace hmax::micro {
 

@@ -1,8 +1,8 @@
 #include "bench/micro/engine.hpp"
-#include "integrators/explicit_rk.hpp"
+#include "integrators/explicit/explicit_rk.hpp"
+#include "integrators/explicit/tableaux.hpp"
 #include "integrators/integrate.hpp"
 #include "integrators/stats.hpp"
-#include "integrators/tableaux.hpp"
 
 namespace hmax::micro {
 namespace {

@@ -10,7 +10,7 @@
 #include "bench/micro/allocations.hpp"
 #include "bench/micro/ratios.hpp"
 #include "bench/micro/start.hpp"
-#include "problems/oscillator_reference.hpp"
+#include "problems/oscillator/oscillator_reference.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax::micro {

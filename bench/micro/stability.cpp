@@ -4,14 +4,14 @@
 #include <Eigen/Eigenvalues>
 #include <benchmark/benchmark.h>
 
-#include "analysis/block_product.hpp"
-#include "analysis/lanczos.hpp"
-#include "analysis/region.hpp"
-#include "analysis/spectrum.hpp"
-#include "bench/formulas.hpp"
-#include "bench/predict.hpp"
+#include "analysis/amplification/region.hpp"
+#include "analysis/spectrum/block_product.hpp"
+#include "analysis/spectrum/lanczos.hpp"
+#include "analysis/spectrum/spectrum.hpp"
+#include "bench/catalogue/formulas.hpp"
+#include "bench/limits/predict.hpp"
+#include "problems/mesh/mesh_generators.hpp"
 #include "problems/tissue/body.hpp"
-#include "problems/tissue/mesh_generators.hpp"
 
 #if HMAX_HAVE_SPECTRA
 #include <Spectra/SymEigsSolver.h>

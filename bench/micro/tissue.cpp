@@ -14,10 +14,10 @@
 #include <benchmark/benchmark.h>
 
 #include "bench/micro/start.hpp"
+#include "problems/mesh/mesh_generators.hpp"
+#include "problems/mesh/renumber.hpp"
+#include "problems/mesh/topology.hpp"
 #include "problems/tissue/body.hpp"
-#include "problems/tissue/mesh_generators.hpp"
-#include "problems/tissue/renumber.hpp"
-#include "problems/tissue/topology.hpp"
 
 namespace hmax {
 namespace {

@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "integrators/jacobian.hpp"
+#include "integrators/implicit/jacobian.hpp"
 #include "integrators/odeint/implicit_steppers.hpp"
 
 namespace hmax::odeint {

@@ -9,7 +9,7 @@
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 
-#include "integrators/linear_solver.hpp"
+#include "integrators/linear/linear_solver.hpp"
 #include "integrators/sundials/vector.hpp"
 
 namespace hmax::sundials {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <variant>
 
+#include "integrators/implicit/jacobian.hpp"
 #include "integrators/integrate.hpp"
-#include "integrators/jacobian.hpp"
 #include "integrators/sundials/solver.hpp"
 
 namespace hmax::sundials {

@@ -8,7 +8,7 @@
 #include <arkode/arkode_arkstep.h>
 #include <cvode/cvode.h>
 
-#include "integrators/jacobian.hpp"
+#include "integrators/implicit/jacobian.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
 #include "integrators/sundials/equations.hpp"

@@ -12,14 +12,14 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include "problems/tissue/block_pattern.hpp"
+#include "problems/mesh/tet_mesh.hpp"
 #include "problems/tissue/contact.hpp"
-#include "problems/tissue/green_elements.hpp"
-#include "problems/tissue/membrane.hpp"
-#include "problems/tissue/node_rows.hpp"
-#include "problems/tissue/springs.hpp"
-#include "problems/tissue/tet_elements.hpp"
-#include "problems/tissue/tet_mesh.hpp"
+#include "problems/tissue/forces/block_pattern.hpp"
+#include "problems/tissue/forces/green_elements.hpp"
+#include "problems/tissue/forces/membrane.hpp"
+#include "problems/tissue/forces/node_rows.hpp"
+#include "problems/tissue/forces/springs.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
 #include "problems/tissue/tissue_settings.hpp"
 
 namespace hmax {

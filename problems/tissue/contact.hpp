@@ -6,10 +6,10 @@
 
 #include <Eigen/Core>
 
-#include "problems/tissue/block_pattern.hpp"
+#include "problems/mesh/topology.hpp"
+#include "problems/tissue/forces/block_pattern.hpp"
+#include "problems/tissue/forces/node_rows.hpp"
 #include "problems/tissue/loads.hpp"
-#include "problems/tissue/node_rows.hpp"
-#include "problems/tissue/topology.hpp"
 
 namespace hmax {
 

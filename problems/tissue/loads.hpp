@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "problems/tissue/tet_mesh.hpp"
+#include "problems/mesh/tet_mesh.hpp"
 
 namespace hmax {
 

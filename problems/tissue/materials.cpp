@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "problems/liver_materials.hpp"
+#include "problems/oscillator/liver_materials.hpp"
 
 namespace hmax {
 namespace {

@@ -18,8 +18,8 @@ std::vector<std::string> tissue_material_ids();
 /// What the study publishes and what is chosen here:
 ///   E     = the published stiffness, printed in kPa: as a modulus it has the right unit, which it lacks in
 ///   the
-///           oscillator (problems/liver_materials.hpp). 4.3 to 6.7 kPa agrees with elastography of healthy
-///           livers, 5.5 +- 1.6 kPa [roulot2008liver]
+///           oscillator (problems/oscillator/liver_materials.hpp). 4.3 to 6.7 kPa agrees with elastography of
+///           healthy livers, 5.5 +- 1.6 kPa [roulot2008liver]
 ///   mass  = the published mass of the whole organ, whatever the volume of the mesh
 ///   alpha = c / m, the published damping over that mass: the whole body moving as one is damped like the
 ///           oscillator of the study, a'' + alpha a' + ...; beta stays that of `base`

@@ -6,8 +6,8 @@
 
 #include "core/own_files.hpp"
 #include "problems/digits.hpp"
-#include "problems/tissue/mesh_import.hpp"
-#include "problems/tissue/topology.hpp"
+#include "problems/mesh/files/mesh_import.hpp"
+#include "problems/mesh/topology.hpp"
 
 namespace hmax {
 

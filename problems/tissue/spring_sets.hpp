@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "problems/tissue/springs.hpp"
+#include "problems/mesh/topology.hpp"
+#include "problems/tissue/forces/springs.hpp"
 #include "problems/tissue/tissue_settings.hpp"
-#include "problems/tissue/topology.hpp"
 
 namespace hmax {
 

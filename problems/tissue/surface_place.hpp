@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "problems/tissue/topology.hpp"
+#include "problems/mesh/topology.hpp"
 
 namespace hmax {
 

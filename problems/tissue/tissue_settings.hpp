@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "problems/tissue/forces/springs.hpp"
 #include "problems/tissue/loads.hpp"
-#include "problems/tissue/springs.hpp"
 
 namespace hmax {
 

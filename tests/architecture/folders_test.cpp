@@ -35,19 +35,40 @@ TEST(Folders, EachHasAReadmeOfAtMostOneScreen) {
   }
 }
 
+/// Every folder with headers in it, outside the tests.
+std::set<std::string> folders_of_headers() {
+  std::set<std::string> folders;
+  for (const auto& [folder, targets] : allowed_arrows)
+    if (folder != "tests")
+      for (const std::string& file : files_under(folder, {".hpp"}))
+        folders.insert(file.substr(0, file.rfind('/')));
+  return folders;
+}
+
 TEST(Folders, EachHeaderIsNamedInTheReadmeOfItsFolder) {
-  for (const auto& [folder, targets] : allowed_arrows) {
-    if (folder == "tests") continue;
-    for (const std::string& file : unnamed_headers(folder, read_text(source_dir() / folder / "README.md")))
+  EXPECT_GT(folders_of_headers().size(), 20U);
+  for (const std::string& folder : folders_of_headers()) {
+    const std::string readme = read_text(source_dir() / folder / "README.md");
+    EXPECT_FALSE(readme.empty()) << folder << " has no README.md.";
+    EXPECT_LE(std::count(readme.begin(), readme.end(), '\n'), 60)
+        << folder << "/README.md is longer than a screen.";
+    for (const std::string& file : unnamed_headers(folder, readme))
       ADD_FAILURE() << file << " is not named in " << folder << "/README.md.";
   }
 }
 
+TEST(Folders, NoneHasMoreThanThirtyEntries) {
+  for (const std::string& folder : folders_of_headers()) {
+    const auto entries = std::distance(std::filesystem::directory_iterator(source_dir() / folder), {});
+    EXPECT_LE(entries, 30) << folder << " asks for a room of its own for some of its files.";
+  }
+}
+
 TEST(Folders, AHeaderThatItsReadmeDoesNotNameIsFound) {
-  const std::string readme = "order: `order_of_rows.hpp`, `phase_plane.*`";  // a word in prose does not count
-  const auto unnamed = unnamed_headers("analysis", readme);
-  EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/order.hpp"), 1);
-  EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/phase_plane.hpp"), 0);
+  const std::string readme = "order: `basins_of_rows.hpp`, `phase_plane.*`";  // a word in prose does not count
+  const auto unnamed = unnamed_headers("analysis/dynamics", readme);
+  EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/dynamics/basins.hpp"), 1);
+  EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/dynamics/phase_plane.hpp"), 0);
 }
 
 TEST(Folders, NoSourceFileIsLongerThanSixHundredLines) {

@@ -2,6 +2,8 @@
 /// appear.
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <regex>
@@ -40,14 +42,14 @@ struct ForeignRule {
 inline const std::vector<ForeignRule> foreign_rules{
     {"^(sundials|cvodes?|arkode|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)/",
      "^(integrators/sundials|tests)/"},
-    {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/formula_reference|tests/)"},
+    {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/timing/formula_reference|tests/)"},
     {"^benchmark/", "^bench/micro/"},
     {"^muParser", "^problems/formula[a-z_]*\\.cpp$"},
     {"^toml", "\\.cpp$"},
     {"^sqlite3", "^(results/sqlite\\.hpp|(results|tests)/.*\\.cpp)$"},
     {"^results/sqlite\\.hpp$", "^(results|tests)/.*\\.cpp$"},  // the wrapper: SQLite stays behind the store
     {"^CLI/", "^cli/"},
-    {"^Spectra/", "^(analysis/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
+    {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},
 };
 
@@ -70,6 +72,36 @@ inline std::optional<std::string> violation(const Include& include) {
         !std::regex_search(include.file, std::regex(files)))
       return arrow + ": this header may stand only in files matching " + files + ".";
   return std::nullopt;
+}
+
+/// A header and the source of its name are one file here: "analysis/amplification/region" of
+/// "analysis/amplification/region.cpp".
+inline std::string unit_of(const std::string& file) { return file.substr(0, file.rfind('.')); }
+
+/// A circle of names in a graph of arrows, in the order of its arrows with the first name repeated at the
+/// end; empty when there is none.
+inline std::vector<std::string> circle_in(const std::map<std::string, std::set<std::string>>& arrows) {
+  enum class State { unseen, on_the_way, done };
+  std::map<std::string, State> states;
+  std::vector<std::string> way, circle;
+  const std::function<void(const std::string&)> visit = [&](const std::string& name) {
+    states[name] = State::on_the_way;
+    way.push_back(name);
+    if (const auto found = arrows.find(name); found != arrows.end())
+      for (const std::string& next : found->second) {
+        if (!circle.empty()) return;
+        if (states[next] == State::unseen) visit(next);
+        if (states[next] == State::on_the_way && circle.empty()) {
+          circle.assign(std::find(way.begin(), way.end(), next), way.end());
+          circle.push_back(next);
+        }
+      }
+    way.pop_back();
+    states[name] = State::done;
+  };
+  for (const auto& [name, targets] : arrows)
+    if (circle.empty() && states[name] == State::unseen) visit(name);
+  return circle;
 }
 
 /// The #include lines of a source text; conditional ones count.

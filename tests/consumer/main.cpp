@@ -2,7 +2,7 @@
 /// and an exponential of its own.
 #include <cmath>
 #include <cstdio>
-#include <integrators/tableaux.hpp>
+#include <integrators/explicit/tableaux.hpp>
 #include <results/build_info.hpp>
 
 int main(int argc, char**) {

@@ -5,10 +5,10 @@
 #define eigen_assert(condition) \
   ((condition) ? void(0) : throw std::logic_error("Eigen's assertion failed: " #condition))
 
-#include "integrators/adams.hpp"
-#include "integrators/adams_pece.hpp"
 #include "integrators/control.hpp"
 #include "integrators/integrate.hpp"
+#include "integrators/multistep/adams.hpp"
+#include "integrators/multistep/adams_pece.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "integrators/integrate.hpp"
-#include "problems/oscillator_reference.hpp"
+#include "problems/oscillator/oscillator_reference.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

@@ -3,7 +3,7 @@
 
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
-#include "problems/oscillator.hpp"
+#include "problems/oscillator/oscillator.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

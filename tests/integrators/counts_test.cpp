@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "integrators/integrate.hpp"
-#include "problems/oscillator.hpp"
+#include "problems/oscillator/oscillator.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "integrators/dirk.hpp"
-#include "integrators/dirk_tableaux.hpp"
+#include "integrators/implicit/dirk.hpp"
+#include "integrators/implicit/dirk_tableaux.hpp"
+#include "integrators/implicit/radau.hpp"
 #include "integrators/integrate.hpp"
-#include "integrators/radau.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

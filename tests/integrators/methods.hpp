@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "integrators/explicit_rk.hpp"
-#include "integrators/tableaux.hpp"
+#include "integrators/explicit/explicit_rk.hpp"
+#include "integrators/explicit/tableaux.hpp"
 
 namespace hmax {
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/integrate.hpp"
-#include "problems/oscillator.hpp"
+#include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
 

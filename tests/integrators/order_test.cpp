@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "integrators/integrate.hpp"
-#include "problems/oscillator_exact.hpp"
-#include "problems/oscillator_reference.hpp"
+#include "problems/oscillator/oscillator_exact.hpp"
+#include "problems/oscillator/oscillator_reference.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "integrators/rosenbrock.hpp"
-#include "integrators/rosenbrock_tableaux.hpp"
+#include "integrators/implicit/rosenbrock.hpp"
+#include "integrators/implicit/rosenbrock_tableaux.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

@@ -5,7 +5,7 @@
 #define eigen_assert(condition) \
   ((condition) ? void(0) : throw std::logic_error("Eigen's assertion failed: " #condition))
 
-#include "integrators/stabilized_rk.hpp"
+#include "integrators/explicit/stabilized_rk.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {

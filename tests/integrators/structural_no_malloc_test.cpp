@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "integrators/generalized_alpha.hpp"
-#include "integrators/structural.hpp"
+#include "integrators/structural/generalized_alpha.hpp"
+#include "integrators/structural/structural.hpp"
 
 namespace hmax {
 namespace {

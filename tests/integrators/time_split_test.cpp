@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "integrators/control.hpp"
-#include "integrators/explicit_rk.hpp"
+#include "integrators/explicit/explicit_rk.hpp"
+#include "integrators/explicit/tableaux.hpp"
 #include "integrators/integrate.hpp"
-#include "integrators/tableaux.hpp"
 
 namespace hmax {
 namespace {

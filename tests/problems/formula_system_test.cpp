@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/system.hpp"
-#include "problems/oscillator.hpp"
+#include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
 namespace {

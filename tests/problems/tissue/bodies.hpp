@@ -7,9 +7,9 @@
 
 #include <Eigen/Dense>
 
+#include "problems/mesh/mesh_generators.hpp"
+#include "problems/mesh/topology.hpp"
 #include "problems/tissue/body.hpp"
-#include "problems/tissue/mesh_generators.hpp"
-#include "problems/tissue/topology.hpp"
 
 namespace hmax::tissue_tests {
 

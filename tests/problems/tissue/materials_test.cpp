@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problems/liver_materials.hpp"
+#include "problems/oscillator/liver_materials.hpp"
 #include "tests/problems/tissue/bodies.hpp"
 
 namespace hmax {

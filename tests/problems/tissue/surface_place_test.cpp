@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problems/tissue/mesh_names.hpp"
+#include "problems/mesh/files/mesh_names.hpp"
 
 namespace hmax {
 namespace {

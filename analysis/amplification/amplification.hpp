@@ -1,0 +1,159 @@
+/// What one step of a method does to one mode of a linear model: the amplification of every family, and the
+/// steps at which it is at most one.
+#pragma once
+
+#include <algorithm>
+#include <complex>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "analysis/amplification/polynomial.hpp"
+#include "analysis/spectrum/modes.hpp"
+
+namespace hmax {
+
+using Complex = std::complex<double>;
+
+/// A mode y' = lambda y of a first-order model, and how a method is told of it.
+struct Eigenmode {
+  Complex lambda;  ///< [1/s]
+  Complex stiff;   ///< its part in what an implicit-explicit method treats implicitly
+  Complex frozen;  ///< what the Jacobian that a linearly implicit method uses says in its place
+  double radius;   ///< the spectral radius by which a stabilised method chooses its stages
+
+  /// The whole of lambda is stiff, the Jacobian exact, the mode the fastest of the model.
+  explicit Eigenmode(Complex value) : lambda(value), stiff(value), frozen(value), radius(std::abs(value)) {}
+};
+
+/// The characteristic polynomial of the one-step map of a mode,  pi(zeta, h) = sum_j zeta^j p_j(h): the step
+/// h is stable when all of its roots zeta lie in |zeta| <= 1. One-step methods have one root, R(h lambda);
+/// methods of k steps have k, those of structural dynamics two or three.
+class StepPolynomial {
+ public:
+  /// @param p  p[j] = p_j, ascending in zeta; the last is not zero everywhere
+  explicit StepPolynomial(std::vector<ComplexPolynomial> p);
+
+  /// Of the same numbers for real modes.
+  static StepPolynomial real(const std::vector<Polynomial>& p);
+
+  /// The largest |zeta| at h, which may be complex: with lambda = 1 it stands for z = h lambda.
+  [[nodiscard]] double spectral_radius(Complex h) const;
+
+  /// All roots zeta at h.
+  [[nodiscard]] std::vector<Complex> roots(Complex h) const;
+
+  /// The largest |zeta| in the limit of large |h|: 0 for methods that annihilate infinitely fast modes.
+  [[nodiscard]] double radius_at_infinity() const;
+
+  /// Real polynomials in h, all of which are >= 0 where the spectral radius is at most 1 + growth, and only
+  /// there as long as the leading coefficient is positive and, of three roots, the product is below one;
+  /// nothing where there is no closed condition (more than one root, unless three at most and real)
+  /// [jury1964theory].
+  [[nodiscard]] std::optional<std::vector<Polynomial>> conditions(double growth) const;
+
+  /// Whether every |zeta| <= 1 but for rounding, in double: for pictures.
+  [[nodiscard]] bool is_at_most_one(Complex h) const;
+
+  /// Whether |zeta| > 1 at arbitrarily small h for the root that is 1 at h = 0: by its series, which is that
+  /// of exp(lambda h) up to the order of the method.
+  /// @param lambda  of the mode
+  [[nodiscard]] bool grows_at_origin(LongComplex lambda) const;
+
+  /// From the polynomial for lambda = 1 to that for lambda: h^j takes the factor lambda^j.
+  [[nodiscard]] StepPolynomial along(Complex lambda) const;
+
+  [[nodiscard]] const std::vector<ComplexPolynomial>& coefficients() const { return p_; }
+
+ private:
+  std::vector<ComplexPolynomial> p_;        // ascending in zeta
+  std::vector<std::vector<Complex>> fast_;  // the same in double
+  bool real_ = false;
+};
+
+/// The spectral radius of the one-step map of one mode as a function of the step.
+struct Growth {
+  std::optional<StepPolynomial> polynomial;     ///< where the map is rational in h
+  std::function<double(double h)> radius = {};  ///< otherwise
+  double scale = 1;                             ///< a typical step [s], 1 / |lambda|
+  // For what has no closed conditions:
+  bool grows_at_origin = false;  ///< at arbitrarily small h
+  double farthest = 1e6;         ///< an exit is sought up to h = farthest scale
+
+  [[nodiscard]] double spectral_radius(double h) const {
+    return polynomial ? polynomial->spectral_radius(h) : radius(h);
+  }
+};
+
+/// Whether all roots of sum_j c_j zeta^j, j = 0 .. degree, lie in |zeta| <= 1 but for rounding, by the
+/// reduction of Schur and Cohn in double.
+/// @param c  shape (degree + 1), overwritten
+bool roots_are_at_most_one(Complex* c, std::size_t degree);
+
+/// What is left of an infinitely fast mode counts as nothing below this: coefficients that are published to
+/// sixteen digits leave some 1e-11.
+inline constexpr double annihilated = 1e-9;
+
+/// Which steps are unstable.
+struct UnstableSteps {
+  std::vector<Interval> intervals;  ///< [s], ascending, open
+
+  /// The first exit from the origin: every step up to it is stable. 0 when arbitrarily small ones are not,
+  /// infinity when there is none.
+  [[nodiscard]] double first_exit() const {
+    return intervals.empty() ? std::numeric_limits<double>::infinity() : intervals.front().from;
+  }
+};
+
+/// Where the spectral radius exceeds 1 + growth. From the conditions where there are some, so that "stable
+/// for every h" and "for none" are proved, not sampled; else by strides outwards and bisection.
+UnstableSteps unstable_steps(const Growth& growth, double tolerated = 0);
+
+/// Only the first exit, which needs less.
+double first_exit(const Growth& growth, double tolerated = 0);
+
+/// A method that steps positions and velocities, as polynomials in zeta: what it makes of
+/// M q'' + C q' + K q = 0 are the motions zeta^n x with
+///   (inertia M + h (damper C + lumped diag C) + h^2 spring K) x = 0.
+struct MotionMap {
+  Polynomial inertia, damper, spring;
+  Polynomial lumped{};  ///< empty unless the diagonal of C is taken otherwise than the rest
+
+  /// The highest power of zeta.
+  [[nodiscard]] std::size_t degree() const {
+    return std::max({inertia.size(), damper.size(), spring.size(), lumped.size()}) - 1;
+  }
+};
+
+/// How a method amplifies modes; each family makes its own from the numbers that it steps with.
+struct Amplification {
+  /// The map of an eigenvalue of y' = f; every family has it. For methods that need positions and velocities
+  /// it is the map of the oscillation with that pair of eigenvalues.
+  std::function<Growth(const Eigenmode&)> of_eigenmode;
+  /// The map of an oscillation; empty where the two eigenvalues say everything.
+  std::function<Growth(const MechanicalMode&)> of_oscillation;
+  /// The map for lambda = 1 as a function of complex h, which then is z; empty where it is none.
+  std::optional<StepPolynomial> in_z;
+  /// R(z) of one-step methods on y' = lambda y; empty where one number says too little.
+  std::function<Complex(Complex z)> R;
+  /// Whether z = h lambda is stable, for pictures; empty where the spectral radius is just as cheap.
+  std::function<bool(Complex z)> stable_at;
+  /// Of methods that step positions and velocities: for models whose modes cannot be taken one by one.
+  std::optional<MotionMap> motion;
+  bool measured = false;  ///< from steps of the code, for want of a formula
+
+  /// The spectral radius at z = h lambda.
+  [[nodiscard]] double spectral_radius(Complex z) const {
+    return in_z ? in_z->spectral_radius(z) : of_eigenmode(Eigenmode(z)).spectral_radius(1);
+  }
+};
+
+/// To be kept by whatever a method is described by.
+inline std::shared_ptr<const Amplification> shared(Amplification amplification) {
+  return std::make_shared<const Amplification>(std::move(amplification));
+}
+
+}  // namespace hmax

@@ -1,0 +1,39 @@
+#include "analysis/amplification/numerical_damping.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace hmax {
+
+ShownOscillation shown_oscillation(const Amplification& amplification, double omega, double zeta, double h) {
+  const Complex lambda = omega * Complex(-zeta, std::sqrt(std::max(0.0, 1 - zeta * zeta)));
+  Complex root;
+  const Growth growth =
+      amplification.of_oscillation
+          ? amplification.of_oscillation({.kappa = omega * omega, .gamma = 2 * zeta * omega})
+          : amplification.of_eigenmode(Eigenmode(lambda));
+  if (growth.polynomial) {
+    const Complex exact = std::exp(h * lambda);
+    double closest = std::numeric_limits<double>::infinity();
+    for (const Complex candidate : growth.polynomial->roots(h))
+      if (std::abs(candidate - exact) < closest) {
+        closest = std::abs(candidate - exact);
+        root = candidate;
+      }
+  } else {
+    root = amplification.R ? amplification.R(h * lambda) : Complex(std::numeric_limits<double>::quiet_NaN());
+  }
+  const Complex shown = std::log(root) / h;
+  ShownOscillation oscillation;
+  oscillation.omega = std::abs(shown);
+  oscillation.zeta = -shown.real() / oscillation.omega;
+  oscillation.frequency_damped = std::abs(shown.imag()) / (2 * std::numbers::pi);
+  oscillation.period_error = lambda.imag() > 0 && shown.imag() != 0
+                                 ? lambda.imag() / std::abs(shown.imag()) - 1
+                                 : std::numeric_limits<double>::quiet_NaN();
+  oscillation.spectral_radius = growth.spectral_radius(h);
+  return oscillation;
+}
+
+}  // namespace hmax

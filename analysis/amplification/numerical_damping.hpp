@@ -1,0 +1,22 @@
+/// The damping and the change of period that a method adds to an oscillation.
+#pragma once
+
+#include "analysis/amplification/amplification.hpp"
+
+namespace hmax {
+
+/// How a run shows the mode q'' + 2 zeta omega q' + omega^2 q = 0.
+struct ShownOscillation {
+  double omega = 0;             ///< [rad/s], |log(zeta) / h| of the root that stands for the mode
+  double zeta = 0;              ///< damping ratio; negative when the run grows
+  double frequency_damped = 0;  ///< of the oscillation that is seen, Im / (2 pi) [Hz]
+  double period_error = 0;      ///< relative, of the damped oscillation; NaN when it does not oscillate
+  double spectral_radius = 0;
+};
+
+/// From log(zeta) / h of the root closest to exp(h lambda), which for R(z) is R(h lambda)
+/// [hughes2000finite, 9.3]. All but the spectral radius are NaN where the map is known by its radius alone.
+/// @param omega  [rad/s], > 0;  @param zeta  in [0, 1);  @param h  [s], > 0
+ShownOscillation shown_oscillation(const Amplification& amplification, double omega, double zeta, double h);
+
+}  // namespace hmax

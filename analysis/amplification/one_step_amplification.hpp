@@ -1,0 +1,52 @@
+/// The amplification of one-step methods, R(z), from the coefficients that they step with.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "analysis/amplification/amplification.hpp"
+#include "integrators/explicit/tableau.hpp"
+#include "integrators/implicit/imex_tableaux.hpp"
+#include "integrators/implicit/rosenbrock_tableau.hpp"
+
+namespace hmax {
+
+/// R(z) = 1 + z b^T (I - z A)^-1 1 [hairer1996solving, IV.3] of an explicit or diagonally implicit tableau.
+/// @param a      row-major, shape (s, s), lower triangular
+/// @param b      shape (s)
+/// @param order  of b: so many coefficients of R are those of exp z, which rounding of the tableau hides
+Amplification runge_kutta_amplification(std::span<const long double> a, std::span<const long double> b,
+                                        int order);
+
+/// The same of a full matrix of at most four stages, R = det(I - z A + z 1 b^T) / det(I - z A).
+Amplification full_runge_kutta_amplification(std::span<const long double> a, std::span<const long double> b,
+                                             int order);
+
+/// R(z, z0) of a Rosenbrock method in its original variables, whose Jacobian says z0 where f says z; with the
+/// exact Jacobian z0 = z:
+///   (1 - gamma z0) k_i = z (1 + sum_j alpha_ij k_j) + z0 sum_j gamma_ij k_j,    R = 1 + sum_i b_i k_i.
+/// @param alpha, gamma  row-major, shape (s, s)
+Amplification rosenbrock_amplification(std::span<const long double> alpha, std::span<const long double> gamma,
+                                       std::span<const long double> b, int order);
+
+template <std::size_t S>
+Amplification rosenbrock_amplification(const RosenbrockTableau<S>& tableau, int order) {
+  const RosenbrockForm<S> form = original(tableau);
+  return rosenbrock_amplification(detail::flattened(form.alpha), detail::flattened(form.gamma), form.b,
+                                  order);
+}
+
+/// R(z_nonstiff, z_stiff) of an additive pair.
+Amplification additive_amplification(std::span<const long double> a_nonstiff,
+                                     std::span<const long double> b_nonstiff,
+                                     std::span<const long double> a_stiff,
+                                     std::span<const long double> b_stiff, int order);
+
+template <std::size_t S>
+Amplification additive_amplification(const AdditiveTableau<S>& tableau, int order) {
+  return additive_amplification(detail::flattened(tableau.nonstiff.a), tableau.nonstiff.b,
+                                detail::flattened(tableau.stiff.a), tableau.stiff.b, order);
+}
+
+}  // namespace hmax

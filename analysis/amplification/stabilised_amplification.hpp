@@ -1,0 +1,64 @@
+/// The amplification of stabilised Runge-Kutta methods by the recurrence of their stages.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "analysis/amplification/amplification.hpp"
+#include "integrators/explicit/stabilized_rk.hpp"
+
+namespace hmax {
+
+namespace detail {
+
+using StabilisedStages = std::vector<StabilizedStage<double>>;
+
+/// R_s(z): the stages of StabilizedRk on y' = lambda y.
+Complex stabilised_step(const StabilisedStages& stages, Complex z);
+
+/// Whether |R_s(z)| > 1 for arbitrarily small |z| along a direction with |exp z| = 1.
+bool stabilised_grows_at_origin(const StabilisedStages& stages);
+
+}  // namespace detail
+
+/// With s stages, or with as many as the stepper takes for h times the spectral radius of the model.
+/// @param stages  0: chosen as the stepper does
+template <class Polynomials>
+Amplification stabilised_amplification(int stages = 0) {
+  const auto most = StabilizedRk<Polynomials, Eigen::VectorXd>::max_stages();
+  const double farthest = Polynomials::template reach<double>(most);
+  const auto with = [](int s) {
+    detail::StabilisedStages made;
+    make_stages<Polynomials>(s, made);
+    return made;
+  };
+  const auto chosen = [most, farthest](double x) {
+    return std::min(most, Polynomials::template stages<double>(std::min(x, farthest)));
+  };
+  Amplification amplification;
+  amplification.of_eigenmode = [=](const Eigenmode& mode) {
+    Growth growth;
+    growth.scale = 1 / std::abs(mode.lambda);
+    growth.farthest = (stages > 0 ? 2 * Polynomials::template reach<double>(stages) : 2 * farthest);
+    growth.grows_at_origin =
+        mode.lambda.real() == 0 && detail::stabilised_grows_at_origin(with(stages > 0 ? stages : chosen(0)));
+    if (stages > 0) {
+      growth.radius = [lambda = mode.lambda, made = with(stages)](double h) {
+        return std::abs(detail::stabilised_step(made, h * lambda));
+      };
+    } else {
+      growth.radius = [=, made = detail::StabilisedStages{}](double h) mutable {
+        const int s = chosen(h * mode.radius);
+        if (static_cast<int>(made.size()) != s) made = with(s);
+        return std::abs(detail::stabilised_step(made, h * mode.lambda));
+      };
+    }
+    return growth;
+  };
+  if (stages > 0)
+    amplification.R = [made = with(stages)](Complex z) { return detail::stabilised_step(made, z); };
+  return amplification;
+}
+
+}  // namespace hmax

@@ -1,0 +1,50 @@
+#include "analysis/dynamics/basins.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace hmax {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+Trap::Trap(const Vector2d& equilibrium, const Matrix2d& J, const Vector2d& size)
+    : equilibrium_(equilibrium), size_(size) {
+  const Matrix2d A = size.cwiseInverse().asDiagonal() * J * size.asDiagonal();
+  if (!(A.trace() < 0) || !(A.determinant() > 0))
+    throw std::invalid_argument("a trap is for stable equilibria: both eigenvalues need negative real parts");
+  // A^T P + P A = -1 for P = (p, q; q, s), row by row.
+  Eigen::Matrix3d equations;
+  equations << 2 * A(0, 0), 2 * A(1, 0), 0,  //
+      A(0, 1), A.trace(), A(1, 0),           //
+      0, 2 * A(0, 1), 2 * A(1, 1);
+  const Eigen::Vector3d solution = equations.fullPivLu().solve(Eigen::Vector3d(-1, 0, -1));
+  P_ << solution(0), solution(1), solution(1), solution(2);
+  bound_ = 1e-6 * Eigen::SelfAdjointEigenSolver<Matrix2d>(P_).eigenvalues()(0);
+}
+
+double Basins::share(int of) const {
+  return static_cast<double>(std::ranges::count(fate, of)) / static_cast<double>(fate.size());
+}
+
+Basins basins(const std::function<int(const Vector2d&)>& fate_of, const Window& window, int columns, int rows,
+              const std::function<bool(double)>& going) {
+  if (columns < 1 || rows < 1 || !(window.size().minCoeff() > 0))
+    throw std::invalid_argument("basins need a window with lower < upper and at least one cell");
+  Basins result{columns, rows, window, std::vector<int>(std::size_t(columns) * std::size_t(rows), undecided)};
+  for (int row = 0; row < rows; ++row) {
+    if (going && !going(double(row) / rows)) break;
+    for (int column = 0; column < columns; ++column) {
+      // From the middle outwards, so that a window about zero gives starts that mirror each other exactly.
+      const Vector2d from_middle((column + 0.5 - columns / 2.0) / columns, (row + 0.5 - rows / 2.0) / rows);
+      const Vector2d start = (window.lower + window.upper) / 2 + from_middle.cwiseProduct(window.size());
+      result.fate[static_cast<std::size_t>(row * columns + column)] = fate_of(start);
+    }
+  }
+  return result;
+}
+
+}  // namespace hmax

@@ -1,0 +1,54 @@
+/// Basins of attraction: which place of rest a start leads to.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/dynamics/phase_plane.hpp"
+
+namespace hmax {
+
+/// A neighbourhood of a stable equilibrium that the linear flow does not leave: the ellipse u^T P u < r^2 of
+/// u = (y - y*) / size, with J^T P + P J = -1 in these units and r so small that |u| < 1e-3 inside.
+class Trap {
+ public:
+  /// @param J     at the equilibrium, all eigenvalues with negative real parts
+  /// @param size  the scale of both components, positive
+  /// @throws std::invalid_argument when J is not stable
+  Trap(const Eigen::Vector2d& equilibrium, const Eigen::Matrix2d& J, const Eigen::Vector2d& size);
+
+  [[nodiscard]] bool holds(const Eigen::Vector2d& y) const {
+    const Eigen::Vector2d u = (y - equilibrium_).cwiseQuotient(size_);
+    return u.dot(P_ * u) < bound_;
+  }
+
+ private:
+  Eigen::Vector2d equilibrium_, size_;
+  Eigen::Matrix2d P_;
+  double bound_;
+};
+
+/// Where starts end that are no place of rest.
+enum Fate { undecided = -1, unbounded = -2 };
+
+/// The fates of starts at the centres of columns x rows cells of a window.
+struct Basins {
+  int columns, rows;
+  Window window;
+  std::vector<int>
+      fate;  ///< [row * columns + column], rows upwards: the number of a place of rest, or a Fate
+
+  /// The part of the cells that have this fate.
+  [[nodiscard]] double share(int of) const;
+};
+
+/// @param fate_of  of a start
+/// @param going    called with the share that is done before each row; nothing more is asked when it answers
+///                 false, and the cells that are left are undecided
+/// @throws std::invalid_argument when the window is empty or there are no cells
+Basins basins(const std::function<int(const Eigen::Vector2d&)>& fate_of, const Window& window, int columns,
+              int rows, const std::function<bool(double)>& going = {});
+
+}  // namespace hmax

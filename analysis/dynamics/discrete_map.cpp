@@ -1,0 +1,187 @@
+#include "analysis/dynamics/discrete_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+namespace hmax {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// In sizes of the box: points nearer than this are one.
+constexpr double same = 1e-5;
+
+void require_valid(const Box& box, int starts) {
+  if (box.lower.size() == 0 || box.lower.size() != box.upper.size() || !box.lower.allFinite() ||
+      !box.upper.allFinite() || !(box.size().minCoeff() > 0))
+    throw std::invalid_argument("a search for fixed points needs finite bounds with lower < upper");
+  if (starts < 1) throw std::invalid_argument("the search for fixed points needs at least one start");
+}
+
+/// D map at y by central differences: good enough for a step of Newton's method.
+MatrixXd rough_jacobian(const VectorFunction& map, const VectorXd& y, const VectorXd& size) {
+  MatrixXd D(y.size(), y.size());
+  for (Eigen::Index j = 0; j < y.size(); ++j) {
+    VectorXd ahead = y, behind = y;
+    ahead(j) += 1e-6 * size(j);
+    behind(j) -= 1e-6 * size(j);
+    D.col(j) = (map(ahead) - map(behind)) / (ahead(j) - behind(j));
+  }
+  return D;
+}
+
+bool less(const VectorXd& a, const VectorXd& b) {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
+
+/// The points with map(y) = y that a grid of starts leads to, each once.
+std::vector<VectorXd> roots(const VectorFunction& map, const Box& box, int starts) {
+  std::vector<VectorXd> found;
+  const VectorXd size = box.size();
+  Eigen::VectorXi at = Eigen::VectorXi::Zero(size.size());
+  for (bool more = true; more;) {
+    const VectorXd start =
+        box.lower + ((at.cast<double>().array() + 0.5) / starts).matrix().cwiseProduct(size);
+    if (const auto y = newton_fixed_point(map, box, start)) {
+      const bool known = std::ranges::any_of(
+          found, [&](const VectorXd& other) { return (other - *y).cwiseQuotient(size).norm() < same; });
+      if (!known) found.push_back(*y);
+    }
+    more = false;
+    for (Eigen::Index i = 0; i < at.size() && !more; ++i) {
+      more = ++at(i) < starts;
+      if (!more) at(i) = 0;
+    }
+  }
+  std::ranges::sort(found, less);
+  return found;
+}
+
+}  // namespace
+
+Multipliers multipliers_of(const MatrixXd& D) {
+  if (!D.allFinite()) return Multipliers(static_cast<std::size_t>(D.rows()), std::nan(""));
+  Multipliers mu;
+  if (D.rows() == 2) {
+    for (const auto& value : eigenvalues_2x2(Eigen::Matrix2d(D))) mu.push_back(value);
+  } else {
+    const Eigen::VectorXcd values = D.eigenvalues();
+    mu.assign(values.begin(), values.end());
+  }
+  std::ranges::stable_sort(mu, [](const auto& a, const auto& b) {
+    // A conjugate pair has one modulus, whatever rounding says.
+    const double difference = std::abs(a) - std::abs(b);
+    return std::abs(difference) > 1e-14 * std::abs(a) ? difference > 0 : a.imag() > b.imag();
+  });
+  return mu;
+}
+
+EquilibriumType classify_map(const Multipliers& multipliers) {
+  constexpr double on_circle = 1e-8;
+  int inside = 0, outside = 0, on = 0;
+  bool turns = false, all_turn = true;
+  for (const auto& mu : multipliers) {
+    const double modulus = std::abs(mu);
+    if (!std::isfinite(modulus)) return EquilibriumType::degenerate;
+    (std::abs(modulus - 1) <= on_circle ? on : modulus < 1 ? inside : outside) += 1;
+    // Rounding splits a double multiplier into a pair about sqrt(epsilon) apart.
+    const bool complex = std::abs(mu.imag()) > 1e-6 * modulus;
+    turns = turns || complex;
+    all_turn = all_turn && complex;
+  }
+  if (on > 0)
+    return inside + outside == 0 && all_turn ? EquilibriumType::centre : EquilibriumType::degenerate;
+  if (inside > 0 && outside > 0) return EquilibriumType::saddle;
+  if (inside > 0) return turns ? EquilibriumType::stable_focus : EquilibriumType::stable_node;
+  return turns ? EquilibriumType::unstable_focus : EquilibriumType::unstable_node;
+}
+
+std::optional<VectorXd> newton_fixed_point(const VectorFunction& map, const Box& box, const VectorXd& start,
+                                           double leash) {
+  constexpr int most_steps = 50;
+  const VectorXd size = box.size();
+  const double longest = std::min(0.3, leash);
+  VectorXd y = start;
+  double length = 1;
+  for (int step = 0; step < most_steps && length > 1e-14; ++step) {
+    const VectorXd g = map(y) - y;
+    if (!g.allFinite()) return std::nullopt;
+    if (g.isZero(0)) {
+      length = 0;
+      break;
+    }
+    const MatrixXd G = rough_jacobian(map, y, size) - MatrixXd::Identity(y.size(), y.size());
+    if (!G.allFinite()) return std::nullopt;
+    VectorXd d = (G * size.asDiagonal()).completeOrthogonalDecomposition().solve(-g);
+    if (!d.allFinite()) return std::nullopt;
+    length = d.norm();
+    // A step across the box is a leap into the dark.
+    if (length > longest) d *= longest / length;
+    y += d.cwiseProduct(size);
+    if (!((y - start).cwiseQuotient(size).norm() <= leash)) return std::nullopt;
+    // What has left for good does not come back.
+    if (((y - box.lower + 2 * size).array() < 0).any() || ((box.upper - y + 2 * size).array() < 0).any())
+      return std::nullopt;
+  }
+  const VectorXd slack = 1e-9 * size;
+  const auto residual = [&](const VectorXd& at) -> VectorXd {
+    return (map(at) - at).cwiseAbs().cwiseQuotient(size);
+  };
+  // At a double point the last steps stay at the root of rounding.
+  if (!(length < 1e-6) || !(residual(y).maxCoeff() < 1e-10)) return std::nullopt;
+  if (((y - box.lower + slack).array() < 0).any() || ((box.upper - y + slack).array() < 0).any())
+    return std::nullopt;
+  for (Eigen::Index i = 0; i < y.size(); ++i) {  // a coordinate that is zero to rounding is printed as 0
+    VectorXd rounded = y;
+    rounded(i) = 0;
+    if (std::abs(y(i)) < 1e-9 * size(i) && residual(rounded).maxCoeff() <= residual(y).maxCoeff() + 1e-15)
+      y = rounded;
+  }
+  return y;
+}
+
+FixedPoint fixed_point_at(const VectorFunction& map, const VectorXd& y, const VectorXd& scale) {
+  const Multipliers mu = multipliers_of(differenced_jacobian(map, y, scale));
+  return {y, mu, classify_map(mu)};
+}
+
+std::vector<FixedPoint> find_fixed_points(const VectorFunction& map, const Box& box, int starts) {
+  require_valid(box, starts);
+  std::vector<FixedPoint> found;
+  for (const VectorXd& y : roots(map, box, starts)) found.push_back(fixed_point_at(map, y, box.size()));
+  return found;
+}
+
+std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box, int starts) {
+  require_valid(box, starts);
+  const VectorFunction twice = [&](const VectorXd& y) -> VectorXd { return map(map(y)); };
+  const auto apart = [&](const VectorXd& a, const VectorXd& b) {
+    return (a - b).cwiseQuotient(box.size()).norm() >= same;
+  };
+  std::vector<PeriodTwo> found;
+  for (const VectorXd& y : roots(twice, box, starts)) {
+    const VectorXd other = map(y);
+    if (!apart(y, other)) continue;
+    const bool known = std::ranges::any_of(found, [&](const PeriodTwo& orbit) {
+      return !apart(orbit.states[0], y) || !apart(orbit.states[1], y);
+    });
+    if (known) continue;
+    const Multipliers mu = multipliers_of(differenced_jacobian(map, other, box.size()) *
+                                          differenced_jacobian(map, y, box.size()));
+    const bool first = !less(other, y);
+    found.push_back({{first ? y : other, first ? other : y}, mu, classify_map(mu)});
+  }
+  return found;
+}
+
+bool is_spurious(const VectorFunction& f, double h, const VectorXd& y, const Box& box) {
+  const VectorXd change = h * f(y).cwiseAbs().cwiseQuotient(box.size());
+  return !(change.maxCoeff() < 1e-6);
+}
+
+}  // namespace hmax

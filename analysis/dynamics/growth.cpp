@@ -1,0 +1,150 @@
+#include "analysis/dynamics/growth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace hmax {
+
+namespace {
+
+/// From one quarter to the other growth in proportion to time makes at most a factor of four.
+const double in_proportion = std::log(4.0) + ExpectedGrowth{}.visible;
+
+double threshold_of(const ExpectedGrowth& expected) {
+  return expected.linear ? in_proportion : expected.visible;
+}
+
+}  // namespace
+
+double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
+                       double noise) {
+  double start = 0, early = 0, late = 0;
+  std::int64_t n = 0;
+  bool broken = false;
+  const bool ended = run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+    const double here = distance(y);
+    broken = broken || !std::isfinite(here);
+    // A first step from velocities that fast damping is about to stop carries them far, once.
+    if (n <= 1)
+      start = std::max(start, here);
+    else if (n > steps / 4 && n <= steps / 2)
+      early = std::max(early, here);
+    else if (n > 3 * steps / 4)
+      late = std::max(late, here);
+    ++n;
+  });
+  if (!ended || broken || n < steps) return std::numeric_limits<double>::infinity();
+  constexpr double least = std::numeric_limits<double>::min();
+  const double growth = std::log(late) - std::log(std::max({early, noise * start, least}));
+  // What a nonlinear model has caught far out before the quarters that are compared has grown all the same.
+  constexpr double far_out = 1e4;
+  return start > 0 && late > far_out * start ? std::max(growth, std::log(late / start)) : growth;
+}
+
+std::int64_t steps_to_see(const ExpectedGrowth& expected) {
+  constexpr double least = 512, most = most_observed_steps;
+  // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
+  const double to_grow = 2 * threshold_of(expected) / (expected.share * expected.above);
+  const double to_decay = 4 * expected.fall / -expected.beside;
+  return static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
+}
+
+ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
+                            const ExpectedGrowth& expected) {
+  const double threshold = threshold_of(expected);
+  ObservedLimit limit;
+  limit.steps = steps_to_see(expected);
+  const auto excess = [&](double h) { return observed_growth(run, distance, h, limit.steps) - threshold; };
+  double low = 0.999 * predicted, high = 1.001 * predicted;
+  double at_low = excess(low), at_high = excess(high);
+  // A motion beside it that fades slowly hides growth, and what a first step stirs up looks like some: longer
+  // runs tell, as long as they come nearer to what is expected.
+  const auto as_expected = [&] { return !(at_low > 0) && at_high > 0; };
+  constexpr std::int64_t longer = 4, longest = 64;
+  for (const std::int64_t most = std::min(longest * limit.steps, most_observed_steps);
+       !as_expected() && longer * limit.steps <= most;) {
+    limit.steps *= longer;
+    const double before_low = std::exchange(at_low, excess(low)),
+                 before_high = std::exchange(at_high, excess(high));
+    const bool nearer = before_low > 0 ? at_low < before_low : at_high > before_high;
+    if (!nearer) break;
+  }
+  limit.below_decays = !(at_low > 0);
+  limit.above_grows = at_high > 0;
+  // Where the prediction fails the truth is sought outwards from it.
+  constexpr double farthest = 1e3;
+  if (!limit.below_decays) {
+    do {
+      high = std::exchange(low, low / 1.1);
+      at_high = std::exchange(at_low, excess(low));
+    } while (low > predicted / farthest && at_low > 0);
+    if (at_low > 0) {
+      limit.h = 0;
+      return limit;
+    }
+  }
+  if (limit.below_decays && !limit.above_grows) {
+    do {
+      low = std::exchange(high, high * 1.1);
+      at_low = std::exchange(at_high, excess(high));
+    } while (high < farthest * predicted && !(at_high > 0));
+    if (!(at_high > 0)) {
+      limit.h = std::numeric_limits<double>::infinity();
+      return limit;
+    }
+  }
+  // Growth is nearly a straight line between close steps: by secants, a hair beyond where they cross so that
+  // both ends close in, and by halves where that does not get on.
+  const double resolution = expected.resolution;
+  for (int runs = 0; high - low > resolution * high; ++runs) {
+    double next = (low + high) / 2;
+    if (runs < 6 && std::isfinite(at_low) && std::isfinite(at_high)) {
+      const double crossing = low + (high - low) * at_low / (at_low - at_high);
+      const double hair = 0.4 * resolution * high, margin = 0.05 * (high - low);
+      next = std::clamp(crossing + (crossing - low < high - crossing ? hair : -hair), low + margin,
+                        high - margin);
+    }
+    const double at_next = excess(next);
+    (at_next > 0 ? high : low) = next;
+    (at_next > 0 ? at_high : at_low) = at_next;
+  }
+  limit.h = (low + high) / 2;
+  return limit;
+}
+
+ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
+                        std::function<std::vector<std::complex<double>>(double h)> roots) {
+  return [run = std::move(run), rest = std::move(rest), roots = std::move(roots)](
+             double h, std::int64_t steps, const auto& show) {
+    // The coefficients of the product, ascending in E.
+    std::vector<std::complex<double>> c{1};
+    for (const std::complex<double> root : roots(h)) {
+      c.insert(c.begin(), 0);
+      for (std::size_t j = 0; j + 1 < c.size(); ++j) c[j] -= root * c[j + 1];
+    }
+    const std::size_t size = c.size();
+    std::vector<Eigen::VectorXd> d(size);
+    Eigen::VectorXd shown(rest.size());
+    std::size_t n = 0;
+    return run(h, steps + static_cast<std::int64_t>(size) - 1,
+               [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+                 d[n % size] = y - rest;
+                 if (++n < size) return;
+                 shown = rest;
+                 for (std::size_t j = 0; j < size; ++j) shown += c[j].real() * d[(n + j) % size];
+                 show(shown);
+               });
+  };
+}
+
+bool grows_at(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps) {
+  // From one quarter to the other linear growth makes at most a factor of 4, so does not count.
+  // What is left of a mode that every step annihilates is what equations are solved to.
+  constexpr double noise = 1e-6;
+  return observed_growth(run, distance, h, steps, noise) > in_proportion;
+}
+
+}  // namespace hmax

@@ -1,0 +1,291 @@
+#include "analysis/dynamics/phase_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <stdexcept>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+void require_valid(const Window& window) {
+  if (!window.lower.allFinite() || !window.upper.allFinite() || !(window.size().minCoeff() > 0))
+    throw std::invalid_argument(
+        "a phase-plane window needs finite bounds with lower < upper in both components");
+}
+
+/// The point of the window at fractions (u, v) in [0, 1].
+Vector2d at(const Window& window, double u, double v) {
+  return window.lower + Vector2d(u, v).cwiseProduct(window.size());
+}
+
+/// Largest finite magnitudes of f and J over a grid: what "zero" is measured against.
+struct Scale {
+  Vector2d f = Vector2d::Zero();
+  Matrix2d J = Matrix2d::Zero();
+};
+
+Scale scale_of(const PlanarField& field, const Window& window, int grid) {
+  Scale scale;
+  for (int i = 0; i <= grid; ++i)
+    for (int j = 0; j <= grid; ++j) {
+      const Vector2d y = at(window, double(i) / grid, double(j) / grid);
+      const Vector2d f = field.rhs(y).cwiseAbs();
+      const Matrix2d J = field.jacobian(y).cwiseAbs();
+      if (f.allFinite()) scale.f = scale.f.cwiseMax(f);
+      if (J.allFinite()) scale.J = scale.J.cwiseMax(J);
+    }
+  return scale;
+}
+
+/// Newton's method from y, in units of the window; nothing when it does not arrive inside the window.
+std::optional<Vector2d> newton(const PlanarField& field, const Window& window, const Scale& scale,
+                               Vector2d y) {
+  // Linear convergence at a double root gains one bit a step, so many more steps than at a simple one.
+  constexpr int most_steps = 120;
+  const Vector2d size = window.size();
+  for (int step = 0; step < most_steps; ++step) {
+    const Vector2d f = field.rhs(y);
+    const Matrix2d J = field.jacobian(y);
+    if (!f.allFinite() || !J.allFinite()) return std::nullopt;
+    if (f.isZero(0)) break;
+    // Minimum-norm step: on a line of equilibria J is singular and the nearest point of the line is wanted.
+    const Matrix2d scaled = J * size.asDiagonal();
+    Vector2d d = scaled.completeOrthogonalDecomposition().solve(-f);
+    if (!d.allFinite()) return std::nullopt;
+    const double length = d.norm();
+    if (length > 1) d /= length;  // near a fold of f the full step may leave for infinity
+    y += d.cwiseProduct(size);
+    if (length < 1e-14) break;
+  }
+  const Vector2d f = field.rhs(y).cwiseAbs();
+  if (!f.allFinite() || (f.array() > 1e-12 * scale.f.array()).any()) return std::nullopt;
+  const Vector2d slack = 1e-9 * size;
+  if (((y - window.lower + slack).array() < 0).any() || ((window.upper - y + slack).array() < 0).any())
+    return std::nullopt;
+  for (int i = 0; i < 2; ++i) {  // a coordinate that is zero to rounding is printed as 0
+    Vector2d rounded = y;
+    rounded(i) = 0;
+    const bool negligible = std::abs(y(i)) < 1e-7 * size(i);
+    const Vector2d tolerated = f.cwiseMax(1e-15 * scale.f);
+    if (negligible && (field.rhs(rounded).cwiseAbs().array() <= tolerated.array()).all()) y = rounded;
+  }
+  return y;
+}
+
+std::size_t column_index(const Table& table, std::string_view name) {
+  const auto found = std::find(table.columns.begin(), table.columns.end(), name);
+  if (found == table.columns.end())
+    throw std::invalid_argument("the orbit has no column '" + std::string(name) + "'");
+  return static_cast<std::size_t>(found - table.columns.begin());
+}
+
+}  // namespace
+
+Window window_around(const std::vector<Table>& orbits, std::string_view first, std::string_view second,
+                     const std::vector<Vector2d>& also, double margin) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Window window{Vector2d::Constant(infinity), Vector2d::Constant(-infinity)};
+  const auto include = [&](const Vector2d& y) {
+    if (!y.allFinite()) return;
+    window.lower = window.lower.cwiseMin(y);
+    window.upper = window.upper.cwiseMax(y);
+  };
+  for (const Table& orbit : orbits) {
+    const std::size_t i = column_index(orbit, first);
+    const std::size_t j = column_index(orbit, second);
+    for (std::size_t row = 0; row < orbit.values[i].size(); ++row)
+      include({orbit.values[i][row], orbit.values[j][row]});
+  }
+  for (const Vector2d& y : also) include(y);
+  if (!(window.size().minCoeff() >= 0))
+    throw std::invalid_argument("a phase-plane window needs a finite point");
+  for (int i = 0; i < 2; ++i) {
+    double& lower = window.lower(i);
+    double& upper = window.upper(i);
+    if (lower < 0 && upper > 0) {
+      upper = std::max(upper, -lower);
+      lower = -upper;
+    }
+    const double extent = upper - lower;
+    const double widen = extent > 0 ? margin * extent : 0.5;
+    lower -= widen;
+    upper += widen;
+  }
+  return window;
+}
+
+std::string_view name_of(EquilibriumType type) {
+  switch (type) {
+    case EquilibriumType::stable_node:
+      return "stable_node";
+    case EquilibriumType::stable_focus:
+      return "stable_focus";
+    case EquilibriumType::centre:
+      return "centre";
+    case EquilibriumType::saddle:
+      return "saddle";
+    case EquilibriumType::unstable_node:
+      return "unstable_node";
+    case EquilibriumType::unstable_focus:
+      return "unstable_focus";
+    case EquilibriumType::degenerate:
+      break;
+  }
+  return "degenerate";
+}
+
+EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
+  const double T = J.trace();
+  const double D = J.determinant();
+  const double largest = std::abs(scale(0, 0) * scale(1, 1)) + std::abs(scale(0, 1) * scale(1, 0));
+  if (!(std::abs(D) > 1e-8 * largest)) return EquilibriumType::degenerate;
+  if (D < 0) return EquilibriumType::saddle;
+  // The rounding of T itself, and the damping ratio T / (2 sqrt D) below which a focus is called a centre.
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * J.diagonal().cwiseAbs().sum();
+  if (std::abs(T) <= std::max(rounding, 2e-12 * std::sqrt(D))) return EquilibriumType::centre;
+  // Nodes include T^2 = 4 D to rounding: critical damping computed from m, c and k rarely hits it exactly.
+  const bool node = T * T >= 4 * D * (1 - 8 * std::numeric_limits<double>::epsilon());
+  if (T < 0) return node ? EquilibriumType::stable_node : EquilibriumType::stable_focus;
+  return node ? EquilibriumType::unstable_node : EquilibriumType::unstable_focus;
+}
+
+EquilibriumType classify(const Matrix2d& J) { return classify(J, J); }
+
+std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
+                                            const Vector2d& start) {
+  require_valid(window);
+  const Scale scale = scale_of(field, window, 15);
+  const auto y = newton(field, window, scale, start);
+  if (!y) return std::nullopt;
+  const Matrix2d J = field.jacobian(*y);
+  return Equilibrium{*y, classify(J, scale.J), eigenvalues_2x2(J)};
+}
+
+std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts) {
+  require_valid(window);
+  if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");
+  const Scale scale = scale_of(field, window, std::max(8, starts));
+  std::vector<Equilibrium> found;
+  for (int i = 0; i < starts; ++i)
+    for (int j = 0; j < starts; ++j) {
+      const auto y = newton(field, window, scale, at(window, (i + 0.5) / starts, (j + 0.5) / starts));
+      if (!y) continue;
+      const bool known = std::any_of(found.begin(), found.end(), [&](const Equilibrium& e) {
+        return (e.state - *y).cwiseQuotient(window.size()).norm() < 1e-6;
+      });
+      if (known) continue;
+      const Matrix2d J = field.jacobian(*y);
+      found.push_back({*y, classify(J, scale.J), eigenvalues_2x2(J)});
+    }
+  std::sort(found.begin(), found.end(), [](const Equilibrium& a, const Equilibrium& b) {
+    return std::pair(a.state(0), a.state(1)) < std::pair(b.state(0), b.state(1));
+  });
+  return found;
+}
+
+Table direction_field(const PlanarField& field, const Window& window, const std::array<std::string, 2>& names,
+                      int columns, int rows) {
+  require_valid(window);
+  if (columns < 1 || rows < 1)
+    throw std::invalid_argument("a direction field needs at least one column and one row");
+  Table table{{}, {names[0], names[1], "d" + names[0], "d" + names[1]}, std::vector<std::vector<double>>(4)};
+  const double length = 0.62 / std::max(columns, rows);
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const Vector2d y = at(window, (i + 0.5) / columns, (j + 0.5) / rows);
+      const Vector2d seen =
+          field.rhs(y).cwiseQuotient(window.size());  // the direction as it looks in the picture
+      if (!seen.allFinite() || seen.isZero(0)) continue;
+      const Vector2d arrow = length * seen.stableNormalized().cwiseProduct(window.size());
+      const std::array<double, 4> row{y(0), y(1), arrow(0), arrow(1)};
+      for (std::size_t k = 0; k < 4; ++k) table.values[k].push_back(row[k]);
+    }
+  return table;
+}
+
+std::vector<Polyline> nullcline(const PlanarField& field, int component, const Window& window, int cells) {
+  require_valid(window);
+  if (component != 0 && component != 1)
+    throw std::invalid_argument("a planar field has the components 0 and 1");
+  if (cells < 1) throw std::invalid_argument("a nullcline needs at least one cell");
+
+  const int nodes = cells + 1;
+  Eigen::MatrixXd value(nodes, nodes);
+  const auto node = [&](int i, int j) { return at(window, double(i) / cells, double(j) / cells); };
+  for (int i = 0; i < nodes; ++i)
+    for (int j = 0; j < nodes; ++j) value(i, j) = field.rhs(node(i, j))(component);
+
+  // A crossing is named by the grid edge it lies on: 2 (i nodes + j) for the edge to (i + 1, j), odd for the
+  // one to (i, j + 1).
+  const auto edge_between = [&](int i, int j, bool upward) { return 2 * (i * nodes + j) + (upward ? 1 : 0); };
+  const auto inside = [](double f) {
+    return f >= 0;
+  };  // zero counts as positive, so a node on the curve is not lost
+  std::map<int, std::vector<int>> neighbours;
+  const auto connect = [&](int a, int b) {
+    neighbours[a].push_back(b);
+    neighbours[b].push_back(a);
+  };
+  for (int i = 0; i < cells; ++i)
+    for (int j = 0; j < cells; ++j) {
+      // Corners counter-clockwise from the lower left; side k joins corner k and k + 1.
+      const std::array<double, 4> f{value(i, j), value(i + 1, j), value(i + 1, j + 1), value(i, j + 1)};
+      if (!std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); })) continue;
+      const std::array<int, 4> side{edge_between(i, j, false), edge_between(i + 1, j, true),
+                                    edge_between(i, j + 1, false), edge_between(i, j, true)};
+      std::vector<std::size_t> crossed;
+      for (std::size_t k = 0; k < 4; ++k)
+        if (inside(f[k]) != inside(f[(k + 1) % 4])) crossed.push_back(k);
+      if (crossed.size() == 2) connect(side[crossed[0]], side[crossed[1]]);
+      if (crossed.size() == 4) {
+        // Two branches in one cell: the sign at the centre tells which pair of opposite corners is joined.
+        const bool joined = inside((f[0] + f[1] + f[2] + f[3]) / 4) == inside(f[0]);
+        connect(side[0], side[joined ? 1 : 3]);
+        connect(side[2], side[joined ? 3 : 1]);
+      }
+    }
+
+  const auto crossing = [&](int edge) -> Vector2d {
+    const int i = edge / 2 / nodes, j = edge / 2 % nodes;
+    const bool upward = edge % 2 == 1;
+    const double f0 = value(i, j), f1 = upward ? value(i, j + 1) : value(i + 1, j);
+    const Vector2d from = node(i, j), to = upward ? node(i, j + 1) : node(i + 1, j);
+    return from + 1 / (1 - f1 / f0) * (to - from);  // f0 / (f0 - f1), without overflow, and 0 for f0 = 0 > f1
+  };
+  std::vector<Polyline> curves;
+  std::map<int, bool> visited;
+  const auto walk = [&](int start) {
+    Polyline curve;
+    for (int edge = start;;) {
+      visited[edge] = true;
+      const Vector2d point = crossing(edge);
+      if (curve.empty() || curve.back() != point) curve.push_back(point);
+      const auto& next = neighbours[edge];
+      const auto onward = std::find_if(next.begin(), next.end(), [&](int e) { return !visited[e]; });
+      if (onward == next.end()) {
+        const bool closed = edge != start && next.size() == 2 && (next[0] == start || next[1] == start) &&
+                            neighbours[start].size() == 2;
+        if (closed && curve.size() > 2) curve.push_back(curve.front());
+        break;
+      }
+      edge = *onward;
+    }
+    if (curve.size() > 1) curves.push_back(std::move(curve));
+  };
+  for (const auto& [edge, next] : neighbours)  // open pieces from their ends first, then the closed ones
+    if (next.size() == 1 && !visited[edge]) walk(edge);
+  for (const auto& [edge, next] : neighbours)
+    if (!visited[edge]) walk(edge);
+  return curves;
+}
+
+}  // namespace hmax

@@ -1,0 +1,121 @@
+/// The phase plane of a planar system: equilibria and their types, nullclines, the direction field.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/spectrum/spectrum.hpp"
+#include "integrators/system.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+/// A planar vector field y' = f(y) with J(i, j) = d f_i / d y_j. What is not planar or not autonomous is
+/// frozen first.
+struct PlanarField {
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> rhs;
+  std::function<Eigen::Matrix2d(const Eigen::Vector2d&)> jacobian;
+};
+
+/// The field of `system` at the instant t [s]; the system is copied. For an autonomous system t is
+/// irrelevant.
+template <DifferentiableSystem S>
+PlanarField frozen_at(S system, double t = 0) {
+  static_assert(S::State::RowsAtCompileTime == 2, "a phase plane needs a state of two components");
+  return {[system, t](const Eigen::Vector2d& y) {
+            Eigen::Vector2d f;
+            system.rhs(t, y, f);
+            return f;
+          },
+          [system, t](const Eigen::Vector2d& y) {
+            Eigen::Matrix2d J;
+            system.jacobian(t, y, J);
+            return J;
+          }};
+}
+
+/// The rectangle [lower, upper] of the plane in the units of the two components.
+struct Window {
+  Eigen::Vector2d lower, upper;
+
+  Eigen::Vector2d size() const { return upper - lower; }
+};
+
+/// The smallest window that holds the finite points of `orbits` and of `also`, symmetric about zero where it
+/// crosses zero, widened by `margin` of its size on each side; a side without extent becomes 1 long.
+/// @param orbits  tables whose columns `first` and `second` are the two components
+/// @throws std::invalid_argument when a table has no such column, or nothing finite is given
+Window window_around(const std::vector<Table>& orbits, std::string_view first, std::string_view second,
+                     const std::vector<Eigen::Vector2d>& also = {}, double margin = 0.08);
+
+enum class EquilibriumType {
+  stable_node,
+  stable_focus,
+  centre,
+  saddle,
+  unstable_node,
+  unstable_focus,
+  degenerate
+};
+
+/// "stable_node", ...: the words of the command line.
+std::string_view name_of(EquilibriumType type);
+
+/// A point where f vanishes.
+struct Equilibrium {
+  Eigen::Vector2d state;
+  EquilibriumType type;
+  std::array<std::complex<double>, 2>
+      eigenvalues;  ///< of J [1/s]; larger real part first, then larger imaginary part
+};
+
+/// The type of the equilibrium with Jacobian J, from the signs of T, D and T^2 - 4 D. [strogatz2015nonlinear]
+/// section 5.2
+///   D < 0 saddle; D > 0: T < 0 stable, T > 0 unstable, T = 0 centre; T^2 >= 4 D node, otherwise focus; D = 0
+///   degenerate.
+/// A centre needs T to be zero to rounding: |T| <= 1e-12 of 2 sqrt(D), a damping ratio no measurement can
+/// tell from 0. A critically damped system (T^2 = 4 D) counts as a node.
+/// @param scale  typical magnitudes of the entries of J; D is zero when below 1e-8 of what these entries
+/// could make
+EquilibriumType classify(const Eigen::Matrix2d& J, const Eigen::Matrix2d& scale);
+EquilibriumType classify(const Eigen::Matrix2d& J);
+
+/// The equilibrium in the window that Newton's method reaches from a point; nothing where it reaches none.
+std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
+                                            const Eigen::Vector2d& start);
+
+/// Every equilibrium in the window that Newton's method reaches from a grid of starts x starts points, sorted
+/// by first then second component, each once. A line of equilibria is represented by points of it, all
+/// `degenerate`.
+/// @throws std::invalid_argument when the window is empty or not finite, or starts < 1
+std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts = 15);
+template <DifferentiableSystem S>
+std::vector<Equilibrium> find_equilibria(const S& system, double t, const Window& window) {
+  return find_equilibria(frozen_at(system, t), window);
+}
+
+/// Arrows of the direction field on a columns x rows grid of cell centres, all of one length on a square
+/// picture of the window: four columns, the two components of the point and of the arrow centred on it, in
+/// the units of the axes. Points where f is zero or not finite have no arrow.
+/// @param names  of the two components, "x [m]"; the arrow's columns are called "d" + name
+Table direction_field(const PlanarField& field, const Window& window, const std::array<std::string, 2>& names,
+                      int columns = 21, int rows = 17);
+
+/// A curve as points, shape (2) each; closed when first == last.
+using Polyline = std::vector<Eigen::Vector2d>;
+
+/// The set f_component = 0 in the window as stitched polylines, by marching squares on cells x cells squares:
+/// every open piece ends on the border of the window or at a point where f is not finite.
+/// @param component  0 or 1
+/// @throws std::invalid_argument for another component or cells < 1
+std::vector<Polyline> nullcline(const PlanarField& field, int component, const Window& window,
+                                int cells = 160);
+
+}  // namespace hmax

@@ -1,0 +1,90 @@
+#include "analysis/spectrum/block_product.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// Whether A consists of whole blocks of 3 x 3.
+bool consists_of_blocks(const Sparse& A) {
+  if (A.rows() % 3 != 0) return false;
+  const int* outer = A.outerIndexPtr();
+  const int* inner = A.innerIndexPtr();
+  for (Index j = 0; j < A.cols(); j += 3) {
+    const int length = outer[j + 1] - outer[j];
+    if (length % 3 != 0 || outer[j + 2] - outer[j + 1] != length || outer[j + 3] - outer[j + 2] != length)
+      return false;
+    for (int k = 0; k < length; ++k) {
+      const int row = inner[outer[j] + k];
+      if (k % 3 == 0 ? row % 3 != 0 : row != inner[outer[j] + k - 1] + 1) return false;
+      if (inner[outer[j + 1] + k] != row || inner[outer[j + 2] + k] != row) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+SymmetricProduct::SymmetricProduct(const Sparse& matrix, const Eigen::VectorXd& scale) : n_(matrix.rows()) {
+  Sparse compressed;
+  if (!matrix.isCompressed()) {
+    compressed = matrix;
+    compressed.makeCompressed();
+  }
+  const Sparse& A = matrix.isCompressed() ? matrix : compressed;
+  blocks_ = consists_of_blocks(A);
+  // Columns of a symmetric matrix are its rows.
+  const int* outer = A.outerIndexPtr();
+  const int* inner = A.innerIndexPtr();
+  const double* values = A.valuePtr();
+  const auto scaled = [&](Index row, int entry) { return scale[row] * values[entry] * scale[inner[entry]]; };
+  values_.reserve(static_cast<std::size_t>(A.nonZeros()));
+  if (!blocks_) {
+    first_.assign(outer, outer + n_ + 1);
+    column_.assign(inner, inner + A.nonZeros());
+    for (Index row = 0; row < n_; ++row)
+      for (int entry = outer[row]; entry < outer[row + 1]; ++entry) values_.push_back(scaled(row, entry));
+    return;
+  }
+  first_.push_back(0);
+  for (Index row = 0; row < n_; row += 3) {
+    for (int k = 0; k < outer[row + 1] - outer[row]; k += 3) {
+      column_.push_back(inner[outer[row] + k]);
+      for (Index r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) values_.push_back(scaled(row + r, outer[row + r] + k + c));
+    }
+    first_.push_back(static_cast<int>(column_.size()));
+  }
+}
+
+void SymmetricProduct::apply(const double* in, double* out) const {
+  const double* value = values_.data();
+  if (!blocks_) {
+    for (std::size_t row = 0; row + 1 < first_.size(); ++row) {
+      double sum = 0;
+      for (int k = first_[row]; k < first_[row + 1]; ++k)
+        sum += *value++ * in[column_[static_cast<std::size_t>(k)]];
+      out[row] = sum;
+    }
+    return;
+  }
+  for (std::size_t row = 0; row + 1 < first_.size(); ++row) {
+    double a = 0, b = 0, c = 0;
+    for (int k = first_[row]; k < first_[row + 1]; ++k, value += 9) {
+      const double* from = in + column_[static_cast<std::size_t>(k)];
+      const double x0 = from[0], x1 = from[1], x2 = from[2];
+      a += (value[0] * x0 + value[1] * x1) + value[2] * x2;
+      b += (value[3] * x0 + value[4] * x1) + value[5] * x2;
+      c += (value[6] * x0 + value[7] * x1) + value[8] * x2;
+    }
+    out[3 * row] = a;
+    out[3 * row + 1] = b;
+    out[3 * row + 2] = c;
+  }
+}
+
+}  // namespace hmax

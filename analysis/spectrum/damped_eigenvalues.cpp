@@ -1,0 +1,136 @@
+#include "analysis/spectrum/damped_eigenvalues.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+
+#include "analysis/spectrum/lanczos.hpp"
+#include "analysis/spectrum/scaled_matrices.hpp"
+
+namespace hmax {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double tolerance = 1e-9;
+constexpr double deep_enough = 0.9;  // of the largest modulus
+constexpr std::size_t many_enough = 40;
+
+/// y = (0, s I; -k / s, -c) x.
+class Companion {
+ public:
+  Companion(const ScaledMatrices& scaled, double s) : scaled_(scaled), s_(s), product_(scaled.size()) {}
+
+  void operator()(const VectorXd& x, VectorXd& y) {
+    const Index n = product_.size();
+    y.head(n) = s_ * x.tail(n);
+    scaled_.k.apply(x.data(), product_.data());
+    y.tail(n) = -product_ / s_;
+    scaled_.c.apply(x.data() + n, product_.data());
+    y.tail(n) -= product_;
+  }
+
+ private:
+  const ScaledMatrices& scaled_;
+  double s_;
+  VectorXd product_;
+};
+
+/// The Ritz values of H, shape (k, k), the largest first, up to the first that has not converged.
+/// @param below  the entry of H below its last column
+DampedEigenvalues converged(const MatrixXd& H, double below) {
+  const Eigen::EigenSolver<MatrixXd> solver(H);
+  DampedEigenvalues result{.lambda = {}, .rest = std::numeric_limits<double>::infinity()};
+  if (solver.info() != Eigen::Success) return result;
+  const Eigen::VectorXcd theta = solver.eigenvalues();
+  const Eigen::MatrixXcd vectors = solver.eigenvectors();
+  std::vector<Index> order(static_cast<std::size_t>(H.rows()));
+  std::iota(order.begin(), order.end(), Index(0));
+  std::ranges::stable_sort(order, [&](Index a, Index b) { return std::abs(theta[a]) > std::abs(theta[b]); });
+  for (const Index i : order) {
+    const double residual = below * std::abs(vectors(H.rows() - 1, i)) / vectors.col(i).norm();
+    if (!(residual <= tolerance * std::abs(theta[i]))) break;
+    result.lambda.push_back(theta[i]);
+    result.rest = std::abs(theta[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
+DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
+  const ScaledMatrices scaled(part);
+  const Index n = scaled.size();
+  const LanczosPair size = largest_eigenpair([&](const VectorXd& x, VectorXd& y) { scaled.k(x, y); }, n,
+                                             {.tolerance = 1e-2, .with_vector = false});
+  Companion A(scaled, std::sqrt(std::max(size.value, std::numeric_limits<double>::min())));
+  constexpr double most_numbers = 1e9 / sizeof(double);
+  const Index most = std::min<Index>(
+      2 * n, std::clamp<Index>(static_cast<Index>(most_numbers / static_cast<double>(2 * n)), 60, 300));
+  MatrixXd V(2 * n, most + 1), H = MatrixXd::Zero(most + 1, most);
+  V.col(0) = start_vector(2 * n).normalized();
+  VectorXd q(2 * n), w(2 * n);
+  DampedEigenvalues result{.lambda = {}, .rest = std::numeric_limits<double>::infinity()};
+  for (Index k = 0; k < most; ++k) {
+    q = V.col(k);
+    A(q, w);
+    // Once more where it took away so much that rounding of it is left; twice is enough
+    // [daniel1976reorthogonalization].
+    double norm = w.norm();
+    for (int time = 0; time < 2; ++time) {
+      const VectorXd h = V.leftCols(k + 1).transpose() * w;
+      w -= V.leftCols(k + 1) * h;
+      H.col(k).head(k + 1) += h;
+      const double left = w.norm();
+      const bool clean = left > 0.7 * norm;
+      norm = left;
+      if (clean) break;
+    }
+    H(k + 1, k) = norm;
+    const Index count = k + 1;
+    const bool invariant = H(count, k) <= 1e-14 * H.col(k).norm();
+    if (!invariant) V.col(count) = w / H(count, k);
+    if (count % 30 != 0 && count != most && !invariant) continue;
+    result = converged(H.topLeftCorner(count, count), H(count, k));
+    if (invariant || result.lambda.size() >= many_enough ||
+        (!result.lambda.empty() && result.rest <= deep_enough * std::abs(result.lambda.front())))
+      break;
+  }
+  return result;
+}
+
+std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
+  const ScaledMatrices scaled(part);
+  const Index n = scaled.size();
+  VectorXd product(n);
+  // |lambda^2 + lambda c + k| is at most this.
+  const double most_k = scaled.largest_k(), most_c = scaled.largest_c();
+  std::optional<double> lambda;
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    const double l = lambda.value_or(0), bound = most_k + l * most_c;
+    const LanczosPair least = largest_eigenpair(
+        [&](const VectorXd& x, VectorXd& y) {
+          scaled.k(x, y);
+          scaled.c(x, product);
+          y = bound * x - y - l * product;
+        },
+        n, {.tolerance = 1e-10});
+    scaled.k(least.vector, product);
+    const double kappa = least.vector.dot(product);
+    scaled.c(least.vector, product);
+    const double gamma = least.vector.dot(product);
+    if (!(kappa < -1e-9 * most_k)) return lambda;
+    const double next = -2 * kappa / (gamma + std::sqrt(gamma * gamma - 4 * kappa));
+    if (lambda && next <= *lambda * (1 + 1e-10)) return lambda;
+    lambda = next;
+  }
+  return lambda;
+}
+
+}  // namespace hmax

@@ -1,0 +1,117 @@
+#include "analysis/spectrum/element_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Stiffness = Eigen::Ref<const MatrixXd>;
+
+Index count(std::span<const Index> points) { return static_cast<Index>(points.size()); }
+
+double largest_eigenvalue(const MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+/// The part of an element's matrix that belongs to free points, scaled by their share of mass.
+MatrixXd scaled_to_free(std::span<const Index> points, const Stiffness& K, const VectorXd& share) {
+  VectorXd inverse_root = VectorXd::Zero(3 * count(points));
+  for (Index a = 0; a < count(points); ++a)
+    if (points[static_cast<std::size_t>(a)] >= 0)
+      inverse_root.segment<3>(3 * a).setConstant(1 / std::sqrt(share[a]));
+  return inverse_root.asDiagonal() * K * inverse_root.asDiagonal();
+}
+
+}  // namespace
+
+StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mass,
+                                 std::span<const double> weights, const Eigen::SparseMatrix<double>& K) {
+  const bool by_trace = weights.empty();
+  VectorXd total = VectorXd::Zero(mass.size());  // of the weights at each point
+  std::vector<Matrix3d> blocks(static_cast<std::size_t>(mass.size()), Matrix3d::Zero());
+  const auto weight = [&](std::size_t e, Index a, const Stiffness& Ke) {
+    return by_trace ? Ke.diagonal().segment<3>(3 * a).sum() : weights[e];
+  };
+  std::size_t e = 0;
+  elements([&](std::span<const Index> points, const Stiffness& Ke) {
+    for (Index a = 0; a < count(points); ++a)
+      if (const Index point = points[static_cast<std::size_t>(a)]; point >= 0) {
+        total[point] += weight(e, a, Ke);
+        blocks[static_cast<std::size_t>(point)] +=
+            static_cast<double>(points.size()) * Ke.block<3, 3>(3 * a, 3 * a);
+      }
+    ++e;
+  });
+
+  StiffnessBounds bounds;
+  e = 0;
+  elements([&](std::span<const Index> points, const Stiffness& Ke) {
+    VectorXd share = VectorXd::Ones(count(points));
+    for (Index a = 0; a < count(points); ++a)
+      if (const Index point = points[static_cast<std::size_t>(a)]; point >= 0) {
+        const double own = weight(e, a, Ke);
+        // Without stiffness at a point an element needs no mass there.
+        if (own > 0) share[a] = mass[point] * own / total[point];
+      }
+    const MatrixXd scaled = scaled_to_free(points, Ke, share);
+    // No eigenvalue is larger than its norms, which say it of nearly all elements.
+    const bool smaller =
+        std::min(scaled.norm(), scaled.cwiseAbs().rowwise().sum().maxCoeff()) <= bounds.element;
+    if (const double kappa = smaller ? 0 : largest_eigenvalue(scaled); kappa > bounds.element) {
+      bounds.element = kappa;
+      bounds.fastest_element = static_cast<Index>(e);
+    }
+    ++e;
+  });
+
+  for (Index point = 0; point < mass.size(); ++point) {
+    Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
+    solver.computeDirect(blocks[static_cast<std::size_t>(point)], Eigen::EigenvaluesOnly);
+    bounds.nodal = std::max(bounds.nodal, solver.eigenvalues()[2] / mass[point]);
+  }
+
+  VectorXd rows = VectorXd::Zero(K.rows());
+  for (Index j = 0; j < K.cols(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(K, j); entry; ++entry)
+      rows[entry.row()] += std::abs(entry.value()) / std::sqrt(mass[entry.row() / 3] * mass[j / 3]);
+  bounds.gershgorin = rows.maxCoeff();
+  return bounds;
+}
+
+ModeOwner owner_of(const ElementSum& elements, const VectorXd& mass, const VectorXd& shape) {
+  std::vector<double> energy;
+  elements([&](std::span<const Index> points, const Stiffness& K) {
+    VectorXd u = VectorXd::Zero(K.rows());
+    for (Index a = 0; a < count(points); ++a)
+      if (const Index point = points[static_cast<std::size_t>(a)]; point >= 0)
+        u.segment<3>(3 * a) = shape.segment<3>(3 * point);
+    energy.push_back(u.dot(K * u));
+  });
+  ModeOwner owner;
+  const double whole = std::accumulate(energy.begin(), energy.end(), 0.0);
+  const auto most = std::ranges::max_element(energy);
+  owner.element = most - energy.begin();
+  owner.share = *most / whole;
+  std::ranges::sort(energy, std::ranges::greater{});
+  for (double sum = 0; sum < 0.9 * whole && owner.elements < static_cast<Index>(energy.size());)
+    sum += energy[static_cast<std::size_t>(owner.elements++)];
+  double kinetic = 0, squares = 0;
+  for (Index point = 0; point < mass.size(); ++point) {
+    const double part = mass[point] * shape.segment<3>(3 * point).squaredNorm();
+    kinetic += part;
+    squares += part * part;
+  }
+  owner.moving_points = kinetic * kinetic / squares;
+  return owner;
+}
+
+}  // namespace hmax

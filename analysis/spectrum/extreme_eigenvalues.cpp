@@ -1,0 +1,304 @@
+#include "analysis/spectrum/extreme_eigenvalues.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCore>
+#include <fmt/format.h>
+
+#if HMAX_HAVE_SPECTRA
+#include <Spectra/GenEigsSolver.h>
+#include <Spectra/MatOp/SparseGenMatProd.h>
+#endif
+
+#include "analysis/spectrum/block_product.hpp"
+#include "analysis/spectrum/lanczos.hpp"
+#include "analysis/spectrum/spectrum.hpp"
+#include "integrators/linear/panel_factor.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+constexpr double tolerance = 1e-10;
+/// How far beyond an end of the spectrum a shifted matrix is regular, relative to a bound.
+constexpr double outside = 1e-8;
+
+/// @throws InputError  when the question has no answer
+void require_sensible(Index n, Index count) {
+  if (count < 1 || count > n)
+    throw InputError(
+        fmt::format("{} eigenvalues of {} unknowns were asked for; ask for 1 to {}", count, n, n));
+}
+
+/// Whether dense methods are to be used for a Jacobian.
+/// @throws InputError  when the question has no answer
+bool goes_dense(Index n, Index count, Index dense_to) {
+  require_sensible(n, count);
+  // The iterations need room beside what they look for.
+  if (n <= dense_to || count + 3 > n) return true;
+  if (has_krylov()) return false;
+  if (n > most_dense_rows)
+    throw InputError(
+        fmt::format("the extreme eigenvalues of a Jacobian of {} unknowns need Spectra: install the Debian "
+                    "package libspectra-dev and build again, or take at most {} unknowns",
+                    n, most_dense_rows));
+  return true;
+}
+
+LargestEigenvalues dense_largest(const MatrixXd& J, Index count) {
+  const Eigen::EigenSolver<MatrixXd> solver(J);
+  std::vector<Index> order(static_cast<std::size_t>(J.rows()));
+  std::iota(order.begin(), order.end(), Index(0));
+  const Eigen::VectorXcd lambda = solver.eigenvalues();
+  const Eigen::MatrixXcd vectors = solver.eigenvectors();
+  // Conjugates have one modulus and stay side by side.
+  std::ranges::stable_sort(order,
+                           [&](Index a, Index b) { return std::abs(lambda[a]) > std::abs(lambda[b]); });
+  const Index taken = std::min(count + 1, J.rows());
+  LargestEigenvalues result{.lambda = {}, .vectors = Eigen::MatrixXcd(J.rows(), taken)};
+  for (Index i = 0; i < taken; ++i) {
+    const Index from = order[static_cast<std::size_t>(i)];
+    result.lambda.push_back(lambda[from]);
+    result.vectors.col(i) = vectors.col(from).normalized();
+  }
+  return result;
+}
+
+/// Takes off the value that was computed beyond `count`, unless it is the conjugate of the one before.
+void trim(LargestEigenvalues& result, Index count) {
+  const auto wanted = static_cast<std::size_t>(count);
+  if (result.lambda.size() <= wanted) return;
+  const Complex last = result.lambda[wanted - 1], next = result.lambda[wanted];
+  const bool cut = last.imag() != 0 && std::abs(next - std::conj(last)) <= 1e-8 * std::abs(last);
+  const bool whole =
+      wanted >= 2 && std::abs(result.lambda[wanted - 2] - std::conj(last)) <= 1e-8 * std::abs(last);
+  result.lambda.resize(wanted + (cut && !whole ? 1 : 0));
+  result.vectors.conservativeResize(Eigen::NoChange, static_cast<Index>(result.lambda.size()));
+}
+
+/// M^-1/2 K M^-1/2, and what turns its eigenvectors into shapes.
+class Scaled {
+ public:
+  VectorXd inverse_root;
+
+  explicit Scaled(const MechanicalPart& part) : inverse_root(part.mass.cwiseSqrt().cwiseInverse()) {
+    if (!part.symmetric)
+      throw std::invalid_argument(
+          "extreme stiffnesses need a symmetric K; take the eigenvalues of the Jacobian");
+    if (is_sparse(part.K)) {
+      K_ = &std::get<Sparse>(part.K);
+    } else {
+      own_ = std::get<MatrixXd>(part.K).sparseView();
+      K_ = &own_;
+    }
+  }
+  Scaled(const Scaled&) = delete;
+  Scaled& operator=(const Scaled&) = delete;
+
+  [[nodiscard]] Index size() const { return inverse_root.size(); }
+  /// A copy, which products do without.
+  [[nodiscard]] Sparse matrix() const {
+    Sparse k = inverse_root.asDiagonal() * *K_ * inverse_root.asDiagonal();
+    k.makeCompressed();
+    return k;
+  }
+  [[nodiscard]] SymmetricProduct product() const { return {*K_, inverse_root}; }
+  [[nodiscard]] double gershgorin() const {
+    double largest = 0;
+    for (Index j = 0; j < K_->cols(); ++j) {
+      double sum = 0;
+      for (Sparse::InnerIterator entry(*K_, j); entry; ++entry)
+        sum += std::abs(entry.value()) * inverse_root[entry.row()];
+      largest = std::max(largest, sum * inverse_root[j]);
+    }
+    return largest;
+  }
+
+ private:
+  Sparse own_;
+  const Sparse* K_ = nullptr;
+};
+
+ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool largest) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{MatrixXd(scaled.matrix())};
+  const Index n = scaled.size();
+  ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, count)};
+  std::vector<Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), Index(0));
+  const VectorXd& kappa = solver.eigenvalues();
+  result.negative = (kappa.array() < -outside * scaled.gershgorin()).count();
+  std::ranges::stable_sort(order, [&](Index a, Index b) {
+    return largest ? kappa[a] > kappa[b] : std::abs(kappa[a]) < std::abs(kappa[b]);
+  });
+  for (Index i = 0; i < count; ++i) {
+    const Index from = order[static_cast<std::size_t>(i)];
+    result.kappa.push_back(kappa[from]);
+    result.shapes.col(i) = scaled.inverse_root.cwiseProduct(solver.eigenvectors().col(from));
+  }
+  return result;
+}
+
+/// The eigenvalues nearest to a shift, of which the shifted matrix can be factored without pivoting: always
+/// where the shift is beyond one end of the spectrum.
+ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
+  const Index n = scaled.size();
+  Sparse shifted = scaled.matrix().selfadjointView<Eigen::Lower>();
+  Sparse identity(n, n);
+  identity.setIdentity();
+  shifted -= shift * identity;
+  shifted.makeCompressed();
+  PanelFactor<double> factor;
+  factor.analyse(shifted);
+  ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, 0), .converged = false};
+  if (!factor.factor(shifted)) return result;
+  result.negative = std::ranges::count_if(factor.pivots(), [](double pivot) { return pivot < 0; });
+  const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) {
+    y = x;
+    factor.solve(y);
+  };
+  const LanczosPairs pairs = first_eigenpairs(inverse, n, count, Rank::largest_modulus, tolerance);
+  const SymmetricProduct product = scaled.product();
+  VectorXd image(n);
+  result.converged = pairs.converged;
+  result.shapes = scaled.inverse_root.asDiagonal() * pairs.vectors;
+  for (Index i = 0; i < pairs.vectors.cols(); ++i) {
+    const VectorXd u = pairs.vectors.col(i);
+    // What the factor gave is held against the matrix itself.
+    product(u, image);
+    result.kappa.push_back(shift + 1 / pairs.values[static_cast<std::size_t>(i)]);
+    if (!((image - result.kappa.back() * u).norm() <= 1e-8 * scaled.gershgorin())) result.converged = false;
+  }
+  return result;
+}
+
+/// Beyond this a factor of a mesh, made once, takes minutes and gigabytes.
+constexpr Index most_factored = 200'000;
+
+ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest, bool with_shapes) {
+  const double bound = scaled.gershgorin();
+  const Index n = scaled.size();
+  // Outside the spectrum by more than rounding: the shifted matrix stays regular.
+  if (!largest) return nearest_stiffnesses(scaled, count, -outside * bound);
+  const SymmetricProduct rows = scaled.product();
+  const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
+  ExtremeStiffnesses result;
+  if (count == 1) {
+    const LanczosPair pair = largest_eigenpair(product, n,
+                                               {.tolerance = tolerance,
+                                                .most_products = n > most_factored ? 5000 : 600,
+                                                .with_vector = with_shapes});
+    result = {.kappa = {pair.value}, .shapes = {}, .converged = pair.converged};
+    if (with_shapes) result.shapes = scaled.inverse_root.cwiseProduct(pair.vector);
+  } else {
+    const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, tolerance);
+    result = {.kappa = pairs.values,
+              .shapes = scaled.inverse_root.asDiagonal() * pairs.vectors,
+              .converged = pairs.converged};
+  }
+  return result.converged || n > most_factored ? result
+                                               : nearest_stiffnesses(scaled, count, (1 + outside) * bound);
+}
+
+#if HMAX_HAVE_SPECTRA
+
+/// Powers of two that bring row and column i of D^-1 J D to about one size, shape (n): positions and
+/// velocities for instance have none in common, and iterations see a matrix as far from normal as its units
+/// make it [parlett1969balancing]. All of D moves at once, so each by half of what it would move alone.
+VectorXd balance(const Sparse& J) {
+  VectorXd log_d = VectorXd::Zero(J.cols());
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    VectorXd row = VectorXd::Zero(J.rows()), column = row;
+    for (Index j = 0; j < J.cols(); ++j)
+      for (Sparse::InnerIterator entry(J, j); entry; ++entry) {
+        if (entry.row() == j) continue;
+        const double size = std::abs(entry.value()) * std::exp2(log_d[j] - log_d[entry.row()]);
+        row[entry.row()] += size;
+        column[j] += size;
+      }
+    for (Index i = 0; i < J.cols(); ++i)
+      if (row[i] > 0 && column[i] > 0) log_d[i] += std::log2(row[i] / column[i]) / 4;
+  }
+  return log_d.unaryExpr([](double value) { return std::exp2(std::round(value)); });
+}
+
+/// Vectors kept between restarts: more than are wanted, so that neighbours of the last one do not hold it up.
+Index krylov_dimension(Index n, Index count) { return std::min(n, std::max<Index>(2 * count + 20, 60)); }
+
+LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
+  const VectorXd d = balance(J);
+  const Sparse balanced = d.cwiseInverse().asDiagonal() * J * d.asDiagonal();
+  Spectra::SparseGenMatProd<double> product(balanced);
+  Spectra::GenEigsSolver<Spectra::SparseGenMatProd<double>> solver(product, count + 1,
+                                                                   krylov_dimension(J.rows(), count + 1));
+  const VectorXd start = start_vector(J.rows());
+  solver.init(start.data());
+  solver.compute(Spectra::SortRule::LargestMagn, 2000, tolerance, Spectra::SortRule::LargestMagn);
+  const bool converged = solver.info() == Spectra::CompInfo::Successful;
+  const Eigen::VectorXcd lambda = solver.eigenvalues();
+  LargestEigenvalues result{.lambda = {lambda.begin(), lambda.end()},
+                            .vectors = d.asDiagonal() * solver.eigenvectors(),
+                            .converged = converged};
+  result.vectors.colwise().normalize();
+  return result;
+}
+
+#else
+
+LargestEigenvalues krylov_largest(const Sparse& J, Index count) { return dense_largest(MatrixXd(J), count); }
+
+#endif
+
+ExtremeStiffnesses stiffnesses(const MechanicalPart& part, Index count, Index dense_to, bool largest,
+                               bool with_shapes = true) {
+  const Index n = part.mass.size();
+  require_sensible(n, count);
+  const Scaled scaled(part);
+  if (n <= dense_to || count + 3 > n || scaled.gershgorin() == 0)
+    return dense_stiffnesses(scaled, count, largest);
+  return krylov_stiffnesses(scaled, count, largest, with_shapes);
+}
+
+}  // namespace
+
+bool has_krylov() {
+#if HMAX_HAVE_SPECTRA
+  return true;
+#else
+  return false;
+#endif
+}
+
+LargestEigenvalues largest_eigenvalues(const Sparse& J, Index count, Index dense_to) {
+  const bool by_dense = goes_dense(J.rows(), count, dense_to) || J.nonZeros() == 0;
+  LargestEigenvalues result = by_dense ? dense_largest(MatrixXd(J), count) : krylov_largest(J, count);
+  trim(result, count);
+  return result;
+}
+
+ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Index count, Index dense_to,
+                                       bool with_shapes) {
+  return stiffnesses(part, count, dense_to, true, with_shapes);
+}
+
+ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Index count, Index dense_to) {
+  return stiffnesses(part, count, dense_to, false);
+}
+
+ExtremeStiffnesses stiffnesses_near(const MechanicalPart& part, double kappa, Index count) {
+  require_sensible(part.mass.size(), count);
+  const Scaled scaled(part);
+  // An eigenvalue itself would leave nothing to divide by.
+  const double shift = kappa + 1e-9 * (kappa != 0 ? std::abs(kappa) : scaled.gershgorin());
+  return nearest_stiffnesses(scaled, count, shift);
+}
+
+}  // namespace hmax

@@ -1,0 +1,68 @@
+/// The few eigenvalues that limit a step, of systems too large for all of them.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "analysis/spectrum/linear_model.hpp"
+
+namespace hmax {
+
+/// Whether this build has Krylov methods for Jacobians that are not symmetric (Debian package
+/// libspectra-dev). Without them all their eigenvalues are computed, up to most_dense_rows. Symmetric
+/// problems need nothing that is not here.
+bool has_krylov();
+
+/// Matrices up to this size are not worth a Krylov method.
+inline constexpr Eigen::Index small_enough_for_dense = 200;
+
+/// Eigenvalues of largest modulus, the largest first, and their eigenvectors.
+struct LargestEigenvalues {
+  std::vector<std::complex<double>>
+      lambda;                ///< shape (count), one more where a conjugate would be cut off [1/s]
+  Eigen::MatrixXcd vectors;  ///< shape (n, lambda.size()), columns of length 1
+  bool converged = true;     ///< false: fewer than were asked for, which may not be the largest
+};
+
+/// The `count` eigenvalues of J of largest modulus, by implicitly restarted Arnoldi iteration from a fixed
+/// start [sorensen1992implicit]; residuals are at most 1e-10 of the eigenvalue.
+/// @param J         shape (n, n)
+/// @param dense_to  up to this n all eigenvalues are computed
+/// @throws InputError  when count is not in [1, n], or n is too large for a build without Krylov methods
+LargestEigenvalues largest_eigenvalues(const Eigen::SparseMatrix<double>& J, Eigen::Index count,
+                                       Eigen::Index dense_to = small_enough_for_dense);
+
+/// Eigenvalues of K u = kappa M u from one end of the spectrum, and their shapes.
+struct ExtremeStiffnesses {
+  std::vector<double> kappa;  ///< shape (count) [1/s^2]
+  Eigen::MatrixXd shapes;     ///< shape (n, count), shapes^T M shapes = I [kg^-1/2]
+  bool converged = true;      ///< false: fewer than were asked for
+  /// Of smallest_stiffnesses: how many kappa are negative by more than 1e-8 of a bound of the largest, which
+  /// the signs of the pivots of the factor say (Sylvester's law of inertia).
+  Eigen::Index negative = 0;
+};
+
+/// The `count` largest kappa of a symmetric K, the largest first, by Lanczos iteration; where they lie too
+/// close together for it, by shift and invert at Gershgorin's upper bound. Residuals are at most 1e-10 of the
+/// largest.
+/// @param with_shapes  false: `shapes` may be empty, which of one kappa of a large mesh takes half the time
+/// @throws InputError  when count is not in [1, n]
+ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Eigen::Index count = 1,
+                                       Eigen::Index dense_to = small_enough_for_dense,
+                                       bool with_shapes = true);
+
+/// The `count` smallest kappa of a symmetric K without negative ones, the smallest first, by shift and invert
+/// just below zero, so that a system which is free to move (kappa = 0) is served too. Of an indefinite K
+/// those nearest to zero. A factor of K is needed, which meshes have up to some 100,000 degrees of freedom.
+/// @throws InputError  when count is not in [1, n]
+ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Eigen::Index count = 1,
+                                        Eigen::Index dense_to = small_enough_for_dense);
+
+/// The `count` kappa nearest to a given one, the nearest first, by shift and invert.
+/// @throws InputError  when count is not in [1, n]
+ExtremeStiffnesses stiffnesses_near(const MechanicalPart& part, double kappa, Eigen::Index count = 1);
+
+}  // namespace hmax

@@ -1,0 +1,221 @@
+#include "analysis/spectrum/linear_model.hpp"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "analysis/spectrum/lanczos.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// Calls visit(i, j, value) for every entry that is stored.
+template <class Visit>
+void each_entry(const AnyMatrix& matrix, const Visit& visit) {
+  if (const auto* full = std::get_if<MatrixXd>(&matrix)) {
+    for (Index j = 0; j < full->cols(); ++j)
+      for (Index i = 0; i < full->rows(); ++i) visit(i, j, (*full)(i, j));
+    return;
+  }
+  const auto& sparse = std::get<Sparse>(matrix);
+  for (Index j = 0; j < sparse.cols(); ++j)
+    for (Sparse::InnerIterator entry(sparse, j); entry; ++entry) visit(entry.row(), j, entry.value());
+}
+
+void require_masses(const VectorXd& mass) {
+  for (Index i = 0; i < mass.size(); ++i)
+    if (!(std::isfinite(mass[i]) && mass[i] > 0))
+      throw InputError(
+          fmt::format("the mass of degree of freedom {} is {}, but every mass must be positive and finite; "
+                      "give it a mass in "
+                      "kg, or take the degree of freedom out of the model",
+                      i + 1, to_text(mass[i])));
+}
+
+/// How an entry acts in a product.
+enum class As { itself, transposed, modulus };
+
+/// M^-1/2 A M^-1/2 x, with the transpose or the moduli of A; no matrix is copied.
+VectorXd mass_scaled(const AnyMatrix& A, const VectorXd& inverse_root, const VectorXd& x, As as) {
+  const VectorXd scaled = inverse_root.cwiseProduct(x);
+  VectorXd product = VectorXd::Zero(x.size());
+  each_entry(A, [&](Index i, Index j, double value) {
+    if (as == As::transposed) std::swap(i, j);
+    product[i] += (as == As::modulus ? std::abs(value) : value) * scaled[j];
+  });
+  return product.cwiseProduct(inverse_root);
+}
+
+/// Classifies by products with a few vectors in general position: an identity of matrices that does not hold
+/// fails for almost all of them, and |D x| is the size of D. So no product of matrices is formed, which of a
+/// large mesh would take many times its memory.
+void classify_damping(double relative, MechanicalPart& part) {
+  constexpr Index probes = 3;
+  const VectorXd root = part.mass.cwiseSqrt().cwiseInverse();
+  const Index n = part.mass.size();
+  const VectorXd numbers = start_vector(probes * n);
+  // Beside what rounding of the terms of a product may be.
+  const auto vanishes = [&](const VectorXd& difference, const VectorXd& size) {
+    return difference.norm() <= relative * size.norm();
+  };
+  bool damped = false, commute = true;
+  for (Index probe = 0; probe < probes; ++probe) {
+    const VectorXd x = numbers.segment(probe * n, n), moduli = x.cwiseAbs();
+    const auto k = [&](const VectorXd& v, As as = As::itself) { return mass_scaled(part.K, root, v, as); };
+    const auto c = [&](const VectorXd& v, As as = As::itself) { return mass_scaled(part.C, root, v, as); };
+    const VectorXd kx = k(x), cx = c(x), size_c = c(moduli, As::modulus);
+    damped = damped || size_c.maxCoeff() > 0;
+    part.symmetric = part.symmetric && vanishes(kx - k(x, As::transposed), k(moduli, As::modulus)) &&
+                     vanishes(cx - c(x, As::transposed), size_c);
+    if (!damped || !part.symmetric) break;
+    commute = commute && vanishes(k(cx) - c(kx), k(size_c, As::modulus));
+  }
+  part.damping = !damped                     ? Damping::none
+                 : part.symmetric && commute ? Damping::proportional
+                                             : Damping::general;
+}
+
+}  // namespace
+
+std::string_view name_of(JacobianOrigin origin) {
+  switch (origin) {
+    case JacobianOrigin::analytic:
+      return "analytic";
+    case JacobianOrigin::differences:
+      return "central differences";
+    case JacobianOrigin::grouped_differences:
+      break;
+  }
+  return "central differences by groups of columns";
+}
+
+std::string_view name_of(Damping damping) {
+  switch (damping) {
+    case Damping::none:
+      return "none";
+    case Damping::proportional:
+      return "proportional";
+    case Damping::general:
+      break;
+  }
+  return "general";
+}
+
+MatrixXd dense(const AnyMatrix& matrix) {
+  if (const auto* full = std::get_if<MatrixXd>(&matrix)) return *full;
+  return MatrixXd(std::get<Sparse>(matrix));
+}
+
+double relative_distance(const LinearModel& A, const LinearModel& B) {
+  if (!A.mechanical || !B.mechanical) return relative_distance(A.J(), B.J());
+  // Of (0, I; -M^-1 K, -M^-1 C).
+  const MechanicalPart &a = *A.mechanical, &b = *B.mechanical;
+  const VectorXd inverse = a.mass.cwiseInverse();
+  double difference = 0, size = static_cast<double>(a.mass.size());
+  for (const auto& [from, to] : {std::pair{&a.K, &b.K}, std::pair{&a.C, &b.C}}) {
+    std::visit(
+        [&](const auto& first, const auto& second) {
+          using First = std::decay_t<decltype(first)>;
+          if constexpr (std::is_same_v<First, std::decay_t<decltype(second)>>)
+            difference += (inverse.asDiagonal() * First(second - first)).squaredNorm();
+          else
+            difference += (inverse.asDiagonal() * MatrixXd(MatrixXd(second) - MatrixXd(first))).squaredNorm();
+          size += (inverse.asDiagonal() * first).squaredNorm();
+        },
+        *from, *to);
+  }
+  return std::sqrt(difference / size);
+}
+
+double relative_distance(const AnyMatrix& A, const AnyMatrix& B) {
+  if (!is_sparse(A) || !is_sparse(B)) return (dense(A) - dense(B)).norm() / dense(A).norm();
+  using Sparse = Eigen::SparseMatrix<double>;
+  return Sparse(std::get<Sparse>(A) - std::get<Sparse>(B)).norm() / std::get<Sparse>(A).norm();
+}
+
+MechanicalPart mechanical_part(VectorXd mass, AnyMatrix K, AnyMatrix C, double relative) {
+  MechanicalPart part{.mass = std::move(mass), .K = detail::taken(K), .C = detail::taken(C)};
+  classify(part, relative);
+  return part;
+}
+
+void classify(MechanicalPart& part, double relative) {
+  require_masses(part.mass);
+  for (const auto& [matrix, name] : {std::pair{&part.K, "stiffness"}, {&part.C, "damping"}})
+    each_entry(*matrix, [&](Index i, Index j, double value) {
+      if (!std::isfinite(value))
+        throw InputError(
+            fmt::format("the {} matrix has {} at row {}, column {} (counted from 1), so there is no linear "
+                        "model; choose a state where the force is differentiable",
+                        name, to_text(value), i + 1, j + 1));
+    });
+  if (part.mass.size() == 1) {  // one degree of freedom has nothing to couple with
+    double c = 0;
+    each_entry(part.C, [&](Index, Index, double value) { c = value; });
+    part.damping = c == 0 ? Damping::none : Damping::proportional;
+    return;
+  }
+  classify_damping(relative, part);
+  // A body without damping has the pattern of K for it, which is memory for nothing.
+  if (part.damping == Damping::none && is_sparse(part.C))
+    part.C.emplace<Sparse>(part.mass.size(), part.mass.size());
+}
+
+namespace detail {
+
+AnyMatrix taken(AnyMatrix& from) {
+  if (!is_sparse(from)) return std::move(from);
+  AnyMatrix to{std::in_place_type<Sparse>};
+  std::get<Sparse>(to).swap(std::get<Sparse>(from));
+  return to;
+}
+
+void require_finite(const AnyMatrix& matrix, std::string_view what, double t) {
+  each_entry(matrix, [&](Index i, Index j, double value) {
+    if (!std::isfinite(value))
+      throw InputError(fmt::format(
+          "{} has {} at row {}, column {} (counted from 1) at t = {}: the rate of component {} has no finite "
+          "slope along component {}; choose a state where the model is differentiable",
+          what, to_text(value), i + 1, j + 1, to_text(t), i + 1, j + 1));
+  });
+}
+
+void require_finite_state(double t, const VectorXd& y) {
+  if (!std::isfinite(t))
+    throw InputError(fmt::format("the time of the linear model is {}; give a finite time", to_text(t)));
+  for (Index i = 0; i < y.size(); ++i)
+    if (!std::isfinite(y[i]))
+      throw InputError(
+          fmt::format("component {} (counted from 1) of the state to linearise at is {}; give a "
+                      "finite state",
+                      i + 1, to_text(y[i])));
+}
+
+std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const VectorXd& mass) {
+  const Index n = mass.size();
+  if (const auto* full = std::get_if<MatrixXd>(&J))
+    return {MatrixXd(-(mass.asDiagonal() * full->bottomLeftCorner(n, n))),
+            MatrixXd(-(mass.asDiagonal() * full->bottomRightCorner(n, n)))};
+  std::vector<Eigen::Triplet<double>> stiffness, damping;
+  each_entry(J, [&](Index i, Index j, double value) {
+    if (i < n) return;
+    auto& block = j < n ? stiffness : damping;
+    block.emplace_back(static_cast<int>(i - n), static_cast<int>(j % n), -mass[i - n] * value);
+  });
+  Sparse K(n, n), C(n, n);
+  K.setFromTriplets(stiffness.begin(), stiffness.end());
+  C.setFromTriplets(damping.begin(), damping.end());
+  return {K, C};
+}
+
+}  // namespace detail
+}  // namespace hmax

@@ -1,0 +1,295 @@
+/// What a system is near a state: its Jacobian and, where it is mechanical, its mass, damping and stiffness.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "integrators/implicit/jacobian.hpp"
+#include "integrators/system.hpp"
+
+namespace hmax {
+
+/// A square matrix, dense or sparse as the system has it.
+using AnyMatrix = std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>>;
+
+/// Whose Jacobian is wanted: that of the code where there is one, or differences in any case.
+enum class JacobianFrom { analytic_if_any, differences };
+
+/// Whose Jacobian it is. Differences are central, good to about 8 digits of the largest entries; grouped ones
+/// took columns without a common row together [curtis1974estimation].
+enum class JacobianOrigin { analytic, differences, grouped_differences };
+
+/// "analytic", "central differences", "central differences by groups of columns".
+std::string_view name_of(JacobianOrigin origin);
+
+/// How damping acts on the undamped modes: not at all; on each alone (K M^-1 C = C M^-1 K, of which
+/// Rayleigh's alpha M + beta K is a case [caughey1965classical]); or so that it couples them.
+enum class Damping { none, proportional, general };
+
+/// "none", "proportional", "general".
+std::string_view name_of(Damping damping);
+
+/// M q'' + C q' + K q = 0, the motion near a state of a mechanical system of n degrees of freedom.
+// NOLINTNEXTLINE(bugprone-exception-escape): Eigen 3.4 copies sparse matrices that are moved
+struct MechanicalPart {
+  Eigen::VectorXd mass;  ///< the diagonal of M, shape (n) [kg], all positive
+  AnyMatrix K;           ///< -dF/dq, shape (n, n) [N/m]
+  AnyMatrix C;           ///< -dF/dv, shape (n, n) [N s/m]
+  Damping damping = Damping::none;
+  bool symmetric = true;  ///< K and C are, to what they are known to: no follower, no gyroscopic forces
+
+  /// Whether the motion is that of n independent oscillators q'' + gamma q' + kappa q = 0.
+  [[nodiscard]] bool decouples() const { return symmetric && damping != Damping::general; }
+};
+
+/// y' = f(t, y) near a state: (y + d)' = f(t, y) + J d, with t frozen.
+struct LinearModel {
+  double t = 0;       ///< [s]
+  Eigen::VectorXd y;  ///< the state, shape (n)
+  /// J(i, j) = d f_i / d y_j, shape (n, n). Of sparse mechanical systems it is assembled by each call: it
+  /// takes twice the memory of K and C together, and most limits need only those.
+  std::function<AnyMatrix()> J;
+  JacobianOrigin origin = JacobianOrigin::analytic;
+  std::optional<MechanicalPart> mechanical;  ///< of second-order systems, where y = (q, v)
+  std::function<AnyMatrix()> J_stiff;        ///< of the stiff part of split systems, shape (n, n); else empty
+};
+
+/// |A - B| / |A| of the Jacobians of two models of one system, in the norm of Frobenius.
+double relative_distance(const LinearModel& A, const LinearModel& B);
+
+/// The matrix as a dense one; a copy.
+Eigen::MatrixXd dense(const AnyMatrix& matrix);
+inline Eigen::Index rows(const AnyMatrix& matrix) {
+  return std::visit([](const auto& held) { return held.rows(); }, matrix);
+}
+inline bool is_sparse(const AnyMatrix& matrix) { return matrix.index() == 1; }
+/// |A - B| / |A| of two matrices of one shape, in the norm of Frobenius.
+double relative_distance(const AnyMatrix& A, const AnyMatrix& B);
+
+/// Classifies damping and symmetry of the matrices.
+/// @param relative  what counts as rounding beside the sizes of the terms: 1e-10 where matrices are analytic
+/// @throws InputError  when a mass is not positive and finite, or an entry of K or C is not finite
+MechanicalPart mechanical_part(Eigen::VectorXd mass, AnyMatrix K, AnyMatrix C, double relative = 1e-10);
+/// The same of matrices that are in the part already.
+void classify(MechanicalPart& part, double relative = 1e-10);
+
+namespace detail {
+/// @throws InputError  that names the first entry of `matrix` that is not finite
+void require_finite(const AnyMatrix& matrix, std::string_view what, double t);
+void require_finite_state(double t, const Eigen::VectorXd& y);
+
+/// K and C of J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
+std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const Eigen::VectorXd& mass);
+
+/// Takes what `from` holds: Eigen 3.4 has no moves of sparse matrices, and copies of those of meshes are
+/// long.
+AnyMatrix taken(AnyMatrix& from);
+
+template <class Matrix>
+AnyMatrix any_matrix(Matrix matrix) {
+  if constexpr (std::is_same_v<Matrix, AnyMatrix>)
+    return taken(matrix);
+  else if constexpr (is_variant<Matrix>)
+    return std::visit([](auto& held) { return any_matrix(std::move(held)); }, matrix);
+  else if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>)
+    return Eigen::SparseMatrix<double>(matrix.template cast<double>());
+  else
+    return Eigen::MatrixXd(matrix.template cast<double>());
+}
+
+/// A matrix of the system's own type, in its shape.
+template <class Matrix>
+Matrix room_for(Eigen::Index n) {
+  Matrix matrix = blank_matrix<Matrix>();
+  if constexpr (!is_variant<Matrix>) {
+    matrix.resize(n, n);
+    matrix.setZero();
+  }
+  return matrix;
+}
+
+template <System S>
+Eigen::Index dofs_of(const S& system) {
+  if constexpr (SecondOrderSystem<S>)
+    return system.dofs();
+  else
+    return 0;
+}
+template <System S>
+bool splits(const S& system) {
+  if constexpr (requires { system.has_split(); })
+    return system.has_split();
+  else
+    return SplitSystem<S>;
+}
+
+/// Where the Jacobian of a system can be nonzero: what it declares, or the pattern of its own sparse
+/// Jacobian; empty where nothing is known.
+template <System S>
+Eigen::SparseMatrix<double> pattern_of(const S& system, real_of<typename S::State> t,
+                                       const typename S::State& y) {
+  if constexpr (PatternedSystem<S>)
+    if (has_sparsity(system)) {
+      Eigen::SparseMatrix<real_of<typename S::State>> declared;
+      system.sparsity(declared);
+      return declared.template cast<double>();
+    }
+  if constexpr (DifferentiableSystem<S>)
+    if (has_jacobian(system)) {
+      jacobian_type<S> J = room_for<jacobian_type<S>>(system.dim());
+      system.jacobian(t, y, J);
+      const AnyMatrix own = any_matrix(J);
+      if (is_sparse(own)) return std::get<1>(own);
+    }
+  return {};
+}
+
+template <System S>
+AnyMatrix jacobian_of_code(const S& system, real_of<typename S::State> t, const typename S::State& y) {
+  jacobian_type<S> J = room_for<jacobian_type<S>>(system.dim());
+  system.jacobian(t, y, J);
+  return any_matrix(std::move(J));
+}
+
+/// J by central differences, columns one by one or in groups.
+///   J e_j = (f(t, y + d_j e_j) - f(t, y - d_j e_j)) / (2 d_j) + O(d_j^2),   d_j = eps^(1/3) |y_j|
+/// A component below a thousandth of the largest, or below 1e-4, is moved as one of that size. Steppers are
+/// content with the forward differences of integrators/implicit/jacobian.hpp: a few digits serve their Newton
+/// iterations, but a limit of the step is no better than its eigenvalue.
+template <System S>
+AnyMatrix jacobian_by_differences(const S& system, real_of<typename S::State> t, const typename S::State& y,
+                                  JacobianOrigin& origin) {
+  using State = typename S::State;
+  using Real = real_of<State>;
+  const Eigen::Index n = system.dim();
+  Eigen::SparseMatrix<double> pattern = pattern_of(system, t, y);
+  pattern.makeCompressed();
+  const bool grouped = pattern.size() > 0;
+  origin = grouped ? JacobianOrigin::grouped_differences : JacobianOrigin::differences;
+
+  const Real largest = y.size() > 0 ? y.cwiseAbs().maxCoeff() : Real(0);
+  const Real least = std::max(Real(1e-3) * largest, Real(1e-4));
+  const Real relative = std::cbrt(std::numeric_limits<Real>::epsilon());
+  State plus = y, minus = y, f_plus = y, f_minus = y;
+  const auto move = [&](Eigen::Index j) {
+    const Real d = relative * std::max<Real>(std::abs(y[j]), least);
+    plus[j] = y[j] + d;
+    minus[j] = y[j] - d;
+  };
+  // What was added to plus and minus in truth, after rounding.
+  const auto slope = [&](Eigen::Index i, Eigen::Index j) {
+    return static_cast<double>((f_plus[i] - f_minus[i]) / (plus[j] - minus[j]));
+  };
+  const auto evaluate = [&] {
+    system.rhs(t, plus, f_plus);
+    system.rhs(t, minus, f_minus);
+  };
+  if (!grouped) {
+    Eigen::MatrixXd J(n, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      move(j);
+      evaluate();
+      for (Eigen::Index i = 0; i < n; ++i) J(i, j) = slope(i, j);
+      plus[j] = minus[j] = y[j];
+    }
+    return J;
+  }
+  const ColumnGroups groups(pattern);
+  for (const auto& group : groups.members()) {
+    for (const Eigen::Index j : group) move(j);
+    evaluate();
+    for (const Eigen::Index j : group)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(pattern, j); entry; ++entry)
+        entry.valueRef() = slope(entry.row(), j);
+    for (const Eigen::Index j : group) plus[j] = minus[j] = y[j];
+  }
+  return pattern;
+}
+}  // namespace detail
+
+/// The system near (t, y), with t frozen.
+///   f(t, y + d) = f(t, y) + J d + O(d^2)
+/// For a second-order system K and C are its own where J is, and the blocks of J where J comes from
+/// differences.
+/// @param y     state, shape (n)
+/// @param from  differences: even where the system has a Jacobian, to compare both
+/// @throws InputError  when the state or an entry of a matrix is not finite, or a mass not positive and
+/// finite
+/// @cost  differences take two evaluations of f for each column, or for each group of columns
+template <System S>
+LinearModel linearise(const S& system, double t, const typename S::State& y,
+                      JacobianFrom from = JacobianFrom::analytic_if_any) {
+  static_assert(!Eigen::NumTraits<typename S::State::Scalar>::IsComplex, "a linear model is real");
+  using Real = real_of<typename S::State>;
+  const auto at = static_cast<Real>(t);
+  LinearModel model{.t = t, .y = y.template cast<double>(), .J = {}, .mechanical = {}, .J_stiff = {}};
+  detail::require_finite_state(t, model.y);
+
+  const bool analytic = from == JacobianFrom::analytic_if_any && has_jacobian(system);
+  if constexpr (SecondOrderSystem<S>)
+    if (const Eigen::Index n = detail::dofs_of(system); n > 0 && analytic) {
+      using DofMatrix = typename S::DofMatrix;
+      const typename S::Dofs q = y.head(n), v = y.tail(n);
+      MechanicalPart& part = model.mechanical.emplace();
+      part.mass = typename S::Dofs(system.mass()).template cast<double>();
+      // Made where they stay.
+      const auto make = [&](AnyMatrix& made, const auto& write) {
+        if constexpr (std::is_same_v<DofMatrix, AnyMatrix>) {
+          write(made);
+        } else {
+          DofMatrix own = detail::room_for<DofMatrix>(n);
+          write(own);
+          made = detail::any_matrix(std::move(own));
+        }
+      };
+      make(part.K, [&](DofMatrix& K) { system.stiffness(at, q, v, K); });
+      make(part.C, [&](DofMatrix& C) { system.damping(at, q, v, C); });
+      classify(part);
+    }
+  const bool on_demand = model.mechanical && is_sparse(model.mechanical->K);
+  const auto keep = [on_demand](const auto& make, std::string_view what, double when) {
+    if (on_demand) return std::function<AnyMatrix()>(make);
+    AnyMatrix J = make();
+    detail::require_finite(J, what, when);
+    return std::function<AnyMatrix()>([J = std::move(J)] { return J; });
+  };
+
+  if constexpr (DifferentiableSystem<S>)
+    if (analytic)
+      model.J = keep([system, at, y] { return detail::jacobian_of_code(system, at, y); }, "the Jacobian", t);
+  if (!analytic) {
+    const AnyMatrix J = detail::jacobian_by_differences(system, at, y, model.origin);
+    detail::require_finite(J, "the Jacobian", t);
+    model.J = [J] { return J; };
+    if constexpr (SecondOrderSystem<S>)
+      if (detail::dofs_of(system) > 0) {
+        Eigen::VectorXd mass = typename S::Dofs(system.mass()).template cast<double>();
+        auto [K, C] = detail::stiffness_and_damping_of(J, mass);
+        // Differences know about 8 digits of the largest entries.
+        model.mechanical = mechanical_part(std::move(mass), std::move(K), std::move(C), 1e-6);
+      }
+  }
+
+  if constexpr (SplitSystem<S>)
+    if (detail::splits(system))
+      model.J_stiff = keep(
+          [system, at, y] {
+            jacobian_type<S> J = detail::room_for<jacobian_type<S>>(system.dim());
+            system.jacobian_stiff(at, y, J);
+            return detail::any_matrix(std::move(J));
+          },
+          "the Jacobian of the stiff part", t);
+  return model;
+}
+
+}  // namespace hmax

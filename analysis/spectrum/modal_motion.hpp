@@ -1,0 +1,35 @@
+/// The motion of a linear mechanical system as the sum of its modes: exact, whatever its size and damping
+/// ratio.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/spectrum/linear_model.hpp"
+#include "problems/oscillator/oscillator_exact.hpp"
+
+namespace hmax {
+
+/// M q'' + C q' + K q = f with a constant f and damping that leaves the modes apart, from a given state:
+///   q(t) = sum_i s_i a_i(t),   a_i'' + gamma_i a_i' + kappa_i a_i = s_i^T f,   a_i(0) = s_i^T M q(0),
+/// with the shapes s_i of mechanical_modes(). The amplitudes are in closed form; what errs are the shapes, by
+/// rounding.
+class ModalMotion {
+ public:
+  /// @param part   must decouple
+  /// @param force  f, shape (n) [N]
+  /// @param y0     (q, v) at t = 0, shape (2 n)
+  /// @throws std::invalid_argument  unless part.decouples()
+  /// @cost   the eigenproblem of a dense symmetric matrix of n rows
+  ModalMotion(const MechanicalPart& part, const Eigen::VectorXd& force, const Eigen::VectorXd& y0);
+
+  /// (q, v) at t, shape (2 n). Costs two products with a dense matrix.
+  [[nodiscard]] Eigen::VectorXd at(double t) const;
+
+ private:
+  Eigen::MatrixXd shapes_;
+  std::vector<ExactSolution> amplitudes_;
+};
+
+}  // namespace hmax

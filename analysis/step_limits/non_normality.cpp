@@ -1,0 +1,315 @@
+#include "analysis/step_limits/non_normality.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <queue>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+namespace hmax {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double largest_symmetric_eigenvalue(const MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+/// sigma_min(z I - T) of an upper triangular T.
+class SmallestSingularValue {
+ public:
+  explicit SmallestSingularValue(MatrixXcd triangular) : T_(std::move(triangular)), start_(T_.rows()) {
+    for (Index i = 0; i < start_.size(); ++i)
+      start_[i] =
+          Complex(1 + std::sin(1.0 + 2.4 * static_cast<double>(i)), std::cos(3.1 * static_cast<double>(i)));
+    start_.normalize();
+  }
+
+  double operator()(Complex z) {
+    if (T_.rows() == 1) return std::abs(z - T_(0, 0));
+    if (T_.rows() == 2) {
+      // s1 s2 = |det|, s1^2 + s2^2 = |A|_F^2: s1 + s2 and s1 - s2 are roots, s2 follows from the product.
+      const double det = std::abs((z - T_(0, 0)) * (z - T_(1, 1)));
+      const double square = std::norm(z - T_(0, 0)) + std::norm(z - T_(1, 1)) + std::norm(T_(0, 1));
+      const double larger = (std::sqrt(square + 2 * det) + std::sqrt(std::max(0.0, square - 2 * det))) / 2;
+      return larger > 0 ? det / larger : 0;
+    }
+    A_ = -T_;
+    A_.diagonal().array() += z;
+    if (A_.diagonal().cwiseAbs().minCoeff() < std::numeric_limits<double>::min()) return 0;
+    return lanczos();
+  }
+
+ private:
+  /// The largest eigenvalue 1 / sigma^2 of (A^H A)^-1, by Lanczos iteration with full orthogonalisation.
+  double lanczos() {
+    const Index n = T_.rows(), most = std::min<Index>(n, 60);
+    const auto upper = A_.triangularView<Eigen::Upper>();
+    std::vector<VectorXcd> basis{start_};
+    std::vector<double> alpha, beta;
+    double ritz = 0;
+    for (Index k = 0; k < most; ++k) {
+      VectorXcd w = upper.adjoint().solve(basis.back());
+      w = upper.solve(w).eval();
+      if (!w.allFinite()) return 0;
+      alpha.push_back(basis.back().dot(w).real());
+      for (int twice = 0; twice < 2; ++twice)
+        for (const VectorXcd& v : basis) w -= v.dot(w) * v;
+      const auto size = static_cast<Index>(alpha.size());
+      Eigen::SelfAdjointEigenSolver<MatrixXd> small;
+      small.computeFromTridiagonal(Eigen::Map<VectorXd>(alpha.data(), size),
+                                   Eigen::Map<VectorXd>(beta.data(), size - 1), Eigen::EigenvaluesOnly);
+      const double now = small.eigenvalues().maxCoeff();
+      const double rest = w.norm();
+      if ((k > 1 && now - ritz <= 1e-10 * now) || rest <= 1e-14 * now) return 1 / std::sqrt(now);
+      ritz = now;
+      beta.push_back(rest);
+      basis.push_back(w / rest);
+    }
+    return 1 / std::sqrt(ritz);
+  }
+
+  MatrixXcd T_, A_;
+  VectorXcd start_;
+};
+
+/// A family of lines on which |(z I - A)^-1| is looked at: Re z = a, or the circles |z| = 1 + a.
+struct Lines {
+  const MatrixXd& A;
+  bool circles = false;
+
+  [[nodiscard]] Complex z(double a, double b) const { return circles ? std::polar(1 + a, b) : Complex(a, b); }
+  /// In this coordinate the logarithm of the largest norm on the line is convex: Hadamard's three lines, or
+  /// circles.
+  [[nodiscard]] double convex(double a) const { return circles ? std::log1p(a) : a; }
+
+  /// Every b >= 0, and more, where z I - A has the singular value e. With (z I - A) u = e v and its adjoint
+  /// for v,
+  ///   Re z = a:  (A - a I, e I; -e I, a I - A^T) (u, v) = i b (u, v),
+  ///   |z| = r:   (A, e I; 0, r I) (u, v) = exp(i b) (r I, 0; e I, A^T) (u, v)   [boyd1989bisection]
+  [[nodiscard]] std::vector<double> crossings(double a, double e) const {
+    const Index n = A.rows();
+    const auto one = MatrixXd::Identity(n, n);
+    std::vector<double> found;
+    MatrixXd left(2 * n, 2 * n);
+    if (circles) {
+      MatrixXd right(2 * n, 2 * n);
+      left << A, e * one, MatrixXd::Zero(n, n), (1 + a) * one;
+      right << (1 + a) * one, MatrixXd::Zero(n, n), e * one, A.transpose();
+      const Eigen::GeneralizedEigenSolver<MatrixXd> solver(left, right, false);
+      for (Index i = 0; i < 2 * n; ++i) {
+        const Complex alpha = solver.alphas()[i];
+        if (std::abs(std::abs(alpha) - std::abs(solver.betas()[i])) <= 1e-5 * std::abs(alpha))
+          found.push_back(std::abs(std::arg(alpha / solver.betas()[i])));
+      }
+      return found;
+    }
+    left << A - a * one, e * one, -e * one, a * one - A.transpose();
+    const Eigen::EigenSolver<MatrixXd> solver(left, false);
+    const double near = 1e-5 * left.norm();
+    for (const Complex& w : solver.eigenvalues())
+      if (std::abs(w.real()) <= near) found.push_back(std::abs(w.imag()));
+    return found;
+  }
+};
+
+/// An interval of a and the most that a |(z I - A)^-1| can be in it.
+struct Interval {
+  double a0, a1, log_norm0, log_norm1, bound;
+  bool operator<(const Interval& other) const { return bound < other.bound; }
+};
+
+/// sup of a N(a), N(a) the largest norm of the resolvent on line a.
+class KreissSearch {
+ public:
+  static constexpr double within = 1e-4;
+
+  /// @param growth  |(z I - A)^-1| <= 1 / (a - growth) where a > growth > 0
+  KreissSearch(const Lines& lines, const MatrixXcd& schur, double growth)
+      : lines_(lines), sigma_(schur), growth_(growth) {
+    starts_.push_back(0);
+    for (const Complex& lambda : schur.diagonal())
+      starts_.push_back(lines.circles ? std::abs(std::arg(lambda)) : std::abs(lambda.imag()));
+  }
+
+  /// @param least  the smallest a that is looked at
+  KreissConstant run(double least) {
+    // Beyond, a / (a - growth) is at most 1 + within, and 1 is reached at infinity.
+    const double most = growth_ * (1 + within) / within;
+    double a0 = least, norm0 = log_norm(least);
+    while (a0 < most) {
+      const double a1 = std::min(most, a0 * 10), norm1 = log_norm(a1);
+      push({a0, a1, norm0, norm1, 0});
+      a0 = a1;
+      norm0 = norm1;
+    }
+    climb();
+    double bound = 0;
+    while (queue_.top().bound > best_.value * (1 + within)) {
+      const Interval top = queue_.top();
+      bound = top.bound;
+      if (++splits_ > most_splits) break;
+      queue_.pop();
+      const double middle = std::sqrt(top.a0 * top.a1), norm = log_norm(middle);
+      push({top.a0, middle, top.log_norm0, norm, 0});
+      push({middle, top.a1, norm, top.log_norm1, 0});
+    }
+    climb();
+    best_.bound = splits_ > most_splits ? std::max(bound, best_.value) : best_.value * (1 + within);
+    return best_;
+  }
+
+ private:
+  static constexpr int most_splits = 300;
+
+  double norm(double a, double b) {
+    const Complex z = lines_.z(a, b);
+    const double sigma = sigma_(z), found = sigma > 0 ? 1 / sigma : infinity;
+    if (a * found > best_.value) {
+      best_.value = a * found;
+      best_.at = z;
+      a_ = a;
+      b_ = b;
+    }
+    return found;
+  }
+
+  /// log N(a): from the largest norm so far to the places where a larger one is met, and between them, until
+  /// there are none.
+  double log_norm(double a) {
+    double most = 0;
+    for (const double b : starts_) most = std::max(most, norm(a, b));
+    for (int round = 0; round < 40 && std::isfinite(most); ++round) {
+      std::vector<double> places = lines_.crossings(a, 1 / (most * (1 + 1e-7)));
+      places.push_back(0);
+      if (lines_.circles) places.push_back(std::numbers::pi);
+      std::ranges::sort(places);
+      double larger = most;
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        larger = std::max(larger, norm(a, places[i]));
+        if (i > 0) larger = std::max(larger, norm(a, (places[i - 1] + places[i]) / 2));
+      }
+      if (!(larger > most * (1 + 1e-7))) break;
+      most = larger;
+    }
+    return std::log(most * (1 + 1e-7));
+  }
+
+  /// On a chord of the convex log N the largest a N is at an end, or where both slopes cancel.
+  void push(Interval interval) {
+    const double x0 = lines_.convex(interval.a0), x1 = lines_.convex(interval.a1);
+    const double slope = (interval.log_norm1 - interval.log_norm0) / (x1 - x0);
+    // a exp(slope x): x = a, or x = log(1 + a).
+    const double peak = lines_.circles ? -1 / (1 + slope) : -1 / slope;
+    const auto on_chord = [&](double a) {
+      return a * std::exp(interval.log_norm0 + slope * (lines_.convex(a) - x0));
+    };
+    interval.bound = std::max(on_chord(interval.a0), on_chord(interval.a1));
+    if (peak > interval.a0 && peak < interval.a1) interval.bound = std::max(interval.bound, on_chord(peak));
+    if (interval.a0 > growth_)
+      interval.bound = std::min(interval.bound, interval.a0 / (interval.a0 - growth_));
+    queue_.push(interval);
+  }
+
+  /// Up from the best point, step by step along both coordinates and their diagonals.
+  void climb() {
+    if (!(a_ > 0) || !std::isfinite(best_.value)) return;
+    double step = 0.3;
+    while (step > 1e-9) {
+      const double before = best_.value, a = a_, b = b_;
+      const double side = step * a / (lines_.circles ? 1 + a : 1);
+      for (const double da : {-1.0, 0.0, 1.0})
+        for (const double db : {-1.0, 0.0, 1.0})
+          if (da != 0 || db != 0) (void)norm(a * (1 + da * step / (1 + step)), b + db * side);
+      if (!(best_.value > before * (1 + 1e-15))) step /= 2;
+    }
+  }
+
+  const Lines& lines_;
+  SmallestSingularValue sigma_;
+  double growth_;
+  std::vector<double> starts_;
+  double a_ = 0, b_ = 0;
+  int splits_ = 0;
+  KreissConstant best_{.value = 1, .bound = 1, .at = infinity};
+  std::priority_queue<Interval> queue_;
+};
+
+constexpr KreissConstant unbounded{.value = infinity, .bound = infinity, .at = {}};
+
+/// Growth that only an eigenvalue of several on the axis itself can make.
+KreissConstant judged(const KreissConstant& found, double distance, double scale) {
+  return distance < 1e-6 * scale && found.value > 1e6 ? unbounded : found;
+}
+
+}  // namespace
+
+NonNormality non_normality(const MatrixXd& J) {
+  if (J.rows() == 0) return {};
+  const MatrixXcd T = Eigen::ComplexSchur<MatrixXd>(J, false).matrixT();
+  NonNormality result;
+  result.departure = MatrixXcd(T.triangularView<Eigen::StrictlyUpper>()).norm();
+  const double size = J.norm();
+  result.relative_departure = size > 0 ? result.departure / size : 0;
+  result.spectral_abscissa = T.diagonal().real().maxCoeff();
+  result.numerical_abscissa = largest_symmetric_eigenvalue((J + J.transpose()) / 2);
+  return result;
+}
+
+KreissConstant kreiss_constant(const MatrixXd& J) {
+  const double scale = J.norm();
+  if (scale == 0) return {.value = 1, .bound = 1, .at = infinity};
+  const MatrixXcd T = Eigen::ComplexSchur<MatrixXd>(J, false).matrixT();
+  if (T.diagonal().real().maxCoeff() > 1e-10 * scale) return unbounded;
+  const double growth = largest_symmetric_eigenvalue((J + J.transpose()) / 2);
+  if (growth <= 1e-13 * scale) return {.value = 1, .bound = 1, .at = infinity};
+  const Lines lines{J};
+  const KreissConstant found = KreissSearch(lines, T, growth).run(std::min(1e-9 * scale, growth));
+  return judged(found, found.at.real(), scale);
+}
+
+KreissConstant kreiss_constant_of_step(const MatrixXd& A) {
+  const MatrixXcd T = Eigen::ComplexSchur<MatrixXd>(A, false).matrixT();
+  if (T.diagonal().cwiseAbs().maxCoeff() > 1 + 1e-10) return unbounded;
+  const double size = std::sqrt(std::max(0.0, largest_symmetric_eigenvalue(A.transpose() * A)));
+  if (size <= 1 + 1e-13) return {.value = 1, .bound = 1, .at = infinity};
+  const Lines lines{A, true};
+  const KreissConstant found = KreissSearch(lines, T, size - 1).run(std::min(1e-9, size - 1));
+  return judged(found, std::abs(found.at) - 1, 1);
+}
+
+EnergyCoordinates energy_coordinates(const MechanicalPart& part) {
+  const Index n = part.mass.size();
+  const VectorXd root = part.mass.cwiseSqrt();
+  const MatrixXd k = root.cwiseInverse().asDiagonal() * dense(part.K) * root.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver((k + k.transpose()) / 2);
+  const VectorXd sizes = solver.eigenvalues().cwiseAbs();
+  const double least = sizes.maxCoeff() > 0 ? 1e-12 * sizes.maxCoeff() : 1;
+  const VectorXd w = sizes.cwiseMax(least).cwiseSqrt();
+  const MatrixXd& u = solver.eigenvectors();
+  EnergyCoordinates result{MatrixXd::Zero(2 * n, 2 * n), MatrixXd::Zero(2 * n, 2 * n)};
+  const MatrixXd velocities = u.transpose() * root.asDiagonal();
+  const MatrixXd back = root.cwiseInverse().asDiagonal() * u;
+  result.to.topLeftCorner(n, n) = w.asDiagonal() * velocities;
+  result.to.bottomRightCorner(n, n) = velocities;
+  result.from.topLeftCorner(n, n) = back * w.cwiseInverse().asDiagonal();
+  result.from.bottomRightCorner(n, n) = back;
+  return result;
+}
+
+MatrixXd jacobian_in_energy_coordinates(const LinearModel& model) {
+  if (!model.mechanical) return dense(model.J());
+  const EnergyCoordinates energy = energy_coordinates(*model.mechanical);
+  return energy.to * dense(model.J()) * energy.from;
+}
+
+}  // namespace hmax

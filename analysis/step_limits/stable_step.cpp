@@ -1,0 +1,118 @@
+#include "analysis/step_limits/stable_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The limit of `count` modes, of which first_exit_of(i) tells the first exit and grows(i) whether it grows.
+template <class Grows, class FirstExit>
+StepLimit over_modes(std::size_t count, const Grows& grows, const FirstExit& first_exit_of) {
+  StepLimit limit{.h_max = infinity, .of_modes = std::vector<double>(count, infinity), .growing = {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (grows(i)) {
+      limit.growing.push_back(i);
+      continue;
+    }
+    limit.of_modes[i] = first_exit_of(i);
+    if (limit.of_modes[i] < limit.h_max) {
+      limit.h_max = limit.of_modes[i];
+      limit.limiting = i;
+    }
+  }
+  return limit;
+}
+
+/// What is rounding in a spectrum of this radius: an eigenvalue that should be zero comes out as some of it.
+double noise_of(std::size_t count, double radius) {
+  return 4 * static_cast<double>(count + 1) * std::numeric_limits<double>::epsilon() * radius;
+}
+
+bool grows(Complex lambda, double noise) {
+  return std::abs(lambda) > noise && lambda.real() > eigenvalue_rounding * std::abs(lambda);
+}
+
+template <class Lambdas, class Value>
+double radius_of(const Lambdas& modes, const Value& value) {
+  double radius = 0;
+  for (const auto& mode : modes) radius = std::max(radius, value(mode));
+  return radius;
+}
+
+/// On the imaginary axis when it is there but for rounding; in the upper half-plane: methods are real.
+Complex cleaned(Complex lambda) {
+  const bool undamped = std::abs(lambda.real()) <= eigenvalue_rounding * std::abs(lambda);
+  return {undamped ? 0 : lambda.real(), std::abs(lambda.imag())};
+}
+
+double exit_of(const Amplification& amplification, Eigenmode mode, double noise) {
+  if (std::abs(mode.lambda) <= noise) return infinity;
+  const Complex lambda = cleaned(mode.lambda);
+  // What the method is told is turned with it.
+  if (lambda != mode.lambda) {
+    const bool all_stiff = mode.stiff == mode.lambda, exact = mode.frozen == mode.lambda;
+    if (mode.lambda.imag() < 0) {
+      mode.stiff = std::conj(mode.stiff);
+      mode.frozen = std::conj(mode.frozen);
+    }
+    mode.lambda = lambda;
+    if (all_stiff) mode.stiff = lambda;
+    if (exact) mode.frozen = lambda;
+  }
+  return first_exit(amplification.of_eigenmode(mode));
+}
+
+}  // namespace
+
+std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum) {
+  const double noise =
+      noise_of(spectrum.size(), radius_of(spectrum, [](Complex lambda) { return std::abs(lambda); }));
+  std::vector<std::size_t> growing;
+  for (std::size_t i = 0; i < spectrum.size(); ++i)
+    if (grows(spectrum[i], noise)) growing.push_back(i);
+  return growing;
+}
+
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes) {
+  const double noise =
+      noise_of(modes.size(), radius_of(modes, [](const Eigenmode& mode) { return std::abs(mode.lambda); }));
+  return over_modes(
+      modes.size(), [&](std::size_t i) { return grows(modes[i].lambda, noise); },
+      [&](std::size_t i) { return exit_of(amplification, modes[i], noise); });
+}
+
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const Complex> spectrum) {
+  std::vector<Eigenmode> modes(spectrum.begin(), spectrum.end());
+  const double radius = radius_of(spectrum, [](Complex lambda) { return std::abs(lambda); });
+  for (Eigenmode& mode : modes) mode.radius = radius;
+  return largest_stable_step(amplification, modes);
+}
+
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const MechanicalMode> modes) {
+  const double radius = radius_of(modes, [](const MechanicalMode& mode) {
+    const auto [first, second] = eigenvalues_of(mode);
+    return std::max(std::abs(first), std::abs(second));
+  });
+  const double noise = noise_of(modes.size(), radius);
+  return over_modes(
+      modes.size(), [&](std::size_t i) { return grows(eigenvalues_of(modes[i])[0], noise); },
+      [&](std::size_t i) {
+        const MechanicalMode& mode = modes[i];
+        if (amplification.of_oscillation) return first_exit(amplification.of_oscillation(mode));
+        const auto [first, second] = eigenvalues_of(mode);
+        double exit = infinity;
+        for (const Complex lambda : {first, second}) {
+          Eigenmode eigenmode(lambda);
+          eigenmode.radius = radius;
+          exit = std::min(exit, exit_of(amplification, eigenmode, noise));
+          if (lambda.imag() != 0) break;  // the other is its conjugate
+        }
+        return exit;
+      });
+}
+
+}  // namespace hmax

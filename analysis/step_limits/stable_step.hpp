@@ -1,0 +1,39 @@
+/// The largest stable step of a method on a linear model, and the mode that sets it.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "analysis/amplification/amplification.hpp"
+
+namespace hmax {
+
+/// The answer for a whole spectrum.
+struct StepLimit {
+  double h_max = 0;              ///< [s]; infinity when no step of any size is unstable
+  std::size_t limiting = 0;      ///< index of the mode that sets it
+  std::vector<double> of_modes;  ///< the first exit of each mode alone [s]; infinity without one
+  /// Modes that grow in the model itself, Re lambda > 0. They are no limit of a step: a method that followed
+  /// them would grow as well.
+  std::vector<std::size_t> growing;
+};
+
+/// Re lambda of an eigenvalue that was computed in double is zero when it is less than this of |lambda|.
+inline constexpr double eigenvalue_rounding = 1e-13;
+
+/// The modes of a spectrum that grow in the model itself, beyond rounding.
+std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum);
+
+/// The first exit of every mode from the origin, h' in (0, h]: what lies behind a gap is of no use to anybody
+/// who lowers a step. The smallest is the limit; with damping it is often not that of the largest eigenvalue.
+/// @param modes  not empty
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes);
+
+/// The same of eigenvalues that the method is told exactly.
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const Complex> spectrum);
+
+/// The same of oscillations, for methods of both kinds: two eigenvalues each.
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const MechanicalMode> modes);
+
+}  // namespace hmax

@@ -1,0 +1,52 @@
+/// The catalogue: the only place that knows the name of every problem and every method.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/catalogue/method.hpp"
+#include "integrators/explicit/runtime_tableau.hpp"
+
+namespace hmax {
+
+/// Ids of the problems of the catalogue, in the order in which they are listed.
+std::vector<std::string> problem_ids();
+
+/// A problem by id, by the path of a TOML file of formulas (a name that ends in .toml), or tissue on a mesh,
+/// MODEL@MESH (bench/models/tissue_problem.hpp).
+/// @throws InputError  for an unknown name, material or parameter (with a suggestion), a wrong number of
+/// initial
+///                     values, numbers that are not finite, or a file that is no problem
+Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings = {});
+
+/// A reference on [0, t_end]: the Taylor series of the oscillator; the exact solution of the test set and of
+/// linear tissue, or extrapolation in long double where there is none; for formulas and other tissue
+/// Boost.Odeint's extrapolation method at tight tolerance, or dop_853 where Boost is missing (`name` says
+/// which).
+Reference make_reference(const Problem& problem, double t_end);
+
+/// Every method, in the order in which they are listed.
+const std::vector<Method>& methods();
+
+/// A method by id or alias, with parameters if it has some: "rk4", "ode45", "newmark:beta=0.25,gamma=0.5".
+/// @throws InputError with a suggestion when there is none
+Method find_method(std::string_view name);
+
+/// The families of methods(), in their order.
+std::vector<std::string> method_families();
+
+/// The names of a list that was cut at every comma: parameters are put back to the method they follow, so
+/// that "newmark:beta=0.25" and "gamma=0.5" are one name.
+std::vector<std::string> with_their_parameters(const std::vector<std::string>& parts);
+
+/// The methods of a list of names. A name is an id or alias as of find_method, a family
+/// ("explicit_runge_kutta") or "all"; of the last two those are taken that suit all `problems`.
+/// @throws InputError for unknown names
+std::vector<Method> choose_methods(const std::vector<std::string>& names,
+                                   const std::vector<Problem>& problems);
+
+/// The method of a user's tableau.
+Method make_method(const RuntimeTableau& tableau);
+
+}  // namespace hmax

@@ -1,0 +1,56 @@
+/// The diagonally implicit Runge-Kutta methods of the catalogue.
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+
+#include "analysis/amplification/one_step_amplification.hpp"
+#include "bench/catalogue/bind.hpp"
+#include "bench/catalogue/families.hpp"
+#include "integrators/explicit/tableaux.hpp"
+#include "integrators/implicit/dirk.hpp"
+#include "integrators/implicit/dirk_tableaux.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// The line of one diagonally implicit method: everything else is in its struct.
+template <class T>
+Method diagonally_implicit() {
+  // A stage of which only the error estimate is made is no stage of the method.
+  int stages = 0;
+  for (const long double weight : T::tableau.b) stages += weight != 0;
+  Method method{.id = std::string(T::id),
+                .aliases = {},
+                .family = "diagonally_implicit",
+                .order = T::order,
+                .error_order = T::error_order,
+                .stages = stages,
+                .is_explicit = false,
+                .needs_jacobian = true,
+                .a_stable = T::a_stable,
+                .l_stable = T::l_stable,
+                .engine = "hmax",
+                .source = std::string(T::source),
+                .bind = {}};
+  method.amplification =
+      shared(runge_kutta_amplification(detail::flattened(T::tableau.a), T::tableau.b, T::order));
+  for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
+  method.bind = [](const Problem& problem) {
+    return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
+      return Dirk<T, typename Sys::State, equations_type<Sys>>{};
+    });
+  };
+  return method;
+}
+
+}  // namespace
+
+void add_diagonally_implicit(std::vector<Method>& all) {
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    (all.push_back(diagonally_implicit<T>()), ...);
+  }(std::type_identity<tableaux::AllDiagonallyImplicit>{});
+}
+
+}  // namespace hmax

@@ -1,0 +1,171 @@
+#include "bench/catalogue/method.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+bool suits(const Method& method, const Problem& problem) {
+  return (!method.needs_second_order || is_second_order(problem)) &&
+         (!method.needs_split || has_split(problem));
+}
+
+std::string control_of(const Method& method, const RunSpec& spec) {
+  if (!spec.adaptive) return "none";
+  return method.own_control ? "own" : std::string(to_string(spec.control));
+}
+
+bool is_second_order(const Problem& problem) {
+  const auto* any = std::get_if<AnySystem>(&problem.system);
+  return any == nullptr || any->dofs() > 0;
+}
+
+bool has_split(const Problem& problem) {
+  const auto* any = std::get_if<AnySystem>(&problem.system);
+  return any == nullptr || any->has_split();
+}
+
+bool is_undamped(const Problem& problem) {
+  if (!is_second_order(problem)) return false;
+  return std::visit(
+      [&](const auto& system) {
+        using State = typename std::remove_cvref_t<decltype(system)>::State;
+        const Eigen::Index n = problem.y0.size() / 2;
+        State y = problem.y0, still = problem.y0, moving = problem.y0;
+        const double size = std::max(0.1, problem.y0.cwiseAbs().maxCoeff());
+        for (const double place : {0.0, 0.31, -0.17})
+          for (const double speed : {0.7, -1.3, 2.1}) {
+            for (Eigen::Index i = 0; i < n; ++i) {
+              y[i] = problem.y0[i] + place * size;
+              y[n + i] = 0;
+            }
+            system.rhs(0, y, still);
+            // Not all velocities alike: relative ones count too.
+            for (Eigen::Index i = 0; i < n; ++i)
+              y[n + i] = size * speed * (1 + 0.1 * static_cast<double>(i % 7));
+            system.rhs(0, y, moving);
+            for (Eigen::Index i = n; i < 2 * n; ++i)
+              if (moving[i] != still[i]) return false;
+          }
+        return true;
+      },
+      problem.system);
+}
+
+int order_on(const Method& method, const Problem& problem) {
+  return method.order_undamped > 0 && is_undamped(problem) ? method.order_undamped : method.order;
+}
+
+void check(const RunSpec& spec, const Method& method, const Problem& problem) {
+  auto positive = [](double value, std::string_view what, std::string_view remedy) {
+    if (!(value > 0) || !std::isfinite(value))
+      throw InputError(
+          fmt::format("{} is {} but must be a positive finite number; {}", what, to_text(value), remedy));
+  };
+  if (spec.t_end < 0)
+    throw InputError(
+        fmt::format("the end time {} lies before the start t = 0; give --t-end a positive number of "
+                    "seconds",
+                    to_text(spec.t_end)));
+  positive(spec.t_end, "the end time", "give --t-end in seconds, for instance 100");
+  if (spec.adaptive) {
+    positive(spec.rtol, "the relative tolerance", "give --rtol, for instance 1e-6");
+    positive(spec.atol, "the absolute tolerance", "give --atol, for instance 1e-6");
+    if (spec.rtol < 1e-16)
+      throw InputError(
+          fmt::format("the relative tolerance {} is below the rounding of double; give --rtol at "
+                      "least 1e-15",
+                      to_text(spec.rtol)));
+    if (!method.adaptive())
+      throw InputError(
+          fmt::format("{} has no error estimate and runs only at fixed steps; give --h instead of "
+                      "--rtol, or choose a method whose error_order in `hmax list methods` is not 0",
+                      method.id));
+  } else {
+    if (!method.fixed_step)
+      throw InputError(
+          fmt::format("{} chooses its steps itself; give --rtol and --atol instead of --h", method.id));
+    positive(spec.h, "the step", "give --h in seconds, for instance 0.01");
+    if (spec.h > spec.t_end)
+      throw InputError(
+          fmt::format("the step of {} s is longer than the whole run of {} s; take a smaller step",
+                      to_text(spec.h), to_text(spec.t_end)));
+    if (spec.t_end / spec.h > static_cast<double>(spec.max_steps))
+      throw InputError(
+          fmt::format("a step of {} s to t = {} s would take {:.3g} steps, more than the limit of {}; "
+                      "take a larger step or raise --max-steps",
+                      to_text(spec.h), to_text(spec.t_end), spec.t_end / spec.h, spec.max_steps));
+  }
+  if (spec.every < 0 || !std::isfinite(spec.every))
+    throw InputError(
+        fmt::format("the output interval is {} but must be a positive number of seconds; correct --every",
+                    to_text(spec.every)));
+  if (spec.every > 0 && spec.t_end / spec.every > static_cast<double>(spec.max_steps))
+    throw InputError(
+        fmt::format("an output interval of {} s to t = {} s would make {:.3g} points, more than the limit "
+                    "of {}; take a larger interval or raise --max-steps",
+                    to_text(spec.every), to_text(spec.t_end), spec.t_end / spec.every, spec.max_steps));
+  if (method.needs_second_order && !is_second_order(problem))
+    throw InputError(fmt::format(
+        "{} steps positions and velocities, which {} does not have; choose another method, or a problem like "
+        "liver_forced or kepler",
+        method.id, problem.id));
+  if (method.needs_split && !has_split(problem))
+    throw InputError(
+        fmt::format("{} needs a problem that declares a stiff part, which {} does not; choose another "
+                    "method, or a problem like liver_forced or spring_chain",
+                    method.id, problem.id));
+  std::visit(
+      [&](const auto& system) {
+        typename std::remove_cvref_t<decltype(system)>::State y = problem.y0, dydt = problem.y0;
+        system.rhs(0, y, dydt);
+        for (Eigen::Index i = 0; i < dydt.size(); ++i)
+          if (!std::isfinite(dydt[i])) {
+            if (problem.states.empty())
+              throw InputError(fmt::format(
+                  "the forces on {} are not finite at the start; change its parameters", problem.id));
+            throw InputError(
+                fmt::format("the derivative of {} in {} is {} at t = 0 and y = ({}); change the initial "
+                            "state or the parameters",
+                            problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
+                            describe(problem.y0)));
+          }
+      },
+      problem.system);
+}
+
+std::string describe(const std::vector<std::pair<std::string, double>>& parameters) {
+  std::string text;
+  for (const auto& [name, value] : parameters)
+    text += (text.empty() ? "" : " ") + name + "=" + to_text(value);
+  return text;
+}
+
+std::string describe_acting(const Problem& problem) {
+  Parameters acting;
+  for (const auto& parameter : problem.parameters)
+    if (std::ranges::find(problem.idle, parameter.first) == problem.idle.end()) acting.push_back(parameter);
+  return acting.empty() ? "no parameters" : describe(acting);
+}
+
+std::string describe(const Eigen::VectorXd& y) {
+  std::string text;
+  for (const double value : y) {
+    if (!text.empty()) text += ',';
+    text += to_text(value);
+  }
+  return text;
+}
+
+bool is_too_slow(const Method& method, Eigen::Index states) {
+  constexpr Eigen::Index most_dense_rows = 600;
+  return method.family == "odeint" && method.needs_jacobian && states > most_dense_rows;
+}
+
+}  // namespace hmax

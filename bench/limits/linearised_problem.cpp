@@ -1,0 +1,177 @@
+#include "bench/limits/linearised_problem.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "analysis/amplification/amplification.hpp"
+#include "analysis/dynamics/coupled_motion.hpp"
+#include "analysis/statics/equilibrium.hpp"
+#include "bench/limits/mode_curve.hpp"
+#include "bench/limits/mode_range.hpp"
+#include "bench/models/body_balance.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "integrators/spectral_radius.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// A state in words, if it is short.
+std::string words_of(const Eigen::VectorXd& y) {
+  if (y.size() > 4) return fmt::format("of {} numbers", y.size());
+  std::string text;
+  for (const double value : y) text += (text.empty() ? "" : ", ") + fmt::format("{:.6g}", value);
+  return "(" + text + ")";
+}
+
+/// @throws InputError  where squares of eigenvalues, which stiffness is, leave the range of numbers
+void require_usual_rates(const Spectrum& spectrum) {
+  constexpr double most = 1e140;
+  for (const Complex lambda : spectrum.lambda)
+    if (!(std::abs(lambda) <= most))
+      throw InputError(fmt::format(
+          "the model has an eigenvalue {}, and beyond {:.0e} 1/s the products of rates leave "
+          "the range of numbers; give masses, stiffness and damping in units of one size",
+          std::isfinite(std::abs(lambda)) ? fmt::format("of {:.3g} 1/s", std::abs(lambda)) : "without a size",
+          most));
+}
+
+}  // namespace
+
+bool is_nonlinear(const Problem& problem) {
+  const LinearModel here = linear_model(problem, 0, problem.y0);
+  const Eigen::VectorXd elsewhere = problem.y0 + Eigen::VectorXd::Ones(problem.y0.size());
+  // Jacobians by differences are known to some digits.
+  return !(relative_distance(here, linear_model(problem, 0, elsewhere)) <= 1e-6);
+}
+
+LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },
+      problem.system);
+}
+
+namespace {
+Linearised state_of(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}, .status = {}};
+  near.state =
+      fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(near.model.origin));
+  return near;
+}
+
+void add_spectrum(Linearised& near) {
+  if (!set_curve(near) && !set_range(near)) near.spectrum = spectrum_of(near.model);
+  require_usual_rates(near.spectrum);
+}
+}  // namespace
+
+Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  Linearised near = state_of(problem, t, y);
+  add_spectrum(near);
+  return near;
+}
+
+bool is_at_rest(const TissueBody& body) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
+  Eigen::VectorXd f = rest;
+  TissueBody::DofMatrix K;
+  const double t = equilibrium_time(body);
+  body.force(t, rest, rest, f);
+  body.stiffness(t, rest, rest, K);
+  const double rounding =
+      1e-13 * K.diagonal().cwiseAbs().maxCoeff() * body.mesh().points.cwiseAbs().maxCoeff();
+  return f.cwiseAbs().maxCoeff() <= rounding;
+}
+
+namespace {
+/// Says where the contact of a tool is not in a linear model.
+void look_at_contact(Linearised& near, const Problem& problem) {
+  if (problem.body && std::ranges::any_of(problem.body->tool_reaches(near.model.t, near.model.y),
+                                          [](const auto& reach) { return reach.penetration == 0; }))
+    near.missing =
+        "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
+}
+
+/// Under a load the equilibrium of a body is found with its stiffness, half as many unknowns.
+EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumWatcher& watcher) {
+  const TissueBody& body = *problem.body;
+  EquilibriumSearch search;
+  search.outcome = EquilibriumOutcome::found;
+  search.state = problem.y0;
+  // A load that never settles does not act yet; only supports that start at once drag at their neighbours.
+  if (body.steady_from() != equilibrium_time(body)) return search;
+  // A tool at the end of its path may stand within a body that does not move, and touch nothing of it.
+  if (body.is_autonomous() && is_at_rest(body)) return search;
+  StaticSettings settings{.tolerance = 1e-12};
+  if (body.dofs() > most_cheaply_factored) settings.inner = InnerSolver::conjugate_gradients;
+  if (watcher) settings.seen = [&](const StaticIterate& iterate) { watcher(iterate.residual); };
+  StaticSolution solution = found_equilibrium(problem, 1, settings, [] { return 0.0; });
+  // One that is not stable still tells that the body buckles.
+  settings.leave_saddles = false;
+  if (!solution.converged && body.is_autonomous())
+    if (StaticSolution saddle = solve_static(static_model(problem, 1), settings, [] { return 0.0; });
+        saddle.converged)
+      solution = std::move(saddle);
+  if (!solution.converged) {
+    search.outcome = EquilibriumOutcome::no_equilibrium;
+    search.message =
+        fmt::format("no equilibrium was found: {}; a smaller load or a stiffer material may have one",
+                    cause_of(problem, solution));
+    return search;
+  }
+  search.state.head(body.dofs()) = solution.q;
+  return search;
+}
+
+EquilibriumSearch equilibrium_of(const Problem& problem, const EquilibriumWatcher& watcher) {
+  if (problem.body) return equilibrium_of_body(problem, watcher);
+  return std::visit(
+      [&]<class Sys>(const Sys& system) {
+        return find_equilibrium(system, 0, typename Sys::State(problem.y0));
+      },
+      problem.system);
+}
+}  // namespace
+
+Linearised without_spectrum(const Problem& problem, OperatingPoint at, const EquilibriumWatcher& watcher) {
+  const bool at_rest = at == OperatingPoint::rest;
+  const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
+  const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();
+  const double t = !at_rest && search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
+  // One variable for all returns: another would be copied with its matrices.
+  Linearised near = state_of(problem, t, search.found() ? search.state : problem.y0);
+  near.at_equilibrium = at_equilibrium;
+  near.state_kind = at_rest || (problem.body && !search.found()) ? "rest"
+                    : search.found()                             ? "equilibrium"
+                                                                 : "initial";
+  if (at_rest) {
+    near.state = fmt::format("rest {}{}", near.state, at_equilibrium ? "" : "; the load acts on it");
+    look_at_contact(near, problem);
+    return near;
+  }
+  if (!search.found()) {
+    near.status = search.message;
+    near.state = fmt::format("initial state {}; {}", near.state, search.message);
+  } else {
+    near.state = fmt::format(
+        "equilibrium {}{}", near.state,
+        search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
+  }
+  look_at_contact(near, problem);
+  return near;
+}
+
+Linearised linearised(const Problem& problem, OperatingPoint at, const EquilibriumWatcher& watcher) {
+  Linearised near = without_spectrum(problem, at, watcher);
+  add_spectrum(near);
+  return near;
+}
+
+}  // namespace hmax

@@ -1,0 +1,31 @@
+/// Problems of any kind linearised near their equilibrium, at rest, or anywhere.
+#pragma once
+
+#include "bench/catalogue/method.hpp"
+#include "bench/limits/operating_point.hpp"
+
+namespace hmax {
+
+/// Whether nothing loads a body at rest: its forces are nothing beside those that rounding of its points
+/// makes.
+bool is_at_rest(const TissueBody& body);
+
+/// A problem near its equilibrium, found by Newton's method from its initial state with time standing still
+/// at 0, or for a body at equilibrium_time() (bench/models/body_balance.hpp); near the initial state itself
+/// where there is none, which `status` then says. Above most_cheaply_factored degrees of freedom the
+/// equations of a body are solved by conjugate gradients.
+/// @param at  rest: a body without displacement, whatever loads it
+/// @throws InputError  as linearise()
+Linearised linearised(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,
+                      const EquilibriumWatcher& watcher = {});
+/// The same without its spectrum.
+Linearised without_spectrum(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,
+                            const EquilibriumWatcher& watcher = {});
+LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y);
+/// Whether the Jacobian depends on the state, so that limits are those of small motions; bodies are not
+/// asked, as all but those of small strains are.
+bool is_nonlinear(const Problem& problem);
+/// Near a state of its own.
+Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
+
+}  // namespace hmax

@@ -1,0 +1,129 @@
+#include "bench/limits/mode_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/SparseCore>
+#include <fmt/format.h>
+
+#include "analysis/amplification/amplification.hpp"
+#include "analysis/spectrum/block_product.hpp"
+#include "analysis/spectrum/extreme_eigenvalues.hpp"
+#include "analysis/spectrum/lanczos.hpp"
+
+namespace hmax {
+namespace {
+
+/// The least eigenvalue of K u = kappa M u: of those that iteration finds, the least, which none is above.
+double least_stiffness(const MechanicalPart& part, double kappa_max) {
+  const Eigen::SparseMatrix<double> K =
+      is_sparse(part.K) ? std::get<Eigen::SparseMatrix<double>>(part.K)
+                        : Eigen::SparseMatrix<double>(std::get<Eigen::MatrixXd>(part.K).sparseView());
+  const SymmetricProduct product(K, part.mass.cwiseSqrt().cwiseInverse());
+  const LanczosPair pair = largest_eigenpair(
+      [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+        product(x, y);
+        y = kappa_max * x - y;
+      },
+      part.mass.size(),
+      {.tolerance = 1e-8,
+       .most_products = part.mass.size() > most_factored ? 300 : 2000,
+       .with_vector = false});
+  return kappa_max - pair.value;
+}
+
+/// The slow end of the curve, from a factor of K; 0 where the factor is too large.
+double slow_end(const MechanicalPart& part, double kappa_max) {
+  if (part.mass.size() > most_factored) return 0;
+  const ExtremeStiffnesses least = smallest_stiffnesses(part);
+  if (!least.converged) return 0;
+  // Those nearest to zero; a body that buckles has others.
+  const double nearest = std::abs(least.kappa.at(0)) <= 1e-12 * kappa_max ? 0 : least.kappa.at(0);
+  // Known to be below zero by that much, whatever the iteration for the least of them says.
+  return least.negative > 0 ? std::min(least_stiffness(part, kappa_max), -1e-8 * kappa_max) : nearest;
+}
+
+/// Whether the model is that of a structure without displacement, whose stiffness has no negative eigenvalue.
+bool is_undeformed(const LinearModel& model) { return model.y.head(model.mechanical->mass.size()).isZero(0); }
+
+}  // namespace
+
+double SlowEnd::of(const Linearised& near) {
+  std::call_once(once_, [&] { kappa_ = slow_end(*near.model.mechanical, near.curve->kappa_max); });
+  return kappa_;
+}
+
+bool set_curve(Linearised& near, Eigen::Index small) {
+  if (!near.model.mechanical || near.model.mechanical->mass.size() <= small) return false;
+  const MechanicalPart& part = *near.model.mechanical;
+  const auto rayleigh = rayleigh_coefficients(part);
+  if (!rayleigh) return false;
+  // Who describes the fastest mode at rest asks for its shape; under a load it is another mode.
+  const bool at_rest = near.model.y.isZero(0);
+  const ExtremeStiffnesses largest = largest_stiffnesses(part, 1, small_enough_for_dense, at_rest);
+  DampingCurve curve{.alpha = (*rayleigh)[0], .beta = (*rayleigh)[1], .kappa_max = largest.kappa.at(0)};
+  if (at_rest) near.fastest_shape = largest.shapes.col(0);
+  near.slow_end = std::make_shared<SlowEnd>();
+  near.curve = curve;
+  // The slow end takes a factor of K, which most limits do not need; only a body that may buckle does.
+  const Eigen::Index dofs = part.mass.size();
+  if (dofs <= most_cheaply_factored || (dofs <= most_factored && !is_undeformed(near.model))) {
+    near.curve->kappa_min = near.slow_end->of(near);
+    near.slow_end = nullptr;
+  } else if (!is_undeformed(near.model)) {
+    const double least = least_stiffness(part, curve.kappa_max);
+    if (least < -1e-8 * curve.kappa_max) near.curve->kappa_min = least;
+  }
+  const auto add = [&](double kappa) {
+    near.spectrum.mechanical.push_back(near.curve->at(kappa));
+    for (const Complex lambda : eigenvalues_of(near.curve->at(kappa))) near.spectrum.lambda.push_back(lambda);
+  };
+  if (!near.slow_end || near.curve->kappa_min < 0) add(near.curve->kappa_min);
+  add(near.curve->kappa_max);
+  return true;
+}
+
+LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised& near, double radius) {
+  const ExitsOf exits = [&](std::span<const MechanicalMode> modes) {
+    if (amplification.of_oscillation) return largest_stable_step(amplification, modes).of_modes;
+    std::vector<Eigenmode> told;
+    for (const MechanicalMode& mode : modes)
+      for (const Complex lambda : eigenvalues_of(mode)) told.emplace_back(lambda).radius = radius;
+    const StepLimit limit = largest_stable_step(amplification, told);
+    std::vector<double> least;
+    for (std::size_t i = 0; i < modes.size(); ++i)
+      least.push_back(std::min(limit.of_modes[2 * i], limit.of_modes[2 * i + 1]));
+    return least;
+  };
+  DampingCurve curve = *near.curve;
+  CurveLimit least = smallest_exit(curve, exits);
+  const bool is_of_fastest = least.kappa == curve.kappa_max;
+  if (near.slow_end && !is_of_fastest) {
+    curve.kappa_min = near.slow_end->of(near);
+    least = smallest_exit(curve, exits);
+  }
+  LimitOnCurve limit{.h_max = least.h_max, .mode = mode_of(curve.at(least.kappa)), .modes = {}, .note = {}};
+  std::vector<MechanicalMode> shown;
+  if (!near.slow_end || !is_of_fastest) shown.push_back(curve.at(curve.kappa_min));
+  shown.push_back(curve.at(curve.kappa_max));
+  if (least.between) shown.push_back(curve.at(least.kappa));
+  const std::vector<double> margins = exits(shown);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const Mode mode = mode_of(shown[i]);
+    limit.modes.push_back({mode, margins[i], Eigenmode(mode.lambda)});
+    limit.modes.back().told.radius = radius;
+  }
+  if (!least.between || !std::isfinite(least.h_max)) return limit;
+  limit.note =
+      "no mode has a smaller limit; it is that of a frequency between the slowest and the fastest mode";
+  if (near.model.mechanical->mass.size() > most_factored) return limit;
+  const ExtremeStiffnesses nearest = stiffnesses_near(*near.model.mechanical, least.kappa);
+  if (nearest.converged) {
+    const MechanicalMode mode = curve.at(nearest.kappa.front());
+    limit.note += fmt::format(", and the mode nearest to that, at {:.6g} rad/s, has {:.6g} s",
+                              std::sqrt(mode.kappa), exits({&mode, 1}).front());
+  }
+  return limit;
+}
+
+}  // namespace hmax

@@ -1,0 +1,44 @@
+/// Limits on structures so large that only their slowest and their fastest mode are known.
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "bench/limits/operating_point.hpp"
+#include "bench/limits/prediction.hpp"
+
+namespace hmax {
+
+/// Degrees of freedom of a mesh beyond which a factor of K takes minutes and gigabytes.
+inline constexpr Eigen::Index most_factored = 200'000;
+
+/// The least kappa of a structure, found when a limit asks for it.
+class SlowEnd {
+ public:
+  /// [1/s^2]; 0, which none is below, beyond most_factored degrees of freedom.
+  double of(const Linearised& near);
+
+ private:
+  std::once_flag once_;
+  double kappa_ = 0;
+};
+
+/// Puts the ends of the spectrum of a large structure with proportional damping into `near`; beyond
+/// most_cheaply_factored degrees of freedom its fast end alone, which limits explicit methods, with 0 for the
+/// slow one. False, and nothing done, for all other models.
+/// @param small  up to so many degrees of freedom a structure is not large
+bool set_curve(Linearised& near, Eigen::Index small = most_dense_modes);
+
+/// The least limit of a method along the curve of all modes between those ends.
+struct LimitOnCurve {
+  double h_max = 0;               ///< [s]
+  Mode mode;                      ///< that sets it
+  std::vector<ModeMargin> modes;  ///< both ends as far as known, and the limiting mode where it lies between
+  std::string note;               ///< a sentence where it does: no mode may lie exactly there
+};
+
+/// @param radius  that the method is told [1/s]
+LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised& near, double radius);
+
+}  // namespace hmax

@@ -1,0 +1,100 @@
+#include "bench/limits/mode_range.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/amplification/amplification.hpp"
+#include "analysis/spectrum/damped_eigenvalues.hpp"
+#include "analysis/spectrum/extreme_eigenvalues.hpp"
+#include "analysis/statics/static_solution.hpp"
+#include "bench/limits/mode_curve.hpp"
+
+namespace hmax {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Whether the stiffness has a negative eigenvalue, as far as that is affordable to know.
+bool may_buckle(const MechanicalPart& part) {
+  if (part.mass.size() > most_judged_by_factor) return true;
+  const ExtremeStiffnesses least = smallest_stiffnesses(part);
+  return !least.converged || least.negative > 0;
+}
+
+/// First exits of eigenvalues of which the method is told the same spectral radius.
+std::vector<double> exits_of(const Amplification& amplification, std::vector<Eigenmode> modes,
+                             double radius) {
+  for (Eigenmode& mode : modes) mode.radius = radius;
+  return largest_stable_step(amplification, modes).of_modes;
+}
+
+}  // namespace
+
+const DampingRange& ModeRange::with_least_damping(const MechanicalPart& part) {
+  std::call_once(once_, [&] {
+    cut_ = pairs;
+    if (part.mass.size() > most_cheaply_factored) return;
+    const double rho = least_damping_per_stiffness(part);
+    cut_.cut(-1, rho, 0);
+  });
+  return cut_;
+}
+
+bool set_range(Linearised& near, Eigen::Index small) {
+  if (!near.model.mechanical) return false;
+  const MechanicalPart& part = *near.model.mechanical;
+  if (part.mass.size() <= small || !part.symmetric || part.damping != Damping::general) return false;
+  near.range = std::make_shared<ModeRange>();
+  if (may_buckle(part)) near.range->growing = growing_eigenvalue(part);
+  const DampedEigenvalues largest = largest_damped_eigenvalues(part);
+  near.range->rest = largest.rest;
+  near.spectrum.lambda = largest.lambda;
+  if (near.range->growing)
+    near.spectrum.lambda.emplace_back(*near.range->growing);
+  else
+    near.range->pairs = damping_range(part);
+  return true;
+}
+
+LimitInRange limit_in_range(const Amplification& amplification, const Linearised& near, double radius) {
+  LimitInRange limit{.h_max = infinity, .mode = {}, .modes = {}, .unstable_from = {}};
+  std::vector<Eigenmode> found;
+  for (const Complex lambda : near.spectrum.lambda)
+    if (lambda.imag() >= 0) found.emplace_back(lambda);
+  const std::vector<double> exits = exits_of(amplification, found, radius);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    found[i].radius = radius;
+    limit.modes.push_back({mode_of(found[i].lambda), exits[i], found[i]});
+    if (exits[i] >= limit.h_max) continue;
+    limit.h_max = exits[i];
+    limit.mode = limit.modes.back().mode;
+  }
+  const double known = limit.h_max;
+
+  // What all other modes could do at worst: real eigenvalues up to the rest, and oscillations of the range.
+  const auto worst_in = [&](DampingRange range) {
+    double fastest = 0;
+    for (const MechanicalMode& corner : range.corners) fastest = std::max(fastest, corner.gamma);
+    fastest = std::min(fastest, near.range->rest);
+    range.cut(0, 1, near.range->rest * near.range->rest);
+    RangeLimit worst = smallest_exit(range, [&](std::span<const MechanicalMode> pairs) {
+      std::vector<Eigenmode> told;
+      for (const MechanicalMode& pair : pairs) told.emplace_back(eigenvalues_of(pair)[0]);
+      return exits_of(amplification, std::move(told), radius);
+    });
+    if (const double real = exits_of(amplification, {Eigenmode(-fastest)}, radius).front();
+        real < worst.h_max)
+      worst = {real, {.kappa = 0, .gamma = fastest}};
+    return worst;
+  };
+  RangeLimit worst = worst_in(near.range->pairs);
+  if (worst.h_max < known) worst = worst_in(near.range->with_least_damping(*near.model.mechanical));
+  if (worst.h_max >= known * (1 - 1e-9)) return limit;
+  limit.h_max = worst.h_max;
+  limit.mode = mode_of(worst.mode);
+  limit.unstable_from = known;
+  return limit;
+}
+
+}  // namespace hmax

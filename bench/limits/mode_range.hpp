@@ -1,0 +1,51 @@
+/// Limits on structures whose damping couples the modes and that are too large for all of them.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/step_limits/damping_range.hpp"
+#include "bench/limits/operating_point.hpp"
+#include "bench/limits/prediction.hpp"
+
+namespace hmax {
+
+/// Degrees of freedom up to which all eigenvalues of a structure are computed whose damping couples its
+/// modes.
+inline constexpr Eigen::Index most_dense_coupled = 300;
+
+/// What is known of the modes of such a structure beside the largest eigenvalues, which the spectrum lists.
+struct ModeRange {
+  DampingRange pairs;             ///< where all modes lie
+  double rest = 0;                ///< no eigenvalue that is not listed is larger in modulus [1/s]
+  std::optional<double> growing;  ///< the eigenvalue of a body that buckles [1/s]
+
+  /// The range, cut by gamma >= rho kappa once a limit asks for it.
+  const DampingRange& with_least_damping(const MechanicalPart& part);
+
+ private:
+  std::once_flag once_;
+  DampingRange cut_;
+};
+
+/// Puts the largest eigenvalues of a structure with symmetric matrices and general damping into `near`, and
+/// the range of all modes. False, and nothing done, for all other models.
+bool set_range(Linearised& near, Eigen::Index small = most_dense_coupled);
+
+/// The limit of a method on such a structure.
+struct LimitInRange {
+  double h_max = 0;               ///< no mode is unstable at smaller steps [s]
+  Mode mode;                      ///< that sets it, or that bounds it
+  std::vector<ModeMargin> modes;  ///< the largest eigenvalues
+  std::optional<double>
+      unstable_from;  ///< where no mode is known to be unstable just beyond h_max: from here [s]
+};
+
+/// The least first exit of the largest eigenvalues, where the range says that no other mode leaves before;
+/// else what the range says.
+/// @param radius  that the method is told [1/s]
+LimitInRange limit_in_range(const Amplification& amplification, const Linearised& near, double radius);
+
+}  // namespace hmax

@@ -1,0 +1,175 @@
+#include "bench/limits/mode_start.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "analysis/spectrum/extreme_eigenvalues.hpp"
+#include "analysis/spectrum/lanczos.hpp"
+#include "integrators/linear/sparse_solver.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// Distance from rest in the modes of the model, where it has a full set of them; otherwise in a norm like
+/// energy.
+Distance distance_from(const VectorXd& rest, const Eigenvectors& vectors, double omega) {
+  if (!vectors.defective)
+    return [rest, left = vectors.left](const Eigen::Ref<const VectorXd>& y) {
+      return (left * (y - rest).cast<Complex>()).cwiseAbs().maxCoeff();
+    };
+  const Eigen::Index n = rest.size() / 2;
+  return [rest, n, omega](const Eigen::Ref<const VectorXd>& y) {
+    const VectorXd d = y - rest;
+    return std::max(omega * d.head(n).norm(), d.tail(d.size() - n).norm());
+  };
+}
+
+ModeStart dense_start(const Linearised& near, const VectorXd& rest, Complex wanted, double fastest) {
+  const Eigenvectors vectors = eigenvectors_of(near.model);
+  const auto at =
+      std::ranges::min_element(vectors.lambda, {}, [&](Complex l) { return std::abs(l - wanted); });
+  ModeStart start{.displacement = vectors.right.col(at - vectors.lambda.begin()).real(),
+                  .distance = distance_from(rest, vectors, fastest),
+                  .defective = vectors.defective};
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const double size = start.displacement.cwiseAbs().maxCoeff();
+  for (double& x : start.displacement) x += 0.01 * size * uniform(random);
+  return start;
+}
+
+/// (v^T M v + q^T K q)^1/2 of the distance from rest, which no undamped motion changes.
+Distance energy_from(const VectorXd& rest, const MechanicalPart& part) {
+  return [rest, mass = part.mass, K = part.K, d = VectorXd(),
+          Kq = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
+    const Eigen::Index n = mass.size();
+    d = y - rest;
+    std::visit([&](const auto& held) { Kq.noalias() = held * d.head(n); }, K);
+    const double twice = d.head(n).dot(Kq) + d.tail(n).dot(mass.cwiseProduct(d.tail(n)));
+    return std::isfinite(twice) ? std::sqrt(std::max(twice, 0.0)) : std::numeric_limits<double>::infinity();
+  };
+}
+
+/// From a displacement and a velocity, with velocities of a hundredth of their energy norm in everything
+/// else.
+ModeStart energy_start(const MechanicalPart& part, const VectorXd& rest, const VectorXd& q,
+                       const VectorXd& v) {
+  ModeStart start{.displacement = VectorXd(2 * q.size()), .distance = energy_from(rest, part)};
+  start.displacement << q, v;
+  const VectorXd noise = start_vector(q.size()).cwiseQuotient(part.mass.cwiseSqrt());
+  const double size = start.distance(rest + start.displacement);
+  start.displacement.tail(q.size()) +=
+      0.01 * size / std::sqrt(noise.dot(part.mass.cwiseProduct(noise))) * noise;
+  start.displacement.normalize();
+  start.mode_alone = true;
+  return start;
+}
+
+/// A mode of a structure: (lambda^2 M + lambda C + K) u = 0.
+struct StructureMode {
+  Complex lambda;
+  VectorXcd shape;         ///< u, shape (n)
+  bool defective = false;  ///< lambda is double, with this shape alone
+};
+
+/// By inverse iteration beside an eigenvalue that is known: the factors of one matrix of n rows.
+VectorXcd shape_near(const MechanicalPart& part, Complex lambda) {
+  // The eigenvalue itself would leave nothing to divide by.
+  const Complex beside = lambda * (1 + 1e-9);
+  Eigen::SparseMatrix<Complex> Q =
+      std::get<Sparse>(part.K).cast<Complex>() + beside * std::get<Sparse>(part.C).cast<Complex>();
+  Q.diagonal() += beside * beside * part.mass.cast<Complex>();
+  SparseSolver<Complex> solver;
+  VectorXcd u = start_vector(part.mass.size()).cast<Complex>();
+  if (!solver.factor(Q)) return u;
+  for (int k = 0; k < 3; ++k) {
+    solver.solve(u);
+    u.normalize();
+  }
+  return u;
+}
+
+StructureMode structure_mode(const Linearised& near, Complex wanted) {
+  const MechanicalPart& part = *near.model.mechanical;
+  if (!part.decouples()) return {wanted, shape_near(part, wanted)};
+  const MechanicalMode mode = oscillation_of(near, wanted);
+  const auto lambda = eigenvalues_of(mode);
+  const Complex own = std::abs(lambda[0] - wanted) <= std::abs(lambda[1] - wanted) ? lambda[0] : lambda[1];
+  return {own, shape_of_mode(near, mode).cast<Complex>(),
+          std::abs(lambda[0] - lambda[1]) <= 1 / defective_condition * std::abs(lambda[0])};
+}
+
+/// |u^T ((lambda M + C) q + M v)|: for symmetric M, C, K that row is the left eigenvector of the mode, so
+/// that no other takes part.
+Distance amplitude_from(const VectorXd& rest, const MechanicalPart& part, const StructureMode& mode) {
+  const VectorXcd of_velocity = part.mass.cwiseProduct(mode.shape);
+  const VectorXcd of_position = mode.lambda * of_velocity + std::get<Sparse>(part.C) * mode.shape;
+  return [rest, of_position, of_velocity, d = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
+    const Eigen::Index n = of_position.size();
+    d = y - rest;
+    const double re = of_position.real().dot(d.head(n)) + of_velocity.real().dot(d.tail(n));
+    const double im = of_position.imag().dot(d.head(n)) + of_velocity.imag().dot(d.tail(n));
+    return std::hypot(re, im);
+  };
+}
+
+ModeStart structure_start(const Linearised& near, const VectorXd& rest, Complex wanted) {
+  const MechanicalPart& part = *near.model.mechanical;
+  const StructureMode mode = structure_mode(near, wanted);
+  ModeStart start = energy_start(part, rest, mode.shape.real(), (mode.lambda * mode.shape).real());
+  start.defective = mode.defective;
+  if (part.decouples()) start.shape = mode.shape.real();
+  if (!start.defective) start.amplitude = amplitude_from(rest, part, mode);
+  return start;
+}
+
+}  // namespace
+
+MechanicalMode oscillation_of(const Linearised& near, Complex lambda) {
+  const auto distance = [&](const MechanicalMode& mode) {
+    const auto pair = eigenvalues_of(mode);
+    return std::min(std::abs(pair[0] - lambda), std::abs(pair[1] - lambda));
+  };
+  const auto& modes = near.spectrum.mechanical;
+  const MechanicalMode listed = *std::ranges::min_element(modes, {}, distance);
+  if (!near.curve || distance(listed) <= 1e-9 * std::abs(lambda)) return listed;
+  // Of lambda^2 + (alpha + beta kappa) lambda + kappa = 0.
+  const Complex kappa = -(lambda * lambda + near.curve->alpha * lambda) / (1.0 + near.curve->beta * lambda);
+  return near.curve->at(kappa.real());
+}
+
+VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
+  const MechanicalPart& part = *near.model.mechanical;
+  double largest = 0;
+  for (const MechanicalMode& each : near.spectrum.mechanical) largest = std::max(largest, each.kappa);
+  const ExtremeStiffnesses found =
+      mode.kappa >= largest * (1 - 1e-12) ? largest_stiffnesses(part) : stiffnesses_near(part, mode.kappa);
+  return found.shapes.col(0);
+}
+
+ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
+                           double h) {
+  return energy_start(part, rest, shape, 2 / h * shape);
+}
+
+Distance motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape, double h) {
+  return [rest, row = VectorXd(part.mass.cwiseProduct(shape)), h](const Eigen::Ref<const VectorXd>& y) {
+    const Eigen::Index n = row.size();
+    return std::hypot(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
+  };
+}
+
+ModeStart start_from_mode(const Linearised& near, const VectorXd& rest, Complex wanted, double fastest) {
+  const auto& part = near.model.mechanical;
+  const bool structure = part && part->symmetric && is_sparse(part->K) && is_sparse(part->C) &&
+                         part->mass.size() > most_dense_start;
+  return structure ? structure_start(near, rest, wanted) : dense_start(near, rest, wanted, fastest);
+}
+
+}  // namespace hmax

@@ -1,0 +1,51 @@
+/// Where runs begin that look for the growth of one mode, and how far from rest they are then.
+#pragma once
+
+#include "analysis/amplification/amplification.hpp"
+#include "analysis/dynamics/growth.hpp"
+#include "bench/limits/operating_point.hpp"
+
+namespace hmax {
+
+/// A start and what measures what becomes of it.
+struct ModeStart {
+  Eigen::VectorXd displacement;  ///< from rest: the mode and a little of everything else, shape (dim)
+  Distance distance;
+  Distance amplitude =
+      {};  ///< of the mode alone, which takes no notice of others; empty where it is not known
+  /// u of a structure whose motion decouples, u^T M u = 1, shape (dofs); empty for others.
+  Eigen::VectorXd shape = {};
+  bool defective = false;  ///< the mode shares its eigenvector with another
+  /// The rest is so little of the distance that growth of the mode shows at once, without waiting for it to
+  /// die away.
+  bool mode_alone = false;
+};
+
+/// Sparse structures beyond this many degrees of freedom start from a shape that is found alone, and are
+/// measured by energy and by the amplitude of that shape: no matrix is dense.
+inline constexpr Eigen::Index most_dense_start = 20;
+
+/// Near the eigenvalue `wanted`, with a hundredth of everything else. The distance is that in the modes of
+/// the model, where it has a full set of them, or in a norm like energy.
+/// @param fastest  |lambda| of the fastest mode [1/s]
+ModeStart start_from_mode(const Linearised& near, const Eigen::VectorXd& rest, Complex wanted,
+                          double fastest);
+
+/// From a displacement x of shape (dofs) that changes its sign in every step h, with the velocity 2 x / h
+/// that this takes and a hundredth of its energy in everything else; the distance is in energy. Without
+/// velocity strong damping would leave nearly all of it to creep.
+ModeStart start_from_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
+                           const Eigen::VectorXd& shape, double h);
+
+/// What a mode of shape u moves: its velocity u^T M v and what its displacement is a step of size h,
+/// u^T M q / h, which no other mode has a part in, whatever damps it.
+Distance motion_of_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
+                         const Eigen::VectorXd& shape, double h);
+
+/// The shape of a mode of a structure whose motion decouples, u^T M u = 1, shape (dofs).
+Eigen::VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode);
+
+/// The oscillation of `near` that has an eigenvalue nearest to lambda.
+MechanicalMode oscillation_of(const Linearised& near, Complex lambda);
+
+}  // namespace hmax

@@ -1,0 +1,52 @@
+/// A problem near a state: where limits are asked for.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "analysis/amplification/curve_limit.hpp"
+#include "analysis/spectrum/linear_model.hpp"
+#include "analysis/spectrum/spectrum.hpp"
+
+namespace hmax {
+
+/// Degrees of freedom up to which all modes are computed, where their motion decouples.
+inline constexpr Eigen::Index most_dense_modes = 1500;
+
+class SlowEnd;
+struct ModeRange;
+
+/// Which state of a body its linear model is asked for.
+enum class OperatingPoint { equilibrium, rest };
+
+/// Called with |F| / |F(0)| of each iterate while a static equilibrium is searched for.
+using EquilibriumWatcher = std::function<void(double residual)>;
+
+/// The model whose limits are asked for: a problem near a state.
+struct Linearised {
+  LinearModel model;
+  Spectrum spectrum;  ///< all of it, or with `curve` the modes at its ends
+  /// Of proportionally damped models of more than most_dense_modes degrees of freedom.
+  std::optional<DampingCurve> curve = {};
+  /// Where the slow end of the curve is only bounded by 0, what finds it.
+  std::shared_ptr<SlowEnd> slow_end = {};
+  /// Of the fastest mode of a body at rest with a curve, of length 1 in the norm of M, shape (dofs); else
+  /// empty.
+  Eigen::VectorXd fastest_shape = {};
+  /// Of models whose damping couples more degrees of freedom than most_dense_coupled; `spectrum` then lists
+  /// the largest eigenvalues.
+  std::shared_ptr<ModeRange> range = {};
+  bool at_equilibrium = false;
+  std::string_view state_kind = "motion";  ///< or "equilibrium", "rest" of a body, "initial"
+  std::string state;                       ///< in words: which state, whose Jacobian
+  std::string status;                      ///< why it is not the state that was asked for
+  std::string missing = {};                ///< says that a tool does not touch the body in this state
+};
+
+/// Degrees of freedom of a mesh up to which a factor of K takes less than a second.
+inline constexpr Eigen::Index most_cheaply_factored = 20'000;
+
+}  // namespace hmax

@@ -1,0 +1,292 @@
+#include "bench/limits/predict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "analysis/amplification/amplification.hpp"
+#include "analysis/dynamics/coupled_motion.hpp"
+#include "analysis/statics/equilibrium.hpp"
+#include "bench/limits/mode_curve.hpp"
+#include "bench/limits/mode_range.hpp"
+#include "bench/models/body_balance.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "integrators/spectral_radius.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// The amplification as far as the method can be analysed on this model, or why not.
+std::string obstacle(const Method& method, const Linearised& near) {
+  if (method.needs_second_order && !near.model.mechanical)
+    return "the method steps positions and velocities, which the problem does not have";
+  if (method.needs_split && !near.model.J_stiff) return "the problem declares no stiff part";
+  return {};
+}
+
+/// A mode for each eigenvalue, of conjugates for the upper one only: methods and models are real.
+std::vector<Mode> modes_of(const Spectrum& spectrum) {
+  std::vector<Mode> modes;
+  for (std::size_t i = 0; i < spectrum.lambda.size(); ++i) {
+    const Complex lambda = spectrum.lambda[i];
+    if (lambda.imag() < 0) continue;
+    // Where the motion decouples the partner of a real one is known.
+    modes.push_back(spectrum.mechanical.empty() ? mode_of(lambda) : mode_of(spectrum.mechanical[i / 2]));
+    modes.back().lambda = lambda;
+  }
+  return modes;
+}
+
+std::vector<Complex> lambda_of(const std::vector<Mode>& modes) {
+  std::vector<Complex> lambda;
+  for (const Mode& mode : modes) lambda.push_back(mode.lambda);
+  return lambda;
+}
+
+constexpr const char* without_common_modes =
+    "the stiff part and the rest of this model have no common modes here, so that no mode alone says what a step "
+    "makes of it; at rest without load (g of 0) or with linear tissue both are one, an implicit method has no such "
+    "parts, and `hmax run` with --method and --h shows whether a step holds";
+
+/// Beyond this many rows parts of a Jacobian are not looked into for common modes.
+constexpr Eigen::Index most_dense_parts = 400;
+
+/// Whether the part that is declared stiff is the whole.
+bool is_all_stiff(const Linearised& near) {
+  return relative_distance(near.model.J(), near.model.J_stiff()) <= 1e-13;
+}
+
+/// The share of every eigenvalue that is declared stiff. Where both parts have the same eigenvectors the
+/// Rayleigh quotient with them says it.
+std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const std::vector<Complex>& lambda) {
+  if (is_all_stiff(near)) return lambda;
+  if (near.model.y.size() > most_dense_parts) return std::nullopt;
+  const Eigen::MatrixXd J = dense(near.model.J()), stiff = dense(near.model.J_stiff());
+  if ((J * stiff - stiff * J).norm() > 1e-10 * J.norm() * stiff.norm()) return std::nullopt;
+  const Eigenvectors vectors = eigenvectors_of(near.model);
+  if (vectors.defective) return std::nullopt;
+  std::vector<Complex> parts;
+  for (const Complex each : lambda) {
+    const auto at =
+        std::ranges::min_element(vectors.lambda, {}, [&](Complex l) { return std::abs(l - each); });
+    const auto i = static_cast<Eigen::Index>(at - vectors.lambda.begin());
+    parts.push_back((vectors.left.row(i) * stiff.cast<Complex>() * vectors.right.col(i)).value());
+  }
+  return parts;
+}
+
+/// The spectral radius by which a stabilised method chooses its stages: the bound of the system, or what the
+/// estimate of the stepper comes to. Others do not ask for it, and of a large body it takes a while.
+double radius_told(const Method& method, const Problem& problem, const Linearised& near) {
+  if (!method.stages_by_radius) return std::numeric_limits<double>::quiet_NaN();
+  return std::visit(
+      [&]<class Sys>(const Sys& system) -> double {
+        if constexpr (BoundedSpectrumSystem<Sys>)
+          if (has_spectral_radius(system)) return system.spectral_radius(near.model.t, near.model.y);
+        double radius = 0;
+        for (const Complex lambda : near.spectrum.lambda) radius = std::max(radius, std::abs(lambda));
+        return SpectralRadius<Eigen::VectorXd>::margin * radius;
+      },
+      problem.system);
+}
+
+/// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
+bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
+  const Eigen::VectorXd elsewhere = near.model.y + Eigen::VectorXd::Ones(near.model.y.size());
+  return relative_distance(near.model, linear_model(problem, near.model.t, elsewhere)) <= 1e-12;
+}
+
+}  // namespace
+
+namespace {
+
+/// What sets the step where no step is unstable.
+Bound bound_without_limit(const Method& method, const Problem& problem, const Linearised& near) {
+  return method.solves_nonlinear_equations() && !has_constant_jacobian(problem, near) ? Bound::newton
+                                                                                      : Bound::accuracy;
+}
+
+/// An oscillation named by the one of its eigenvalues that grows faster.
+Mode growing_of(const MechanicalMode& oscillation) {
+  Mode mode = mode_of(oscillation);
+  mode.lambda = eigenvalues_of(oscillation)[0];
+  return mode;
+}
+
+void is_of_growing_model(Prediction& row, const Mode& mode, const Problem& problem, const Linearised& near) {
+  row.bound = Bound::model;
+  row.limiting = mode;
+  const Complex lambda = mode.lambda;
+  if (problem.body && near.at_equilibrium && lambda.imag() == 0)
+    row.note = fmt::format(
+        "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
+        "exp({:.4g} t) whatever the step; take less load, `--along load` shows up to which share it does not",
+        lambda.real());
+  else
+    row.note = fmt::format(
+        "the model itself grows as exp({:.4g} t) here: an eigenvalue has a positive real part, which no step changes; "
+        "the limits that steps have are those along its motion, `--along motion`",
+        lambda.real());
+}
+
+/// Names what limits the step: nothing, or a mode.
+void conclude(Prediction& row, double h_max, const Mode& mode, const Method& method, const Problem& problem,
+              const Linearised& near) {
+  row.h_max = h_max;
+  if (std::isinf(h_max)) {
+    row.bound = bound_without_limit(method, problem, near);
+    return;
+  }
+  row.limiting = mode;
+  row.bound = h_max > 0 ? Bound::stability : Bound::every_step;
+  if (h_max == 0) row.note = "a mode that the model keeps is amplified by every step, however small";
+}
+
+/// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
+void predict_on_curve(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  if (near.curve->kappa_min < 0)
+    return is_of_growing_model(row, growing_of(near.curve->at(near.curve->kappa_min)), problem, near);
+  LimitOnCurve limit = limit_on_curve(*method.amplification, near, radius_told(method, problem, near));
+  row.modes = std::move(limit.modes);
+  conclude(row, limit.h_max, limit.mode, method, problem, near);
+  if (row.note.empty()) row.note = limit.note;
+}
+
+/// Where only the largest eigenvalues are known, and between which damping and stiffness all modes lie.
+void predict_in_range(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  if (near.range->growing) return is_of_growing_model(row, mode_of(*near.range->growing), problem, near);
+  if (method.needs_split && !is_all_stiff(near)) {
+    row.note = without_common_modes;
+    return;
+  }
+  LimitInRange limit = limit_in_range(*method.amplification, near, radius_told(method, problem, near));
+  row.modes = std::move(limit.modes);
+  row.unstable_from = limit.unstable_from;
+  const std::string found =
+      !row.unstable_from || std::isinf(*row.unstable_from)
+          ? "none of the fastest modes limits the step"
+          : fmt::format("the fastest modes are unstable from {:.6g} s on", *row.unstable_from);
+  if (row.unstable_from && limit.h_max == 0) {
+    row.note = fmt::format(
+        "damping couples the modes of this body, and no bound of their limits is known; {}", found);
+    return;
+  }
+  conclude(row, limit.h_max, limit.mode, method, problem, near);
+  if (!row.unstable_from) return;
+  row.limiting.reset();
+  row.note = fmt::format(
+      "a lower bound: damping couples the modes of this body, and no step below h_max is unstable; {}",
+      found);
+}
+
+/// Where the steps couple modes the whole model has one limit.
+void predict_coupled(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  row.state += "; the steps couple the modes, so that all of them are taken together";
+  const std::vector<Mode> modes = modes_of(near.spectrum);
+  for (const Mode& mode : modes)
+    row.modes.push_back({mode, std::numeric_limits<double>::quiet_NaN(), Eigenmode(mode.lambda)});
+  if (near.range && near.range->growing)
+    return is_of_growing_model(row, mode_of(*near.range->growing), problem, near);
+  if (const auto growing = growing_modes(lambda_of(modes)); !growing.empty())
+    return is_of_growing_model(row, modes[growing.front()], problem, near);
+  const MechanicalPart& part = *near.model.mechanical;
+  const MotionMap& map = *method.amplification->motion;
+  if (near.range) row.coupled = proved_first_exit(map, part, *method.amplification);
+  if (!row.coupled && part.mass.size() <= most_dense_modes)
+    row.coupled = CoupledMotion(map, part).first_exit(*method.amplification);
+  if (!row.coupled) {
+    row.note = fmt::format(
+        "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method; take "
+        "explicit_newmark or symplectic_euler, which need no search, a smaller mesh, or beta and dampers of 0",
+        part.mass.size());
+    return;
+  }
+  conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, problem, near);
+}
+
+}  // namespace
+
+Prediction predict(const Method& method, const Problem& problem, const Linearised& near) {
+  Prediction row;
+  row.problem = problem.id;
+  row.material = problem.material;
+  row.method = method.id;
+  row.parameters = problem.parameters;
+  row.state_kind = near.state_kind;
+  row.state = near.state;
+  if (!method.amplification) {
+    row.bound = Bound::error_control;
+    row.note = "the method chooses its steps as it runs";
+    return row;
+  }
+  row.note = obstacle(method, near);
+  if (!row.note.empty()) return row;
+
+  const Amplification& amplification = *method.amplification;
+  if (near.curve) {
+    if (method.needs_split && !is_all_stiff(near))
+      row.note = without_common_modes;
+    else if (amplification.motion && !amplification.motion->lumped.empty() && near.curve->beta != 0)
+      row.note =
+          "the method solves for a part of the damping alone, which couples the modes of this model; take "
+          "explicit_newmark, which solves for all of it, a smaller mesh, or alpha in place of beta";
+    else
+      predict_on_curve(row, method, problem, near);
+    return row;
+  }
+  if (amplification.motion && couples_modes(*amplification.motion, *near.model.mechanical)) {
+    predict_coupled(row, method, problem, near);
+    return row;
+  }
+  if (near.range) {
+    predict_in_range(row, method, problem, near);
+    return row;
+  }
+  StepLimit limit;
+  std::vector<Mode> modes;
+  std::vector<Eigenmode> told;
+  if (method.amplification->of_oscillation) {
+    // Both eigenvalues of an oscillation share its limit.
+    limit = largest_stable_step(*method.amplification, near.spectrum.mechanical);
+    for (const MechanicalMode& oscillation : near.spectrum.mechanical) modes.push_back(mode_of(oscillation));
+    const std::vector<Complex> lambda = lambda_of(modes);
+    told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
+  } else {
+    modes = modes_of(near.spectrum);
+    const std::vector<Complex> lambda = lambda_of(modes);
+    told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
+    const double radius = radius_told(method, problem, near);
+    for (Eigenmode& mode : told) mode.radius = radius;
+    if (method.needs_split) {
+      const auto parts = stiff_parts(near, lambda);
+      if (!parts) {
+        row.note = without_common_modes;
+        return row;
+      }
+      for (std::size_t i = 0; i < told.size(); ++i) told[i].stiff = (*parts)[i];
+    }
+    limit = largest_stable_step(*method.amplification, told);
+  }
+  for (std::size_t i = 0; i < modes.size(); ++i) row.modes.push_back({modes[i], limit.of_modes[i], told[i]});
+
+  if (!limit.growing.empty()) {
+    const std::size_t first = limit.growing.front();
+    is_of_growing_model(
+        row,
+        method.amplification->of_oscillation ? growing_of(near.spectrum.mechanical[first]) : modes[first],
+        problem, near);
+  } else
+    conclude(row, limit.h_max, modes[limit.limiting], method, problem, near);
+  return row;
+}
+
+}  // namespace hmax

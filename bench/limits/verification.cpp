@@ -1,0 +1,405 @@
+#include "bench/limits/verification.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "analysis/amplification/amplification.hpp"
+#include "analysis/dynamics/coupled_motion.hpp"
+#include "analysis/dynamics/growth.hpp"
+#include "bench/catalogue/measured_amplification.hpp"
+#include "bench/limits/mode_start.hpp"
+#include "bench/models/planar.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool is_linear(const Problem& problem) {
+  const auto* oscillator = std::get_if<Oscillator>(&problem.system);
+  return oscillator != nullptr && oscillator->parameters().k3 == 0;
+}
+
+RunRecord take_steps(const Runner& runner, double h, std::int64_t steps, const Sink& sink) {
+  RunSpec spec{.t_end = h * static_cast<double>(steps), .h = h};
+  spec.max_steps = steps + 2;
+  return runner.run(spec, sink);
+}
+
+/// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
+/// from rest is taken off: what is left moves as the free model does.
+ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
+                   const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome) {
+  const auto from = [&](const Eigen::VectorXd& start) {
+    Problem started = problem;
+    started.y0 = start;
+    return method.bind(started);
+  };
+  const bool driven = is_driven(problem);
+  const Runner displaced = from(rest + displacement), undisturbed = from(rest);
+  return [=](double h, std::int64_t steps, const auto& show) {
+    std::vector<double> path;
+    if (driven)
+      take_steps(undisturbed, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        path.insert(path.end(), y.begin(), y.end());
+      });
+    const auto wanted = static_cast<std::size_t>(steps + 1) * static_cast<std::size_t>(rest.size());
+    if (driven && path.size() < wanted) {
+      *outcome = Outcome::diverged;
+      return false;
+    }
+    std::size_t at = 0;
+    Eigen::VectorXd free(rest.size());
+    const RunRecord record =
+        take_steps(displaced, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+          if (!driven) return show(y);
+          if (at + static_cast<std::size_t>(y.size()) > path.size()) return;
+          free = y - Eigen::Map<const Eigen::VectorXd>(path.data() + at, y.size()) + rest;
+          at += static_cast<std::size_t>(y.size());
+          show(free);
+        });
+    *outcome = record.outcome;
+    return record.outcome == Outcome::reached_end;
+  };
+}
+
+/// What the method makes of mode `i` of the row: an oscillation as a whole where it steps positions and
+/// velocities.
+Growth growth_of(const Method& method, const Prediction& row, const Linearised& near, std::size_t i) {
+  return method.amplification->of_oscillation
+             ? method.amplification->of_oscillation(near.curve
+                                                        ? oscillation_of(near, row.modes.at(i).mode.lambda)
+                                                        : near.spectrum.mechanical.at(i))
+             : method.amplification->of_eigenmode(row.modes.at(i).told);
+}
+
+/// The largest |root| that dies away.
+double fading(const std::vector<Complex>& roots) {
+  double slowest = 0;
+  for (const Complex root : roots)
+    if (const double size = std::abs(root); size < 1 - 1e-4) slowest = std::max(slowest, size);
+  return slowest;
+}
+
+/// The logarithm of the largest factor below one by which a step of size h multiplies part of the motion.
+/// @param only  a mode beside which nothing else is to be seen
+double decay_beside(const Method& method, const Prediction& row, const Linearised& near, double h,
+                    std::optional<std::size_t> only) {
+  double slowest = 0;
+  for (std::size_t i = only.value_or(0); i < (only ? *only + 1 : row.modes.size()); ++i) {
+    const Growth growth = growth_of(method, row, near, i);
+    if (growth.polynomial) slowest = std::max(slowest, fading(growth.polynomial->roots(h)));
+    // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the
+    // start.
+    else if (method.amplification->measured && remembers(method))
+      slowest = std::max(slowest, 0.995);
+  }
+  return std::log(slowest);
+}
+
+/// The root by which the motion of a mode goes on, nearest to exp(lambda h); others only methods of several
+/// steps have.
+std::vector<Complex>::const_iterator principal_root(const std::vector<Complex>& roots, Complex lambda,
+                                                    double h) {
+  return std::ranges::min_element(roots, {},
+                                  [&](Complex root) { return std::abs(root - std::exp(lambda * h)); });
+}
+
+/// The logarithm of what a run from a mode shows of its growth at h. The run begins in the principal root;
+/// another one begins as small as rounding and has to grow by so much more.
+double visible_growth(const Method& method, const Growth& growth, Complex lambda, double h) {
+  const double whole = std::log(growth.spectral_radius(h));
+  if (!growth.polynomial || method.amplification->of_oscillation) return whole;
+  const std::vector<Complex> roots = growth.polynomial->roots(h);
+  const auto near = principal_root(roots, lambda, h);
+  // Where that root decays, what is left is soon the other one.
+  if (std::abs(*near) < 1 - 1e-4 || std::log(std::abs(*near)) > whole / 2) return whole;
+  constexpr double from_rounding = 150;  // 2 ln 1e16, beside what is visible
+  return whole / from_rounding;
+}
+
+/// How runs beside a limit are watched, and what they are expected to show.
+struct Watch {
+  ExpectedGrowth expected;
+  ShowSteps run;
+  Distance distance;
+};
+
+/// The eigenvalue with which an overdamped oscillation creeps back, beside a fast one; nothing for others.
+std::optional<double> creeping(const MechanicalMode& mode) {
+  const auto pair = eigenvalues_of(mode);
+  if (pair[0].imag() != 0 || pair[0] == pair[1]) return std::nullopt;
+  return std::max(pair[0].real(), pair[1].real());
+}
+
+/// Where fast damping sets the limit of an oscillation, what creeps fades so slowly that it would be waited
+/// for the longest, and hides a growth that begins small: it is taken out, twice, since other modes creep
+/// with roots nearby, of which the square of the distance is left.
+void take_out_creep(Watch& watch, const Eigen::VectorXd& rest, const StepPolynomial& polynomial,
+                    const MechanicalMode& mode, double h_max) {
+  const std::optional<double> lambda = creeping(mode);
+  if (!lambda) return;
+  const auto root_of_creep = [polynomial, lambda = *lambda](double h) {
+    const std::vector<Complex> roots = polynomial.roots(h);
+    return *principal_root(roots, lambda, h);
+  };
+  const Complex creep = root_of_creep(h_max);
+  // Not where it is what grows, and not where it dies away by itself.
+  constexpr double soon = 0.9;
+  if (creep.real() < soon || std::abs(creep.imag()) > 1e-9) return;
+  std::vector<Complex> others = polynomial.roots(h_max);
+  others.erase(std::ranges::find(others, creep));
+  watch.expected.beside = std::log(fading(others));
+  watch.run = without_roots(watch.run, rest, [root_of_creep](double h) {
+    return std::vector<Complex>(2, root_of_creep(h).real());
+  });
+}
+
+/// Runs from the limiting mode of a row, watched by their distance from rest.
+Watch watch_all(const Method& method, const Prediction& row, const Linearised& near, const ModeStart& start,
+                const ShowSteps& run, std::size_t i) {
+  const Growth growth = growth_of(method, row, near, i);
+  const double above = visible_growth(method, growth, row.limiting->lambda, 1.001 * *row.h_max);
+  Watch watch{.expected = {.above = std::max(above, 1e-12),
+                           .beside = decay_beside(method, row, near, *row.h_max,
+                                                  start.mode_alone ? std::optional(i) : std::nullopt),
+                           .linear = start.defective,
+                           .fall = start.mode_alone ? 10.0 : 37.0},
+              .run = run,
+              .distance = start.distance};
+  const bool single = near.model.y.size() == 2;
+  if ((start.mode_alone || single) && growth.polynomial && method.amplification->of_oscillation)
+    take_out_creep(watch, near.model.y, *growth.polynomial, oscillation_of(near, row.limiting->lambda),
+                   *row.h_max);
+  return watch;
+}
+
+/// Whether runs on both sides of a limit grow and decay like powers of the largest root, as closely as tells
+/// one side from the other: neither rounding nor another motion has a visible part in them.
+bool is_power(const Watch& watch, const Growth& growth, double h_max) {
+  const std::int64_t steps = steps_to_see(watch.expected);
+  return std::ranges::all_of(std::array{0.999 * h_max, 1.001 * h_max}, [&](double h) {
+    const double of_root = std::log(growth.spectral_radius(h)) * static_cast<double>(steps / 2);
+    return std::abs(observed_growth(watch.run, watch.distance, h, steps) - of_root) <=
+           0.25 * watch.expected.visible;
+  });
+}
+
+/// The same watched by the amplitude of the mode alone, of which methods of first order make powers of one
+/// root after a while: the least growth shows. Where that is not the principal one, the latter is taken out:
+/// what is left has begun as small as the error of the first steps. Nothing where roots do not tell.
+std::optional<Watch> watch_mode(const Method& method, const Prediction& row, const Linearised& near,
+                                const ModeStart& start, const ShowSteps& run, std::size_t i) {
+  const bool of_oscillation = method.amplification->of_oscillation != nullptr;
+  if (of_oscillation ? start.shape.size() == 0 : !start.amplitude) return std::nullopt;
+  const Growth growth = growth_of(method, row, near, i);
+  Watch watch = watch_all(method, row, near, start, run, i);
+  if (of_oscillation) {
+    watch.distance = motion_of_shape(*near.model.mechanical, near.model.y, start.shape, *row.h_max);
+    return watch;
+  }
+  watch.distance = start.amplitude;
+  watch.expected.visible = 1e-5;
+  watch.expected.fall = 20;
+  if (!growth.polynomial) return watch;
+  const double h = 1.001 * *row.h_max;
+  const Complex lambda = row.limiting->lambda;
+  const std::vector<Complex> roots = growth.polynomial->roots(h);
+  const auto principal = principal_root(roots, lambda, h);
+  const auto growing = std::ranges::max_element(roots, {}, [](Complex r) { return std::abs(r); });
+  double beside = 0;
+  for (auto root = roots.begin(); root != roots.end(); ++root)
+    if (root != principal && root != growing) beside = std::max(beside, std::abs(*root));
+  if (beside > 1 - 1e-4) return std::nullopt;
+  watch.expected.above = std::max(std::log(std::abs(*growing)), 1e-12);
+  if (principal == growing) return watch;
+  watch.expected.beside = std::log(beside);
+  watch.run = without_roots(run, near.model.y, [=, polynomial = *growth.polynomial](double step) {
+    const std::vector<Complex> all = polynomial.roots(step);
+    const Complex root = *principal_root(all, lambda, step);
+    return std::vector<Complex>{root, std::conj(root)};
+  });
+  watch.expected.visible = ExpectedGrowth{}.visible;
+  if (is_power(watch, growth, *row.h_max)) return watch;
+  // Rounding keeps such a root in motion, by now more, by now less.
+  watch.expected.visible = std::log(10.0);
+  watch.expected.share = 0.5;
+  watch.expected.resolution = 1e-4;
+  return watch;
+}
+
+/// The same where the steps couple all modes, from the shape that begins to grow.
+Watch watch_coupled(const Prediction& row, const Linearised& near, const ModeStart& start,
+                    const ShowSteps& run) {
+  const StepPolynomial& shape = *row.coupled->of_shape;
+  Watch watch{.expected = {.above = std::max(std::log(shape.spectral_radius(1.001 * *row.h_max)), 1e-12),
+                           .beside = std::log(fading(shape.roots(*row.h_max)))},
+              .run = run,
+              .distance = start.distance};
+  take_out_creep(watch, near.model.y, shape, row.coupled->shape, *row.h_max);
+  return watch;
+}
+
+/// Limits are seen soonest in the amplitude of the mode that sets them, as long as no other grows below.
+ObservedLimit observe(const Method& method, const Prediction& row, const Linearised& near,
+                      const ModeStart& start, const ShowSteps& run) {
+  if (row.coupled) {
+    const Watch coupled = watch_coupled(row, near, start, run);
+    return observe_limit(coupled.run, coupled.distance, *row.h_max, coupled.expected);
+  }
+  const auto at = std::ranges::min_element(
+      row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - row.limiting->lambda); });
+  const auto i = static_cast<std::size_t>(at - row.modes.begin());
+  if (const auto mode = watch_mode(method, row, near, start, run, i)) {
+    const ObservedLimit limit = observe_limit(mode->run, mode->distance, *row.h_max, mode->expected);
+    const bool others_grow =
+        observed_growth(run, start.distance, 0.999 * *row.h_max, limit.steps) > ExpectedGrowth{}.visible;
+    if (!others_grow) return limit;
+  }
+  const Watch all = watch_all(method, row, near, start, run, i);
+  return observe_limit(all.run, all.distance, *row.h_max, all.expected);
+}
+
+/// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than
+/// `most` of itself. About rest at zero nothing is lost by that.
+double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
+                          double most) {
+  double size = 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
+  const auto change = [&] {
+    const Eigen::VectorXd y = near.model.y + size * direction;
+    return relative_distance(near.model, linear_model(problem, near.model.t, y));
+  };
+  for (int tenth = 0; tenth < 3 && change() > most; ++tenth) size /= 10;
+  return size;
+}
+
+/// A driven linear oscillator moves about its forced motion as the free one moves about zero, and at steps
+/// far beyond every time scale only the latter can be told from rounding.
+void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
+  if (!is_linear(problem)) return;
+  OscillatorParameters parameters = std::get<Oscillator>(problem.system).parameters();
+  parameters.P = 0;
+  problem.system = Oscillator(parameters);
+  rest.setZero();
+}
+
+/// The steps at which a method without a limit is run: far beyond every time scale, and before them, of
+/// bodies, those that simulators take.
+std::vector<double> steps_without_limit(const Problem& problem, double farthest) {
+  std::vector<double> steps;
+  if (problem.body) steps = {1e-3, 1e-2, 1e-1};
+  std::erase_if(steps, [&](double h) { return h >= farthest; });
+  steps.push_back(farthest);
+  return steps;
+}
+
+}  // namespace
+
+void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  if (!method.fixed_step || row.unstable_from ||
+      (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
+    return;
+  if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.lambda != 0.0; }))
+    return;
+  // Of the motion that the force makes every state is kept, to be taken off.
+  constexpr Eigen::Index most_driven_states = 20;
+  Problem free = after_ramps(problem);
+  if (is_driven(free) && near.model.y.size() > most_driven_states) {
+    row.note = fmt::format("not verified: a force moves the {} states of the model during the runs",
+                           near.model.y.size());
+    return;
+  }
+  if (problem.body && !near.at_equilibrium) {
+    row.note =
+        near.status.empty()
+            ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
+            : "not verified: no equilibrium was found, so that the body moves away from this state; a smaller "
+              "load, like --set g=0, can be verified";
+    return;
+  }
+  if (is_too_slow(method, near.model.y.size())) {
+    row.note = fmt::format("not verified: {} factors a dense matrix of {} rows in every step", method.engine,
+                           near.model.y.size());
+    return;
+  }
+  // The limiting mode, or the slowest.
+  const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
+  Eigen::VectorXd rest = near.model.y;
+  take_off_drive(free, rest);
+  double slowest = infinity, fastest = 0;
+  for (const ModeMargin& margin : row.modes) {
+    if (margin.mode.lambda != 0.0) slowest = std::min(slowest, std::abs(margin.mode.lambda));
+    fastest = std::max(fastest, std::abs(margin.mode.lambda));
+  }
+  const ModeStart start =
+      row.coupled && row.bound == Bound::stability
+          ? start_from_shape(*near.model.mechanical, rest, row.coupled->displacement, *row.h_max)
+          : start_from_mode(near, rest, wanted, fastest);
+  // Where a mode is watched alone little is seen that is not its own.
+  const double most_change = start.mode_alone ? 1e-7 : 1e-4;
+  const double size =
+      is_linear(problem) ? 1 : small_displacement(problem, near, start.displacement, most_change);
+  const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
+  const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
+  Observation seen;
+  std::string contradiction, excuse;
+  if (row.bound != Bound::stability) {
+    // Of a large structure: where a step carries what velocities there are too far, it is not linear.
+    const double farthest = (start.mode_alone ? 1e3 : 1e6) / slowest;
+    seen.agrees = true;
+    for (const double h : steps_without_limit(problem, farthest)) {
+      seen.steps = h < farthest ? 100 : start.mode_alone ? 512 : 4096;
+      seen.agrees = !grows_at(run, start.distance, h, seen.steps);
+      if (seen.agrees) continue;
+      if (*outcome == Outcome::newton_failed) {
+        row.bound = Bound::newton;
+        excuse = fmt::format(
+            "no step is unstable, but Newton's method does not solve the equations of a step of {} s{}: it limits "
+            "the step",
+            to_text(h), h < farthest ? "" : ", far beyond the slowest time scale");
+      }
+      contradiction = fmt::format("no step is unstable by the analysis, but runs of {} steps of {} s grow",
+                                  seen.steps, to_text(h));
+      break;
+    }
+    seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
+    seen.gap = std::numeric_limits<double>::quiet_NaN();
+  } else {
+    const ObservedLimit limit = observe(method, row, near, start, run);
+    seen = {.h_max = limit.h,
+            .gap = limit.h / *row.h_max - 1,
+            .steps = limit.steps,
+            .agrees = limit.below_decays && limit.above_grows};
+    contradiction =
+        limit.below_decays
+            ? fmt::format("integration does not show this limit: {} steps of 1.001 of it do not grow",
+                          limit.steps)
+            : fmt::format("integration does not show this limit: {} steps of 0.999 of it grow", limit.steps);
+  }
+  if (!seen.agrees && seen.steps >= most_observed_steps)
+    excuse = fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
+  if (!is_linear(problem) && is_driven(free) && !seen.agrees) {
+    excuse =
+        "the force moves the model away from this state, so that the runs show the limit of other states; the limit "
+        "along the motion says more";
+    // Limits of different states are no prediction and observation of one.
+    seen.gap = std::numeric_limits<double>::quiet_NaN();
+  }
+  seen.excused = !seen.agrees && !excuse.empty();
+  if (!seen.agrees) row.note = seen.excused ? excuse : contradiction;
+  seen.step_defect = step_defect(method);
+  if (!seen.has_steps_of_analysis())
+    row.note += fmt::format("{}its steps are not those of its analysis, they differ by {}",
+                            row.note.empty() ? "" : "; ", to_text(seen.step_defect));
+  row.observed = seen;
+}
+
+}  // namespace hmax

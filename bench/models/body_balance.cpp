@@ -1,0 +1,187 @@
+#include "bench/models/body_balance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+double largest_displacement(const Eigen::VectorXd& q) {
+  return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
+}
+
+double equilibrium_time(const TissueBody& body) {
+  return std::isfinite(body.steady_from()) ? body.steady_from() : 0;
+}
+
+namespace {
+
+/// The equilibrium of forces as they are at t, of the displacements q beyond `from`, shape (dofs).
+StaticModel model_from(const Problem& problem, double load_scale, double t, const Eigen::VectorXd& from) {
+  const auto body = problem.body;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
+  Eigen::VectorXd load = zero;
+  body->force(t, from, zero, load);
+  load *= load_scale - 1;
+  StaticModel::Matrix K0;
+  body->stiffness(t, from, zero, K0);
+  // Positions have eps |x| of rounding, which the stiffness makes forces of.
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * K0.diagonal().cwiseAbs().maxCoeff() *
+                          body->mesh().points.cwiseAbs().maxCoeff() *
+                          std::sqrt(static_cast<double>(body->dofs()));
+  // Small strains know no volume, and have one equilibrium.
+  const bool may_invert = body->settings().model != TissueModel::fem_cauchy;
+  return {
+      .dofs = body->dofs(),
+      .force =
+          [body, t, from, zero, load](const Eigen::VectorXd& q, Eigen::VectorXd& f) {
+            f.resize(q.size());
+            body->force(t, from + q, zero, f);
+            f += load;
+          },
+      .stiffness = [body, t, from, zero](const Eigen::VectorXd& q,
+                                         StaticModel::Matrix& K) { body->stiffness(t, from + q, zero, K); },
+      // Supports that move drag their neighbours along with a force that no energy has.
+      .energy = body->steady_from() == t
+                    ? [body, t, from,
+                       load](const Eigen::VectorXd& q) { return body->energy(t, from + q) - load.dot(q); }
+                    : decltype(StaticModel::energy){},
+      .rounding = rounding,
+      .admissible =
+          may_invert ? [body, t,
+                        from](const Eigen::VectorXd& q) { return body->least_volume(t, from + q).first > 0; }
+                     : decltype(StaticModel::admissible){}};
+}
+
+/// Puts what was done before into the history of a solution.
+void prepend(const StaticSolution& before, StaticSolution& solution) {
+  if (before.history.empty()) return;
+  const StaticIterate& end = before.history.back();
+  for (StaticIterate& iterate : solution.history) {
+    iterate.seconds += end.seconds;
+    iterate.inner += end.inner;
+  }
+  solution.history.insert(solution.history.begin(), before.history.begin(), before.history.end());
+  solution.iterations += before.iterations;
+}
+
+/// When about this share of the way of a ramp is done, in its time: the inverse of 3 u^2 - 2 u^3, which is
+/// near to that of TimeProfile; strides near the ends are a little shorter than in the middle.
+double time_of(double share) { return 0.5 - std::sin(std::asin(1 - 2 * share) / 3); }
+
+/// The equilibrium at the end of ramps, followed along them: a tool that stood at the end of its path at once
+/// would press on the wrong side of the surface. A stride that finds no equilibrium is halved.
+StaticSolution followed_equilibrium(const Problem& problem, const StaticSettings& settings,
+                                    const Clock& clock) {
+  constexpr int usual_stages = 20, most_halvings = 4, most_on_the_way = 40;
+  const int stages = settings.load_steps.value_or(usual_stages);
+  const double t_end = equilibrium_time(*problem.body);
+  StaticSolution solution;
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(problem.body->dofs());
+  int halvings = 0;
+  for (double done = 0; done < 1;) {
+    const double share = std::min(1.0, done + std::ldexp(1.0 / stages, -halvings));
+    const bool last = share > 1 - 1e-9;
+    const auto number = [&](StaticIterate& iterate) {
+      iterate.load_step = std::clamp(static_cast<int>(std::ceil(share * stages - 1e-9)), 1, stages);
+      iterate.load_steps = stages;
+    };
+    StaticSettings of_stage = settings;
+    of_stage.load_steps = 1;
+    if (!last) {
+      // Beside the forces of a stride, which are less than the whole load; and what takes long is better
+      // tried with half the stride.
+      of_stage.tolerance = std::max(settings.tolerance, 1e-9);
+      of_stage.iterations = std::min(settings.iterations, most_on_the_way);
+    }
+    if (settings.seen)
+      of_stage.seen = [&](StaticIterate iterate) {
+        number(iterate);
+        settings.seen(iterate);
+      };
+    StaticSolution next =
+        solve_static(model_from(problem, 1, last ? t_end : t_end * time_of(share), q), of_stage, clock);
+    std::ranges::for_each(next.history, number);
+    prepend(solution, next);
+    solution = std::move(next);
+    // Before the end what is nearly an equilibrium leads on as well.
+    const bool good =
+        solution.converged || (!last && !solution.barred && solution.history.back().residual < 1e-2);
+    if (!good && halvings < most_halvings) {
+      ++halvings;
+      continue;
+    }
+    q += solution.q;
+    if (!good) break;
+    done = last ? 1 : share;
+  }
+  solution.q = std::move(q);
+  return solution;
+}
+
+}  // namespace
+
+StaticModel static_model(const Problem& problem, double load_scale) {
+  return model_from(problem, load_scale, equilibrium_time(*problem.body),
+                    Eigen::VectorXd::Zero(problem.body->dofs()));
+}
+
+StaticSolution found_equilibrium(const Problem& problem, double load_scale, const StaticSettings& settings,
+                                 const Clock& clock) {
+  if (equilibrium_time(*problem.body) > 0) return followed_equilibrium(problem, settings, clock);
+  const StaticModel model = static_model(problem, load_scale);
+  StaticSolution at_once = solve_static(model, settings, clock);
+  if (!at_once.barred || settings.load_steps) return at_once;
+  StaticSettings by_steps = settings;
+  by_steps.load_steps = 10;
+  StaticSolution solution = solve_static(model, by_steps, clock);
+  prepend(at_once, solution);
+  if (solution.converged && solution.note.empty())
+    solution.note =
+        "the whole load at once leads to elements turned inside out, so it was brought on in ten steps";
+  return solution;
+}
+
+std::string_view outcome_of(const Problem& problem, const StaticSolution& solution) {
+  if (!(problem.body->least_volume(equilibrium_time(*problem.body), solution.q).first > 0)) return "inverted";
+  if (solution.barred) return "collapsed";
+  return solution.converged ? "converged" : "not_converged";
+}
+
+std::string cause_of(const Problem& problem, const StaticSolution& solution) {
+  const auto [volume, tetrahedron] = problem.body->least_volume(equilibrium_time(*problem.body), solution.q);
+  if (solution.barred)
+    return fmt::format(
+        "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search turn elements inside out",
+        tetrahedron_number(problem, tetrahedron), volume);
+  if (volume > 0) return solution.note;
+  return fmt::format("{}{}tetrahedron {} is turned inside out: its volume is {:.3g} of that at rest",
+                     solution.note, solution.note.empty() ? "" : "; ",
+                     tetrahedron_number(problem, tetrahedron), volume);
+}
+
+std::string status_of(const Problem& problem, const StaticSolution& solution) {
+  std::string remedy = solution.remedy;
+  if (solution.barred)
+    remedy += problem.body->settings().model == TissueModel::fem_neo_hookean
+                  ? ", a smaller load or a stiffer material"
+                  : ", a smaller load, a stiffer material, or fem_neo_hookean, which resists being crushed";
+  return cause_of(problem, solution) + (remedy.empty() ? "" : "; take " + remedy);
+}
+
+std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron) {
+  return problem.tetrahedron_numbers.at(static_cast<std::size_t>(tetrahedron));
+}
+
+NamedElement named_element(const Problem& problem, Eigen::Index element) {
+  const bool springs = problem.body->settings().model == TissueModel::mass_spring;
+  const Eigen::Index tetrahedra = springs ? 0 : problem.body->mesh().tetrahedron_count();
+  if (element < tetrahedra) return {"tetrahedron", tetrahedron_number(problem, element)};
+  return {springs ? "spring" : "skin triangle", element - tetrahedra + 1};
+}
+
+}  // namespace hmax

@@ -1,0 +1,113 @@
+#include "bench/models/body_summary.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "problems/mesh/mesh_quality.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// What lies outside is a slip in units rather than tissue: E from fat to bone, densities from inflated lung
+/// to bone, bodies from an insect to a man.
+struct Usual {
+  const char *name, *unit, *hint;
+  double least, most;
+};
+constexpr Usual usual_young{"E", "Pa", "5.5 kPa are 5500 Pa", 50, 5e10};
+constexpr Usual usual_density{"rho", "kg/m^3", "1.06 g/cm^3 are 1060 kg/m^3", 50, 1e4};
+constexpr Usual usual_size{"the longest side of the body", "m", "state the unit of the mesh with --unit",
+                           5e-4, 3};
+constexpr Usual usual_gravity{"gravity", "m/s^2", "9810 mm/s^2 are 9.81 m/s^2", 1e-2, 1e3};
+
+std::string rounded(double value) { return fmt::format("{:.4g}", value); }
+
+std::string rounded(const BodySummary::Span& span) {
+  return span[0] == span[1] ? rounded(span[0]) : fmt::format("{} to {}", rounded(span[0]), rounded(span[1]));
+}
+
+void judge(const Usual& usual, double value, std::vector<std::string>& sentences) {
+  if (value >= usual.least && value <= usual.most) return;
+  sentences.push_back(fmt::format("{} is {} {}, and tissue has {} to {} {}; {}", usual.name, rounded(value),
+                                  usual.unit, rounded(usual.least), rounded(usual.most), usual.unit,
+                                  usual.hint));
+}
+
+/// What a body of this size cannot stand: to be moved, or touched by a tool, of more than its length; a force
+/// that would strain it by more than 1.
+void judge_loads(const BodySummary& summary, std::vector<std::string>& sentences) {
+  const double longest = summary.size.maxCoeff(), crushing = summary.young[1] * longest * longest;
+  const auto too_much = [&](const char* name, double value, const char* unit, double most, const char* why) {
+    if (value > most)
+      sentences.push_back(fmt::format(
+          "{} is {} {}, more than {} ({} {}); give {}", name, rounded(value), unit, why, rounded(most), unit,
+          std::string_view(unit) == "m" ? "metres: 10 mm are 0.01 m" : "newtons: 500 mN are 0.5 N"));
+  };
+  too_much("depth", summary.travel, "m", longest, "the longest side of the body");
+  too_much("tool_radius", summary.tool_radius, "m", longest, "the longest side of the body");
+  // Where E is a slip, E is what is wrong and not the force.
+  if (summary.young[0] >= usual_young.least)
+    too_much("force", summary.force, "N", crushing, "E times the square of its longest side");
+}
+
+}  // namespace
+
+BodySummary summary_of(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  const TetMesh& mesh = body.mesh();
+  const auto span = [&](double TissueMaterial::*what) {
+    const auto [least, most] = std::ranges::minmax(settings.materials, {}, what);
+    return BodySummary::Span{least.*what, most.*what};
+  };
+  BodySummary summary{.young = span(&TissueMaterial::young),
+                      .poisson = span(&TissueMaterial::poisson),
+                      .density = span(&TissueMaterial::density),
+                      .regions = settings.materials.size(),
+                      .mass = body.point_mass().sum(),
+                      .size = mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff(),
+                      .points = mesh.point_count(),
+                      .held = mesh.point_count() - static_cast<Eigen::Index>(body.free_points().size()),
+                      .gravity = settings.gravity};
+  for (const SphereTool& tool : settings.tools) {
+    summary.travel = std::max(summary.travel, tool.travel.norm());
+    summary.tool_radius = std::max(summary.tool_radius, tool.radius);
+  }
+  for (const Support& support : settings.supports)
+    summary.travel = std::max(summary.travel, support.travel.norm());
+  for (const PressingForce& load : settings.forces)
+    summary.force = std::max(summary.force, load.force.norm());
+  if (settings.model == TissueModel::mass_spring) summary.poisson = {0.25, 0.25};
+  if (settings.total_mass) {
+    double volume = 0;
+    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) volume += signed_volume(corners_of(mesh, t));
+    summary.density.fill(summary.mass / volume);
+  }
+  return summary;
+}
+
+std::string in_words(const BodySummary& summary) {
+  const Eigen::Vector3d mm = 1000 * summary.size;
+  return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} points held",
+                     rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
+                     summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "",
+                     rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held,
+                     summary.points);
+}
+
+std::vector<std::string> unusual_values(const BodySummary& summary) {
+  std::vector<std::string> sentences;
+  for (const double E : summary.young)
+    if (sentences.empty()) judge(usual_young, E, sentences);
+  const std::size_t before = sentences.size();
+  for (const double rho : summary.density)
+    if (sentences.size() == before) judge(usual_density, rho, sentences);
+  judge(usual_size, summary.size.maxCoeff(), sentences);
+  if (const double g = summary.gravity.norm(); g > 0) judge(usual_gravity, g, sentences);
+  judge_loads(summary, sentences);
+  return sentences;
+}
+
+}  // namespace hmax

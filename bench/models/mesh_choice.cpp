@@ -1,0 +1,122 @@
+#include "bench/models/mesh_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "bench/input/suggest.hpp"
+#include "problems/mesh/files/mesh_defects.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// What lower floors refuse, for the user.
+template <class Make>
+auto told_to_user(Make make) {
+  try {
+    return make();
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
+bool has_name(const std::string& name) {
+  return std::ranges::find(named_meshes(), name, &NamedMesh::name) != named_meshes().end();
+}
+
+/// Of a mesh by name what stands behind its colon without being NAME=NUMBER.
+void refuse_parameter(const std::string& mesh, const std::string& text) {
+  const auto known = std::ranges::find(named_meshes(), mesh, &NamedMesh::name);
+  std::string like;
+  for (const auto& [name, value] : known->parameters)
+    like += fmt::format("{}{}={}", like.empty() ? "" : ",", name, to_text(value));
+  if (text.empty())
+    throw InputError(fmt::format("nothing stands behind the colon of '{}:'; leave the colon out", mesh));
+  throw InputError(
+      fmt::format("behind the mesh {} '{}' is no parameter; write them in small letters like {}:{}", mesh,
+                  text, mesh, like.empty() ? "refine=1" : like));
+}
+
+MeshFile from_file(const MeshRequest& request) {
+  for (const auto& [name, value] : request.parameters)
+    if (name != "refine")
+      throw InputError(fmt::format("a mesh from a file has no parameter '{}'; it takes refine only", name));
+  std::error_code ignored;
+  if (!std::filesystem::exists(request.name, ignored) &&
+      request.name.find_first_of("./") == std::string::npos) {
+    if (const auto colon = request.name.find(':'); has_name(request.name.substr(0, colon)))
+      refuse_parameter(request.name.substr(0, colon), request.name.substr(colon + 1));
+    std::vector<std::string> names;
+    for (const NamedMesh& mesh : named_meshes()) names.push_back(mesh.name);
+    throw InputError(
+        fmt::format("there is no mesh or file '{}'; {}", request.name, suggestion(request.name, names)));
+  }
+  MeshFile file = read_mesh_file(request.name);
+  if (const int times = refinements_of(request); times > 0) {
+    require_valid(file);
+    file = refined(file, times);
+  }
+  return file;
+}
+
+}  // namespace
+
+OpenedMesh open_mesh(const std::string& text) {
+  return told_to_user([&] {
+    if (text.empty()) throw InputError("no mesh is given; name one, like liver or ball:n=6, or a file");
+    const MeshRequest request = parse_mesh_request(text);
+    const bool named = has_name(request.name);
+    return OpenedMesh{.file = named ? counted_from_one(mesh_by_name(request), text) : from_file(request),
+                      .from_file = !named};
+  });
+}
+
+double unit_in_metres(std::string_view text) {
+  if (text == "m") return 1;
+  if (text == "cm") return 0.01;
+  if (text == "mm") return 0.001;
+  const auto metres = to_number(text);
+  constexpr double least = 1e-12, most = 1e12;
+  if (!metres || !(*metres >= least && *metres <= most))
+    throw InputError(fmt::format(
+        "'{}' is no unit of length; write m, cm, mm, or metres as a number from {} to {} like 0.0254", text,
+        to_text(least), to_text(most)));
+  return *metres;
+}
+
+LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
+  OpenedMesh opened = open_mesh(text);
+  if (!opened.from_file) {
+    if (unit.value_or(1) != 1)
+      throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
+    MeshImport import = import_as_it_is(std::move(opened.file));
+    return {.name = text,
+            .mesh = std::move(import.mesh),
+            .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
+  }
+  if (!unit)
+    throw InputError(fmt::format(
+        "{} does not say its unit, and a body of {} could be anything; state it with --unit m, cm, mm or "
+        "METRES",
+        text, box_in_words(opened.file.mesh)));
+  return told_to_user([&] {
+    MeshImport import = import_mesh(std::move(opened.file), *unit);
+    return LoadedMesh{.name = text,
+                      .mesh = std::move(import.mesh),
+                      .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
+  });
+}
+
+std::string box_in_words(const TetMesh& mesh, double unit) {
+  if (mesh.point_count() == 0) return "nothing";
+  const Eigen::Vector3d size = unit * (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff());
+  return fmt::format("{:.4g} x {:.4g} x {:.4g}", size(0), size(1), size(2));
+}
+
+}  // namespace hmax

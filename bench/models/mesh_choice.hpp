@@ -1,0 +1,44 @@
+/// Meshes as users ask for them: a file or a name, with parameters behind colons.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "problems/mesh/files/mesh_import.hpp"
+#include "problems/mesh/files/mesh_names.hpp"
+
+namespace hmax {
+
+/// A mesh as it stands in its file, or as its generator makes it, before anybody relies on it.
+struct OpenedMesh {
+  MeshFile file;           ///< refined if that was asked for
+  bool from_file = false;  ///< else by name, in metres and valid
+};
+
+/// @param text  a name such as `ball:n=6`, or a file; both take `:refine=K`
+/// @throws InputError naming file, line and remedy, or the nearest known name
+OpenedMesh open_mesh(const std::string& text);
+
+/// Metres of "m", "cm", "mm" or of a number of metres.
+double unit_in_metres(std::string_view text);
+
+/// A mesh for models. Meshes by name keep their order; those from files are renumbered for locality, and know
+/// the way back.
+struct LoadedMesh {
+  std::string name;  ///< as asked for
+  TetMesh mesh;
+  std::shared_ptr<const MeshOrigin> origin;
+};
+
+/// @param unit  metres in one unit of a file's coordinates, as the user states it. Files do not say it and it
+///              is never guessed: without it a file is refused with the size of its box. Meshes by name are
+///              in metres, and refuse any other unit.
+/// @throws InputError as open_mesh, and for defects of the mesh and a unit that is missing or too much
+LoadedMesh load_mesh(const std::string& text, std::optional<double> unit = {});
+
+/// "0.22 x 0.15 x 0.16", the sides of the box around a mesh.
+std::string box_in_words(const TetMesh& mesh, double unit = 1);
+
+}  // namespace hmax

@@ -1,0 +1,89 @@
+#include "bench/models/problem_file.hpp"
+
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "bench/input/suggest.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const Json& table(const TomlDocument& document, const std::string& key) {
+  static const Json none = Json::object();
+  return document.root.contains(key) ? document.root.at(key) : none;
+}
+
+double number(const TomlDocument& document, const std::string& place, const Json& value) {
+  if (!value.is_number())
+    document.fail(place, "this must be a number, for instance 1.5 (a decimal point, no quotes)");
+  const double x = value.get<double>();
+  if (!std::isfinite(x)) document.fail(place, "this number is not finite; give it a finite value");
+  return x;
+}
+
+}  // namespace
+
+FormulaDefinition problem_from(const TomlDocument& document) {
+  constexpr std::array<std::string_view, 4> tables{"problem", "equations", "parameters", "initial"};
+  constexpr std::array<std::string_view, 2> settings{"name", "t_end"};
+  reject_unknown_keys(document, "", tables);
+  reject_unknown_keys(document, "/problem", settings);
+  for (const std::string_view name : {"equations", "parameters", "initial"})
+    if (document.root.contains(name) && !document.root.at(std::string(name)).is_object())
+      document.fail(fmt::format("/{}", name), fmt::format("'{}' must be a table: write [{}]", name, name));
+
+  FormulaDefinition definition;
+  definition.name = std::filesystem::path(document.name).stem().string();
+  const Json& problem = table(document, "problem");
+  if (problem.contains("name")) {
+    if (!problem.at("name").is_string()) document.fail("/problem/name", "the name must be text in quotes");
+    definition.name = problem.at("name").get<std::string>();
+  }
+  if (problem.contains("t_end")) {
+    definition.t_end = number(document, "/problem/t_end", problem.at("t_end"));
+    if (!(definition.t_end > 0))
+      document.fail("/problem/t_end",
+                    "t_end must lie after the start t = 0; give a positive number of seconds");
+  }
+
+  const Json& equations = table(document, "equations");
+  if (equations.empty())
+    document.fail("/equations",
+                  "there are no equations; write [equations] with one line for each state, such as "
+                  "x = \"v\"");
+  for (const auto& [state, formula] : equations.items()) {
+    if (!formula.is_string())
+      document.fail(
+          "/equations/" + state,
+          fmt::format("the derivative of {} must be a formula in quotes, such as {} = \"-x\"", state, state));
+    definition.equations.emplace_back(state, formula.get<std::string>());
+  }
+  for (const auto& [name, value] : table(document, "parameters").items())
+    definition.parameters.emplace_back(name, number(document, "/parameters/" + name, value));
+
+  const Json& initial = table(document, "initial");
+  std::vector<std::string> states;
+  for (const auto& [state, formula] : definition.equations) states.push_back(state);
+  for (const auto& [name, value] : initial.items())
+    if (!equations.contains(name))
+      document.fail("/initial/" + name,
+                    fmt::format("'{}' has no equation; {}", name,
+                                suggestion(name, states, "remove it or add it to [equations]")));
+  for (const std::string& state : states) {
+    if (!initial.contains(state))
+      document.fail("/initial",
+                    fmt::format("the initial value of '{}' is missing; add it to [initial]", state));
+    definition.y0.push_back(number(document, "/initial/" + state, initial.at(state)));
+  }
+  return definition;
+}
+
+FormulaDefinition read_problem(const std::filesystem::path& path) { return problem_from(read_toml(path)); }
+
+}  // namespace hmax

@@ -1,0 +1,36 @@
+/// What users set of a body on a mesh, checked, and the settings of the model that come of it.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bench/catalogue/method.hpp"
+#include "bench/models/mesh_choice.hpp"
+#include "bench/models/tissue_parameters.hpp"
+
+namespace hmax {
+
+/// Ids of the models a mesh can be made of, and of what moves it. The first is the default.
+std::span<const std::string_view> tissue_models();
+std::span<const std::string_view> tissue_loads();
+
+/// Those of a mesh and material, with what the user sets.
+/// @throws InputError  for unknown names, numbers out of range, what the model or the load does not have, and
+/// what
+///                     changes nothing beside the others (bench/models/idle_parameters.hpp)
+TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& settings);
+
+/// Those that every body has, and of the others those that were asked for.
+std::vector<std::pair<std::string, double>> named_values(const TissueParameters& parameters);
+
+/// The names of those of them that change nothing of the body.
+std::vector<std::string> idle_parameters(const TissueId& id, const TissueParameters& parameters);
+
+/// @throws InputError  for regions and points that the mesh does not have
+TissueSettings tissue_settings(const TissueId& id, const TissueParameters& parameters,
+                               const LoadedMesh& mesh);
+
+}  // namespace hmax

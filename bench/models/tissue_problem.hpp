@@ -1,0 +1,27 @@
+/// Tissue on meshes as problems of the catalogue: "fem_green@liver", "mass_spring/press@ball:n=8".
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "bench/catalogue/method.hpp"
+
+namespace hmax {
+
+/// The id of a problem, MODEL@MESH or MODEL/LOAD@MESH; empty parts are the defaults.
+std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load);
+
+/// Whether `id` is meant to name a tissue problem.
+bool is_tissue_id(std::string_view id);
+
+/// The problem of such an id, at rest at t = 0.
+/// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
+Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
+
+/// The problem once its ramps have ended, from then on: a tool that has moved in stands there from t = 0.
+Problem after_ramps(const Problem& problem);
+
+/// Where a problem starts: its numbers, or "rest" of a body, which always does.
+std::string start_in_words(const Problem& problem);
+
+}  // namespace hmax

@@ -1,0 +1,139 @@
+#include "bench/studies/stability_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/predict.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// Whether a step shrinks from one point to the next: no step of any size is the largest of all.
+bool falls(double from, double to) { return to < from * (1 - 1e-9); }
+
+double falling_share(const StabilityMap& map, std::size_t right, std::size_t up) {
+  std::size_t pairs = 0, falling = 0;
+  for (std::size_t row = 0; row + up < map.y.values.size(); ++row)
+    for (std::size_t column = 0; column + right < map.x.values.size(); ++column) {
+      const double here = map.at(column, row), there = map.at(column + right, row + up);
+      if (std::isnan(here) || std::isnan(there)) continue;
+      ++pairs;
+      falling += falls(here, there);
+    }
+  return pairs > 0 ? static_cast<double>(falling) / static_cast<double>(pairs) : 0;
+}
+
+double value_of(const Problem& problem, std::string_view name) {
+  const auto it = std::ranges::find(problem.parameters, name, [](const auto& entry) { return entry.first; });
+  if (problem.body)
+    throw InputError(
+        fmt::format("alpha and beta of {} are parameters of its own; leave --rayleigh out", problem.id));
+  if (it == problem.parameters.end())
+    throw InputError(
+        fmt::format("{} has no {}, so no plane of Rayleigh's damping c = alpha m + beta k1; take a liver "
+                    "oscillator, like liver_linear",
+                    problem.id, name));
+  return it->second;
+}
+
+}  // namespace
+
+MapAxis map_axis(std::string_view option, std::string_view text, bool logarithmic) {
+  const std::size_t equals = text.find('=');
+  std::array<std::optional<double>, 3> numbers;
+  if (equals != std::string_view::npos) {
+    std::string_view rest = text.substr(equals + 1);
+    for (std::optional<double>& number : numbers) {
+      const std::size_t colon = std::min(rest.find(':'), rest.size());
+      number = to_number(rest.substr(0, colon));
+      rest.remove_prefix(std::min(colon + 1, rest.size()));
+    }
+    if (!rest.empty()) numbers.back().reset();
+  }
+  const auto& [first, last, count] = numbers;
+  if (equals == 0 || !first || !last || !count || !std::isfinite(*first) || !std::isfinite(*last) ||
+      !(*first < *last) || !(*count >= 2 && *count <= 2000) || *count != std::floor(*count))
+    throw InputError(
+        fmt::format("{} {} is no axis; write name=from:to:count with from below to and a count from 2 to "
+                    "2000, like c=0:10:81",
+                    option, text));
+  if (logarithmic && !(*first > 0))
+    throw InputError(
+        fmt::format("{} {} begins at {}, which has no place on a logarithmic axis; begin above 0", option,
+                    text, to_text(*first)));
+  MapAxis axis{std::string(text.substr(0, equals)), {}, logarithmic};
+  const auto n = static_cast<std::size_t>(*count);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(n - 1);
+    axis.values.push_back(i + 1 == n    ? *last
+                          : logarithmic ? *first * std::pow(*last / *first, share)
+                                        : *first + share * (*last - *first));
+  }
+  return axis;
+}
+
+bool StabilityMap::falls_along_x(std::size_t column, std::size_t row) const {
+  return falls(at(column, row), at(column + 1, row));
+}
+bool StabilityMap::falls_along_y(std::size_t column, std::size_t row) const {
+  return falls(at(column, row), at(column, row + 1));
+}
+double StabilityMap::falling_share_x() const { return falling_share(*this, 1, 0); }
+double StabilityMap::falling_share_y() const { return falling_share(*this, 0, 1); }
+
+std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, const ProblemAt& problem_at,
+                                         const MapAxis& x, const MapAxis& y,
+                                         const std::function<void(double share)>& progress) {
+  std::vector<StabilityMap> maps;
+  for (const Method& method : methods)
+    maps.push_back({.method = method.id, .x = x, .y = y, .h_max = {}, .note = {}});
+  for (std::size_t row = 0; row < y.values.size(); ++row) {
+    if (progress) progress(static_cast<double>(row) / static_cast<double>(y.values.size()));
+    for (const double value : x.values) {
+      const Problem problem = problem_at(value, y.values[row]);
+      const Linearised near = linearised(problem);
+      // Without an equilibrium the limit would be that of another state than at the other points.
+      const bool lost = problem.body && !near.at_equilibrium;
+      for (std::size_t i = 0; i < methods.size(); ++i) {
+        const Prediction prediction = lost ? Prediction{} : predict(methods[i], problem, near);
+        maps[i].h_max.push_back(prediction.h_max.value_or(std::numeric_limits<double>::quiet_NaN()));
+        if (!prediction.h_max && maps[i].note.empty()) maps[i].note = lost ? near.state : prediction.note;
+        if (maps[i].note.empty()) maps[i].note = near.missing;
+      }
+    }
+  }
+  return maps;
+}
+
+ProblemAt over_parameters(std::string problem, ProblemSettings settings, const MapAxis& x, const MapAxis& y) {
+  if (x.name == y.name) throw InputError(fmt::format("--x and --y are both {}; give two parameters", x.name));
+  for (const MapAxis* axis : {&x, &y}) settings.parameters.emplace_back(axis->name, axis->values.front());
+  return [problem = std::move(problem), settings = std::move(settings)](double at_x, double at_y) mutable {
+    const std::size_t n = settings.parameters.size();
+    settings.parameters[n - 2].second = at_x;
+    settings.parameters[n - 1].second = at_y;
+    return make_problem(problem, settings);
+  };
+}
+
+ProblemAt over_rayleigh(std::string problem, ProblemSettings settings) {
+  const Problem bare = make_problem(problem, settings);
+  const double m = value_of(bare, "m"), k1 = value_of(bare, "k1");
+  value_of(bare, "c");
+  settings.parameters.emplace_back("c", 0);
+  return [problem = std::move(problem), settings = std::move(settings), m, k1](double alpha,
+                                                                               double beta) mutable {
+    settings.parameters.back().second = alpha * m + beta * k1;
+    return make_problem(problem, settings);
+  };
+}
+
+}  // namespace hmax

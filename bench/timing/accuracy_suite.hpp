@@ -1,0 +1,37 @@
+/// The accuracy suite: every method of hmax's own on problems of every kind, at steps and tolerances that
+/// show its order, its error estimate, its controllers and its dense output. No times: the same machine gives
+/// the same rows.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "results/baseline.hpp"
+
+namespace hmax {
+
+/// A run of the suite.
+struct AccuracyCase {
+  std::size_t problem = 0;  ///< index into AccuracyPlan::problems
+  Method method;
+  RunSpec spec;
+  std::string setting;
+};
+
+struct AccuracyPlan {
+  std::vector<Problem> problems;
+  std::vector<AccuracyCase> cases;
+};
+
+/// The whole suite, or the cases of some methods (names of choose_methods).
+AccuracyPlan accuracy_plan(const std::vector<std::string>& methods = {"all"});
+
+/// Runs it, in order.
+/// @param progress  called before each case with its share of the whole and its name; may throw to end the
+/// suite
+std::vector<AccuracyRow> run_accuracy_suite(
+    const AccuracyPlan& plan, const std::function<void(double, const std::string&)>& progress = {});
+
+}  // namespace hmax

@@ -1,0 +1,95 @@
+#include "bench/timing/formula_reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#if HMAX_HAVE_BOOST
+#include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
+#else
+#include "integrators/explicit/explicit_rk.hpp"
+#include "integrators/explicit/tableaux.hpp"
+#include "integrators/integrate.hpp"
+#endif
+
+namespace hmax {
+
+namespace {
+
+constexpr int grid_intervals = 2000;
+constexpr double tight = 1e-13, loose = 1e-11;
+// Where the two computations part by more than this share of the largest state there is nothing to rely on:
+// an engine may well put a finite number on a pole.
+constexpr double largest_parting = 1e-4;
+
+/// Integrates y from t0 to t1; false when the engine gives up or y is no longer finite.
+bool advance(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, double tolerance) {
+#if HMAX_HAVE_BOOST
+  namespace odeint = boost::numeric::odeint;
+  using Values = std::vector<double>;
+  Eigen::VectorXd state = y, slope = y;
+  auto rhs = [&](const Values& from, Values& to, double t) {
+    state = Eigen::Map<const Eigen::VectorXd>(from.data(), state.size());
+    system.rhs(t, state, slope);
+    std::copy(slope.begin(), slope.end(), to.begin());
+  };
+  odeint::bulirsch_stoer<Values> stepper(tolerance, tolerance);
+  Values values(y.begin(), y.end());
+  double t = t0, h = t1 - t0;
+  for (int attempts = 0; t < t1; ++attempts) {
+    if (attempts == 10'000 || !(std::abs(h) > 0)) return false;
+    h = std::min(h, t1 - t);
+    stepper.try_step(rhs, values, t, h);
+    if (t1 - t <= 4 * std::numeric_limits<double>::epsilon() * std::abs(t1)) break;
+  }
+  y = Eigen::Map<const Eigen::VectorXd>(values.data(), y.size());
+  return y.allFinite();
+#else
+  const auto end =
+      integrate(Rk<tableaux::Dop853, Eigen::VectorXd>{}, system, Span<double>{t0, t1}, y,
+                Adaptive<double, PiController>({tolerance, tolerance}, tableaux::Dop853::error_order),
+                ObserveNothing{}, 100'000);
+  return end.outcome == Outcome::reached_end;
+#endif
+}
+
+}  // namespace
+
+FormulaReference::FormulaReference(const AnySystem& system, const Eigen::VectorXd& y0, double t_end)
+    : system_(system), interval_(t_end / grid_intervals), grid_{y0} {
+  Eigen::VectorXd y = y0, checked = y0;
+  double difference = 0, largest = y0.size() == 0 ? 0 : y0.cwiseAbs().maxCoeff();
+  for (int i = 0; i < grid_intervals; ++i) {
+    if (!advance(system_, y, i * interval_, (i + 1) * interval_, tight)) break;
+    if (!advance(system_, checked, i * interval_, (i + 1) * interval_, loose)) break;
+    const double parting = (y - checked).cwiseAbs().maxCoeff();
+    largest = std::max(largest, y.cwiseAbs().maxCoeff());
+    if (!(parting <= largest_parting * largest)) break;
+    difference = std::max(difference, parting);
+    grid_.push_back(y);
+  }
+  error_bound_ = difference + largest * std::numeric_limits<double>::epsilon();
+}
+
+double FormulaReference::valid_until() const { return static_cast<double>(grid_.size() - 1) * interval_; }
+
+Eigen::VectorXd FormulaReference::at(double t) const {
+  Eigen::VectorXd y =
+      Eigen::VectorXd::Constant(grid_.front().size(), std::numeric_limits<double>::quiet_NaN());
+  if (!(t >= 0) || t > valid_until() + interval_ * 1e-6) return y;
+  const auto i = std::min(static_cast<std::size_t>(t / interval_), grid_.size() - 1);
+  const double start = static_cast<double>(i) * interval_;
+  y = grid_[i];
+  if (t > start) advance(system_, y, start, t, tight);
+  return y;
+}
+
+std::string FormulaReference::name() {
+#if HMAX_HAVE_BOOST
+  return "Boost.Odeint bulirsch_stoer, tolerance 1e-13";
+#else
+  return "dop_853, tolerance 1e-13 (Boost.Odeint is missing, so this reference is not independent)";
+#endif
+}
+
+}  // namespace hmax

@@ -1,0 +1,377 @@
+#include "bench/timing/sweep.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/timing/timing.hpp"
+#include "integrators/control.hpp"
+#include "results/errors.hpp"
+#include "results/fingerprint.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Errors are measured at no more than about this many points of a run.
+constexpr std::int64_t most_points = 100'000;
+
+/// Thrown through a run by its sink to end it, or all of them.
+struct OverBudget {};
+struct SweepEnded {};
+
+bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+}
+
+/// Largest error over the points of a run: all of them, or every k-th of more than most_points. Reference
+/// states are kept from one run to the next when all runs have their points at the same times.
+class ErrorMeter {
+ public:
+  /// @param points      of each run, the initial one included
+  /// @param same_times  whether point n of every run has the same time
+  ErrorMeter(const Reference& reference, Eigen::Index dim, std::int64_t points, bool same_times)
+      : reference_(reference), stride_((points + most_points - 1) / most_points), keeps_(same_times) {
+    if (keeps_) kept_.resize(dim, points / stride_ + 1);
+  }
+
+  void start() {
+    n_ = 0;
+    largest_ = squared_ = last_t_ = last_ = 0;
+  }
+
+  /// Point after point, the initial one first.
+  void look(double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    const std::int64_t n = n_++;
+    if (n % stride_ != 0) return;
+    const Eigen::Index slot = n / stride_;
+    if (!keeps_) {
+      take(t, (y - reference_.at(t)).cwiseAbs().maxCoeff());
+      return;
+    }
+    if (slot == filled_) kept_.col(filled_++) = reference_.at(t);
+    take(t, (y - kept_.col(slot)).cwiseAbs().maxCoeff());
+  }
+
+  /// @param t  not before those taken earlier
+  void take(double t, double error) {
+    if (!(error <= largest_)) largest_ = error;
+    squared_ += (t - last_t_) * (error * error + last_ * last_) / 2;  // trapezoidal rule
+    last_t_ = t;
+    last_ = error;
+  }
+
+  [[nodiscard]] double largest() const { return largest_; }
+  /// sqrt of the mean of error^2 over the time looked at
+  [[nodiscard]] double root_mean_square() const { return last_t_ > 0 ? std::sqrt(squared_ / last_t_) : 0; }
+
+ private:
+  const Reference& reference_;
+  std::int64_t stride_, n_ = 0;
+  double largest_ = 0, squared_ = 0, last_t_ = 0, last_ = 0;
+  bool keeps_;
+  Eigen::MatrixXd kept_;  // shape (dim, slots), filled from the left
+  Eigen::Index filled_ = 0;
+};
+
+/// One row on its way: what was counted, and what is still to be timed.
+struct Candidate {
+  Row row;
+  Runner runner;
+  Eigen::VectorXd end;  // of the counted run
+  bool timed = true;
+  bool agrees = true;  // of every timed run with the counted one
+};
+
+/// Measures one block after the other; knows the reference of the problem at hand.
+class Sweeper {
+ public:
+  Sweeper(const SweepPlan& plan, Store& store, const std::function<void(const SweepProgress&)>& progress,
+          const std::function<bool()>& interrupted)
+      : plan_(plan), store_(store), progress_(progress), interrupted_(interrupted) {}
+
+  SweepSummary run();
+
+ private:
+  std::vector<std::size_t> missing(const SweepBlock& block) const;
+  void measure(const SweepBlock& block, const std::vector<std::size_t>& methods);
+  Candidate count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter);
+  void time(const SweepBlock& block, std::vector<Candidate>& candidates);
+  const Reference& reference(const SweepBlock& block);
+  void begin_session();
+  double cost(const SweepBlock& block, const std::vector<std::size_t>& methods) const;
+  void tell(const SweepBlock& block, double share) const;
+  /// The share of the cost that is done.
+  /// @param here  share of the block at hand
+  double share_done(double here) const {
+    return cost_total_ > 0 ? (cost_done_ + here * cost_here_) / cost_total_ : 1;
+  }
+  void stop_if_asked() const {
+    if (interrupted_ && interrupted_()) throw SweepEnded{};
+  }
+
+  const SweepPlan& plan_;
+  Store& store_;
+  const std::function<void(const SweepProgress&)>& progress_;
+  const std::function<bool()>& interrupted_;
+  SweepSummary summary_;
+  std::optional<Reference> reference_;
+  std::size_t reference_of_ = 0;  // index of the problem
+  double cost_done_ = 0, cost_here_ = 0, cost_total_ = 0;
+};
+
+std::vector<std::size_t> Sweeper::missing(const SweepBlock& block) const {
+  std::vector<std::size_t> methods;
+  std::ranges::copy_if(block.methods, std::back_inserter(methods),
+                       [&](std::size_t m) { return !store_.contains(row_key(plan_, block, m)); });
+  return methods;
+}
+
+const Reference& Sweeper::reference(const SweepBlock& block) {
+  if (!reference_ || reference_of_ != block.problem) {
+    if (progress_)
+      progress_({.rows_done = summary_.skipped + summary_.measured,
+                 .rows = plan_.rows(),
+                 .fraction = share_done(0),
+                 .what = "reference of " + plan_.problems[block.problem].id});
+    reference_ = make_reference(plan_.problems[block.problem], block.run.t_end);
+    reference_of_ = block.problem;
+  }
+  return *reference_;
+}
+
+/// Expected CPU time of a block [s], good enough to tell how long a sweep still takes: a stage of a small
+/// system and a point of output are taken at 15 ns, a tolerance at one sample.
+double Sweeper::cost(const SweepBlock& block, const std::vector<std::size_t>& methods) const {
+  constexpr double per_stage = 15e-9, per_point = 15e-9;
+  double total = 0;
+  for (const std::size_t m : methods) {
+    double run = 0;
+    if (block.mode == "fixed") run = block.run.t_end / block.run.h * plan_.methods[m].stages * per_stage;
+    if (block.mode == "sampled") run = block.run.t_end / block.run.every * per_point;
+    total += std::max(run, plan_.spec.min_sample_s) * (plan_.spec.repeats + 2);
+  }
+  return total;
+}
+
+/// @param share  of the block at hand that is done
+void Sweeper::tell(const SweepBlock& block, double share) const {
+  if (!progress_) return;
+  const Problem& problem = plan_.problems[block.problem];
+  progress_({.rows_done = summary_.skipped + summary_.measured,
+             .rows = plan_.rows(),
+             .fraction = share_done(share),
+             .what = fmt::format("{}{}{}, {}, {} = {}", problem.id, problem.material.empty() ? "" : ":",
+                                 problem.material, block.mode, block.mode == "adaptive" ? "rtol" : "h",
+                                 to_text(block.mode == "adaptive" ? block.run.rtol
+                                         : block.run.adaptive     ? block.run.every
+                                                                  : block.run.h))});
+}
+
+Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter) {
+  const Problem& problem = plan_.problems[block.problem];
+  const Reference& reference = this->reference(block);
+  const bool has_reference = reference.valid_until >= block.run.t_end * (1 - 1e-12);
+  Candidate candidate;
+  candidate.runner = plan_.methods[method].bind(problem);
+  candidate.row.key = row_key(plan_, block, method);
+  Row& row = candidate.row;
+
+  std::int64_t seen = 0;
+  double started = thread_cpu_seconds();
+  const auto look_at_the_clock = [&] {
+    constexpr std::int64_t often = 0xff;
+    if ((++seen & often) != 0) return;
+    stop_if_asked();
+    if (thread_cpu_seconds() - started > plan_.spec.budget_s) throw OverBudget{};
+  };
+  const auto notice = [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+    look_at_the_clock();
+    for (const double value : y) row.subnormals += std::fpclassify(value) == FP_SUBNORMAL;
+  };
+  const auto compare = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    if (has_reference) meter->look(t, y);
+  };
+  RunRecord record;
+  const auto run = [&] {
+    if (block.mode == "fixed") {
+      if (!meter)
+        meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.h) + 1, true);
+      meter->start();
+      record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        notice(y);
+        compare(t, y);
+      });
+    } else {
+      // Accepted steps and output points are not the same here: one run looks at the steps, one at the
+      // points.
+      RunSpec steps_only = block.run;
+      steps_only.every = 0;
+      record = candidate.runner.run(steps_only,
+                                    [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) { notice(y); });
+      if (block.mode == "adaptive")
+        meter.emplace(reference, problem.y0.size(), record.stats.steps + 1, false);
+      else if (!meter)
+        meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.every) + 1,
+                      true);
+      meter->start();
+      started = thread_cpu_seconds();
+      record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        look_at_the_clock();
+        compare(t, y);
+      });
+    }
+  };
+  row.error_end = row.error_global = row.error_l2 = nan;
+  try {
+    run();
+  } catch (const OverBudget&) {
+    row.outcome = "over_budget";
+    row.reference = reference.name;
+    row.reference_error = reference.error_bound;
+    row.status = fmt::format("The run was given up after {} s of CPU time and was not timed.",
+                             to_text(plan_.spec.budget_s));
+    candidate.timed = false;
+    return candidate;
+  }
+
+  candidate.end = record.y;
+  row.outcome = to_string(record.outcome);
+  row.t_reached = record.t;
+  row.steps = record.stats.steps;
+  row.rejected = record.stats.rejected;
+  row.rhs = record.stats.rhs;
+  row.reference = reference.name;
+  row.reference_error = reference.error_bound;
+  if (record.outcome == Outcome::too_many_steps) {
+    candidate.timed = false;
+    row.status = fmt::format("The run was given up at t = {} s after {} attempts and was not timed.",
+                             to_text(record.t), block.run.max_steps);
+  } else if (record.outcome != Outcome::reached_end) {
+    row.status = fmt::format("The run ended at t = {} s ({}): it has no error at {} s.", to_text(record.t),
+                             row.outcome, to_text(block.run.t_end));
+  } else if (!has_reference) {
+    candidate.timed = false;
+    row.status = fmt::format(
+        "The reference ends at t = {} s: the error is unknown, and a time without its error is not stored.",
+        to_text(reference.valid_until));
+  } else {
+    row.error_end = (record.y - reference.at(block.run.t_end)).cwiseAbs().maxCoeff();
+    meter->take(block.run.t_end, row.error_end);
+    row.error_global = meter->largest();
+    row.error_l2 = meter->root_mean_square();
+  }
+  return candidate;
+}
+
+void Sweeper::time(const SweepBlock& block, std::vector<Candidate>& candidates) {
+  std::vector<Candidate*> timed;
+  std::vector<std::function<void(std::int64_t)>> runs;
+  for (Candidate& candidate : candidates) {
+    if (!candidate.timed) continue;
+    timed.push_back(&candidate);
+    runs.emplace_back([&block, &candidate](std::int64_t n) {
+      if (!same_bits(candidate.runner.repeat(block.run, n), candidate.end)) candidate.agrees = false;
+    });
+  }
+  // A sample each to find the number of runs, then the repetitions; the counting before took about as much.
+  const double samples = static_cast<double>(timed.size()) * (plan_.spec.repeats + 2);
+  double taken = static_cast<double>(timed.size());
+  const std::vector<Timing> timings = time_interleaved(
+      runs, {.repetitions = plan_.spec.repeats, .min_sample_s = plan_.spec.min_sample_s, .keep_going = [&] {
+               tell(block, std::min(1.0, taken++ / samples));
+               return !(interrupted_ && interrupted_());
+             }});
+  if (timings.size() != timed.size()) throw SweepEnded{};
+  for (std::size_t i = 0; i < timed.size(); ++i) {
+    if (!timed[i]->agrees)
+      throw std::logic_error(
+          fmt::format("{} on {} ends elsewhere when it is timed than when it is counted: its times are not "
+                      "stored.",
+                      timed[i]->row.key.method, timed[i]->row.key.problem));
+    timed[i]->row.cpu_s = timings[i].samples;
+    timed[i]->row.runs_per_sample = timings[i].runs_per_sample;
+  }
+}
+
+void Sweeper::measure(const SweepBlock& block, const std::vector<std::size_t>& methods) {
+  std::vector<Candidate> candidates;
+  std::optional<ErrorMeter> meter;
+  for (const std::size_t method : methods) {
+    stop_if_asked();
+    tell(block, static_cast<double>(candidates.size()) /
+                    (static_cast<double>(methods.size()) * (plan_.spec.repeats + 2)));
+    candidates.push_back(count(block, method, meter));
+  }
+  time(block, candidates);
+  std::vector<Row> rows;
+  for (Candidate& candidate : candidates) rows.push_back(std::move(candidate.row));
+  store_.insert(rows);
+  summary_.measured += static_cast<std::int64_t>(rows.size());
+}
+
+void Sweeper::begin_session() {
+  const Fingerprint here = fingerprint();
+  if (here.debug_build && store_.notes().contains("published"))
+    throw InputError(
+        fmt::format("the store '{}' is published and takes no rows of a debug build; build with `cmake "
+                    "--preset release`, or give another --out",
+                    store_.file().string()));
+  if (here.debug_build)
+    summary_.warnings.emplace_back(
+        "this is a debug build; its times are marked and say nothing about a release build");
+  if (const std::vector<Session> sessions = store_.sessions(); !sessions.empty())
+    if (const auto changes = differences(sessions.back().fingerprint, here); !changes.empty())
+      summary_.warnings.push_back(
+          fmt::format("the rows stored before were measured otherwise ({})", fmt::join(changes, "; ")));
+  store_.begin_session(here);
+}
+
+SweepSummary Sweeper::run() {
+  const auto started = std::chrono::steady_clock::now();
+  std::vector<std::pair<const SweepBlock*, std::vector<std::size_t>>> work;
+  for (const SweepBlock& block : plan_.blocks) {
+    std::vector<std::size_t> methods = missing(block);
+    summary_.skipped += static_cast<std::int64_t>(block.methods.size() - methods.size());
+    if (methods.empty()) continue;
+    cost_total_ += cost(block, methods);
+    work.emplace_back(&block, std::move(methods));
+  }
+  if (!work.empty()) begin_session();
+  try {
+    for (const auto& [block, methods] : work) {
+      cost_here_ = cost(*block, methods);
+      measure(*block, methods);
+      cost_done_ += cost_here_;
+      cost_here_ = 0;
+      tell(*block, 1);
+    }
+  } catch (const SweepEnded&) {
+    summary_.interrupted = true;
+  }
+  summary_.rows = store_.size();
+  summary_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return summary_;
+}
+
+}  // namespace
+
+SweepSummary run_sweep(const SweepPlan& plan, Store& store,
+                       const std::function<void(const SweepProgress&)>& progress,
+                       const std::function<bool()>& interrupted) {
+  return Sweeper(plan, store, progress, interrupted).run();
+}
+
+}  // namespace hmax

@@ -1,0 +1,128 @@
+/// Sweeps: problems x methods x steps (or tolerances), each counted, checked against a reference, timed and
+/// stored.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "problems/oscillator/liver_problems.hpp"
+#include "results/store.hpp"
+
+namespace hmax {
+
+/// A problem of a sweep as it is asked for.
+struct SweepProblem {
+  std::string name = "liver_forced";  ///< catalogue id, or the path of a file of formulas
+  ProblemSettings settings;
+};
+
+/// The methods of the default sweep, as names of choose_methods: every explicit one-step method, and the
+/// study's other solvers.
+std::vector<std::string> study_methods();
+
+struct Tolerance {
+  double rtol, atol;
+};
+
+/// What is swept; as it stands it is the study's step sweep. What "step" means is read in two ways: `fixed`
+/// integrates with h, `sampled` steps adaptively and outputs at every multiple of h, as MATLAB does for
+/// 0:h:T.
+struct SweepSpec {
+  std::vector<SweepProblem> problems{SweepProblem{}};
+  std::vector<std::string> methods;  ///< as of choose_methods; empty: study_methods(), or only the tableaux
+  std::vector<std::filesystem::path> tableaux;                              ///< files of users' methods
+  std::vector<double> h{liver_step_sizes.begin(), liver_step_sizes.end()};  ///< steps or output intervals [s]
+  bool fixed = true, sampled = true;  ///< readings of h; `sampled` needs an error estimate
+  std::vector<double> unsteered_h;    ///< fixed steps [s] of the methods without an error estimate alone
+  Tolerance sampled_tolerance{1e-6, 1e-6};
+  std::vector<Tolerance> tolerances;  ///< adaptive runs without output, besides those over h
+  Controllers control = Controllers::deadband;
+  std::optional<double> t_end;  ///< [s]; absent: each problem's own
+  int repeats = 9;              ///< timed repetitions, at least 9
+  std::int64_t max_steps = 1'000'000'000;
+  /// A sample is made of as many runs as take this long [s].
+  double min_sample_s = 2e-3;
+  /// CPU time of one run [s] after which it is given up, as hopeless ones of low order are.
+  double budget_s = std::numeric_limits<double>::infinity();
+};
+
+/// Rows that are measured together, in turn, and stored in one transaction: all methods at one h or
+/// tolerance.
+struct SweepBlock {
+  std::size_t problem = 0;           ///< index into SweepPlan::problems
+  std::string mode;                  ///< fixed, sampled, adaptive
+  RunSpec run;                       ///< `every` is the h of mode sampled
+  std::vector<std::size_t> methods;  ///< indices into SweepPlan::methods
+};
+
+/// A sweep that was checked from end to end before anything runs.
+struct SweepPlan {
+  SweepSpec spec;
+  std::vector<Problem> problems;
+  std::vector<Method> methods;
+  std::vector<SweepBlock> blocks;
+  /// All that decides the rows, as JSON with every default filled in and the text of users' files: two plans
+  /// with equal texts measure the same rows.
+  std::string canonical;
+
+  [[nodiscard]] std::int64_t rows() const;
+};
+
+/// Key of the row of one method in one block.
+RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t method);
+
+/// Checks `spec` with every method on every problem.
+/// @throws InputError  for unknown names, numbers out of range, methods or problems given twice, a reading
+/// that
+///                     no method can do, more than 2e8 numbers of output kept at a time
+SweepPlan plan_sweep(const SweepSpec& spec);
+
+/// Whether open_sweep_store() with `resume` would take up `file`: it is missing, empty, or made by this
+/// sweep.
+bool can_resume(const SweepPlan& plan, const std::filesystem::path& file);
+
+/// The store of a sweep, made when it is missing. A store with rows is taken up again only with `resume` and
+/// only for the sweep it was made by.
+/// @throws InputError  naming what differs and the remedy; what Store throws
+Store open_sweep_store(const SweepPlan& plan, const std::filesystem::path& file, bool resume);
+
+/// @throws InputError in a debug build: its times are not published
+void require_publishable_build();
+
+/// Notes in `store` that its rows may be published.
+/// @throws InputError when a debug build measured some of them
+void mark_published(Store& store);
+
+struct SweepProgress {
+  std::int64_t rows_done = 0, rows = 0;  ///< of the plan; those skipped count as done
+  double fraction = 0;                   ///< of the estimated CPU time of what is to be measured
+  std::string what;                      ///< "liver_forced, fixed, h = 0.01"
+};
+
+struct SweepSummary {
+  std::int64_t rows = 0;      ///< in the store
+  std::int64_t measured = 0;  ///< in this call
+  std::int64_t skipped = 0;   ///< were there already
+  double seconds = 0;         ///< elapsed
+  bool interrupted = false;
+  std::vector<std::string> warnings;  ///< sentences: debug build, another machine than before, ...
+};
+
+/// Measures what is missing in `store`. Block by block: each method runs once with its evaluations counted,
+/// its errors measured and subnormal numbers noticed; then all are timed in turn; then the rows are committed
+/// together.
+/// The end state of the timed runs must agree with the counted run bit for bit (std::logic_error otherwise),
+/// so no time is stored without its error.
+/// @param progress     called often, also inside of a block; may be empty
+/// @param interrupted  asked often; true ends the sweep without the block at hand; may be empty
+SweepSummary run_sweep(const SweepPlan& plan, Store& store,
+                       const std::function<void(const SweepProgress&)>& progress = {},
+                       const std::function<bool()>& interrupted = {});
+
+}  // namespace hmax

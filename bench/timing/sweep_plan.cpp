@@ -1,0 +1,320 @@
+/// What a sweep will measure, checked before anything runs, and the store it may write to.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <span>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/catalogue/tableau_file.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "bench/timing/sweep.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/fingerprint.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Name of the note in which a store keeps the sweep it was made by.
+constexpr const char* sweep_note = "sweep";
+
+/// Limit of the output kept in memory at a time: 1.6 GB.
+constexpr double largest_output = 2e8;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<Method> methods_of(const SweepSpec& spec, const std::vector<Problem>& problems) {
+  std::vector<Method> chosen = choose_methods(spec.methods, problems);
+  for (const fs::path& file : spec.tableaux) chosen.push_back(make_method(read_tableau(file)));
+  return chosen.empty() ? choose_methods(study_methods(), problems) : chosen;
+}
+
+template <class Wanted>
+std::vector<std::size_t> indices_of(const std::vector<Method>& methods, const Wanted& wanted) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < methods.size(); ++i)
+    if (wanted(methods[i])) indices.push_back(i);
+  return indices;
+}
+
+void check_settings(const SweepSpec& spec) {
+  if (spec.problems.empty())
+    throw InputError("a sweep needs at least one problem; `hmax list problems` shows them");
+  if (spec.repeats < 9)
+    throw InputError(
+        fmt::format("a sweep takes the median and quartiles of at least 9 repetitions, not of {}; give "
+                    "--repeats 9 or more",
+                    spec.repeats));
+  if (spec.repeats > 10'000)
+    throw InputError(fmt::format(
+        "{} repetitions are more than the limit of 10000; give --repeats 9 or a few more", spec.repeats));
+  if (!spec.h.empty() && !spec.fixed && !spec.sampled)
+    throw InputError("steps need a reading; give --fixed, --sampled or both");
+  if (spec.h.empty() && spec.tolerances.empty() && spec.unsteered_h.empty())
+    throw InputError("a sweep needs steps or tolerances; give --h or --rtol");
+}
+
+std::vector<SweepBlock> blocks_of(const SweepSpec& spec, const std::vector<Problem>& problems,
+                                  const std::vector<Method>& methods) {
+  const auto adaptive = indices_of(methods, [](const Method& m) { return m.adaptive(); });
+  const auto steppable = indices_of(methods, [](const Method& m) { return m.fixed_step; });
+  const auto unsteered = indices_of(methods, [](const Method& m) { return !m.adaptive(); });
+  std::vector<SweepBlock> blocks;
+  for (std::size_t p = 0; p < problems.size(); ++p) {
+    const RunSpec base{.t_end = spec.t_end.value_or(problems[p].t_end),
+                       .control = spec.control,
+                       .max_steps = spec.max_steps};
+    const auto add = [&](std::string mode, const RunSpec& run, const std::vector<std::size_t>& chosen) {
+      if (!chosen.empty())
+        blocks.push_back({.problem = p, .mode = std::move(mode), .run = run, .methods = chosen});
+    };
+    for (const double h : spec.h) {
+      RunSpec run = base;
+      run.h = h;
+      if (spec.fixed) add("fixed", run, steppable);
+      // An output interval of zero would mean no output: what is no step is refused as one in both readings.
+      if (!(h > 0) || !std::isfinite(h)) check(run, methods.front(), problems[p]);
+      run = base;
+      run.adaptive = true;
+      run.rtol = spec.sampled_tolerance.rtol;
+      run.atol = spec.sampled_tolerance.atol;
+      run.every = h;
+      if (spec.sampled) add("sampled", run, adaptive);
+    }
+    for (const double h : spec.unsteered_h) {
+      RunSpec run = base;
+      run.h = h;
+      add("fixed", run, unsteered);
+    }
+    for (const Tolerance& tolerance : spec.tolerances) {
+      RunSpec run = base;
+      run.adaptive = true;
+      run.rtol = tolerance.rtol;
+      run.atol = tolerance.atol;
+      add("adaptive", run, adaptive);
+    }
+  }
+  return blocks;
+}
+
+void check_block(const SweepBlock& block, const std::vector<Problem>& problems,
+                 const std::vector<Method>& methods) {
+  const Problem& problem = problems[block.problem];
+  for (const std::size_t m : block.methods) check(block.run, methods[m], problem);
+  if (block.run.every == 0) return;
+  const double numbers = block.run.t_end / block.run.every * static_cast<double>(problem.y0.size()) *
+                         static_cast<double>(block.methods.size());
+  if (numbers > largest_output)
+    throw InputError(
+        fmt::format("output of {} every {} s to t = {} s by {} methods would keep {:.3g} numbers in memory, "
+                    "more than the limit of {:.0e}; take a larger --h, fewer --methods, or --fixed",
+                    problem.id, to_text(block.run.every), to_text(block.run.t_end), block.methods.size(),
+                    numbers, largest_output));
+}
+
+/// A number that changes with a mesh, in hexadecimal: files are told apart by what is in them
+/// [fowler2019fnv].
+std::string mesh_in_digits(const TetMesh& mesh) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  const auto add = [&](const auto& matrix) {
+    for (const std::byte byte :
+         std::as_bytes(std::span(matrix.data(), static_cast<std::size_t>(matrix.size()))))
+      hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 1099511628211ULL;
+  };
+  add(mesh.points);
+  add(mesh.tetrahedra);
+  return fmt::format("{:016x}", hash);
+}
+
+std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& problems,
+                           const std::vector<Method>& methods) {
+  json problem_list = json::array(), method_list = json::array(), tolerances = json::array();
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    const Problem& problem = problems[i];
+    json entry{{"id", problem.id},
+               {"material", problem.material},
+               {"parameters", describe(problem.parameters)},
+               {"y0", start_in_words(problem)},
+               {"t_end", spec.t_end.value_or(problem.t_end)}};
+    if (spec.problems[i].name.ends_with(".toml")) entry["text"] = text_of(spec.problems[i].name);
+    if (problem.body) entry["mesh"] = mesh_in_digits(problem.body->mesh());
+    problem_list.push_back(std::move(entry));
+  }
+  const std::size_t catalogued = methods.size() - spec.tableaux.size();
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    if (i < catalogued)
+      method_list.push_back(methods[i].id);
+    else
+      method_list.push_back(json{{"id", methods[i].id}, {"text", text_of(spec.tableaux[i - catalogued])}});
+  }
+  json readings = json::array();
+  if (spec.fixed && !spec.h.empty()) readings.push_back("fixed");
+  if (spec.sampled && !spec.h.empty()) readings.push_back("sampled");
+  for (const Tolerance& tolerance : spec.tolerances)
+    tolerances.push_back(json::array({tolerance.rtol, tolerance.atol}));
+  return json{{"problems", problem_list},
+              {"methods", method_list},
+              {"h", spec.h},
+              {"unsteered_h", spec.unsteered_h},
+              {"readings", readings},
+              {"rtol", spec.sampled_tolerance.rtol},
+              {"atol", spec.sampled_tolerance.atol},
+              {"tolerances", tolerances},
+              {"control", to_string(spec.control)},
+              {"repeats", spec.repeats},
+              {"max_steps", spec.max_steps},
+              {"min_sample_s", spec.min_sample_s}}
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+auto as_tuple(const RowKey& k) {
+  return std::tie(k.problem, k.material, k.parameters, k.y0, k.method, k.mode, k.control, k.h, k.rtol, k.atol,
+                  k.t_end);
+}
+
+void refuse_duplicates(const SweepPlan& plan) {
+  const auto less = [](const RowKey& a, const RowKey& b) { return as_tuple(a) < as_tuple(b); };
+  std::set<RowKey, decltype(less)> seen;
+  for (const SweepBlock& block : plan.blocks)
+    for (const std::size_t m : block.methods) {
+      const RowKey key = row_key(plan, block, m);
+      if (!seen.insert(key).second)
+        throw InputError(
+            fmt::format("{} with {} would be measured twice at {} = {}; give every problem, method, step and "
+                        "tolerance once",
+                        key.problem, key.method, key.mode == "adaptive" ? "rtol" : "h",
+                        to_text(key.mode == "adaptive" ? key.rtol : key.h)));
+    }
+}
+
+/// "h was [2.0] and is [1.0]", or only "h differs" where that would fill the screen.
+std::string difference(const std::string& stored, const std::string& asked) {
+  constexpr std::size_t longest = 100;
+  const json before = json::parse(stored, nullptr, false), now = json::parse(asked);
+  if (!before.is_object()) return "its description cannot be read";
+  for (const auto& [key, value] : now.items()) {
+    const std::string was = before.contains(key) ? before[key].dump() : "absent", is = value.dump();
+    if (was == is) continue;
+    return was.size() + is.size() <= longest ? fmt::format("{} was {} and is {}", key, was, is)
+                                             : fmt::format("its {} differ", key);
+  }
+  return "it has settings unknown to this hmax";
+}
+
+}  // namespace
+
+std::vector<std::string> study_methods() {
+  return {"explicit_runge_kutta", "rosenbrock_23", "adams_pece", "trapezoidal"};
+}
+
+std::int64_t SweepPlan::rows() const {
+  std::int64_t rows = 0;
+  for (const SweepBlock& block : blocks) rows += static_cast<std::int64_t>(block.methods.size());
+  return rows;
+}
+
+RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t method) {
+  const Problem& problem = plan.problems[block.problem];
+  const RunSpec& run = block.run;
+  return {.problem = problem.id,
+          .material = problem.material,
+          .parameters = describe(problem.parameters),
+          .y0 = start_in_words(problem),
+          .method = plan.methods[method].id,
+          .mode = block.mode,
+          .control = control_of(plan.methods[method], run),
+          .h = run.adaptive ? run.every : run.h,
+          .rtol = run.rtol,
+          .atol = run.atol,
+          .t_end = run.t_end};
+}
+
+SweepPlan plan_sweep(const SweepSpec& spec) {
+  check_settings(spec);
+  SweepPlan plan{.spec = spec, .problems = {}, .methods = {}, .blocks = {}, .canonical = {}};
+  for (const SweepProblem& problem : spec.problems)
+    plan.problems.push_back(make_problem(problem.name, problem.settings));
+  plan.methods = methods_of(spec, plan.problems);
+  if (!spec.tolerances.empty() && spec.unsteered_h.empty() &&
+      std::ranges::none_of(plan.methods, &Method::adaptive))
+    throw InputError(
+        "tolerances need a method with an error estimate; choose one whose error_order in `hmax list "
+        "methods` is not 0, or give --h");
+  plan.blocks = blocks_of(spec, plan.problems, plan.methods);
+  if (plan.blocks.empty())
+    throw InputError(
+        "none of these methods has the error estimate that --sampled needs; give --fixed, or choose a method "
+        "whose error_order in `hmax list methods` is not 0");
+  for (SweepBlock& block : plan.blocks) {
+    check_block(block, plan.problems, plan.methods);
+    if (block.run.adaptive) block.run.max_steps = std::min(block.run.max_steps, adaptive_attempts);
+  }
+  refuse_duplicates(plan);
+  plan.canonical = canonical_text(spec, plan.problems, plan.methods);
+  return plan;
+}
+
+bool can_resume(const SweepPlan& plan, const fs::path& file) {
+  if (!fs::exists(file)) return true;
+  const Store store = Store::open_existing(file);
+  const auto notes = store.notes();
+  const auto made_by = notes.find(sweep_note);
+  return store.size() == 0 || (made_by != notes.end() && made_by->second == plan.canonical);
+}
+
+Store open_sweep_store(const SweepPlan& plan, const fs::path& file, bool resume) {
+  Store store = Store::open_or_create(file);
+  const std::int64_t rows = store.size();
+  if (rows == 0) {
+    store.note(sweep_note, plan.canonical);
+    return store;
+  }
+  if (!resume)
+    throw InputError(fmt::format(
+        "the store '{}' holds {} rows already; give --resume to continue that sweep, or another --out",
+        file.string(), rows));
+  const auto notes = store.notes();
+  const auto made_by = notes.find(sweep_note);
+  if (made_by == notes.end())
+    throw InputError(
+        fmt::format("the store '{}' was not made by a sweep; give another --out", file.string()));
+  if (made_by->second != plan.canonical)
+    throw InputError(fmt::format(
+        "the store '{}' was made by another sweep: {}; give the same sweep to --resume, or another --out",
+        file.string(), difference(made_by->second, plan.canonical)));
+  return store;
+}
+
+void require_publishable_build() {
+  if (fingerprint().debug_build)
+    throw InputError(
+        "a debug build is not measured for --publish; build with `cmake --preset release`, or leave "
+        "--publish out");
+}
+
+void mark_published(Store& store) {
+  for (const Session& session : store.sessions())
+    if (session.fingerprint.debug_build)
+      throw InputError(
+          fmt::format("the store '{}' holds rows of a debug build and cannot be published; measure again "
+                      "with another --out",
+                      store.file().string()));
+  store.note("published", "yes");
+}
+
+}  // namespace hmax

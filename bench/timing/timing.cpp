@@ -1,0 +1,51 @@
+#include "bench/timing/timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <ctime>
+
+namespace hmax {
+
+namespace {
+
+double cpu_seconds_of(const std::function<void(std::int64_t)>& candidate, std::int64_t runs) {
+  const double before = thread_cpu_seconds();
+  candidate(runs);
+  return thread_cpu_seconds() - before;
+}
+
+}  // namespace
+
+double thread_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int64_t runs)>> candidates,
+                                     const TimingOptions& options) {
+  const auto stopped = [&] { return options.keep_going && !options.keep_going(); };
+  std::vector<Timing> timings(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    std::int64_t& runs = timings[i].runs_per_sample;
+    for (;;) {
+      if (stopped()) return {};
+      const double seconds = cpu_seconds_of(candidates[i], runs);
+      if (seconds >= options.min_sample_s) break;
+      // Aims a little beyond the target: a sample at its edge would be tried again.
+      const double wanted = seconds > 0 ? 1.2 * options.min_sample_s / seconds : 1024;
+      runs *= static_cast<std::int64_t>(std::clamp(std::ceil(wanted), 2.0, 1024.0));
+    }
+  }
+  for (int repetition = 0; repetition < options.repetitions; ++repetition) {
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      if (stopped()) return {};
+      const std::int64_t runs = timings[i].runs_per_sample;
+      timings[i].samples.push_back(cpu_seconds_of(candidates[i], runs) / static_cast<double>(runs));
+    }
+  }
+  return timings;
+}
+
+}  // namespace hmax

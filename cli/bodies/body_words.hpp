@@ -1,0 +1,22 @@
+/// What the subcommands say of a body on a mesh before they answer: what it was taken to be.
+#pragma once
+
+#include <string>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "cli/shared/console.hpp"
+
+namespace hmax {
+
+/// "507 points, 1953 tetrahedra, ...; E 5500 Pa, ...", two lines without the last break; empty of what is no
+/// body.
+std::string body_in_words(const Problem& problem);
+
+/// The same for programs: `{E, nu, rho, regions, mass, size, points, held, gravity, unusual}`; null of what
+/// is no body.
+nlohmann::ordered_json body_json(const Problem& problem);
+
+/// Says on standard error which values are unusual for tissue, as slips in units make them.
+void remark_unusual(Console& console, const Problem& problem);
+
+}  // namespace hmax

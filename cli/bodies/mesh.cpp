@@ -1,0 +1,404 @@
+/// hmax mesh: what a mesh is, and whether models can rely on it.
+#include "cli/bodies/mesh.hpp"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <ranges>
+#include <set>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/models/mesh_choice.hpp"
+#include "bench/models/support_sets.hpp"
+#include "cli/bodies/body_picture.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
+#include "problems/mesh/files/mesh_defects.hpp"
+#include "problems/mesh/mesh_parts.hpp"
+#include "problems/mesh/mesh_quality.hpp"
+#include "problems/mesh/topology.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double degrees = 180 / std::numbers::pi;
+
+/// What the numbers below stand for.
+std::string unit_in_words(const OpenedMesh& opened, const std::optional<double>& unit) {
+  if (!opened.from_file) return "metres";
+  if (!unit) return "not stated in the file; taken as metres here, state another with --unit";
+  return fmt::format("{} m, as stated", short_number(*unit));
+}
+
+Json vector_json(const Eigen::Vector3d& v) { return {v(0), v(1), v(2)}; }
+
+/// Tetrahedra and volume of each region.
+std::map<TetMesh::Index, std::pair<Eigen::Index, double>> regions_of(const TetMesh& mesh) {
+  std::map<TetMesh::Index, std::pair<Eigen::Index, double>> regions;
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    auto& [count, volume] = regions[mesh.region(t)];
+    ++count;
+    volume += signed_volume(corners_of(mesh, t));
+  }
+  return regions;
+}
+
+Json name_json(const MeshFile& file, TetMesh::Index region) {
+  const auto named = file.names.find(region);
+  return named == file.names.end() ? Json() : Json(named->second);
+}
+
+/// Elements and points of a group.
+std::pair<std::size_t, std::size_t> size_of(const MeshGroup& group) {
+  const std::set<TetMesh::Index> points(group.corners.begin(), group.corners.end());
+  return {group.corners.size() / (static_cast<std::size_t>(group.dimension) + 1), points.size()};
+}
+
+Json groups_json(const MeshFile& file) {
+  Json list = Json::array();
+  for (const MeshGroup& group : file.groups) {
+    const auto [elements, points] = size_of(group);
+    list.push_back({{"kind", group_kinds[static_cast<std::size_t>(group.dimension)]},
+                    {"number", group.number},
+                    {"name", group.name.empty() ? Json() : Json(group.name)},
+                    {"elements", elements},
+                    {"points", points}});
+  }
+  return list;
+}
+
+/// What --set E:NAME and --support call by name or number.
+std::string regions_in_words(const MeshFile& file,
+                             const std::map<TetMesh::Index, std::pair<Eigen::Index, double>>& regions,
+                             const Console& console) {
+  std::string text;
+  if (regions.size() > 1 || !file.names.empty()) {
+    TextTable table({"region", "name", "tetrahedra", "volume [m³]"});
+    for (const auto& [region, content] : regions) {
+      const auto named = file.names.find(region);
+      table.add({std::to_string(region), named == file.names.end() ? "-" : named->second,
+                 std::to_string(content.first), short_number(content.second)});
+    }
+    text += "\n" + table.text(console);
+  }
+  if (file.groups.empty()) return text;
+  TextTable table({"group", "name", "elements", "points"});
+  for (const MeshGroup& group : file.groups) {
+    const auto [elements, points] = size_of(group);
+    table.add({fmt::format("{}:{}", group_kinds[static_cast<std::size_t>(group.dimension)], group.number),
+               group.name.empty() ? "-" : group.name, std::to_string(elements), std::to_string(points)});
+  }
+  return text + "\n" + table.text(console);
+}
+
+void info(const MeshCommand& options, Console& console) {
+  options.picture.check();
+  OpenedMesh opened = open_mesh(options.mesh);
+  const std::optional<double> unit = unit_of(opened, options);
+  TetMesh& mesh = opened.file.mesh;
+  mesh.points *= unit.value_or(1);
+  const MeshTopology topology = topology_of(mesh);
+  const MeshQuality quality = quality_of(mesh);
+  const MeshDefects defects = defects_of(mesh);
+  const auto regions = regions_of(mesh);
+  if (options.picture.wanted())
+    options.picture.write(
+        {.title = title_of(options.mesh),
+         .caption =
+             fmt::format("{} points, {} tetrahedra, {} triangles on the surface, {} cm³; mean ratio {} at "
+                         "worst, {} on average: 1 for the regular tetrahedron, 0 for a flat one.{}",
+                         topology.points, topology.tetrahedra, topology.surface_triangles,
+                         short_number(1e6 * quality.volume, 4), short_number(quality.min_mean_ratio, 3),
+                         short_number(quality.average_mean_ratio, 3),
+                         unit ? "" : " The unit of the file is not stated, and taken as metres."),
+         .colours = mesh_quality_colours(),
+         .views = {mesh_view(mesh)}});
+
+  if (console.json) {
+    Json list = Json::array();
+    for (const auto& [region, content] : regions)
+      list.push_back({{"region", region},
+                      {"name", name_json(opened.file, region)},
+                      {"tetrahedra", content.first},
+                      {"volume", content.second}});
+    return console.print_json(
+        Json{{"mesh", options.mesh},
+             {"format", opened.file.format},
+             {"unit", unit ? Json(*unit) : Json()},
+             {"status", unit ? Json() : Json("the unit is not stated; lengths are in that of the file")},
+             {"points", topology.points},
+             {"edges", topology.edges},
+             {"faces", topology.faces},
+             {"tetrahedra", topology.tetrahedra},
+             {"surface_points", topology.surface_points},
+             {"surface_edges", topology.surface_edges},
+             {"surface_triangles", topology.surface_triangles},
+             {"volume", quality.volume},
+             {"components", topology.components},
+             {"unused_points", topology.unused_points},
+             {"inverted", defects.inverted.size()},
+             {"degenerate", defects.degenerate.size()},
+             {"duplicates", defects.duplicates.size()},
+             {"crowded_faces", topology.crowded_faces},
+             {"euler", topology.euler()},
+             {"quality",
+              {{"min", quality.min_mean_ratio},
+               {"mean", quality.average_mean_ratio},
+               {"measure", "mean_ratio"},
+               {"worst", opened.file.numbers[static_cast<std::size_t>(quality.worst)]}}},
+             {"smallest_angle_degrees", quality.smallest_angle * degrees},
+             {"largest_angle_degrees", quality.largest_angle * degrees},
+             {"shortest_edge", quality.shortest_edge},
+             {"longest_edge", quality.longest_edge},
+             {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
+             {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
+             {"second_order", opened.file.second_order},
+             {"regions", list},
+             {"groups", groups_json(opened.file)}});
+  }
+  std::string text =
+      fmt::format("{}, {}\nunit: {}\n\n", options.mesh, opened.file.format, unit_in_words(opened, unit));
+  TextTable counts({"", "in all", "on the surface"});
+  counts.add({"points", std::to_string(topology.points), std::to_string(topology.surface_points)});
+  counts.add({"edges", std::to_string(topology.edges), std::to_string(topology.surface_edges)});
+  counts.add({"triangles", std::to_string(topology.faces), std::to_string(topology.surface_triangles)});
+  counts.add({"tetrahedra", std::to_string(topology.tetrahedra), ""});
+  text += counts.text(console) + "\n";
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("{:<16} {}\n", name, value);
+  };
+  line("box", box_in_words(mesh) + " m");
+  line("volume", fmt::format("{} m³", short_number(quality.volume)));
+  line("edges", fmt::format("{} to {} m", short_number(quality.shortest_edge, 4),
+                            short_number(quality.longest_edge, 4)));
+  line("mean ratio",
+       fmt::format("{} at worst (tetrahedron {}), {} on average", short_number(quality.min_mean_ratio, 4),
+                   opened.file.numbers[static_cast<std::size_t>(quality.worst)],
+                   short_number(quality.average_mean_ratio, 4)));
+  line("dihedral angles", fmt::format("{} to {} degrees", short_number(quality.smallest_angle * degrees, 4),
+                                      short_number(quality.largest_angle * degrees, 4)));
+  line("parts", fmt::format("{}, unused points {}", topology.components, topology.unused_points));
+  if (opened.file.second_order > 0) text += second_order_in_words(opened.file) + "\n";
+  text += regions_in_words(opened.file, regions, console);
+  if (!defects.none())
+    text += console.alarming("\nModels cannot use it: `hmax mesh check` names what is wrong.") + "\n";
+  console.print(text);
+}
+
+/// At most some of the things that are wrong, one a line.
+template <class Items, class Sentence>
+void add_findings(std::string& text, const Items& items, Sentence sentence) {
+  constexpr std::size_t most = 10;
+  for (std::size_t i = 0; i < std::min(items.size(), most); ++i) text += sentence(items[i]) + "\n";
+  if (items.size() > most) text += fmt::format("  and {} more\n", items.size() - most);
+}
+
+/// Parts of the mesh that the supports of --support do not hold; none where there is no such option.
+std::vector<std::vector<TetMesh::Index>> loose_parts_of(const MeshCommand& options,
+                                                        const OpenedMesh& opened) {
+  if (options.supports.empty()) return {};
+  MeshFile file = opened.file;
+  file.mesh.points *= unit_of(opened, options).value_or(1);
+  MeshImport import = import_as_it_is(std::move(file));
+  const LoadedMesh loaded{.name = options.mesh,
+                          .mesh = std::move(import.mesh),
+                          .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
+  return loose_parts(loaded.mesh, points_of_sets(options.supports, loaded));
+}
+
+Json numbers_json(const MeshFile& file, const std::vector<TetMesh::Index>& tetrahedra) {
+  Json numbers = Json::array();
+  for (const TetMesh::Index t : tetrahedra) numbers.push_back(file.numbers[static_cast<std::size_t>(t)]);
+  return numbers;
+}
+
+/// All parts but the largest.
+Json parts_json(const MeshFile& file, const std::vector<MeshPart>& parts) {
+  Json list = Json::array();
+  for (const MeshPart& part : parts | std::views::drop(1)) {
+    Json hinges = Json::array();
+    for (const TetMesh::Index i : part.hinges)
+      hinges.push_back(file.point_numbers[static_cast<std::size_t>(i)]);
+    list.push_back({{"tetrahedra", numbers_json(file, part.tetrahedra)}, {"hinge_points", hinges}});
+  }
+  return list;
+}
+
+Json loose_json(const MeshFile& file, const std::vector<std::vector<TetMesh::Index>>& parts) {
+  Json list = Json::array();
+  for (const std::vector<TetMesh::Index>& part : parts) list.push_back(numbers_json(file, part));
+  return list;
+}
+
+/// "tetrahedron 7", "tetrahedra 7, 9", "1200 tetrahedra (7, 9, 10, ...)"
+std::string numbers_in_words(const MeshFile& file, const std::vector<TetMesh::Index>& tetrahedra) {
+  constexpr std::size_t most = 5;
+  std::string numbers;
+  for (std::size_t i = 0; i < std::min(most, tetrahedra.size()); ++i)
+    numbers += fmt::format("{}{}", i == 0 ? "" : ", ", file.numbers[static_cast<std::size_t>(tetrahedra[i])]);
+  if (tetrahedra.size() > most) return fmt::format("{} tetrahedra ({}, ...)", tetrahedra.size(), numbers);
+  return (tetrahedra.size() == 1 ? "tetrahedron " : "tetrahedra ") + numbers;
+}
+
+/// How a part is joined to the others.
+std::string hinges_in_words(const MeshFile& file, const MeshPart& part) {
+  const auto number = [&](std::size_t i) {
+    return file.point_numbers[static_cast<std::size_t>(part.hinges[i])];
+  };
+  const char* hang = part.tetrahedra.size() == 1 ? "hangs" : "hang";
+  if (part.hinges.empty()) return part.tetrahedra.size() == 1 ? "is a separate part" : "are a separate part";
+  if (part.hinges.size() == 1) return fmt::format("{} on point {} only", hang, number(0));
+  if (part.hinges.size() == 2) return fmt::format("{} on the edge {}-{} only", hang, number(0), number(1));
+  return fmt::format("{} on {} points and no face", hang, part.hinges.size());
+}
+
+void check_mesh(const MeshCommand& options, Console& console) {
+  const OpenedMesh opened = open_mesh(options.mesh);
+  const MeshFile& file = opened.file;
+  const double angle = parse_number("--slivers", options.slivers);
+  if (!(angle >= 0 && angle < 70))
+    throw InputError(fmt::format(
+        "--slivers is {}; give a dihedral angle from 0 up to 70 degrees, since no tetrahedron has all above 70.53",
+        options.slivers));
+  const MeshDefects defects = defects_of(file.mesh);
+  std::vector<Sliver> slivers = slivers_of(file.mesh, angle / degrees);
+  // What has no volume is named for that already.
+  std::erase_if(slivers, [&](const Sliver& s) {
+    return std::ranges::binary_search(defects.degenerate, static_cast<TetMesh::Index>(s.tetrahedron));
+  });
+  const MeshTopology topology = topology_of(file.mesh);
+  const std::vector<MeshPart> parts = parts_of(file.mesh);
+  const bool hinged = std::ranges::any_of(parts, [](const MeshPart& part) { return !part.hinges.empty(); });
+  const std::vector<std::vector<TetMesh::Index>> loose = loose_parts_of(options, opened);
+  const bool good = defects.none() && slivers.empty() && !hinged && loose.empty();
+  if (!good) console.exit_code = Exit::failed;
+  const auto number = [&](Eigen::Index t) { return file.numbers[static_cast<std::size_t>(t)]; };
+
+  if (console.json) {
+    const auto numbers = [&](const std::vector<TetMesh::Index>& list) {
+      Json all = Json::array();
+      for (const TetMesh::Index t : list) all.push_back(number(t));
+      return all;
+    };
+    Json pairs = Json::array(), flat = Json::array();
+    for (const auto& [again, first] : defects.duplicates) pairs.push_back({number(again), number(first)});
+    for (const Sliver& sliver : slivers)
+      flat.push_back({{"tetrahedron", number(sliver.tetrahedron)},
+                      {"angle_degrees", sliver.smallest_angle * degrees},
+                      {"mean_ratio", sliver.mean_ratio}});
+    return console.print_json(Json{{"mesh", options.mesh},
+                                   {"good", good},
+                                   {"inverted", numbers(defects.inverted)},
+                                   {"degenerate", numbers(defects.degenerate)},
+                                   {"duplicates", pairs},
+                                   {"crowded", numbers(defects.crowded)},
+                                   {"slivers", flat},
+                                   {"parts", parts_json(file, parts)},
+                                   {"loose", loose_json(file, loose)},
+                                   {"components", topology.components},
+                                   {"unused_points", topology.unused_points}});
+  }
+  std::string text;
+  const auto where = [&](Eigen::Index t) {
+    return opened.from_file && file.places[static_cast<std::size_t>(t)] > 0
+               ? file.where(t)
+               : fmt::format("tetrahedron {}", number(t));
+  };
+  add_findings(text, defects.inverted, [&](auto t) { return where(t) + " is inverted"; });
+  add_findings(text, defects.degenerate, [&](auto t) { return where(t) + " has no volume"; });
+  add_findings(text, defects.duplicates, [&](const auto& pair) {
+    return fmt::format("{} has the corners of tetrahedron {}", where(pair.first), number(pair.second));
+  });
+  add_findings(text, defects.crowded, [&](auto t) { return where(t) + " shares a face with two others"; });
+  add_findings(text, slivers, [&](const Sliver& sliver) {
+    return fmt::format("{} is a sliver: dihedral angle {} degrees, mean ratio {}", where(sliver.tetrahedron),
+                       short_number(sliver.smallest_angle * degrees, 3), short_number(sliver.mean_ratio, 3));
+  });
+  if (topology.unused_points > 0)
+    text += fmt::format("{} points are in no tetrahedron; models leave them out\n", topology.unused_points);
+  if (topology.components > 1) text += fmt::format("the mesh has {} separate parts\n", topology.components);
+  // The largest part is the body, from which the others hang.
+  for (const MeshPart& part : parts | std::views::drop(1))
+    text += fmt::format("{} {}\n", numbers_in_words(file, part.tetrahedra), hinges_in_words(file, part));
+  for (const std::vector<TetMesh::Index>& part : loose)
+    text += fmt::format("{}: no support holds {}\n", numbers_in_words(file, part),
+                        part.size() == 1 ? "it" : "them");
+  if (!defects.inverted.empty()) text += "`hmax mesh convert FILE OUTPUT --fix` turns what is inverted\n";
+  text += good ? fmt::format("{}: {} tetrahedra, none is wrong or flatter than {} degrees\n", options.mesh,
+                             topology.tetrahedra, short_number(angle))
+               : console.alarming(fmt::format("{} is not good", options.mesh)) + "\n";
+  console.print(text);
+}
+
+}  // namespace
+
+std::optional<double> unit_of(const OpenedMesh& opened, const MeshCommand& options) {
+  if (opened.from_file) return options.metres();
+  if (options.metres().value_or(1) != 1)
+    throw InputError(fmt::format("the mesh {} is in metres; leave --unit out", options.mesh));
+  return 1.0;
+}
+
+std::string second_order_in_words(const MeshFile& file) {
+  return fmt::format("{} tetrahedra of second order are read by their corners; their other nodes are idle",
+                     file.second_order);
+}
+
+void add_mesh_argument(CLI::App& command, MeshCommand& options) {
+  command
+      .add_option(
+          "mesh,--mesh", options.mesh,
+          "A file (.msh .vtk .vtu .node .ele .mesh .veg), or liver, phantom, beam, cube, ball; parameters like "
+          "ball:n=6, all take :refine=K")
+      ->required();
+}
+
+void add_unit(CLI::App& command, MeshCommand& options) {
+  command
+      .add_option("--unit", options.unit,
+                  "Unit of the coordinates of a file: m, cm, mm or a number of metres")
+      ->type_name("UNIT");
+}
+
+void add_mesh(CLI::App& app, Console& console) {
+  CLI::App& group = *app.add_subcommand("mesh", "Look at tetrahedral meshes, check, make and convert them");
+  group.require_subcommand(1);
+
+  auto options = std::make_shared<MeshCommand>();
+  CLI::App& info_command =
+      add_command(group, console, "info", "Show the counts of a mesh, its surface, size and quality",
+                  {"hmax mesh info liver", "hmax mesh info ball:n=6:refine=1 --json",
+                   "hmax mesh info liver --picture results/runs/liver.svg"});
+  add_mesh_argument(info_command, *options);
+  add_unit(info_command, *options);
+  options->picture.add_to(info_command, "Draw the surface, coloured by the worst tetrahedron nearby", false);
+  add_force(info_command);
+  info_command.callback(with_sentences(info, options, console));
+
+  CLI::App& check_command =
+      add_command(group, console, "check",
+                  "Name what keeps models from using a mesh, and slivers; exit 1 if there is any",
+                  {"hmax mesh check liver", "hmax mesh check phantom --slivers 20"});
+  add_mesh_argument(check_command, *options);
+  check_command
+      .add_option("--slivers", options->slivers,
+                  "Dihedral angle below which a tetrahedron is one; 5 by default")
+      ->type_name("DEGREES");
+  add_unit(check_command, *options);
+  add_support(check_command, options->supports);
+  check_command.callback(with_sentences(check_mesh, options, console));
+
+  add_mesh_writers(group, options, console);
+}
+
+}  // namespace hmax

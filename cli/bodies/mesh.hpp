@@ -1,0 +1,56 @@
+/// What the commands of `hmax mesh` share.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/models/mesh_choice.hpp"
+#include "cli/bodies/body_picture.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+struct MeshCommand {
+  std::string mesh, output, unit, times = "1", slivers = "5";
+  bool fix = false, renumber = false;
+  // Of SOFA's scenes.
+  std::string model, material, gravity;
+  std::vector<std::string> set;
+  std::vector<std::string> supports;  ///< of `mesh check` too
+  std::optional<double> h;
+  PictureChoice picture;
+
+  [[nodiscard]] std::optional<double> metres() const {
+    return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
+  }
+};
+
+/// The unit of a mesh that was opened: stated, or that of meshes by name.
+std::optional<double> unit_of(const OpenedMesh& opened, const MeshCommand& options);
+
+/// What is to be said of tetrahedra of second order.
+std::string second_order_in_words(const MeshFile& file);
+
+void add_mesh_argument(CLI::App& command, MeshCommand& options);
+void add_unit(CLI::App& command, MeshCommand& options);
+
+/// make, refine and convert
+void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& options, Console& console);
+
+/// Runs a subcommand; what lower floors refuse is bad input.
+template <class Run>
+auto with_sentences(Run run, std::shared_ptr<MeshCommand> options, Console& console) {
+  return [run = std::move(run), options = std::move(options), &console] {
+    try {
+      run(*options, console);
+    } catch (const std::invalid_argument& error) {
+      throw InputError(error.what());
+    }
+  };
+}
+
+}  // namespace hmax

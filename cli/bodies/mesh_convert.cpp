@@ -1,0 +1,183 @@
+/// hmax mesh make, refine and convert: meshes from one form into another.
+#include <algorithm>
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/models/tissue_choice.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "cli/bodies/mesh.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/outputs.hpp"
+#include "problems/mesh/files/mesh_defects.hpp"
+#include "problems/mesh/files/mesh_import.hpp"
+#include "problems/mesh/files/mesh_writers.hpp"
+#include "problems/mesh/mesh_quality.hpp"
+#include "problems/mesh/topology.hpp"
+#include "problems/tissue/body.hpp"
+#include "problems/tissue/sofa_scene.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, 3> written{".msh", ".vtu", ".scn"};
+
+/// A scene of the body that `hmax run --mesh` would make, without gravity and supports unless they are asked
+/// for.
+std::string scene_of(const MeshCommand& options, const MeshFile& file) {
+  MeshImport import = import_as_it_is(file);
+  const std::vector<TetMesh::Index> idle = unused_points(file.mesh);
+  if (!idle.empty()) import = import_mesh(file, 1);
+  LoadedMesh loaded{.name = options.mesh,
+                    .mesh = std::move(import.mesh),
+                    .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
+  const TissueId id(tissue_id(options.model.empty() ? "fem_corotational" : options.model, options.mesh, ""));
+  MeshOptions acting;
+  acting.gravity = options.gravity;
+  acting.supports = options.supports;
+  ProblemSettings settings{.material = options.material, .parameters = {{"g", 0}, {"support", 0}}, .y0 = {}};
+  for (const auto& parameter : acting.parameters()) settings.parameters.push_back(parameter);
+  for (const std::string& assignment : options.set)
+    settings.parameters.push_back(parse_assignment("--set", assignment));
+  const TissueParameters parameters = tissue_parameters(id, settings);
+  const TissueBody body(loaded.mesh, tissue_settings(id, parameters, loaded), loaded.origin);
+  return sofa_text(body, options.h.value_or(0.01));
+}
+
+/// Writes the mesh in the form that the extension of the output names, and says so.
+/// @param metres  true when the coordinates are metres
+void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json extra, Console& console) {
+  const TetMesh& mesh = file.mesh;
+  const fs::path output = options.output;
+  const std::string extension = output.extension().string();
+  if (std::ranges::find(written, extension) == written.end())
+    throw InputError(fmt::format(
+        "meshes are written as .msh, .vtu or .scn and not as '{}'; change the extension", options.output));
+  const bool scene = extension == ".scn";
+  const bool physics = options.h || !options.model.empty() || !options.material.empty() ||
+                       !options.gravity.empty() || !options.supports.empty() || !options.set.empty();
+  if (physics && !scene)
+    throw InputError(
+        "--model, --material, --set, --h, --gravity and --support belong to a SOFA scene; write to a file .scn");
+  if (scene && !metres)
+    throw InputError(
+        fmt::format("{} does not say its unit, and a body of {} could be anything; state it with --unit",
+                    options.mesh, box_in_words(mesh)));
+  std::string text;
+  if (scene) {
+    text = scene_of(options, file);
+  } else if (extension == ".msh") {
+    text = msh_text(file);
+  } else {
+    MeshFields fields;
+    fields.tetrahedra.push_back({"mean_ratio", Eigen::MatrixXd(1, mesh.tetrahedron_count())});
+    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
+      fields.tetrahedra[0].values(0, t) = mean_ratio(corners_of(mesh, t));
+    text = vtu_text(file, fields);
+  }
+  write_file(output, text);
+  if (file.second_order > 0) console.remark(second_order_in_words(file));
+  if (console.json) {
+    Json document{{"mesh", options.mesh},
+                  {"output", options.output},
+                  {"points", mesh.point_count()},
+                  {"tetrahedra", mesh.tetrahedron_count()}};
+    document.update(extra);
+    return console.print_json(document);
+  }
+  std::string done;
+  if (extra.contains("fixed") && extra["fixed"] != 0)
+    done = fmt::format(", {} turned", extra["fixed"].get<Eigen::Index>());
+  console.print(fmt::format("{}: {} points, {} tetrahedra{}\n", options.output, mesh.point_count(),
+                            mesh.tetrahedron_count(), done));
+}
+
+void convert(const MeshCommand& options, Console& console) {
+  OpenedMesh opened = open_mesh(options.mesh);
+  const std::optional<double> unit = unit_of(opened, options);
+  const Eigen::Index fixed = options.fix ? fix_orientation(opened.file.mesh) : 0;
+  require_valid(opened.file);
+  if (options.renumber) opened.file = renumbered(opened.file);
+  opened.file.mesh.points *= unit.value_or(1);
+  deliver(options, opened.file, unit.has_value(), Json{{"fixed", fixed}}, console);
+}
+
+void refine(const MeshCommand& options, Console& console) {
+  OpenedMesh opened = open_mesh(options.mesh);
+  const std::optional<double> unit = unit_of(opened, options);
+  require_valid(opened.file);
+  const auto times = static_cast<int>(std::min<std::int64_t>(parse_count("--times", options.times, 0), 1000));
+  opened.file = refined(opened.file, times);
+  opened.file.mesh.points *= unit.value_or(1);
+  deliver(options, opened.file, unit.has_value(), Json{{"times", times}}, console);
+}
+
+void make(const MeshCommand& options, Console& console) {
+  const OpenedMesh opened = open_mesh(options.mesh);
+  if (opened.from_file)
+    throw InputError(
+        fmt::format("'{}' is a file and not the name of a mesh to make; `hmax mesh convert` changes "
+                    "files",
+                    options.mesh));
+  deliver(options, opened.file, true, Json::object(), console);
+}
+
+void add_output(CLI::App& command, MeshCommand& options) {
+  command.add_option("--output", options.output, "File to write: .msh, .vtu or .scn")
+      ->type_name("FILE")
+      ->required();
+  add_force(command);
+}
+
+}  // namespace
+
+void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& options, Console& console) {
+  CLI::App& make_command = add_command(
+      group, console, "make", "Write a mesh that has a name",
+      {"hmax mesh make ball:n=6,radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"});
+  add_mesh_argument(make_command, *options);
+  add_output(make_command, *options);
+  make_command.callback(with_sentences(make, options, console));
+
+  CLI::App& refine_command =
+      add_command(group, console, "refine", "Cut each tetrahedron into eight, again and again",
+                  {"hmax mesh refine liver --times 2 --output fine.vtu"});
+  add_mesh_argument(refine_command, *options);
+  refine_command.add_option("--times", options->times, "How often; 1 by default")->type_name("NUMBER");
+  add_unit(refine_command, *options);
+  add_output(refine_command, *options);
+  refine_command.callback(with_sentences(refine, options, console));
+
+  CLI::App& convert_command = add_command(
+      group, console, "convert", "Write a mesh in another form: Gmsh, ParaView, or a scene of SOFA",
+      {"hmax mesh convert phantom phantom.vtu",
+       "hmax mesh convert liver liver.scn --material liver:male_normal --gravity 0,0,-9.81 --h 0.01",
+       "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber"});
+  add_mesh_argument(convert_command, *options);
+  convert_command.add_option("output", options->output, "File to write: .msh, .vtu or .scn")->required();
+  add_unit(convert_command, *options);
+  convert_command.add_flag("--fix", options->fix, "Turn inverted tetrahedra");
+  convert_command.add_flag("--renumber", options->renumber, "Number neighbours near each other");
+  convert_command.add_option("--model", options->model, "Model of a scene; fem_corotational by default")
+      ->type_name("ID");
+  convert_command.add_option("--material", options->material, "Tissue of a scene, like liver:male_normal")
+      ->type_name("ID");
+  convert_command.add_option("--gravity", options->gravity, "Gravity of a scene [m/s2]")->type_name("X,Y,Z");
+  convert_command
+      .add_option("--set", options->set, "Change a parameter of a scene, like E:tumour=8000; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  add_support(convert_command, options->supports);
+  add_number(convert_command, "--h", options->h, "Step of a scene [s]; 0.01 by default");
+  add_force(convert_command);
+  convert_command.callback(with_sentences(convert, options, console));
+}
+
+}  // namespace hmax

@@ -1,0 +1,409 @@
+/// hmax static: where a body comes to rest under a load, and how fast each method finds it.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "analysis/statics/static_solution.hpp"
+#include "bench/models/body_balance.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "bench/timing/timing.hpp"
+#include "cli/bodies/body_picture.hpp"
+#include "cli/bodies/body_words.hpp"
+#include "cli/bodies/static_comparison.hpp"
+#include "cli/bodies/tool_report.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
+#include "plots/draw.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct StaticOptions {
+  ProblemChoice problem;
+  std::optional<double> load_scale, tolerance, inner_tolerance, relaxation;
+  std::string solver, linear, output, iterations, load_steps, frames, per_frame;
+  bool no_line_search = false;
+  std::string compare;
+  PictureChoice picture;
+};
+
+/// @throws InputError  for what is no count, and for more than anybody waits for
+int count_of(std::string_view name, const std::string& text) {
+  constexpr std::int64_t most = 1'000'000;
+  const std::int64_t count = parse_count(name, text, 1);
+  if (count > most)
+    throw InputError(fmt::format("{} is {}, but a million is the most; give fewer", name, text));
+  return static_cast<int>(count);
+}
+
+StaticSettings settings_of(const StaticOptions& options) {
+  StaticSettings settings;
+  constexpr std::array<std::string_view, 3> solvers{"newton", "modified_newton", "linear"};
+  const std::string solver =
+      parse_choice("--solver", options.solver.empty() ? solvers[0] : options.solver, solvers);
+  for (const StaticMethod each : {StaticMethod::linear, StaticMethod::newton, StaticMethod::modified_newton})
+    if (name_of(each) == solver) settings.method = each;
+  constexpr std::array<std::string_view, 3> inner{"direct", "sor", "cg"};
+  const std::string linear =
+      parse_choice("--linear", options.linear.empty() ? inner[0] : options.linear, inner);
+  for (const InnerSolver each : {InnerSolver::direct, InnerSolver::sor, InnerSolver::conjugate_gradients})
+    if (name_of(each) == linear) settings.inner = each;
+  const auto count = [](std::string_view name, const std::string& text, int& into) {
+    if (!text.empty()) into = count_of(name, text);
+  };
+  count("--iterations", options.iterations, settings.iterations);
+  if (!options.load_steps.empty()) settings.load_steps = count_of("--load-steps", options.load_steps);
+  settings.tolerance = options.tolerance.value_or(settings.tolerance);
+  settings.inner_tolerance = options.inner_tolerance;
+  settings.relaxation = options.relaxation.value_or(settings.relaxation);
+  settings.line_search = !options.no_line_search;
+  return settings;
+}
+
+void print_frames(const StaticOptions& options, const Problem& problem, const StaticModel& model,
+                  const StaticSettings& settings, Console& console) {
+  int frames = 100, each = 1;
+  if (!options.frames.empty()) frames = count_of("--frames", options.frames);
+  if (!options.per_frame.empty()) each = count_of("--pseudo-dynamic", options.per_frame);
+  const auto rows = pseudo_dynamic(model, settings, frames, each, thread_cpu_seconds);
+  double worst = 0, seconds = 0, lost = 0;
+  for (const StaticFrame& row : rows) {
+    if (std::isnan(row.error) && lost == 0) lost = row.load;
+    worst = std::max(worst, row.error);
+    seconds = std::max(seconds, row.seconds);
+  }
+  const bool bounded = !rows.empty() && rows.size() == static_cast<std::size_t>(frames) &&
+                       std::isfinite(worst) && std::isfinite(rows.back().residual) && lost == 0;
+  const std::string status =
+      bounded ? ""
+      : lost != 0
+          ? fmt::format(
+                "from {} of the load on no equilibrium was found to hold the frames against; take a smaller "
+                "load, or look at it with `hmax static` alone",
+                short_number(lost, 3))
+          : "the frames diverged; take more frames or more iterations a frame";
+  if (!bounded) console.exit_code = Exit::failed;
+  if (console.json) {
+    Json list = Json::array();
+    for (const StaticFrame& row : rows) {
+      list.push_back({{"load", row.load},
+                      {"residual", row.residual},
+                      {"error", std::isnan(row.error) ? Json() : Json(row.error)},
+                      {"seconds", row.seconds}});
+      if (std::isnan(row.error)) list.back()["status"] = "no equilibrium was found to hold the frame against";
+    }
+    return console.print_json({{"problem", problem.id},
+                               {"outcome", bounded ? "converged" : "not_converged"},
+                               {"status", status},
+                               {"iterations_per_frame", each},
+                               {"largest_error", worst},
+                               {"longest_frame_seconds", seconds},
+                               {"frames", list}});
+  }
+  TextTable table({"load", "residual", "error", "time"});
+  const std::size_t step = std::max<std::size_t>(1, rows.size() / 10);
+  for (std::size_t i = step - 1; i < rows.size(); i += step)
+    table.add({short_number(rows[i].load, 3), short_number(rows[i].residual, 3),
+               short_number(rows[i].error, 3),
+               fmt::format("{} ms", short_number(1000 * rows[i].seconds, 3))});
+  console.print(
+      fmt::format("{}: {} frames with {} iteration{} of {} each\n\n{}\nlargest error {}, longest "
+                  "frame {} ms\n",
+                  problem.id, frames, each, each == 1 ? "" : "s", name_of(settings.method),
+                  table.text(console), short_number(worst, 3), short_number(1000 * seconds, 3)));
+  if (!bounded) console.print(status + "\n");
+}
+
+/// Every solver on the same equilibrium: a table, and the figure of their residuals.
+void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
+                      StaticSettings settings, Console& console) {
+  check_figure_files(options.compare, "residuals");
+  if (!options.relaxation) settings.relaxation = best_relaxation(model, settings);
+  const std::vector<StaticWay> ways = all_ways(model, settings);
+  const std::string iterations = iterations_in_words(settings);
+  const FigureFiles figure =
+      draw(residual_figure(ways, fmt::format("{}: residuals of static solvers", problem.id),
+                           fmt::format("{}; {}; {}", problem.note, describe_acting(problem), iterations)),
+           options.compare, "residuals");
+  if (std::ranges::none_of(ways, [](const StaticWay& way) { return way.solution.converged; }))
+    console.exit_code = Exit::failed;
+  Json list = Json::array();
+  TextTable table({"solver", "linear", "iterations", "residual", "time", "outcome"});
+  for (const StaticWay& way : ways) {
+    const StaticSolution& solution = way.solution;
+    const std::string outcome(outcome_of(problem, solution));
+    const double residual = solution.history.back().residual;
+    list.push_back({{"solver", name_of(way.method)},
+                    {"linear", name_of(way.inner)},
+                    {"outcome", outcome},
+                    {"status", status_of(problem, solution)},
+                    {"iterations", solution.iterations},
+                    {"residual", residual},
+                    {"seconds", way.seconds()}});
+    table.add({std::string(name_of(way.method)), std::string(name_of(way.inner)),
+               std::to_string(solution.iterations), short_number(residual, 3),
+               fmt::format("{} ms", short_number(1000 * way.seconds(), 3)), outcome});
+  }
+  const std::string file = figure.base.string() + ".svg";
+  if (console.json)
+    return console.print_json(
+        {{"problem", problem.id},
+         {"relaxation", settings.relaxation},
+         {"linear_tolerance", settings.inner_tolerance ? Json(*settings.inner_tolerance) : Json()},
+         {"ways", list},
+         {"figure", figure.drawn() ? Json(file) : Json()}});
+  console.print(fmt::format("{} with {}\n{}\n{}{}\n\n{}", problem.id, describe_acting(problem), problem.note,
+                            iterations, options.relaxation ? "" : ", the best for the stiffness at rest",
+                            table.text(console)));
+  std::string notes;
+  for (const StaticWay& way : ways)
+    if (const std::string status = status_of(problem, way.solution); !status.empty())
+      notes += fmt::format("{}, {}: {}\n", name_of(way.method), name_of(way.inner), status);
+  if (!notes.empty()) console.print("\n" + notes);
+  if (figure.drawn())
+    console.print(fmt::format("\nThe figure: {}\n", file));
+  else
+    console.remark(figure.problem);
+}
+
+/// The body in equilibrium.
+BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
+                       const StaticSolution& solution, const std::string& outcome) {
+  const BodyValue value = options.picture.value();
+  const char* no_equilibrium =
+      outcome == "inverted" ? "no equilibrium, turned inside out, " : "no equilibrium, ";
+  BodyPicture picture{
+      .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
+                           problem.material.empty() ? "" : " of " + problem.material,
+                           outcome == "converged" ? "" : no_equilibrium,
+                           short_number(1000 * largest_displacement(solution.q), 3)),
+      .caption =
+          fmt::format("{}; {}. Static equilibrium by {}, {}, in {} load step{}.", problem.note,
+                      describe_acting(problem), name_of(settings.method), name_of(settings.inner),
+                      solution.history.back().load_steps, solution.history.back().load_steps == 1 ? "" : "s"),
+      .views = {body_view(*problem.body, equilibrium_time(*problem.body), solution.q, value)}};
+  picture.colours = colours_of(value, picture.views);
+  return picture;
+}
+
+/// Throws when an option has no say in what is asked for.
+void refuse_ignored(const StaticOptions& options) {
+  const bool compares = !options.compare.empty();
+  const bool frames = !options.per_frame.empty() || !options.frames.empty();
+  const bool iterative = compares || (!options.linear.empty() && options.linear != "direct");
+  struct Ignored {
+    const char* option;
+    bool given;
+    const char* why;
+  };
+  const auto refuse = [](std::initializer_list<Ignored> all) {
+    for (const auto& [option, given, why] : all)
+      if (given) throw InputError(fmt::format("{} {}", option, why));
+  };
+  if (compares && frames)
+    throw InputError("--compare and --pseudo-dynamic or --frames are both given; choose one of them");
+  if (compares)
+    refuse(
+        {{"--solver", !options.solver.empty(),
+          "has no say in --compare, which takes every solver; leave it out"},
+         {"--linear", !options.linear.empty(),
+          "has no say in --compare, which takes every one; leave it out"},
+         {"--output", !options.output.empty(),
+          "writes the residuals of one solver; --compare has its data beside the figure, so leave --output out"}});
+  if (frames)
+    refuse(
+        {{"--output", !options.output.empty(),
+          "writes the residuals of one equilibrium; leave it out, or --pseudo-dynamic and --frames"},
+         {"--load-steps", !options.load_steps.empty(), "has no say in frames, each is a step; give --frames"},
+         {"--iterations", !options.iterations.empty(), "has no say in frames; give --pseudo-dynamic NUMBER"},
+         {"--no-line-search", options.no_line_search, "is what frames do in any case; leave it out"}});
+  if (!iterative)
+    refuse(
+        {{"--linear-tolerance", options.inner_tolerance.has_value(),
+          "is of iterative linear solvers, and direct has none; leave it out, or take --linear sor or cg"}});
+  if (!compares && options.linear != "sor")
+    refuse({{"--relaxation", options.relaxation.has_value(),
+             "is of sor alone; leave it out, or take --linear sor"}});
+  if (options.solver == "linear" && !frames) {
+    const char* why = "has no say in --solver linear, which solves one system; leave it out, or take newton";
+    refuse({{"--load-steps", !options.load_steps.empty(), why},
+            {"--iterations", !options.iterations.empty(), why},
+            {"--tolerance", options.tolerance.has_value(), why},
+            {"--no-line-search", options.no_line_search, why}});
+  }
+}
+
+void solve(const StaticOptions& options, Console& console) {
+  options.picture.check();
+  refuse_ignored(options);
+  Problem problem = options.problem.make();
+  if (!problem.body)
+    throw InputError(fmt::format(
+        "{} is no body on a mesh, and hmax static is for those; name one with --mesh", problem.id));
+  const double t = equilibrium_time(*problem.body);
+  if (problem.body->steady_from() != t)
+    throw InputError("this load changes with time; take gravity, press, pull or tool");
+  const bool has_tool = !problem.body->settings().tools.empty();
+  if (has_tool && (options.load_scale || !options.per_frame.empty() || !options.frames.empty() ||
+                   !options.compare.empty()))
+    throw InputError(
+        "--load-scale, --compare, --pseudo-dynamic and --frames are for loads that are forces, and a tool moves; leave "
+        "them out, or choose its depth with --set depth=");
+  if (has_tool && options.solver == "linear")
+    throw InputError("--solver linear knows no contact, which a tool makes on its way; take newton");
+  const double scale = options.load_scale.value_or(1);
+  if (!std::isfinite(scale))
+    throw InputError(fmt::format("--load-scale is {} but must be a finite number", scale));
+  const StaticModel model = static_model(problem, scale);
+  const StaticSettings settings = settings_of(options);
+  if (!options.output.empty()) {
+    form_of(options.output, {{".csv", "the history of residuals"}});
+    check_writable(options.output);
+  }
+  if (options.picture.wanted()) options.picture.check(*problem.body);
+  remark_unusual(console, problem);
+  const bool frames = !options.per_frame.empty() || !options.frames.empty();
+  if ((frames || !options.compare.empty()) && options.picture.wanted())
+    throw InputError("a picture shows one equilibrium; leave --pseudo-dynamic, --frames and --compare out");
+  if (!options.compare.empty()) return print_comparison(options, problem, model, settings, console);
+  if (frames) return print_frames(options, problem, model, settings, console);
+
+  const double start = thread_cpu_seconds();
+  const StaticSolution solution = [&] {
+    Progress progress(console, "static");
+    StaticSettings shown = settings;
+    shown.seen = [&](const StaticIterate& iterate) {
+      const double near =
+          std::log(std::max(iterate.residual, settings.tolerance)) / std::log(settings.tolerance);
+      progress.update((iterate.load_step - 1 + std::clamp(near, 0.0, 1.0)) / iterate.load_steps,
+                      fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
+                                  short_number(iterate.residual, 3)));
+    };
+    return found_equilibrium(problem, scale, shown, thread_cpu_seconds);
+  }();
+  const double seconds = thread_cpu_seconds() - start;
+  const double volume = problem.body->least_volume(t, solution.q).first;
+  const std::string outcome(outcome_of(problem, solution)), status = status_of(problem, solution);
+  if (outcome != "converged") console.exit_code = Exit::failed;
+
+  if (!options.output.empty()) {
+    Table table;
+    table.notes = {{"problem", problem.id},
+                   {"parameters", describe_acting(problem)},
+                   {"solver", std::string(name_of(settings.method))},
+                   {"linear", std::string(name_of(settings.inner))}};
+    table.columns = {"iteration", "load step", "residual", "time [s]", "inner iterations"};
+    table.values.resize(table.columns.size());
+    for (std::size_t i = 0; i < solution.history.size(); ++i) {
+      const StaticIterate& row = solution.history[i];
+      const double values[]{static_cast<double>(i), static_cast<double>(row.load_step), row.residual,
+                            row.seconds, static_cast<double>(row.inner)};
+      for (std::size_t k = 0; k < table.columns.size(); ++k) table.values[k].push_back(values[k]);
+    }
+    write_csv(options.output, table);
+  }
+
+  if (options.picture.wanted())
+    options.picture.write(picture_of(options, problem, settings, solution, outcome));
+
+  const double energy = model.energy(solution.q);
+  const std::optional<ToolReport> tool = tool_report(problem, t, solution.q);
+  if (solution.converged) warn_of_tool(console, problem, t, solution.q);
+  if (console.json) {
+    Json residuals = Json::array(), times = Json::array();
+    for (const StaticIterate& row : solution.history) {
+      residuals.push_back(row.residual);
+      times.push_back(row.seconds);
+    }
+    Json parameters = Json::object();
+    for (const auto& [name, value] : problem.parameters) parameters[name] = value;
+    Json document{{"problem", problem.id},
+                  {"material", problem.material.empty() ? Json() : Json(problem.material)},
+                  {"parameters", parameters},
+                  {"load_scale", scale},
+                  {"solver", name_of(settings.method)},
+                  {"linear", name_of(settings.inner)},
+                  {"outcome", outcome},
+                  {"status", status},
+                  {"iterations", solution.iterations},
+                  {"residuals", residuals},
+                  {"times", times},
+                  {"seconds", seconds},
+                  {"max_displacement", largest_displacement(solution.q)},
+                  {"energy", energy},
+                  {"least_volume", volume},
+                  {"body", body_json(problem)},
+                  {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()}};
+    if (tool) document["tool"] = tool->json();
+    return console.print_json(document);
+  }
+  TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
+  for (std::size_t i = 0; i < solution.history.size(); ++i) {
+    const StaticIterate& row = solution.history[i];
+    if (solution.history.size() > 40 && i > 10 && i + 10 < solution.history.size()) {
+      if (i == 11) table.add({"...", "", "", "", ""});
+      continue;
+    }
+    table.add({std::to_string(i), std::to_string(row.load_step), short_number(row.residual, 3),
+               fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
+  }
+  console.print(
+      fmt::format("{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}",
+                  problem.id, describe_acting(problem), body_in_words(problem), name_of(settings.method),
+                  name_of(settings.inner), table.text(console), outcome, status.empty() ? "" : ": " + status,
+                  short_number(1000 * largest_displacement(solution.q), 5), short_number(energy, 5),
+                  tool ? "tool: " + tool->words() + "\n" : ""));
+}
+
+}  // namespace
+
+void add_static(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "static", "Where a body on a mesh comes to rest under a load, and how fast it is found",
+      {"hmax static --mesh liver --model fem_green --material liver:male_normal --load gravity",
+       "hmax static --mesh phantom --load press --load-scale 0.5 --solver modified_newton --linear sor",
+       "hmax static --mesh liver --load press --set force=0.5 --picture results/runs/pressed_liver.svg",
+       "hmax static --mesh phantom --load press --compare results/runs/static",
+       "hmax static --mesh phantom --load press --pseudo-dynamic 1 --frames 50 --json"});
+  auto options = std::make_shared<StaticOptions>();
+  options->problem.add_to(command);
+  const auto text = [&](const std::string& name, std::string& into, const std::string& about,
+                        const std::string& type) { command.add_option(name, into, about)->type_name(type); };
+  add_number(command, "--load-scale", options->load_scale, "Multiplies the load; 1 by default");
+  text("--solver", options->solver, "newton (default), modified_newton or linear", "NAME");
+  text("--linear", options->linear, "How linear systems are solved: direct (default), sor or cg", "NAME");
+  text("--load-steps", options->load_steps,
+       "Bring the load on in so many steps; by default one, then ten, and twenty along the path of a tool",
+       "NUMBER");
+  text("--iterations", options->iterations, "At most, in each load step; 1000 by default", "NUMBER");
+  add_number(command, "--tolerance", options->tolerance,
+             "Residual beside the load at which an equilibrium counts as found; 1e-9 by default");
+  add_number(command, "--linear-tolerance", options->inner_tolerance,
+             "The same of sor and cg; by default what Newton's method needs, else 1e-4");
+  add_number(command, "--relaxation", options->relaxation,
+             "Of sor, between 0 and 2; 1.5 by default, with --compare the best for the stiffness at rest");
+  command.add_flag("--no-line-search", options->no_line_search, "Take every step whole");
+  text("--pseudo-dynamic", options->per_frame,
+       "Bring the load on frame by frame, each with so many iterations, and show the error of the frames",
+       "NUMBER");
+  text("--frames", options->frames, "How many frames; 100 by default", "NUMBER");
+  text("--output", options->output, "Write the history of residuals to a CSV file", "FILE");
+  text("--compare", options->compare,
+       "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
+  options->picture.add_to(command, "Draw the body in equilibrium before its shape at rest");
+  add_force(command);
+  add_figure_style(command);
+  command.callback([options, &console] { solve(*options, console); });
+}
+
+}  // namespace hmax

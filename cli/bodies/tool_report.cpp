@@ -1,0 +1,65 @@
+#include "cli/bodies/tool_report.hpp"
+
+#include <fmt/format.h>
+
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+namespace {
+std::string millimetres(double metres) { return short_number(1000 * metres, 3) + " mm"; }
+}  // namespace
+
+nlohmann::ordered_json ToolReport::json() const {
+  return {{"depth", reach.depth},
+          {"indentation", reach.indentation},
+          {"penetration", reach.penetration},
+          {"displacement", reach.displacement},
+          {"stiffness", stiffness}};
+}
+
+std::string ToolReport::words() const {
+  return fmt::format("indentation {} of {}, the surface there moves {} along its path",
+                     millimetres(reach.indentation), millimetres(reach.depth),
+                     millimetres(reach.displacement));
+}
+
+std::string ToolReport::warning() const {
+  constexpr double enough = 0.9;
+  const std::string depth = millimetres(reach.depth);
+  if (!(reach.depth > 0)) return {};
+  if (reach.penetration == 0)
+    return fmt::format("the tool has moved {} and does not touch the surface", depth);
+  if (reach.indentation < enough * reach.depth) {
+    const std::string what = fmt::format("the tool has moved {} but indents the body by {}", depth,
+                                         millimetres(reach.indentation));
+    if (reach.penetration > (1 - enough) * reach.depth)
+      return fmt::format("{}: the surface is {} inside the tool; raise tool_stiffness from {}", what,
+                         millimetres(reach.penetration), short_number(stiffness, 3));
+    return what + ": it starts away from the surface; place it nearer with --tool-at";
+  }
+  // The tool has its way, but the body has gone aside.
+  if (reach.displacement < 0.5 * reach.depth)
+    return fmt::format(
+        "the tool has moved {} but takes the surface only {} along: it slides off; place it with --tool-at or turn it "
+        "with --tool-direction",
+        depth, millimetres(reach.displacement));
+  return {};
+}
+
+std::optional<ToolReport> tool_report(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  if (!problem.body || problem.body->settings().tools.empty()) return std::nullopt;
+  const TissueBody& body = *problem.body;
+  return ToolReport{.reach = body.tool_reaches(t, y).front(),
+                    .stiffness = body.settings().tools.front().stiffness};
+}
+
+void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y) {
+  // A press that has not ended is less deep than was asked.
+  constexpr double rounding = 1e-9;
+  if (!problem.body || t < (1 - rounding) * problem.body->steady_from()) return;
+  const auto report = tool_report(problem, t, y);
+  if (const std::string warning = report ? report->warning() : ""; !warning.empty()) console.remark(warning);
+}
+
+}  // namespace hmax

@@ -1,0 +1,395 @@
+/// hmax phase: equilibria, their types, and the phase plane around them.
+#include "cli/phase/phase.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/models/planar.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
+#include "plots/draw.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Eigen::Vector2d;
+
+/// Throws unless f is finite somewhere in the window.
+void require_finite(const PhaseView& view) {
+  constexpr int grid = 8;
+  for (int i = 0; i <= grid; ++i)
+    for (int j = 0; j <= grid; ++j) {
+      const Vector2d fraction(double(i) / grid, double(j) / grid);
+      if (view.field.rhs(view.window.lower + fraction.cwiseProduct(view.window.size())).allFinite()) return;
+    }
+  throw InputError(
+      fmt::format("the derivatives of {} are not finite anywhere in the window; give another --window or "
+                  "other parameters",
+                  view.problem.id));
+}
+
+/// What is seen, in a sentence.
+std::string title_of(const PhaseView& view) {
+  const std::string& id = view.problem.id;
+  if (view.t) return fmt::format("{} as it is pushed at t = {} s, forever", id, short_name(*view.t));
+  const auto all = view.equilibria.size();
+  const auto stable = std::ranges::count_if(view.equilibria, [](const Equilibrium& e) {
+    return e.type == EquilibriumType::stable_node || e.type == EquilibriumType::stable_focus;
+  });
+  if (all == 0) return fmt::format("{} has no place of rest here", id);
+  if (all == 1 && view.equilibria[0].type == EquilibriumType::centre)
+    return fmt::format("{} circles its equilibrium forever", id);
+  if (stable == 0) return fmt::format("{} leaves what equilibria it has", id);
+  if (all == 1) return fmt::format("{} comes to rest at its only equilibrium", id);
+  return fmt::format("{} comes to rest at {} of its {} equilibria", id, stable, all);
+}
+
+Figure phase_portrait(const PhaseView& view) {
+  Figure figure = phase_figure(title_of(view), {plane_of(view)});
+  for (const Equilibrium& e : view.equilibria) {
+    if (e.type != EquilibriumType::saddle) continue;
+    for (const bool into : {false, true})
+      for (Curve& way : ways_of(view, e, into)) figure.panels[0].curves.push_back(std::move(way));
+  }
+  figure.footer = describe_acting(view.problem);
+  return figure;
+}
+
+/// One view at a time.
+void require_one_view(const PhaseOptions& options) {
+  const bool map = !options.method.method.empty() || !options.method.tableau.empty();
+  const int views = map + options.poincare + options.basins + !options.bifurcation.empty();
+  if (views > 1)
+    throw InputError(
+        "--method, --basins, --poincare and --bifurcation are views of their own; ask for one of them at a "
+        "time");
+  const bool strobed = options.poincare || !options.bifurcation.empty();
+  if (!strobed && (options.period || !options.periods.empty() || !options.skip.empty()))
+    throw InputError("--period, --periods and --skip belong to --poincare or --bifurcation; add one of them");
+  if (options.bifurcation.empty() &&
+      (options.from || options.to || options.follow || !options.points.empty()))
+    throw InputError("--from, --to, --points and --follow belong to --bifurcation; name a parameter with it");
+  if (strobed && options.at)
+    throw InputError("--at is for equilibria, and a stroboscopic view has none; leave it out");
+  if (!options.bifurcation.empty() && !options.window.empty())
+    throw InputError("--bifurcation looks at no part of the plane; leave --window out");
+}
+
+/// The name of the figure of the view that is asked for.
+std::string figure_name(const PhaseOptions& options) {
+  const bool map = !options.method.method.empty() || !options.method.tableau.empty();
+  return map                           ? "map"
+         : options.basins              ? "basins"
+         : options.poincare            ? "poincare"
+         : options.bifurcation.empty() ? "phase"
+                                       : "bifurcation";
+}
+
+void phase(const PhaseOptions& options, Console& console) {
+  require_one_view(options);
+  if (!options.output.empty()) check_figure_files(options.output, figure_name(options));
+  if (!options.method.method.empty() || !options.method.tableau.empty()) return phase_map(options, console);
+  if (!options.basins && !options.cells.empty())
+    throw InputError("--cells is the grid of --basins; add --basins, or leave it out");
+  if (options.basins) return phase_basins(options, console);
+  if (options.poincare) return phase_poincare(options, console);
+  if (!options.bifurcation.empty()) return phase_bifurcation(options, console);
+  if (options.h) throw InputError("--h is a step of a method; name one with --method, or leave --h out");
+  const PhaseView view = view_of(options);
+  Json document = document_of(view);
+  std::string text = headline(view.problem) + equilibria_table(view, console);
+  if (!options.output.empty()) deliver(phase_portrait(view), options, document, text, console);
+  for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
+  if (console.json) return console.print_json(document);
+  console.print(text);
+}
+
+}  // namespace
+
+Window parse_window(const std::string& text) {
+  const std::vector<double> n = parse_numbers("--window", text);
+  if (n.size() != 4)
+    throw InputError(
+        fmt::format("--window has {} numbers but needs four: xmin,xmax,vmin,vmax, like -2,2,-2,2", n.size()));
+  for (const double value : n)
+    if (!std::isfinite(value))
+      throw InputError(fmt::format("--window holds {}, which is not a finite number", to_text(value)));
+  for (const std::size_t i : {0U, 2U})
+    if (!(n[i] < n[i + 1]))
+      throw InputError(
+          fmt::format("--window goes from {} to {}, which is no range; write the smaller number first, like "
+                      "-2,2,-2,2",
+                      to_text(n[i]), to_text(n[i + 1])));
+  return {{n[0], n[2]}, {n[1], n[3]}};
+}
+
+std::string short_name(double value) { return short_number(value + 0.0, 5); }
+
+std::string headline(const Problem& problem) {
+  return fmt::format("{} with {}\n", problem.id, describe_acting(problem));
+}
+
+std::string equilibria_table(const PhaseView& view, const Console& console) {
+  if (view.equilibria.empty()) return "\n" + guarantee(view) + "\n";
+  const auto names = axis_names(view.problem);
+  TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
+  for (const Equilibrium& e : view.equilibria)
+    table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
+               in_words(e.eigenvalues)});
+  return "\n" + table.text(console) + guarantee(view) + "\n";
+}
+
+std::vector<Vector2d> starts_of(const PhaseView& view) {
+  const auto at = [&](double u, double v) -> Vector2d {
+    const Vector2d y = view.window.lower + Vector2d(u, v).cwiseProduct(view.window.size());
+    // Few digits, since they stand in the key.
+    return y.unaryExpr([](double x) { return to_number(short_number(x, 2)).value(); });
+  };
+  std::vector<Vector2d> starts;
+  const Vector2d own = view.problem.y0;
+  if (((own - view.window.lower).array() >= 0).all() && ((view.window.upper - own).array() >= 0).all())
+    starts.push_back(own);
+  for (const auto& [u, v] : {std::pair{0.1, 0.85}, {0.9, 0.15}, {0.57, 0.44}, {0.42, 0.1}})
+    starts.push_back(at(u, v));
+  return starts;
+}
+
+std::string guarantee(const Problem& problem, const Window& w, const DegreeCheck& check, std::size_t count,
+                      const Searched& searched) {
+  const std::string where =
+      fmt::format("with {} from {} to {} and {} from {} to {}", problem.states[0], short_name(w.lower(0)),
+                  short_name(w.upper(0)), problem.states[1], short_name(w.lower(1)), short_name(w.upper(1)));
+  const std::string text = fmt::format("{} {} {}", count == 0 ? "no" : std::to_string(count),
+                                       count == 1 ? searched.one : searched.many, where);
+  if (!check.whole) return text + ", but the search was cut short and may have missed some; narrow --window";
+  if (!check.index_sum)
+    return fmt::format("{}, one of them {}, so that their indices do not tell whether all are found", text,
+                       searched.without);
+  const std::string sum = fmt::format("{}, whose indices sum to {}", text, *check.index_sum);
+  if (!check.degree)
+    return fmt::format(
+        "{}; the degree of the {} around the border, which would check them, is not defined: {}", sum,
+        searched.of, searched.border);
+  if (check.accounts())
+    return fmt::format(
+        "{}, as the degree of the {} around the border: {} can have been missed only in groups whose indices cancel",
+        sum, searched.of, searched.many);
+  return fmt::format(
+      "{}, but the degree of the {} around the border is {}: {} have been missed; search parts of it with --window",
+      sum, searched.of, *check.degree, searched.many);
+}
+
+std::string guarantee(const PhaseView& view) {
+  return guarantee(view.problem, view.window, view.check, view.equilibria.size(),
+                   {.one = "equilibrium",
+                    .many = "equilibria",
+                    .of = "field",
+                    .without = "degenerate",
+                    .border = "an equilibrium lies on it, or the field is not finite there"});
+}
+
+Json search_document(const Window& w, const DegreeCheck& check, const std::string& status) {
+  const auto or_null = [](std::optional<int> value) { return value ? Json(*value) : Json(); };
+  return {{"window", {w.lower(0), w.upper(0), w.lower(1), w.upper(1)}},
+          {"index_sum", or_null(check.index_sum)},
+          {"degree", or_null(check.degree)},
+          {"cut_short", !check.whole},
+          {"status", status}};
+}
+
+PhaseView view_of(const PhaseOptions& options) {
+  const Problem problem = options.problem.make();
+  require_planar(problem);
+  const bool driven = is_driven(problem);
+  if (options.at && !std::isfinite(*options.at))
+    throw InputError("--at is not a finite number; give the instant in seconds, like 0");
+  if (options.at && !driven)
+    throw InputError(
+        fmt::format("--at freezes a driven problem, and {} does not depend on time; leave --at "
+                    "out",
+                    problem.id));
+  const double t = options.at.value_or(0);
+  const Problem still = frozen(problem, t);
+  const Window window = options.window.empty() ? default_window(still) : parse_window(options.window);
+  PhaseView view{.problem = problem,
+                 .t = driven ? std::optional(t) : std::nullopt,
+                 .still = still,
+                 .field = planar_field(problem, t, window.size()),
+                 .window = window,
+                 .equilibria = {},
+                 .check = {},
+                 .remarks = {}};
+  require_finite(view);
+  EquilibriumSet found = search_equilibria(view.field, window);
+  view.equilibria = std::move(found.points);
+  view.check = found;
+  if (driven)
+    view.remarks.push_back(
+        fmt::format("A driven problem has no equilibria: these are of the field frozen at t = {} s (--at); "
+                    "what the motion settles to is shown by --poincare.",
+                    short_name(t)));
+  if (view.equilibria.empty())
+    view.remarks.push_back(
+        fmt::format("There is no equilibrium with {} from {} to {} and {} from {} to {}; look elsewhere with "
+                    "--window xmin,xmax,vmin,vmax.",
+                    problem.states[0], short_name(window.lower(0)), short_name(window.upper(0)),
+                    problem.states[1], short_name(window.lower(1)), short_name(window.upper(1))));
+  return view;
+}
+
+Json document_of(const Problem& problem) {
+  Json parameters = Json::object();
+  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
+  return {{"problem", problem.id},
+          {"material", problem.material.empty() ? Json() : Json(problem.material)},
+          {"parameters", parameters},
+          {"states", problem.states}};
+}
+
+Json document_of(const PhaseView& view) {
+  Json document = document_of(view.problem);
+  const Window& w = view.window;
+  document["t"] = view.t ? Json(*view.t) : Json();
+  document["window"] = {w.lower(0), w.upper(0), w.lower(1), w.upper(1)};
+  document["remarks"] = view.remarks;
+  document["equilibria"] = to_json(view.equilibria);
+  document["search"] = search_document(view.window, view.check, guarantee(view));
+  return document;
+}
+
+Json to_json(const std::array<std::complex<double>, 2>& eigenvalues) {
+  Json pairs = Json::array();
+  for (const auto& lambda : eigenvalues) pairs.push_back({lambda.real(), lambda.imag()});
+  return pairs;
+}
+
+Json to_json(const std::vector<Equilibrium>& equilibria) {
+  Json list = Json::array();
+  for (const Equilibrium& e : equilibria)
+    list.push_back({{"x", e.state(0)},
+                    {"v", e.state(1)},
+                    {"type", name_of(e.type)},
+                    {"eigenvalues", to_json(e.eigenvalues)}});
+  return list;
+}
+
+std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
+  const auto& [first, second] = eigenvalues;
+  // Rounding splits a double eigenvalue into a pair about sqrt(epsilon) apart.
+  if (std::abs(first.imag()) <= 1e-7 * std::abs(first))
+    return fmt::format("{}, {}", short_name(first.real()), short_name(second.real()));
+  return fmt::format("{}±{}i", first.real() == 0 ? "" : short_name(first.real()) + " ",
+                     (first.real() == 0 ? "" : " ") + short_name(std::abs(first.imag())));
+}
+
+std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
+  const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
+  const double lambda = saddle.eigenvalues[into ? 1 : 0].real();
+  // (J - lambda) d = 0: d is orthogonal to the longer of its rows.
+  const Eigen::Matrix2d A = J - lambda * Eigen::Matrix2d::Identity();
+  const Eigen::RowVector2d row = A.row(A.row(0).norm() >= A.row(1).norm() ? 0 : 1);
+  const Vector2d direction = Vector2d(-row(1), row(0)).normalized();
+  const double small = 1e-4 * view.window.size().minCoeff();
+  const Problem problem = into ? reversed(view.still) : view.still;
+  std::vector<Curve> ways;
+  for (const double sign : {1.0, -1.0}) {
+    const Table way = orbit(problem, saddle.state + sign * small * direction, problem.t_end, view.window, 6);
+    ways.push_back({.label = into ? "into the saddle" : "out of the saddle",
+                    .x = way.values[0],
+                    .y = way.values[1],
+                    .style = {.colour = 6, .dash = into ? 1 : 0, .marker = 0, .width = 1.4}});
+  }
+  return ways;
+}
+
+PhasePlane plane_of(const PhaseView& view) {
+  const auto names = axis_names(view.problem);
+  PhasePlane plane{.x = names[0],
+                   .v = names[1],
+                   .x_range = Range{view.window.lower(0), view.window.upper(0)},
+                   .v_range = Range{view.window.lower(1), view.window.upper(1)},
+                   .direction_field = direction_field(view.field, view.window, names)};
+  for (const int component : {0, 1})
+    plane.nullclines[static_cast<std::size_t>(component)] =
+        plane_curves(nullcline(view.field, component, view.window));
+  for (const Equilibrium& e : view.equilibria)
+    plane.rest_points.push_back({e.state(0), e.state(1), std::string(name_of(e.type)), e.eigenvalues});
+  for (const Vector2d& start : starts_of(view))
+    plane.orbits.push_back({fmt::format("from ({}, {})", short_name(start(0)), short_name(start(1))),
+                            orbit(view.still, start, view.problem.t_end, view.window, 12)});
+  return plane;
+}
+
+void deliver(const Figure& figure, const PhaseOptions& options, Json& document, std::string& text,
+             Console& console) {
+  const FigureFiles files = draw(figure, options.output, figure_name(options));
+  document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
+  if (files.drawn())
+    text += fmt::format("\nThe figure: {}.svg\n", files.base.string());
+  else
+    console.remark(files.problem);
+}
+
+void add_phase(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "phase",
+      "Show what a problem of two states does: where it rests, and what a method makes of it",
+      {"hmax phase --problem liver_cubic --set c=-0.2",
+       ("hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 "
+        "--output results/runs/phase"),
+       ("hmax phase --problem liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 "
+        "--output results/runs/phase"),
+       "hmax phase --problem liver_cubic --set k1=-1 --set c=0.2 --basins --cells 60 --window -3,3,-3,3",
+       ("hmax phase --problem liver_forced --poincare --set c=0.05 --set P=7.5 --set k1=0 --set k3=1 --set m=1 "
+        "--set w=1 --periods 500"),
+       ("hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 60 --set c=0.05 --set k1=0 "
+        "--set k3=1 --set m=1 --set w=1 --output results/runs/phase"),
+       "hmax phase --problem liver_forced --at 3 --json"});
+  auto options = std::make_shared<PhaseOptions>();
+  options->problem.add_to(command);
+  options->method.add_to(command);
+  add_number(command, "--h", options->h, "Step of the method, whose map of the plane is looked at [s]");
+  command
+      .add_option("--window", options->window,
+                  "The part of the plane, with --poincare the one searched for motions of one period; by "
+                  "default what the motion from y0 covers")
+      ->type_name("XMIN,XMAX,VMIN,VMAX");
+  add_number(command, "--at", options->at, "Instant at which a driven problem is frozen [s]; 0 by default");
+  command.add_flag("--basins", options->basins, "Show which place of rest each start in the window leads to");
+  command.add_option("--cells", options->cells, "Starts in a row of the window; 120 by default")
+      ->type_name("NUMBER");
+  command.add_flag("--poincare", options->poincare, "Show the state once in each period of the force");
+  command
+      .add_option("--bifurcation", options->bifurcation,
+                  "Show the same over this parameter, from --from to --to")
+      ->type_name("NAME");
+  add_number(command, "--from", options->from, "First value of the parameter");
+  add_number(command, "--to", options->to, "Last value of the parameter");
+  command.add_option("--points", options->points, "Values of the parameter; 200 by default")
+      ->type_name("NUMBER");
+  command.add_flag("--follow", options->follow,
+                   "Each value starts where the one before has ended, instead of at y0");
+  command
+      .add_option("--periods", options->periods,
+                  "Periods that are seen; by default 2000, or 64 for each value of a parameter")
+      ->type_name("NUMBER");
+  command.add_option("--skip", options->skip, "Periods that pass unseen before them; 200 by default")
+      ->type_name("NUMBER");
+  add_number(command, "--period", options->period,
+             "Period of the force [s], where it is not that of the oscillator");
+  command.add_option("--output", options->output, "Draw the figure into this folder, as SVG, PNG and PDF")
+      ->type_name("FOLDER");
+  add_force(command);
+  add_figure_style(command);
+  command.callback([options, &console] { phase(*options, console); });
+}
+
+}  // namespace hmax

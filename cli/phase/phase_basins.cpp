@@ -1,0 +1,112 @@
+/// hmax phase --basins: which place of rest each start in the window leads to.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "analysis/dynamics/basins.hpp"
+#include "bench/models/planar.hpp"
+#include "cli/phase/phase.hpp"
+#include "plots/dynamics.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool attracts(const Equilibrium& e) {
+  return e.type == EquilibriumType::stable_node || e.type == EquilibriumType::stable_focus;
+}
+
+/// Throws unless something attracts.
+void require_attractor(const PhaseView& view) {
+  if (view.t)
+    throw InputError(
+        fmt::format("--basins is for problems that do not depend on time, and {} is driven; set its force to "
+                    "zero, or see what it settles to with --poincare",
+                    view.problem.id));
+  if (std::ranges::none_of(view.equilibria, attracts))
+    throw InputError(fmt::format(
+        "no equilibrium of {} in the window is stable, so nothing has a basin; look elsewhere with --window",
+        view.problem.id));
+}
+
+Figure picture(const PhaseView& view, const Basins& found) {
+  std::vector<std::string> labels;
+  std::vector<int> number(view.equilibria.size(), -1);  // among those that attract
+  for (std::size_t i = 0; i < view.equilibria.size(); ++i) {
+    const Equilibrium& e = view.equilibria[i];
+    if (!attracts(e)) continue;
+    number[i] = static_cast<int>(labels.size());
+    labels.push_back(fmt::format("comes to rest at ({}, {}): {:.1f} %", short_name(e.state(0)),
+                                 short_name(e.state(1)), 100 * found.share(static_cast<int>(i))));
+  }
+  const Window& w = view.window;
+  BasinMap map{.columns = found.columns,
+               .rows = found.rows,
+               .x = {w.lower(0), w.upper(0)},
+               .v = {w.lower(1), w.upper(1)},
+               .attractor = {}};
+  for (const int fate : found.fate)
+    map.attractor.push_back(fate < 0 ? -1 : number[static_cast<std::size_t>(fate)]);
+  const auto names = axis_names(view.problem);
+  PhasePlane plane{.x = names[0], .v = names[1], .x_range = map.x, .v_range = map.v};
+  for (const Equilibrium& e : view.equilibria)
+    plane.rest_points.push_back({e.state(0), e.state(1), std::string(name_of(e.type)), e.eigenvalues});
+  Panel panel = phase_panel(plane);
+  panel.areas = basin_areas(map, labels, "leaves, or settles elsewhere");
+  for (const Equilibrium& e : view.equilibria)
+    if (e.type == EquilibriumType::saddle)
+      for (Curve& way : ways_of(view, e, true)) panel.curves.push_back(std::move(way));
+  return {
+      .title = fmt::format("{}: where each start comes to rest", view.problem.id),
+      .panels = {panel},
+      .footer = fmt::format("{}; {} x {} starts", describe_acting(view.problem), found.columns, found.rows),
+      .panel_height = 440};
+}
+
+}  // namespace
+
+void phase_basins(const PhaseOptions& options, Console& console) {
+  const PhaseView view = view_of(options);
+  require_attractor(view);
+  const std::int64_t columns = options.cells.empty() ? 120 : parse_count("--cells", options.cells, 2);
+  if (columns > 4000)
+    throw InputError(fmt::format("--cells is {}, more than the limit of 4000; take fewer", columns));
+  Progress progress(console, "basins");
+  const auto& interrupted = interrupt_flag();
+  const auto rows = static_cast<int>((columns * 3 + 3) / 4);
+  const Basins found = basins(fate_of_starts(view.still, view.window, view.equilibria), view.window,
+                              static_cast<int>(columns), rows, [&](double share) {
+                                progress.update(share);
+                                return !interrupted;
+                              });
+  if (interrupted) throw Interrupted{};
+
+  Json document = document_of(view);
+  const auto names = axis_names(view.problem);
+  Json attractors = Json::array();
+  TextTable table({"comes to rest at", names[0], names[1], "share of the starts"});
+  for (std::size_t i = 0; i < view.equilibria.size(); ++i) {
+    const Equilibrium& e = view.equilibria[i];
+    if (!attracts(e)) continue;
+    const double share = found.share(static_cast<int>(i));
+    attractors.push_back({{"x", e.state(0)}, {"v", e.state(1)}, {"type", name_of(e.type)}, {"share", share}});
+    table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
+               fmt::format("{:.2f} %", 100 * share)});
+  }
+  for (const auto& [fate, words] :
+       {std::pair{unbounded, "leaves without bound"}, {undecided, "settles elsewhere or later"}})
+    if (found.share(fate) > 0) table.add({words, "", "", fmt::format("{:.2f} %", 100 * found.share(fate))});
+  document["cells"] = {found.columns, found.rows};
+  document["attractors"] = attractors;
+  document["unbounded"] = found.share(unbounded);
+  document["undecided"] = found.share(undecided);
+  std::string text = headline(view.problem) + equilibria_table(view, console) + "\n" + table.text(console);
+  if (!options.output.empty()) deliver(picture(view, found), options, document, text, console);
+  if (console.json) return console.print_json(document);
+  console.print(text);
+}
+
+}  // namespace hmax

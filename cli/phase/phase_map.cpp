@@ -1,0 +1,184 @@
+/// hmax phase --method M --h H: what steps of a method make of the plane.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "analysis/dynamics/fixed_point_search.hpp"
+#include "bench/limits/one_step_map.hpp"
+#include "bench/models/planar.hpp"
+#include "cli/phase/phase.hpp"
+#include "plots/dynamics.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+constexpr int shown_steps = 80;
+
+/// One step of a method in the part of the plane that is looked at.
+struct MapView {
+  std::string method;
+  double h;
+  VectorFunction map;
+  std::vector<FixedPoint> fixed_points;
+  DegreeCheck check;           ///< what the border of the window tells of them
+  std::vector<bool> spurious;  ///< of each fixed point
+  std::vector<PeriodTwo> period_two;
+};
+
+MapView map_of(const PhaseView& view, const PhaseOptions& options) {
+  if (!options.h)
+    throw InputError("no step is given; add --h in seconds, whose map of the plane is to be seen");
+  const Method method = options.method.make();
+  MapView seen{.method = method.id,
+               .h = *options.h,
+               .map = one_step_map(method, view.still, *options.h),
+               .fixed_points = {},
+               .check = {},
+               .spurious = {},
+               .period_two = {}};
+  const Box box{view.window.lower, view.window.upper};
+  FixedPointSearch found = search_cheap_map(seen.map, box);
+  seen.fixed_points = std::move(found.points);
+  seen.check = found;
+  for (const FixedPoint& point : seen.fixed_points)
+    seen.spurious.push_back(is_spurious(view.field.rhs, seen.h, point.state, box));
+  seen.period_two = find_period_two(seen.map, box);
+  return seen;
+}
+
+/// What the search for fixed points is worth. Of orbits of period two nothing is guaranteed.
+std::string guarantee(const PhaseView& view, const MapView& seen) {
+  return guarantee(view.problem, view.window, seen.check, seen.fixed_points.size(),
+                   {.one = "fixed point",
+                    .many = "fixed points",
+                    .of = "map",
+                    .without = "with a multiplier of 1",
+                    .border = "a fixed point lies on it, or a step from it diverges"});
+}
+
+std::array<std::complex<double>, 2> pair_of(const Multipliers& mu) { return {mu[0], mu[1]}; }
+
+/// The document's part that is about the map.
+void add_map(const PhaseView& view, const MapView& seen, Json& document) {
+  document["method"] = seen.method;
+  document["h"] = seen.h;
+  Json points = Json::array(), pairs = Json::array(), types = Json::array(), multipliers = Json::array();
+  for (std::size_t i = 0; i < seen.fixed_points.size(); ++i) {
+    const FixedPoint& point = seen.fixed_points[i];
+    points.push_back({{"x", point.state(0)},
+                      {"v", point.state(1)},
+                      {"multipliers", to_json(pair_of(point.multipliers))},
+                      {"type", name_of(point.type)},
+                      {"spurious", bool(seen.spurious[i])}});
+  }
+  for (const PeriodTwo& orbit : seen.period_two) {
+    Json both = Json::array();
+    for (const VectorXd& y : orbit.states) both.push_back({y(0), y(1)});
+    pairs.push_back(both);
+    types.push_back(name_of(orbit.type));
+    multipliers.push_back(to_json(pair_of(orbit.multipliers)));
+  }
+  document["fixed_points"] = points;
+  document["fixed_point_search"] = search_document(view.window, seen.check, guarantee(view, seen));
+  document["period_two"] = pairs;
+  document["period_two_types"] = types;
+  document["period_two_multipliers"] = multipliers;
+}
+
+std::string table_of(const PhaseView& view, const MapView& seen, const Console& console) {
+  std::string text = fmt::format("\none step of {}, h = {} s\n", seen.method, to_text(seen.h));
+  const auto names = axis_names(view.problem);
+  TextTable table({"fixed point", "of the equation", names[0], names[1], "multipliers"});
+  for (std::size_t i = 0; i < seen.fixed_points.size(); ++i) {
+    const FixedPoint& point = seen.fixed_points[i];
+    table.add({std::string(name_of(point.type)), seen.spurious[i] ? "no: spurious" : "yes",
+               short_name(point.state(0)), short_name(point.state(1)), in_words(pair_of(point.multipliers))});
+  }
+  text += seen.fixed_points.empty() ? "" : table.text(console);
+  text += guarantee(view, seen) + "\n";
+  if (seen.period_two.empty()) return text + "\nno orbit of period two in the window\n";
+  TextTable pairs({"period two", "between", "and", "multipliers of two steps"});
+  const auto in_brackets = [](const VectorXd& y) {
+    return fmt::format("({}, {})", short_name(y(0)), short_name(y(1)));
+  };
+  for (const PeriodTwo& orbit : seen.period_two)
+    pairs.add({std::string(name_of(orbit.type)), in_brackets(orbit.states[0]), in_brackets(orbit.states[1]),
+               in_words(pair_of(orbit.multipliers))});
+  return text + "\n" + pairs.text(console);
+}
+
+/// The equation on the left, the method on the right, from the same starts.
+Figure picture(const PhaseView& view, const MapView& seen) {
+  PhasePlane plane = plane_of(view);
+  plane.title = "the equation";
+  const auto names = axis_names(view.problem);
+  PlaneMap map{.title = fmt::format("{}, h = {} s", seen.method, short_name(seen.h)),
+               .x = names[0],
+               .v = names[1],
+               .x_range = plane.x_range,
+               .v_range = plane.v_range};
+  const Vector2d margin = view.window.size();
+  for (const Vector2d& start : starts_of(view)) {
+    PlaneCurve steps;
+    VectorXd y = start;
+    for (int step = 0; step <= shown_steps && y.allFinite(); ++step) {
+      steps.push_back({y(0), y(1)});
+      if (((y - view.window.lower + margin).array() < 0).any() ||
+          ((view.window.upper + margin - y).array() < 0).any())
+        break;
+      y = seen.map(y);
+    }
+    map.iterates.push_back(std::move(steps));
+  }
+  std::size_t spurious = 0;
+  for (std::size_t i = 0; i < seen.fixed_points.size(); ++i) {
+    const FixedPoint& point = seen.fixed_points[i];
+    map.fixed_points.push_back(
+        {point.state(0), point.state(1), std::string(name_of(point.type)), seen.spurious[i]});
+    spurious += seen.spurious[i];
+  }
+  for (const PeriodTwo& orbit : seen.period_two)
+    map.period_two.push_back({{orbit.states[0](0), orbit.states[0](1)},
+                              {orbit.states[1](0), orbit.states[1](1)},
+                              std::string(name_of(orbit.type))});
+  const auto counted = [](std::size_t count, const char* what) {
+    return fmt::format("{} {}{}", count == 0 ? "no" : std::to_string(count), what, count == 1 ? "" : "s");
+  };
+  Panel right = map_panel(map);
+  right.notes = {counted(spurious, "fixed point") + " made by the method",
+                 counted(seen.period_two.size(), "orbit") + " of period two"};
+  const bool places = spurious > 0, cycles = !seen.period_two.empty();
+  return {.title = !places && !cycles ? "The method rests where the equation rests"
+                                      : fmt::format("The method adds {} that the equation does not have",
+                                                    !cycles   ? "places of rest"
+                                                    : !places ? "cycles"
+                                                              : "places of rest and cycles"),
+          .panels = {phase_panel(plane), right},
+          .columns = 2,
+          .footer = fmt::format("{}: {}; {} steps from each start", view.problem.id,
+                                describe_acting(view.problem), shown_steps),
+          .panel_height = 330};
+}
+
+}  // namespace
+
+void phase_map(const PhaseOptions& options, Console& console) {
+  const PhaseView view = view_of(options);
+  const MapView seen = map_of(view, options);
+  Json document = document_of(view);
+  add_map(view, seen, document);
+  std::string text = headline(view.problem) + equilibria_table(view, console) + table_of(view, seen, console);
+  if (!options.output.empty()) deliver(picture(view, seen), options, document, text, console);
+  for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
+  if (console.json) return console.print_json(document);
+  console.print(text);
+}
+
+}  // namespace hmax

@@ -1,0 +1,394 @@
+/// hmax phase --poincare and --bifurcation: driven problems, seen once in each period of the force.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "analysis/dynamics/fixed_point_search.hpp"
+#include "analysis/dynamics/poincare.hpp"
+#include "bench/models/parameter_units.hpp"
+#include "bench/models/planar.hpp"
+#include "cli/phase/phase.hpp"
+#include "plots/dynamics.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+constexpr std::int64_t most_periods = 10'000'000;
+
+/// How many periods are seen, and how many pass before.
+struct Looks {
+  int count, skip;
+};
+
+Looks looks_of(const PhaseOptions& options, int count) {
+  const auto number = [](const char* what, const std::string& text, int otherwise, std::int64_t least) {
+    const std::int64_t value = text.empty() ? otherwise : parse_count(what, text, least);
+    if (value > most_periods)
+      throw InputError(
+          fmt::format("{} is {}, more than the limit of {}; take fewer", what, value, most_periods));
+    return static_cast<int>(value);
+  };
+  return {number("--periods", options.periods, count, 1), number("--skip", options.skip, 200, 0)};
+}
+
+/// A window that holds the points and the motion through the first of them over one period.
+Window around(const Problem& problem, const std::vector<VectorXd>& points, double period) {
+  constexpr double everywhere = 1e300;
+  const auto names = axis_names(problem);
+  const Window plane{Vector2d::Constant(-everywhere), Vector2d::Constant(everywhere)};
+  Window window = window_around({orbit(problem, points[0], period, plane, everywhere)}, names[0], names[1],
+                                std::vector<Vector2d>(points.begin(), points.end()), 0.3);
+  for (Eigen::Index i = 0; i < 2; ++i)  // at rest to rounding
+    if (window.size()(i) < 1e-6) {
+      window.lower(i) -= 0.5;
+      window.upper(i) += 0.5;
+    }
+  return window;
+}
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+struct Section {
+  double drive_period;
+  Looks looks;
+  std::vector<VectorXd> points;
+  Settled motion;
+  std::optional<Exponent> exponent;  ///< per period of the force; nothing when the motion diverges
+  Window searched;                   ///< for motions of one period
+  FixedPointSearch periodic;
+
+  /// [1/s]
+  [[nodiscard]] double lyapunov() const { return exponent->value / drive_period; }
+  [[nodiscard]] double lyapunov_error() const { return exponent->error / drive_period; }
+  [[nodiscard]] bool diverges() const { return motion.settling == Settling::diverges; }
+};
+
+Section section_of(const Problem& problem, const PhaseOptions& options) {
+  const double period = drive_period(problem, options.period);
+  const Looks seen = looks_of(options, 2000);
+  const VectorFunction map = stroboscope(problem, period);
+  const auto points = looks(map, problem.y0, seen.skip, seen.count);
+  const Settled motion = settle(map, points, seen.count, {});
+  const bool whole = static_cast<int>(points.size()) == seen.count;
+  Section section{
+      .drive_period = period,
+      .looks = seen,
+      .points = points,
+      .motion = motion,
+      .exponent = motion.exponent,
+      .searched = options.window.empty()
+                      ? window_of_motions(problem, whole ? points : std::vector<VectorXd>{}, period)
+                      : parse_window(options.window),
+      .periodic = {}};
+  if (motion.settling == Settling::periodic)
+    section.exponent =
+        largest_lyapunov(map, motion.looks.back(), around(problem, motion.looks, period).size());
+  constexpr std::int64_t short_of_divergence = 5'000;  // steps; what diverges takes any number of them
+  section.periodic = search_fixed_points(stroboscope(problem, period, short_of_divergence),
+                                         {section.searched.lower, section.searched.upper});
+  return section;
+}
+
+/// "0.1035 ± 0.0021"
+std::string with_error(const Section& section) {
+  return fmt::format("{} ± {}", short_name(section.lyapunov()), short_number(section.lyapunov_error(), 2));
+}
+
+/// What the section says, as a sentence.
+std::string verdict(const Section& section) {
+  const Settled& motion = section.motion;
+  const int all = section.looks.skip + section.looks.count + motion.followed;
+  if (section.diverges())
+    return fmt::format(
+        "the motion diverges within {} periods of the force; take other parameters or another y0", all);
+  if (motion.settling == Settling::chaotic)
+    return fmt::format(
+        "the motion does not repeat within {} periods, and neighbours part as exp({} t): it is chaotic", all,
+        short_name(section.lyapunov()));
+  if (motion.settling == Settling::unsettled)
+    return fmt::format(
+        "the motion has not settled within {} periods, and neighbours do not part beyond the error of the "
+        "exponent; raise --skip",
+        all);
+  const std::string repeats = motion.period == 1
+                                  ? "has the period of the force"
+                                  : fmt::format("repeats after {} periods of the force", *motion.period);
+  if (motion.followed == 0) return "the motion " + repeats;
+  return fmt::format("the motion {}, but settles only after the looks, within {} periods; raise --skip",
+                     repeats, all);
+}
+
+/// What the search for motions of one period is worth, as a sentence.
+std::string guarantee(const Problem& problem, const Section& section) {
+  return guarantee(problem, section.searched, section.periodic, section.periodic.points.size(),
+                   {.one = "motion of one period",
+                    .many = "motions of one period",
+                    .of = "map",
+                    .without = "with a multiplier of 1",
+                    .border = "a motion lies on it or diverges from it"});
+}
+
+Figure picture(const Problem& problem, const Section& section) {
+  const auto names = axis_names(problem);
+  Panel panel{.title = "", .x = {names[0]}, .y = {names[1]}};
+  std::vector<double> x, v;
+  for (const VectorXd& y : section.points) {
+    x.push_back(y(0));
+    v.push_back(y(1));
+  }
+  const int shown = section.motion.followed == 0 ? section.motion.period.value_or(0) : 0;
+  if (shown > 0 && shown <= 12) {
+    x.resize(static_cast<std::size_t>(shown));
+    v.resize(static_cast<std::size_t>(shown));
+    const Table way = orbit(problem, section.points[0], shown * section.drive_period,
+                            around(problem, section.points, section.drive_period), 1e9);
+    panel.curves.push_back(
+        {.label = "motion", .x = way.values[0], .y = way.values[1], .style = {.colour = 7, .width = 1.2}});
+  }
+  panel.curves.push_back(cloud("once in each period of the force", x, v));
+  for (const FixedPoint& point : section.periodic.points)
+    panel.marks.push_back({point.state(0),
+                           point.state(1),
+                           {.colour = 1, .marker = marker_of(std::string(name_of(point.type)))},
+                           "repeats after one period, " + in_words(std::string(name_of(point.type)))});
+  std::string title = verdict(section);
+  title = title.substr(0, title.find(','));
+  title[0] = 'T';
+  return {
+      .title = title,
+      .panels = {panel},
+      .footer = fmt::format("{}: {}; {} looks after {} periods of {} s", problem.id, describe_acting(problem),
+                            section.looks.count, section.looks.skip, short_name(section.drive_period)),
+      .panel_height = 440};
+}
+
+/// The values of --from ... --to.
+std::vector<double> values_of(const PhaseOptions& options) {
+  if (!options.from || !options.to)
+    throw InputError("a bifurcation diagram needs --from and --to, the ends of the parameter");
+  const auto count = static_cast<int>(
+      options.points.empty() ? 200
+                             : std::min<std::int64_t>(parse_count("--points", options.points, 2), 100'000));
+  if (!std::isfinite(*options.from) || !std::isfinite(*options.to) || *options.from == *options.to)
+    throw InputError(
+        fmt::format("the parameter goes from {} to {}, which is no range; give --from and --to two "
+                    "different finite numbers",
+                    to_text(*options.from), to_text(*options.to)));
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i)
+    values.push_back(std::lerp(*options.from, *options.to, double(i) / (count - 1)));
+  return values;
+}
+
+/// The problem with another value of a parameter.
+Problem with_value(ProblemChoice choice, const std::string& parameter, double value) {
+  choice.set.push_back(parameter + "=" + to_text(value));
+  return choice.make();
+}
+
+/// "4", "chaotic", "not settled" or "diverges"
+std::string in_a_word(const Settled& motion) {
+  return motion.period ? std::to_string(*motion.period) : in_words(std::string(name_of(motion.settling)));
+}
+
+/// The stretches of the parameter over which the motion comes to the same.
+struct Stretch {
+  double from, to;
+  std::string what;
+};
+
+std::vector<Stretch> stretches(const std::vector<BifurcationColumn>& columns) {
+  std::vector<Stretch> found;
+  for (const BifurcationColumn& column : columns) {
+    const std::string what = in_a_word(column.motion);
+    if (found.empty() || found.back().what != what)
+      found.push_back({column.value, column.value, what});
+    else
+      found.back().to = column.value;
+  }
+  return found;
+}
+
+/// The looks of every column, a colour for each of the three things that a motion comes to.
+Panel diagram(const std::vector<BifurcationColumn>& columns, const std::string& parameter,
+              const std::string& x) {
+  struct Kind {
+    Settling settling;
+    std::string label;
+    int colour;
+  };
+  Panel panel{.title = "", .x = {parameter}, .y = {x + " once in each period of the force"}};
+  for (const Kind& kind : {Kind{Settling::chaotic, "chaotic", 1},
+                           {Settling::unsettled, "not settled", 7},
+                           {Settling::periodic, "periodic", 0}}) {
+    std::vector<double> at, seen;
+    for (const BifurcationColumn& column : columns) {
+      const Settled& motion = column.motion;
+      if (motion.settling != kind.settling) continue;
+      const auto shown = motion.period ? static_cast<std::size_t>(*motion.period) : motion.looks.size();
+      for (std::size_t i = 0; i < std::min(shown, motion.looks.size()); ++i) {
+        at.push_back(column.value);
+        seen.push_back(motion.looks[i](0));
+      }
+    }
+    if (at.empty()) continue;
+    panel.curves.push_back(cloud(kind.label, at, seen, kind.colour));
+    panel.curves.back().style.size = 0.3;
+  }
+  return panel;
+}
+
+Json column_document(const BifurcationColumn& column, double period) {
+  const Settled& motion = column.motion;
+  Json xs = Json::array();
+  for (const VectorXd& y : motion.looks) xs.push_back(y(0));
+  const auto exponent = [&](double Exponent::*part) {
+    return motion.exponent ? number_or_null((*motion.exponent).*part / period) : Json();
+  };
+  return {{"value", column.value},
+          {"x", xs},
+          {"status", name_of(motion.settling)},
+          {"period", motion.period ? Json(*motion.period) : Json()},
+          {"lyapunov", exponent(&Exponent::value)},
+          {"lyapunov_error", exponent(&Exponent::error)},
+          {"followed", motion.followed}};
+}
+
+Json fixed_point_document(const FixedPoint& point) {
+  const auto index = index_of(point);
+  return {{"x", point.state(0)},
+          {"v", point.state(1)},
+          {"multipliers", to_json({point.multipliers[0], point.multipliers[1]})},
+          {"type", name_of(point.type)},
+          {"index", index ? Json(*index) : Json()}};
+}
+
+Json section_document(const Problem& problem, const Section& section) {
+  Json points = Json::array(), periodic = Json::array();
+  for (const VectorXd& y : section.points) points.push_back({y(0), y(1)});
+  for (const FixedPoint& point : section.periodic.points) periodic.push_back(fixed_point_document(point));
+  const Settled& motion = section.motion;
+  return {{"drive_period", section.drive_period},
+          {"skip", section.looks.skip},
+          {"section", points},
+          {"settling", name_of(motion.settling)},
+          {"period", motion.period ? Json(*motion.period) : Json()},
+          {"followed", motion.followed},
+          {"lyapunov", section.exponent ? number_or_null(section.lyapunov()) : Json()},
+          {"lyapunov_error", section.exponent ? number_or_null(section.lyapunov_error()) : Json()},
+          {"lyapunov_periods", section.exponent ? Json(section.exponent->count) : Json()},
+          {"periodic", periodic},
+          {"search", search_document(section.searched, section.periodic, guarantee(problem, section))},
+          {"status", verdict(section)}};
+}
+
+std::string report_of(const Problem& problem, const Section& section, const Console& console) {
+  std::string text =
+      fmt::format("seen every {} s, {} times after {} periods\n\n{}\n", short_name(section.drive_period),
+                  section.points.size(), section.looks.skip, console.strong(verdict(section)));
+  const auto names = axis_names(problem);
+  const Settled& motion = section.motion;
+  if (motion.period && *motion.period <= 12) {
+    TextTable table({"look", names[0], names[1]});
+    for (std::size_t i = 0; i < static_cast<std::size_t>(*motion.period); ++i)
+      table.add({std::to_string(i + 1), short_number(motion.looks[i](0), 10),
+                 short_number(motion.looks[i](1), 10)});
+    text += "\n" + table.text(console);
+  }
+  if (!section.periodic.points.empty()) {
+    TextTable table({"repeats after one period", names[0], names[1], "multipliers"});
+    for (const FixedPoint& point : section.periodic.points)
+      table.add({std::string(name_of(point.type)), short_name(point.state(0)), short_name(point.state(1)),
+                 in_words({point.multipliers[0], point.multipliers[1]})});
+    text += "\n" + table.text(console);
+  }
+  text += fmt::format("\n{}\n", guarantee(problem, section));
+  if (section.exponent && std::isfinite(section.exponent->value))
+    text += fmt::format("\nlargest Lyapunov exponent {} 1/s (95 %, {} periods)\n", with_error(section),
+                        section.exponent->count);
+  return text;
+}
+
+}  // namespace
+
+void phase_poincare(const PhaseOptions& options, Console& console) {
+  const Problem problem = options.problem.make();
+  const Section section = section_of(problem, options);
+  Json document = document_of(problem);
+  document.update(section_document(problem, section));
+  std::string text = headline(problem) + report_of(problem, section, console);
+  if (!options.output.empty() && !section.points.empty())
+    deliver(picture(problem, section), options, document, text, console);
+  if (section.diverges()) console.exit_code = Exit::failed;
+  if (console.json) return console.print_json(document);
+  console.print(text);
+}
+
+void phase_bifurcation(const PhaseOptions& options, Console& console) {
+  const std::vector<double> values = values_of(options);
+  const std::string& name = options.bifurcation;
+  const Problem first = with_value(options.problem, name, values.front());
+  const Looks seen = looks_of(options, 64);
+  // Where the parameter takes the force away, the looks keep the period that it has beside.
+  const auto period_of_force = [&](const Problem& problem) {
+    if (!options.period && !is_driven(problem))
+      for (const double value : values)
+        if (const Problem other = with_value(options.problem, name, value); is_driven(other))
+          return drive_period(other, {});
+    return drive_period(problem, options.period);
+  };
+  const auto map_at = [&](double value) {
+    const Problem problem = with_value(options.problem, name, value);
+    return stroboscope(problem, period_of_force(problem));
+  };
+  Progress progress(console, "bifurcation");
+  const auto& interrupted = interrupt_flag();
+  const auto columns =
+      bifurcation(map_at, values, first.y0, seen.skip, seen.count, options.follow, [&](double share) {
+        progress.update(share);
+        return !interrupted;
+      });
+  if (interrupted) throw Interrupted{};
+
+  Json document = document_of(first);
+  document["parameters"].erase(name);
+  Json list = Json::array();
+  for (const BifurcationColumn& column : columns)
+    list.push_back(column_document(column, period_of_force(with_value(options.problem, name, column.value))));
+  document["parameter"] = name;
+  document["skip"] = seen.skip;
+  document["follow"] = options.follow;
+  document["columns"] = list;
+
+  std::string text = headline(first) + "\n";
+  TextTable table({"settles to", name + " from", "to"});
+  for (const Stretch& stretch : stretches(columns))
+    table.add({stretch.what, short_name(stretch.from), short_name(stretch.to)});
+  text += table.text(console);
+  if (!options.output.empty()) {
+    const auto names = axis_names(first);
+    std::string parameters;
+    for (const auto& [parameter, value] : first.parameters)
+      if (parameter != name) parameters += fmt::format(" {}={}", parameter, to_text(value));
+    deliver({.title = fmt::format("{}: what the motion settles to, over {}", first.id, name),
+             .panels = {diagram(columns, with_unit(first, name), names[0])},
+             .footer = fmt::format(
+                 "{}{}; {} looks after {} periods, {}", first.id, parameters, seen.count, seen.skip,
+                 options.follow ? "each value from where the one before has ended"
+                                : fmt::format("each value from y0 = {}", describe(first.y0))),
+             .panel_height = 440},
+            options, document, text, console);
+  }
+  if (console.json) return console.print_json(document);
+  console.print(text);
+}
+
+}  // namespace hmax

@@ -1,0 +1,252 @@
+#include "cli/reproduce/reproduce_stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "plots/draw.hpp"
+#include "plots/report.hpp"
+#include "results/numbers.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool has_gap(const Prediction& row) { return row.observed && std::isfinite(row.observed->gap); }
+
+std::string number(const std::optional<double>& value) {
+  if (!value || std::isnan(*value)) return "";
+  return std::isinf(*value) ? "unbounded" : to_text(*value);
+}
+
+/// For people: six digits.
+std::string shown(const std::optional<double>& value) {
+  if (!value || std::isnan(*value)) return "-";
+  return std::isinf(*value) ? "unbounded" : fmt::format("{:.5g}", *value);
+}
+
+constexpr std::string_view limits_header =
+    "case,family,parameters,method,bound,h_max_s,observed_s,gap,steps_used,agrees,limiting_re,limiting_im,omega_rad_s,"
+    "zeta,state\n";
+constexpr std::string_view nonlinear_header =
+    "case,family,parameters,method,bound,at_rest_s,observed_small_s,along_least_s,along_t_s,along_growing,"
+    "observed_from_start_s\n";
+
+std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows) {
+  std::string text(limits_header);
+  for (const LimitRow& row : rows) {
+    const Prediction& p = row.prediction;
+    text +=
+        fmt::format("{},{},{},{},{},{}", csv_cell(cases[row.which].label), csv_cell(cases[row.which].family),
+                    csv_cell(describe(p.parameters)), csv_cell(p.method), name_of(p.bound), number(p.h_max));
+    if (p.observed)
+      text += fmt::format(",{},{},{},{}", number(p.observed->h_max), number(p.observed->gap),
+                          p.observed->steps, p.observed->confirms() ? "yes" : "no");
+    else
+      text += ",,,,";
+    if (p.limiting)
+      text +=
+          fmt::format(",{},{},{},{}", to_text(p.limiting->lambda.real()), to_text(p.limiting->lambda.imag()),
+                      number(p.limiting->omega), number(p.limiting->zeta));
+    else
+      text += ",,,,";
+    text += "," + csv_cell(p.state) + "\n";
+  }
+  return text;
+}
+
+std::string nonlinear_csv(const std::vector<LimitCase>& cases, const std::vector<NonlinearRow>& rows) {
+  std::string text(nonlinear_header);
+  for (const NonlinearRow& row : rows) {
+    const Prediction& p = row.at_rest;
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(cases[row.which].label),
+                    csv_cell(cases[row.which].family), csv_cell(describe(p.parameters)), csv_cell(row.method),
+                    name_of(p.bound), number(p.h_max), p.observed ? number(p.observed->h_max) : "",
+                    row.along ? number(row.along->least) : "", row.along ? to_text(row.along->t_least) : "",
+                    row.along ? to_text(row.along->growing) : "", number(row.from_start));
+  }
+  return text;
+}
+
+/// Families of methods as the figure tells them apart.
+std::string_view group_of(const std::string& id) {
+  const Method method = find_method(id);
+  if (method.engine != "hmax") return "peers";
+  if (method.family == "explicit_runge_kutta") return "explicit Runge-Kutta";
+  if (method.family == "adams") return "Adams";
+  if (method.family == "structural") return "positions and velocities";
+  return "stabilised";
+}
+
+/// Stabilised methods bear steps of a million seconds where the model is overdamped; they would leave no room
+/// for the others.
+constexpr double longest_shown = 100;
+
+Figure predicted_vs_observed(const std::vector<LimitRow>& rows, const std::string& machine) {
+  constexpr std::array<std::string_view, 5> groups{"explicit Runge-Kutta", "Adams",
+                                                   "positions and velocities", "stabilised", "peers"};
+  constexpr std::array<int, 5> markers{6, 8, 4, 12, 10};
+  std::map<std::string_view, Curve> limits, gaps;
+  double low = INFINITY, high = 0;
+  for (const LimitRow& row : rows) {
+    const Prediction& p = row.prediction;
+    if (!has_gap(p) || *p.h_max > longest_shown) continue;
+    const std::string_view group = group_of(p.method);
+    limits[group].x.push_back(*p.h_max);
+    limits[group].y.push_back(p.observed->h_max);
+    gaps[group].x.push_back(*p.h_max);
+    gaps[group].y.push_back(100 * std::max(std::abs(p.observed->gap), 1e-7));
+    low = std::min(low, *p.h_max);
+    high = std::max(high, *p.h_max);
+  }
+  Figure figure{.title = "The largest stable step, predicted and observed"};
+  figure.footer = machine;
+  figure.panel_height = 330;
+  Panel against{.title = "Every method on every linear model of the study"};
+  against.x = {.label = "predicted h_max [s]", .logarithmic = true, .range = {{low / 1.5, high * 1.5}}};
+  against.y = {.label = "observed h_max [s]", .logarithmic = true, .range = {{low / 1.5, high * 1.5}}};
+  against.notes = {"limits up to 100 s; the stabilised methods' longer ones are in limits.csv"};
+  against.curves.push_back({.label = "equal",
+                            .x = {low / 1.5, high * 1.5},
+                            .y = {low / 1.5, high * 1.5},
+                            .style = {.colour = 7, .width = 1}});
+  Panel difference{.title = "How far apart they are"};
+  difference.x = against.x;
+  difference.y = {.label = "|observed / predicted - 1| [%]", .logarithmic = true, .range = {{5e-6, 1}}};
+  difference.curves.push_back({.label = "0.1 %, what is asked",
+                               .x = {low / 1.5, high * 1.5},
+                               .y = {0.1, 0.1},
+                               .style = {.colour = 7, .dash = 1, .width = 1}});
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (auto* curves : {&limits, &gaps}) {
+      const auto found = curves->find(groups[g]);
+      if (found == curves->end()) continue;
+      Curve curve = found->second;
+      curve.label = groups[g];
+      curve.line = false;
+      curve.style = {.colour = static_cast<int>(g), .marker = markers[g], .width = 1};
+      (curves == &limits ? against : difference).curves.push_back(std::move(curve));
+    }
+  }
+  figure.panels = {against, difference};
+  return figure;
+}
+
+/// One row a method, one column a material: what an engineer reads.
+std::string material_table(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows) {
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    if (cases[i].family == "benchmark liver") columns.push_back(i);
+  std::string text = "| method |", rule = "| --- |";
+  for (const std::size_t i : columns) {
+    text += " " + cases[i].label + " |";
+    rule += " ---: |";
+  }
+  text += "\n" + rule + "\n";
+  std::vector<std::string> order;
+  std::map<std::string, std::map<std::size_t, const Prediction*>> of;
+  for (const LimitRow& row : rows) {
+    if (!of.contains(row.prediction.method)) order.push_back(row.prediction.method);
+    of[row.prediction.method][row.which] = &row.prediction;
+  }
+  for (const std::string& method : order) {
+    const bool bounded = std::ranges::any_of(columns, [&](std::size_t i) {
+      return of[method].contains(i) && of[method][i]->bound == Bound::stability;
+    });
+    if (!bounded) continue;
+    text += "| " + markdown_text(method) + " |";
+    for (const std::size_t i : columns)
+      text += " " + (of[method].contains(i) ? shown(of[method][i]->h_max) : "-") + " |";
+    text += "\n";
+  }
+  return text;
+}
+
+std::string nonlinear_table(const std::vector<LimitCase>& cases, const std::vector<NonlinearRow>& rows) {
+  std::string text =
+      "| case | method | at rest | small motion, observed | along the motion, least | at t | from the start, observed |\n"
+      "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
+  for (const NonlinearRow& row : rows) {
+    const Prediction& p = row.at_rest;
+    const std::string at_rest = p.bound == Bound::model ? "the model grows" : shown(p.h_max);
+    text += fmt::format(
+        "| {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(cases[row.which].label),
+        markdown_text(row.method), at_rest, p.observed ? shown(p.observed->h_max) : "-",
+        row.along ? shown(row.along->least) : "-",
+        row.along && std::isfinite(row.along->least) ? fmt::format("{:.3g}", row.along->t_least) : "-",
+        shown(row.from_start));
+  }
+  return text;
+}
+
+}  // namespace
+
+LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows) {
+  LimitSummary summary;
+  summary.rows = rows.size();
+  for (const LimitRow& row : rows) {
+    const Prediction& p = row.prediction;
+    if (!p.observed) continue;
+    ++summary.integrated;
+    if (!p.observed->confirms()) ++summary.disagreeing;
+    if (!has_gap(p)) {
+      ++summary.unbounded;
+      continue;
+    }
+    ++summary.with_number;
+    if (std::abs(p.observed->gap) > summary.worst_gap) {
+      summary.worst_gap = std::abs(p.observed->gap);
+      summary.worst = fmt::format("{} on {}", p.method, cases[row.which].label);
+    }
+  }
+  return summary;
+}
+
+fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows,
+                             const std::vector<NonlinearRow>& nonlinear, const std::string& machine,
+                             const fs::path& folder) {
+  write_file(folder / "limits.csv", limits_csv(cases, rows), limits_header);
+  write_file(folder / "nonlinear.csv", nonlinear_csv(cases, nonlinear), nonlinear_header);
+  const LimitSummary summary = summary_of(cases, rows);
+  std::vector<ReportSection> sections;
+  sections.push_back(
+      {.title = "Predicted and observed",
+       .text = fmt::format(
+           "{} pairs of method and model, of which {} were integrated with the code that they are about; the others have "
+           "steps of their own or a model that grows. {} have a limit: the largest "
+           "difference is {:.4f} % ({}). {} have none and were integrated at a million times the slowest time scale. "
+           "{} disagree.\n\nEvery row with its eigenvalue: [limits.csv](limits.csv).",
+           summary.rows, summary.integrated, summary.with_number, 100 * summary.worst_gap, summary.worst,
+           summary.unbounded, summary.disagreeing),
+       .figures = {draw(predicted_vs_observed(rows, machine), folder, "hmax_predicted_vs_observed")}});
+  sections.push_back(
+      {.title = "The largest stable step of the benchmark livers [s]",
+       .text = "Light and heavy are the ends of the published range of masses. Methods that are stable "
+               "at every step are left out.\n\n" +
+               material_table(cases, rows)});
+  sections.push_back(
+      {.title = "Nonlinear and driven models: three predictions and two observations [s]",
+       .text =
+           "At rest: the limit of the model linearised at its equilibrium, and what a small motion about it shows. "
+           "Along the motion: the least limit of the tangent k1 + 3 k3 x² along the motion from the published "
+           "start, and when. From the start: the first step, sought upwards in strides of 0.01 to 2 %, whose run leaves "
+           "three times the size of the true motion; windows of failures narrower than a stride may lie below it. The "
+           "cubic spring stiffens with amplitude, so the motion passes "
+           "points whose limit is below that at rest; it passes them quickly, so that the run often bears a longer "
+           "step than the least of them, and now and then not even that one. 0: the mode is amplified by any step, which a "
+           "short run need not show. A dash: no run tells it, because the model grows, the run is too short for steps of "
+           "that length, or already the shortest step leaves the motion.\n\n" +
+           nonlinear_table(cases, nonlinear) + "\nAll numbers: [nonlinear.csv](nonlinear.csv)."});
+  return write_report("Step limits of the liver oscillators",
+                      "`hmax reproduce stability` made this page. " + markdown_text(machine), sections,
+                      folder);
+}
+
+}  // namespace hmax

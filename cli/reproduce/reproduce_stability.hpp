@@ -1,0 +1,30 @@
+/// `hmax reproduce stability`: the step limits of every method on every model of the liver study, predicted
+/// and observed, in one folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/studies/limit_study.hpp"
+
+namespace hmax {
+
+/// The outcome in numbers.
+struct LimitSummary {
+  std::size_t rows = 0, integrated = 0, with_number = 0, unbounded = 0, disagreeing = 0;
+  double worst_gap = 0;  ///< largest |gap| of the rows with a number on both sides
+  std::string worst;     ///< which row that is
+};
+LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows);
+
+/// Writes limits.csv, nonlinear.csv, the figure hmax_predicted_vs_observed and a README.md into `folder`.
+/// @param machine  one line: where it was done
+/// @returns the README.md
+/// @throws InputError when the folder cannot be written
+std::filesystem::path reproduce_stability(const std::vector<LimitCase>& cases,
+                                          const std::vector<LimitRow>& rows,
+                                          const std::vector<NonlinearRow>& nonlinear,
+                                          const std::string& machine, const std::filesystem::path& folder);
+
+}  // namespace hmax

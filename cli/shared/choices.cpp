@@ -1,0 +1,165 @@
+#include "cli/shared/choices.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/catalogue/tableau_file.hpp"
+#include "bench/models/mesh_choice.hpp"
+#include "bench/models/tissue_choice.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+void add_support(CLI::App& command, std::vector<std::string>& sets) {
+  command
+      .add_option(
+          "--support", sets,
+          "Of a mesh: points that are held instead of one end: the NAME of a group or region of the file, "
+          "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
+          "may be repeated")
+      ->type_name("SET")
+      ->take_all()
+      ->allow_extra_args(false);
+}
+
+void MeshOptions::add_to(CLI::App& command) {
+  command
+      .add_option("--mesh", mesh,
+                  "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file")
+      ->type_name("NAME");
+  command.add_option("--unit", unit, "Of a mesh file: m, cm, mm or a number of metres")->type_name("UNIT");
+  command
+      .add_option("--model", model,
+                  fmt::format("Of what the mesh is made: {}; {} by default", fmt::join(tissue_models(), ", "),
+                              tissue_models().front()))
+      ->type_name("ID");
+  command
+      .add_option("--load", load,
+                  fmt::format("What moves the tissue: {}; {} by default", fmt::join(tissue_loads(), ", "),
+                              tissue_loads().front()))
+      ->type_name("ID");
+  command
+      .add_option("--gravity", gravity,
+                  "Of a mesh: gravity [m/s2], like 0,-9.81,0; short for --set gx, gy, gz")
+      ->type_name("X,Y,Z");
+  add_support(command, supports);
+  command
+      .add_option("--tool-at", tool_at,
+                  "Of --load tool: where its front starts [m]; short for --set tool_x, tool_y, tool_z")
+      ->type_name("X,Y,Z");
+  command
+      .add_option("--tool-direction", tool_direction,
+                  "Of --load tool: where it moves to, like 0,-1,0; short for --set tool_dx, tool_dy, tool_dz")
+      ->type_name("X,Y,Z");
+}
+
+std::string MeshOptions::problem_id() const {
+  if (!mesh.empty()) return tissue_id(model, mesh, load);
+  for (const auto& [option, value] : {std::pair("--model", &model), {"--load", &load}})
+    if (!value->empty()) throw InputError(fmt::format("{} belongs to a mesh; name one with --mesh", option));
+  return {};
+}
+
+std::optional<double> MeshOptions::metres() const {
+  return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
+}
+
+std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
+  std::vector<std::pair<std::string, double>> parameters;
+  const auto take = [&](const char* option, const std::string& text,
+                        const std::array<std::string_view, 3>& names) {
+    if (text.empty()) return;
+    const std::vector<double> vector = parse_numbers(option, text);
+    if (vector.size() != names.size())
+      throw InputError(fmt::format("{} has {} numbers but is a vector of three; write it like 0,-1,0", option,
+                                   vector.size()));
+    for (std::size_t i = 0; i < names.size(); ++i) parameters.emplace_back(names[i], vector[i]);
+  };
+  take("--gravity", gravity, gravity_names);
+  take("--tool-at", tool_at, tool_place_names);
+  take("--tool-direction", tool_direction, tool_direction_names);
+  for (const std::string& set : supports) parameters.emplace_back(fmt::format("{}:{}", support_name, set), 1);
+  return parameters;
+}
+
+void ProblemChoice::add_to(CLI::App& command) {
+  command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
+      ->type_name("ID");
+  body.add_to(command);
+  command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--material", material,
+                  "An id of `hmax list materials`, with ':light' or ':heavy' after it")
+      ->type_name("ID");
+  command.add_option("--y0", y0, "Initial state, one number for each component, like 0.5,1")
+      ->type_name("NUMBERS");
+}
+
+std::string ProblemChoice::id() const {
+  const std::string on_mesh = body.problem_id();
+  if (problem.empty() && on_mesh.empty())
+    throw InputError(
+        "no problem is given; name one with --problem, `hmax list problems` shows all of them, or a mesh with "
+        "--mesh");
+  if (!problem.empty() && !on_mesh.empty())
+    throw InputError("--problem and --mesh are both given; choose one of them");
+  return problem.empty() ? on_mesh : problem;
+}
+
+ProblemSettings ProblemChoice::settings() const {
+  if (!body.unit.empty() && body.mesh.empty() && !is_tissue_id(problem))
+    throw InputError(fmt::format(
+        "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", problem));
+  ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}, .unit = body.metres()};
+  settings.parameters = body.parameters();
+  if (!settings.parameters.empty() && body.mesh.empty() && !is_tissue_id(problem))
+    throw InputError(fmt::format(
+        "--gravity, --support, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out",
+        problem));
+  for (const std::string& assignment : set)
+    settings.parameters.push_back(parse_assignment("--set", assignment));
+  if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);
+  return settings;
+}
+
+void ProblemChoice::remark_idle(Console& console, const Problem& made) const {
+  for (const std::string& assignment : set) {
+    const auto [name, value] = parse_assignment("--set", assignment);
+    // A term that is switched off is what was asked for.
+    if (value != 0 && std::ranges::find(made.idle, name) != made.idle.end())
+      console.remark(fmt::format("{} of --set changes nothing of {} as the other parameters are: {}", name,
+                                 made.id, describe_acting(made)));
+  }
+}
+
+void MethodChoice::add_to(CLI::App& command) {
+  command.add_option("--method", method, "An id or alias of `hmax list methods`")->type_name("ID");
+  command.add_option("--tableau", tableau, "A file with an explicit tableau of your own")->type_name("FILE");
+}
+
+Method MethodChoice::make() const {
+  if (!method.empty() && !tableau.empty())
+    throw InputError("--method and --tableau are both given; choose one of them");
+  if (!tableau.empty()) return make_method(read_tableau(tableau));
+  if (method.empty())
+    throw InputError("no method is given; name one with --method, `hmax list methods` shows all of them");
+  return find_method(method);
+}
+
+void add_control(CLI::App& command, std::string& control) {
+  command
+      .add_option("--control", control,
+                  fmt::format("How adaptive steps are steered: {}; {} by default",
+                              fmt::join(controller_names, ", "), to_string(RunSpec{}.control)))
+      ->type_name("NAME");
+}
+
+}  // namespace hmax

@@ -1,0 +1,60 @@
+/// The options by which several subcommands choose a problem and a method.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "cli/shared/console.hpp"
+
+namespace hmax {
+
+/// --mesh with --unit --model --load, and vectors and sets that act on it
+struct MeshOptions {
+  std::string mesh, unit, model, load, gravity, tool_at, tool_direction;
+  std::vector<std::string> supports;
+
+  void add_to(CLI::App& command);
+  /// The id of the problem, empty without a mesh.
+  /// @throws InputError when a model or load is given without a mesh
+  [[nodiscard]] std::string problem_id() const;
+  /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
+  [[nodiscard]] std::optional<double> metres() const;
+  /// What the options say as parameters of bench/models/tissue_parameters.hpp.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
+};
+
+/// --support, sets of points as of bench/models/support_sets.hpp
+void add_support(CLI::App& command, std::vector<std::string>& sets);
+
+/// --problem or a mesh; --set --material --y0
+struct ProblemChoice {
+  std::string problem, material, y0;
+  MeshOptions body;
+  std::vector<std::string> set;
+
+  void add_to(CLI::App& command);
+  /// @throws InputError when something is missing or unknown
+  [[nodiscard]] Problem make() const { return make_problem(id(), settings()); }
+  /// What make_problem takes. @throws InputError  when a problem is missing, or given twice
+  [[nodiscard]] std::string id() const;
+  [[nodiscard]] ProblemSettings settings() const;
+  /// Says on standard error which parameters of --set change nothing of the problem that came of them.
+  void remark_idle(Console& console, const Problem& made) const;
+};
+
+/// --method or --tableau
+struct MethodChoice {
+  std::string method, tableau;
+
+  void add_to(CLI::App& command);
+  /// @throws InputError when both or none are given, or something is unknown
+  [[nodiscard]] Method make() const;
+};
+
+/// --control, a word of controller_names
+void add_control(CLI::App& command, std::string& control);
+
+}  // namespace hmax

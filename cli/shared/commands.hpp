@@ -1,0 +1,34 @@
+/// The subcommands of `hmax`, one source file each, which parses and prints; reproduce_* also compose
+/// reports.
+///
+/// add_NAME() adds the subcommand to the application. Its callback runs after parsing; it reports bad input
+/// by throwing InputError and a check that failed by console.exit_code.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "cli/shared/console.hpp"
+
+namespace hmax {
+
+/// What `hmax list` shows.
+inline constexpr std::array<std::string_view, 3> list_topics{"methods", "problems", "materials"};
+
+void add_list(CLI::App& app, Console& console);
+void add_run(CLI::App& app, Console& console);
+void add_static(CLI::App& app, Console& console);
+void add_order(CLI::App& app, Console& console);
+void add_sweep(CLI::App& app, Console& console);
+void add_precision(CLI::App& app, Console& console);
+void add_check(CLI::App& app, Console& console);
+void add_phase(CLI::App& app, Console& console);
+void add_stability(CLI::App& app, Console& console);
+void add_mesh(CLI::App& app, Console& console);
+void add_reproduce(CLI::App& app, Console& console);
+void add_export(CLI::App& app, Console& console);
+void add_compare(CLI::App& app, Console& console);
+void add_doctor(CLI::App& app, Console& console);  // and info
+void add_completion(CLI::App& app, Console& console);
+
+}  // namespace hmax

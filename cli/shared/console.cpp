@@ -1,0 +1,278 @@
+#include "cli/shared/console.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "bench/input/suggest.hpp"
+#include "cli/shared/last_resort.hpp"
+#include "core/part_file.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+std::atomic<bool> interrupted{false}, waits_for_task{false};
+
+extern "C" void on_interrupt(int) {
+  if (!waits_for_task.load() || interrupted.exchange(true)) {
+    remove_part_file();
+    write_error("hmax: interrupted\n");
+    _exit(static_cast<int>(Exit::interrupted));
+  }
+}
+
+/// Ends the program as the signal does by itself, which is told to who waits for it.
+extern "C" void on_termination(int signal) {
+  remove_part_file();
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value && *value;
+}
+
+bool is_terminal(int descriptor) {
+  const char* kind = std::getenv("TERM");
+  return isatty(descriptor) && !(kind && std::strcmp(kind, "dumb") == 0);
+}
+
+std::string painted(bool colour, const char* code, std::string_view text) {
+  return colour ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string(text);
+}
+
+/// The number of characters on the screen: control sequences take no room, UTF-8 one place a code point.
+std::size_t width_of(std::string_view text) {
+  std::size_t width = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\x1b') {
+      while (i < text.size() && text[i] != 'm') ++i;
+    } else if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) {
+      ++width;
+    }
+  }
+  return width;
+}
+
+/// What people read where a number has none of the digits they expect.
+constexpr std::string_view no_number = "undefined", too_large = "infinite", too_low = "-infinite";
+
+bool is_number_in_words(std::string_view cell) {
+  return cell.empty() || cell == "-" || cell == no_number || cell == too_large || cell == too_low ||
+         to_number(cell).has_value();
+}
+
+using Json = nlohmann::ordered_json;
+
+/// Whether a value is, or a list of any depth holds, a number that JSON has no digits for.
+bool lacks_digits(const Json& value) {
+  if (value.is_number_float()) return !std::isfinite(value.get<double>());
+  return value.is_array() && std::ranges::any_of(value, lacks_digits);
+}
+
+/// Gives every object in which numbers become null a `status` that names them, after what it says already.
+void explain_nulls(Json& value) {
+  if (value.is_structured())
+    for (Json& part : value) explain_nulls(part);
+  if (!value.is_object()) return;
+  std::string names;
+  for (const auto& [name, part] : value.items())
+    if (lacks_digits(part)) names += (names.empty() ? "" : ", ") + name;
+  if (names.empty()) return;
+  Json& status = value["status"];
+  const std::string before = status.is_string() ? status.get<std::string>() : "";
+  status = fmt::format("{}{}beyond the range of numbers: {}", before, before.empty() ? "" : "; ", names);
+}
+
+std::string remaining_time(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} s", std::ceil(seconds));
+  if (seconds < 5400) return fmt::format("{:.0f} min", std::ceil(seconds / 60));
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+}  // namespace
+
+Console::Console()
+    : colour_(is_terminal(STDOUT_FILENO) && !is_set("NO_COLOR")), progress_(is_terminal(STDERR_FILENO)) {}
+
+void Console::print(std::string_view text) {
+  if (reader_left_) return;
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size()) return;
+  // A reader that has seen enough (`hmax ... | head`) is no error.
+  if (errno == EPIPE) {
+    reader_left_ = true;
+    return;
+  }
+  throw InputError(fmt::format("cannot write to standard output ({}); make room or redirect it elsewhere",
+                               std::strerror(errno)));
+}
+
+void Console::print_json(const nlohmann::ordered_json& document) {
+  Json explained = document;
+  explain_nulls(explained);
+  // A name that is not UTF-8 has a substitute for each byte that is none.
+  print(explained.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void Console::flush() {
+  if (reader_left_) return;
+  errno = 0;
+  if (std::fflush(stdout) == 0 || errno == EPIPE) return;
+  throw InputError(fmt::format("cannot write to standard output ({}); make room or redirect it elsewhere",
+                               std::strerror(errno)));
+}
+
+void Console::remark(std::string_view text) { tell({text}); }
+
+std::string Console::strong(std::string_view text) const { return painted(colour_, "1", text); }
+std::string Console::faint(std::string_view text) const { return painted(colour_, "2", text); }
+std::string Console::alarming(std::string_view text) const { return painted(colour_, "1;31", text); }
+
+Progress::Progress(const Console& console, std::string task)
+    : task_(std::move(task)), active_(console.shows_progress()), start_(Clock::now()), last_(start_) {}
+
+Progress::~Progress() {
+  if (drawn_) write_error("\r\x1b[K");
+}
+
+void Progress::update(double share, std::string_view detail) {
+  if (!active_) return;
+  const auto now = Clock::now();
+  using Seconds = std::chrono::duration<double>;
+  const double elapsed = Seconds(now - start_).count();
+  if (elapsed < 1 || (drawn_ && Seconds(now - last_).count() < 0.2)) return;
+  last_ = now;
+  drawn_ = true;
+  const std::string rest =
+      share > 0 ? ", " + remaining_time(elapsed * (1 - share) / share) + " to go" : std::string();
+  write_error(fmt::format("\r\x1b[K{}: {:.0f} %{}{}{}", task_, std::floor(100 * share), rest,
+                          detail.empty() ? "" : "  ", detail));
+}
+
+const std::atomic<bool>& interrupt_flag() {
+  waits_for_task = true;
+  return interrupted;
+}
+
+void install_interrupt_handler() {
+  std::signal(SIGINT, on_interrupt);
+  for (const int signal : {SIGTERM, SIGHUP})
+    if (std::signal(signal, on_termination) == SIG_IGN) std::signal(signal, SIG_IGN);  // nohup
+  std::signal(SIGPIPE, SIG_IGN);
+  // A limit on the size of files is then an error of write(), told like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+CLI::App& add_command(CLI::App& parent, Console& console, const std::string& name,
+                      const std::string& description, const std::vector<std::string>& examples) {
+  CLI::App& command = *parent.add_subcommand(name, description);
+  command.add_flag("--json", console.json, "Print one JSON document on standard output");
+  std::string footer = examples.size() > 1 ? "Examples:" : "Example:";
+  for (const std::string& example : examples) footer += "\n  " + example;
+  command.footer(footer);
+  return command;
+}
+
+double parse_number(std::string_view what, std::string_view text) {
+  if (const auto value = to_number(text)) return *value;
+  const bool comma = text.find(',') != std::string_view::npos;
+  throw InputError(fmt::format(
+      "{} is '{}', which is not a number within the range of double; {}", what, text,
+      comma ? "write the decimal point as '.', 1.5 and not 1,5" : "write it like 0.01, 1e-2 or 1.0D-2"));
+}
+
+std::int64_t parse_count(std::string_view what, std::string_view text, std::int64_t least) {
+  const double value = parse_number(what, text);
+  if (!(value >= static_cast<double>(least)) || value > 9e15 || value != std::floor(value))
+    throw InputError(fmt::format("{} is '{}' but must be a whole number of at least {}", what, text, least));
+  return static_cast<std::int64_t>(value);
+}
+
+std::vector<std::string> parse_names(std::string_view what, std::string_view text) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    std::string_view part = text.substr(begin, end - begin);
+    while (part.starts_with(' ')) part.remove_prefix(1);
+    while (part.ends_with(' ')) part.remove_suffix(1);
+    if (part.empty())
+      throw InputError(
+          fmt::format("{} is '{}', where a part is empty; write the parts with commas between "
+                      "them and none at the ends",
+                      what, text));
+    names.emplace_back(part);
+    begin = end + 1;
+  }
+  return names;
+}
+
+std::vector<double> parse_numbers(std::string_view what, std::string_view text) {
+  std::vector<double> numbers;
+  for (const std::string& part : parse_names(what, text)) numbers.push_back(parse_number(what, part));
+  return numbers;
+}
+
+std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string_view::npos || equals == 0)
+    throw InputError(fmt::format("{} is '{}' but must name a parameter and its value, like c=6", what, text));
+  return {std::string(text.substr(0, equals)),
+          parse_number(fmt::format("{} {}", what, text.substr(0, equals)), text.substr(equals + 1))};
+}
+
+std::string parse_choice(std::string_view what, std::string_view word,
+                         std::span<const std::string_view> choices) {
+  if (std::ranges::find(choices, word) != choices.end()) return std::string(word);
+  throw InputError(fmt::format("{} is '{}'; {}", what, word, suggestion(word, choices)));
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,
+                        const std::string& description) {
+  return command
+      .add_option_function<std::string>(
+          name, [&value, name](const std::string& text) { value = parse_number(name, text); }, description)
+      ->type_name("NUMBER");
+}
+
+std::string TextTable::text(const Console& console) const {
+  std::vector<std::size_t> widths(rows_[0].size(), 0);
+  for (const auto& row : rows_)
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width_of(row[c]));
+  // A column of numbers, blanks and dashes is flush right.
+  std::vector<bool> right(widths.size(), true);
+  right[0] = false;
+  for (std::size_t r = 1; r < rows_.size(); ++r)
+    for (std::size_t c = 0; c < rows_[r].size(); ++c) right[c] = right[c] && is_number_in_words(rows_[r][c]);
+  std::string text;
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    std::string line;
+    for (std::size_t c = 0; c < rows_[r].size(); ++c) {
+      const std::string pad(widths[c] - width_of(rows_[r][c]), ' ');
+      line += (c ? "  " : "") + (right[c] ? pad + rows_[r][c] : rows_[r][c] + pad);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += (r == 0 ? console.strong(line) : line) + "\n";
+  }
+  return text;
+}
+
+std::string short_number(double value, int digits) {
+  if (std::isnan(value)) return std::string(no_number);
+  if (std::isinf(value)) return std::string(value > 0 ? too_large : too_low);
+  return fmt::format("{:.{}g}", value, digits);
+}
+
+}  // namespace hmax

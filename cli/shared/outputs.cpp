@@ -1,0 +1,45 @@
+#include "cli/shared/outputs.hpp"
+
+#include <array>
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cli/shared/console.hpp"
+#include "core/own_files.hpp"
+#include "plots/figure.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+void add_force(CLI::App& command) {
+  command.add_flag_callback(
+      "--force", [] { allow_replacing(Replacing::forced); }, "Replace a file that hmax did not write");
+}
+
+void add_figure_style(CLI::App& command) {
+  command
+      .add_option_function<std::string>(
+          "--style",
+          [](const std::string& name) {
+            constexpr std::array<std::string_view, 2> styles{"page", "slide"};
+            set_figure_style(parse_choice("--style", name, styles) == styles[1] ? FigureStyle::slide
+                                                                                : FigureStyle::page);
+          },
+          "Figures for a page (default) or, with larger text, for a slide")
+      ->type_name("NAME");
+}
+
+std::string_view form_of(const std::string& file, std::initializer_list<FileForm> forms) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending.empty()) return forms.begin()->ending;
+  std::string known;
+  for (const FileForm& form : forms) {
+    if (ending == form.ending) return form.ending;
+    known += fmt::format("{}FILE{} ({})", known.empty() ? "" : " or ", form.ending, form.holds);
+  }
+  throw InputError(fmt::format("'{}' would not be what its name says; --output writes {}", file, known));
+}
+
+}  // namespace hmax

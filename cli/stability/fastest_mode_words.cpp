@@ -1,0 +1,75 @@
+#include "cli/stability/fastest_mode_words.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "bench/limits/fastest_mode.hpp"
+#include "bench/models/body_balance.hpp"
+#include "cli/shared/console.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Degrees of freedom up to which changes of the mesh are tried, each of which takes a mesh and a Lanczos
+/// iteration of its own.
+constexpr Eigen::Index most_tried = 30'000;
+
+bool tries_gains(const Problem& problem) { return problem.body->dofs() <= most_tried; }
+
+}  // namespace
+
+Json fastest_mode_json(const Problem& problem, const Linearised& near) {
+  const FastestMode mode = fastest_mode_of(*problem.body, near, tries_gains(problem));
+  const NamedElement owner = named_element(problem, mode.owner.element);
+  const auto bound = [&](double kappa) {
+    return Json{{"kappa", kappa}, {"pessimism", std::sqrt(kappa / mode.kappa)}};
+  };
+  return {{"kappa", mode.kappa},
+          {"omega", std::sqrt(mode.kappa)},
+          {"residual", mode.residual},
+          {"bounds",
+           {{"element", bound(mode.bounds.element)},
+            {"nodal", bound(mode.bounds.nodal)},
+            {"gershgorin", bound(mode.bounds.gershgorin)}}},
+          {"element", owner.number},
+          {"element_kind", owner.kind},
+          {"points", mode.points},
+          {"centre", {mode.centre.x(), mode.centre.y(), mode.centre.z()}},
+          {"energy_share", mode.owner.share},
+          {"elements_with_nine_tenths", mode.owner.elements},
+          {"moving_points", mode.owner.moving_points},
+          {"gain", tries_gains(problem)
+                       ? Json{{"without_element", mode.without},
+                              {"double_mass", mode.with_mass},
+                              {"added_mass", mode.added_mass},
+                              {"smoothed", mode.smoothed},
+                              {"moved_point", mode.moved_point ? Json(*mode.moved_point) : Json()}}
+                       : Json()}};
+}
+
+std::string fastest_mode_in_words(const Problem& problem, const Linearised& near) {
+  const FastestMode mode = fastest_mode_of(*problem.body, near, tries_gains(problem));
+  const NamedElement owner = named_element(problem, mode.owner.element);
+  const auto pessimism = [&](double kappa) { return short_number(std::sqrt(kappa / mode.kappa), 4); };
+  const std::string fastest = fmt::format(
+      "fastest mode at rest {} rad/s: {} {} has {} % of its energy, {} points move; bounds are larger by {} "
+      "(elements), {} (points), {} (Gershgorin)\n",
+      short_number(std::sqrt(mode.kappa)), owner.kind, owner.number, short_number(100 * mode.owner.share, 3),
+      short_number(mode.owner.moving_points, 3), pessimism(mode.bounds.element), pessimism(mode.bounds.nodal),
+      pessimism(mode.bounds.gershgorin));
+  if (!tries_gains(problem)) return fastest;
+  return fmt::format(
+      "{}an undamped step would grow by {} without that element, by {} with twice its mass ({} % of the body); {}\n",
+      fastest, short_number(mode.without, 4), short_number(mode.with_mass, 4),
+      short_number(100 * mode.added_mass, 3),
+      mode.moved_point ? fmt::format("by {} with point {} moved towards its neighbours",
+                                     short_number(mode.smoothed, 4), *mode.moved_point)
+                       : "moving its points would gain nothing");
+}
+
+}  // namespace hmax

@@ -1,0 +1,86 @@
+#include "cli/stability/operating_point.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <new>
+#include <stop_token>
+#include <system_error>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "analysis/statics/static_solution.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+constexpr std::array<std::string_view, 2> words{"equilibrium", "rest"};
+}  // namespace
+
+void OperatingPointChoice::add_to(CLI::App& command) {
+  command
+      .add_option("--at", at,
+                  "State of a body on a mesh: equilibrium, under its load, by default; rest, without "
+                  "displacement, needs no static solution")
+      ->type_name("rest|equilibrium");
+}
+
+OperatingPoint OperatingPointChoice::of(const Problem& problem) const {
+  if (at.empty()) return OperatingPoint::equilibrium;
+  if (parse_choice("--at", at, words) == words[0]) return OperatingPoint::equilibrium;
+  if (!problem.body)
+    throw InputError(
+        fmt::format("--at rest applies to bodies on a mesh, and {} is none; remove it", problem.id));
+  return OperatingPoint::rest;
+}
+
+void announce_equilibrium(Console& console, const Problem& problem, OperatingPoint at) {
+  if (!problem.body || at == OperatingPoint::rest || problem.body->dofs() <= most_cheaply_factored ||
+      !problem.body->is_autonomous() || is_at_rest(*problem.body))
+    return;
+  // Measured on balls in their weight of 29,000 to 275,000 degrees of freedom, within a factor of 2: Newton's
+  // steps by conjugate gradients, and up to most_judged_by_factor a factor of K that tells whether the
+  // equilibrium is stable.
+  const auto dofs = static_cast<double>(problem.body->dofs());
+  const double factored = dofs <= most_judged_by_factor ? dofs : 0;
+  const double seconds = 7.5e-5 * dofs * std::cbrt(dofs / 1e5) + 2.8e-9 * factored * factored;
+  const double gigabytes = 3e-6 * dofs + 6.7e-7 * std::pow(factored, 4.0 / 3);
+  console.remark(fmt::format(
+      "the static equilibrium of {} degrees of freedom takes about {:.0f} s and {:.1f} GB; --at rest needs neither",
+      problem.body->dofs(), std::ceil(seconds), gigabytes));
+}
+
+LinearisationProgress::LinearisationProgress(Progress& progress) {
+  const auto show = [this, &progress](const std::stop_token& end) {
+    std::mutex mutex;
+    std::condition_variable_any wake;
+    std::unique_lock lock(mutex);
+    int seconds = 0;
+    for (int wait = 5;; wait = 1) {
+      wake.wait_for(lock, end, std::chrono::seconds(wait), [] { return false; });
+      if (end.stop_requested()) return;
+      const double residual = residual_;
+      const std::string search =
+          residual > 0 ? fmt::format("static equilibrium (residual {:.1e}), ", residual) : std::string();
+      progress.update(0, fmt::format("{}fastest modes, {} s", search, seconds += wait));
+    }
+  };
+  // Progress that there is no memory for is not shown; nothing may leave a thread.
+  try {
+    shows_ = std::jthread([show](const std::stop_token& end) {
+      try {
+        show(end);
+      } catch (const std::bad_alloc&) {
+      }
+    });
+  } catch (const std::system_error&) {
+  }
+}
+
+}  // namespace hmax

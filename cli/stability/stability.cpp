@@ -1,0 +1,233 @@
+/// hmax stability limits | region | numerical-damping | predict | map | modes
+#include "cli/stability/stability.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "analysis/amplification/limits.hpp"
+#include "analysis/amplification/numerical_damping.hpp"
+#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/tableau_file.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string number_or_unbounded(double value, int digits = 10) {
+  return std::isinf(value) ? "unbounded" : short_number(value, digits);
+}
+
+// ---- limits
+
+Json to_json(const Formula& formula, const StabilityLimits& limits) {
+  const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
+  Json lobes = Json::array();
+  for (const Lobe& lobe : limits.lobes)
+    lobes.push_back({{"axis", lobe.imaginary ? "imaginary" : "real"},
+                     {"from", lobe.from},
+                     {"to", number_or_word(lobe.to)}});
+  Json document{
+      {"method", formula.id},
+      {"order", formula.order},
+      {"real", motion ? Json() : number_or_word(limits.real)},
+      {"imaginary", number_or_word(limits.imaginary)},
+      {"imaginary_weak", number_or_word(limits.imaginary_weak)},
+      {"alpha_degrees", limits.alpha_degrees ? Json(*limits.alpha_degrees) : Json()},
+      {"a_stable", limits.a_stable},
+      {"l_stable", limits.l_stable},
+      {"at_infinity",
+       limits.at_infinity && std::isfinite(*limits.at_infinity) ? Json(*limits.at_infinity) : Json()},
+      {"evaluations", formula.evaluations > 0 ? Json(formula.evaluations) : Json()},
+      {"derived_from", formula.amplification->measured ? "steps of the code" : "coefficients"},
+      {"lobes", lobes}};
+  if (motion) {
+    document["status"] =
+        "steps positions and velocities: `imaginary` is the undamped omega h, and a real eigenvalue alone is "
+        "no motion";
+    document["critically_damped"] = number_or_word(limits.real);
+  }
+  if (formula.explicit_half) {
+    const StabilityLimits half = stability_limits(*formula.explicit_half);
+    document["nothing_stiff"] = {{"real", number_or_word(half.real)},
+                                 {"imaginary", number_or_word(half.imaginary)},
+                                 {"imaginary_weak", number_or_word(half.imaginary_weak)}};
+  }
+  return document;
+}
+
+void limits(const MethodsChoice& choice, Console& console) {
+  const std::vector<Formula> formulas = choice.formulas();
+  Json documents = Json::array();
+  TextTable table({"method", "real", "imaginary", "weakly", "alpha [deg]", "A", "L", "at infinity"});
+  std::string remarks;
+  for (const Formula& formula : formulas) {
+    const StabilityLimits found = stability_limits(*formula.amplification);
+    documents.push_back(to_json(formula, found));
+    const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
+    table.add(
+        {formula.id, motion ? "-" : number_or_unbounded(found.real), number_or_unbounded(found.imaginary),
+         number_or_unbounded(found.imaginary_weak),
+         found.alpha_degrees ? short_number(*found.alpha_degrees, 6) : "-", found.a_stable ? "yes" : "no",
+         found.l_stable ? "yes" : "no",
+         found.at_infinity && std::isfinite(*found.at_infinity) ? short_number(*found.at_infinity, 4) : "-"});
+    for (const Lobe& lobe : found.lobes)
+      remarks += fmt::format("{}: stable again on the {} axis from {} to {}, behind a gap\n", formula.id,
+                             lobe.imaginary ? "imaginary" : "real", short_number(lobe.from, 9),
+                             number_or_unbounded(lobe.to, 9));
+    if (formula.explicit_half) {
+      const StabilityLimits half = stability_limits(*formula.explicit_half);
+      remarks += fmt::format("{}: all of f stiff; with nothing stiff real {}, imaginary {}\n", formula.id,
+                             number_or_unbounded(half.real), number_or_unbounded(half.imaginary));
+    }
+    if (formula.amplification->measured)
+      remarks += fmt::format("{}: from steps of its code, not from coefficients\n", formula.id);
+  }
+  if (console.json) {
+    console.print_json(formulas.size() == 1 ? documents.front() : documents);
+    return;
+  }
+  console.print(table.text(console));
+  if (!remarks.empty()) console.print("\n" + remarks);
+  console.print(
+      "\nz = h lambda of y' = lambda y: [-real, 0] and i [0, imaginary] are stable, up to the first exit "
+      "from the\n"
+      "origin. weakly: where a step first amplifies by more than 1e-6. alpha: half the angle of the stable "
+      "wedge.\n"
+      "'-' under real: the method steps positions and velocities, and imaginary is its omega h without "
+      "damping.\n");
+}
+
+// ---- numerical damping
+
+struct DampingOptions {
+  MethodsChoice methods;
+  std::optional<double> h, frequency, zeta;
+};
+
+void numerical_damping(const DampingOptions& options, Console& console) {
+  const auto positive = [](const std::optional<double>& value, std::string_view what,
+                           std::string_view example) {
+    if (!value) throw InputError(fmt::format("{} is missing; give it, for instance {}", what, example));
+    if (!(*value > 0) || !std::isfinite(*value))
+      throw InputError(fmt::format("{} is {} but must be a positive finite number, for instance {}", what,
+                                   to_text(*value), example));
+    return *value;
+  };
+  const double h = positive(options.h, "the step --h [s]", "--h 0.01");
+  const double frequency = positive(options.frequency, "the frequency --frequency [Hz]", "--frequency 8");
+  const double zeta = options.zeta.value_or(0);
+  if (!(zeta >= 0 && zeta < 1))
+    throw InputError(fmt::format(
+        "the damping ratio --zeta is {} but must lie between 0 and 1: a mode that does not oscillate shows no "
+        "damping; give for instance --zeta 0.1",
+        to_text(zeta)));
+  const double omega = 2 * std::numbers::pi * frequency;
+  Json documents = Json::array();
+  TextTable table({"method", "damping ratio", "added", "seen at [Hz]", "period error", "growth a step"});
+  const std::vector<Formula> formulas = options.methods.formulas();
+  for (const Formula& formula : formulas) {
+    const ShownOscillation shown = shown_oscillation(*formula.amplification, omega, zeta, h);
+    const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+    documents.push_back({{"method", formula.id},
+                         {"h", h},
+                         {"frequency", frequency},
+                         {"zeta", zeta},
+                         {"zeta_shown", finite(shown.zeta)},
+                         {"zeta_added", finite(shown.zeta - zeta)},
+                         {"frequency_shown", finite(shown.frequency_damped)},
+                         {"period_error", finite(shown.period_error)},
+                         {"spectral_radius", finite(shown.spectral_radius)},
+                         {"stable", shown.spectral_radius <= 1 + 1e-12}});
+    table.add({formula.id, short_number(shown.zeta, 4), short_number(shown.zeta - zeta, 4),
+               short_number(shown.frequency_damped, 4),
+               std::isfinite(shown.period_error) ? fmt::format("{:.2f} %", 100 * shown.period_error) : "-",
+               short_number(shown.spectral_radius, 6)});
+  }
+  if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);
+  console.print(table.text(console));
+  console.print(fmt::format("\nA mode of {} Hz with {} of critical damping, integrated with h = {} s.\n",
+                            short_number(frequency), short_number(zeta), short_number(h)));
+}
+
+}  // namespace
+
+void MethodsChoice::add_to(CLI::App& command, const std::string& description) {
+  command.add_option("--methods,--method", names, description)->type_name("A,B");
+  command.add_option("--tableau", tableau, "A file with an explicit tableau of your own")->type_name("FILE");
+}
+
+std::vector<Formula> MethodsChoice::formulas() const {
+  std::vector<Formula> chosen;
+  if (!names.empty() || tableau.empty()) chosen = formulas_of(names);
+  if (!tableau.empty()) chosen.push_back(formula_of(make_method(read_tableau(tableau))));
+  return chosen;
+}
+
+std::vector<Method> MethodsChoice::methods(const std::vector<Problem>& problems) const {
+  if (names.empty() && tableau.empty())
+    throw InputError(
+        "no method is given; name some with --methods, like ode45,newmark,bdf_3, a family of `hmax list "
+        "methods`, or all");
+  std::vector<Method> chosen;
+  if (!names.empty()) chosen = choose_methods_and_formulas(parse_names("--methods", names), problems);
+  if (!tableau.empty()) chosen.push_back(make_method(read_tableau(tableau)));
+  return chosen;
+}
+
+std::vector<Formula> formulas_of(const std::string& names) {
+  if (names.empty())
+    throw InputError(
+        "no method is given; name one with --method, like rk4, adams_pece:order=4 or bdf_3, or several with "
+        "commas");
+  return choose_formulas(parse_names("--method", names));
+}
+
+Json number_or_word(double value) {
+  return std::isnan(value) ? Json() : std::isinf(value) ? Json("unbounded") : Json(value);
+}
+
+void add_stability(CLI::App& app, Console& console) {
+  CLI::App& stability = *app.add_subcommand("stability", "Say how large a step is stable, and prove it");
+  stability.require_subcommand(1);
+  const std::string formulas = "Ids, aliases or families of `hmax list methods`, all, or " +
+                               fmt::format("{}", fmt::join(formula_patterns(), ", "));
+
+  CLI::App& limits_command = add_command(stability, console, "limits",
+                                         "The stable interval of each axis, A(alpha), A- and L-stability",
+                                         {"hmax stability limits --method rk4",
+                                          "hmax stability limits --method bdf_3,adams_pece:order=4 --json"});
+  const auto methods = std::make_shared<MethodsChoice>();
+  methods->add_to(limits_command, formulas);
+  limits_command.callback([methods, &console] { limits(*methods, console); });
+
+  add_stability_region(stability, console, formulas);
+
+  CLI::App& damping_command =
+      add_command(stability, console, "numerical-damping",
+                  "The damping and the change of period that a method adds to a mode",
+                  {"hmax stability numerical-damping --method implicit_euler --h 0.01 --frequency 8"});
+  const auto damping = std::make_shared<DampingOptions>();
+  damping->methods.add_to(damping_command, formulas);
+  add_number(damping_command, "--h", damping->h, "The step [s]");
+  add_number(damping_command, "--frequency", damping->frequency, "Undamped frequency of the mode [Hz]");
+  add_number(damping_command, "--zeta", damping->zeta, "Damping ratio of the mode; 0 by default");
+  damping_command.callback([damping, &console] { numerical_damping(*damping, console); });
+
+  add_stability_predict(stability, console);
+  add_stability_gallery(stability, console, formulas);
+  add_stability_map(stability, console);
+  add_stability_frozen(stability, console);
+  add_stability_modes(stability, console);
+}
+
+}  // namespace hmax

@@ -1,0 +1,35 @@
+/// What the subcommands of `hmax stability` share.
+#pragma once
+
+#include "bench/catalogue/formulas.hpp"
+#include "cli/shared/console.hpp"
+
+namespace hmax {
+
+/// A number, "unbounded" for infinity, null for NaN.
+nlohmann::ordered_json number_or_word(double value);
+
+/// The formulas of --method. @throws InputError when there is none
+std::vector<Formula> formulas_of(const std::string& names);
+
+/// --methods and --tableau: names, and a tableau of the user's own beside them
+struct MethodsChoice {
+  std::string names, tableau;
+
+  /// @param description  of --methods
+  void add_to(CLI::App& command, const std::string& description);
+  /// @throws InputError when neither is given, or something is unknown
+  [[nodiscard]] std::vector<Formula> formulas() const;
+  /// The same for predictions on these problems; what has no code has no `bind`.
+  [[nodiscard]] std::vector<Method> methods(const std::vector<Problem>& problems) const;
+};
+
+/// @param formulas  what can be named, for --help
+void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas);
+void add_stability_predict(CLI::App& stability, Console& console);
+void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas);
+void add_stability_map(CLI::App& stability, Console& console);
+void add_stability_frozen(CLI::App& stability, Console& console);
+void add_stability_modes(CLI::App& stability, Console& console);
+
+}  // namespace hmax

@@ -1,0 +1,313 @@
+/// hmax stability gallery: every region on one page, and the liver's eigenvalues on their way out of three.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <tuple>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "analysis/amplification/limits.hpp"
+#include "bench/limits/predict.hpp"
+#include "cli/shared/outputs.hpp"
+#include "cli/stability/stability.hpp"
+#include "cli/stability/stability_parts.hpp"
+#include "cli/stability/stability_pictures.hpp"
+#include "plots/draw.hpp"
+#include "plots/drawn/sliding.hpp"
+#include "plots/page.hpp"
+#include "problems/oscillator/liver_materials.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Formulas that are shown together, each of which has a panel of its own too.
+struct Chapter {
+  std::string title, text, stem;
+  std::vector<Formula> formulas = {};
+  bool by_cost = false;  ///< compared for equal work too
+};
+
+struct Group {
+  const char *title, *text, *stem;
+  std::vector<std::string> names;
+  bool by_cost = false;
+};
+
+std::vector<std::string> numbered(const std::string& prefix, std::initializer_list<int> numbers) {
+  std::vector<std::string> names;
+  for (const int number : numbers) names.push_back(prefix + std::to_string(number));
+  return names;
+}
+
+std::vector<std::string> stabilised() {
+  std::vector<std::string> names = numbered("rkc_2:stages=", {3, 5, 10});
+  for (std::string& name : numbered("rkl_2:stages=", {3, 5, 10})) names.push_back(std::move(name));
+  return names;
+}
+
+std::vector<Group> groups() {
+  const auto k = {1, 2, 3, 4, 5, 6};
+  return {
+      {"Explicit Runge-Kutta methods",
+       "Regions grow with the stages; divided by the evaluations of f that a step costs they shrink.",
+       "explicit_runge_kutta",
+       {"explicit_runge_kutta"},
+       true},
+      {"Adams-Bashforth methods", "One evaluation a step, and the less room the higher the order.",
+       "adams_bashforth", numbered("adams_bashforth_", k)},
+      {"Adams predictor and corrector, PECE",
+       "The second evaluation buys back some of the room that the order takes.", "abm_pece",
+       numbered("abm_pece_", k), true},
+      {"Adams predictor and corrector, PEC", "Without the second evaluation.", "abm_pec",
+       numbered("abm_pec_", k)},
+      {"The pair of ode113 held at one order", "Predictor of order K, corrector of order K + 1.",
+       "adams_pece", numbered("adams_pece:order=", k)},
+      {"Adams-Moulton formulas", "The corrector solved exactly: A-stable up to order 2.", "adams_moulton",
+       numbered("adams_moulton_", k)},
+      {"Backward differentiation",
+       "Stable outside of the curves. From order 3 on part of the left half-plane is lost: A(alpha).", "bdf",
+       numbered("bdf_", k)},
+      {"Stabilised explicit methods",
+       "A strip along the real axis whose length grows with the square of the stages.", "stabilised",
+       stabilised()},
+      {"Diagonally and fully implicit Runge-Kutta methods",
+       "Stable outside of the curves.",
+       "implicit",
+       {"diagonally_implicit", "fully_implicit"}},
+      {"Rosenbrock methods",
+       "With the exact Jacobian; stable outside of the curves.",
+       "rosenbrock",
+       {"rosenbrock"}},
+      {"Implicit-explicit pairs", "All of f declared stiff.", "imex", {"imex"}},
+      {"Methods of structural dynamics",
+       "The largest stable omega h of an oscillation over its damping ratio: stable left of the curve.",
+       "structural",
+       {"structural"}},
+  };
+}
+
+/// The chapters of the formulas that are asked for; what no group holds is told by family at the end.
+std::vector<Chapter> chapters_of(const std::string& names) {
+  const bool all = names == "all";
+  std::vector<Formula> left = formulas_of(names);
+  std::vector<Chapter> chapters;
+  for (const Group& group : groups()) {
+    Chapter chapter{.title = group.title, .text = group.text, .stem = group.stem, .by_cost = group.by_cost};
+    for (Formula& formula : choose_formulas(group.names)) {
+      const auto same = [&](const Formula& other) { return other.id == formula.id; };
+      if (all || std::ranges::any_of(left, same)) chapter.formulas.push_back(formula);
+      std::erase_if(left, same);
+    }
+    if (!chapter.formulas.empty()) chapters.push_back(std::move(chapter));
+  }
+  for (const Formula& formula : left) {
+    const std::string family = formula.method ? formula.method->family : "other formulas";
+    auto place =
+        std::ranges::find_if(chapters, [&](const Chapter& c) { return c.stem == file_stem(family); });
+    if (place == chapters.end()) {
+      Chapter further{.title = "Further methods: " + family, .text = "", .stem = file_stem(family)};
+      if (formula.method && formula.method->engine != "hmax")
+        further.text = "A foreign engine; where it shows no coefficients, its steps are measured.";
+      place = chapters.insert(chapters.end(), std::move(further));
+    }
+    place->formulas.push_back(formula);
+  }
+  return chapters;
+}
+
+/// Draws into the folder of the gallery and reads the pictures for the page.
+class Atelier {
+ public:
+  Atelier(fs::path folder, Json& files) : folder_(std::move(folder)), files_(files) {}
+
+  PagePicture draw(const Figure& figure, const std::string& name, const std::string& caption) {
+    const FigureFiles made = hmax::draw(figure, folder_, name);
+    if (!made.drawn()) return {.caption = caption, .problem = made.problem};
+    files_.push_back(made.base.string() + ".svg");
+    std::ifstream in(made.base.string() + ".svg", std::ios::binary);
+    return {.svg = {std::istreambuf_iterator<char>(in), {}}, .caption = caption};
+  }
+
+  PagePicture keep(const std::string& svg, const std::string& name, const std::string& caption) {
+    const fs::path file = folder_ / (name + ".svg");
+    write_page(file, svg);
+    files_.push_back(file.string());
+    return {.svg = svg, .caption = caption};
+  }
+
+ private:
+  fs::path folder_;
+  Json& files_;
+};
+
+std::string cell(double value) { return std::isinf(value) ? "unbounded" : short_number(value, 7); }
+
+std::vector<std::vector<std::string>> limits_table(const std::vector<Formula>& formulas) {
+  std::vector<std::vector<std::string>> rows{
+      {"method", "order", "real axis", "imaginary axis", "weakly", "alpha [deg]", "A", "L", "at infinity"}};
+  for (const Formula& formula : formulas) {
+    const StabilityLimits limits = stability_limits(*formula.amplification);
+    const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
+    rows.push_back(
+        {formula.id, std::to_string(formula.order), motion ? "-" : cell(limits.real), cell(limits.imaginary),
+         cell(limits.imaginary_weak), limits.alpha_degrees ? short_number(*limits.alpha_degrees, 6) : "-",
+         limits.a_stable ? "yes" : "no", limits.l_stable ? "yes" : "no",
+         limits.at_infinity && std::isfinite(*limits.at_infinity) ? short_number(*limits.at_infinity, 4)
+                                                                  : "-"});
+  }
+  return rows;
+}
+
+PageSection section_of(const Chapter& chapter, Atelier& atelier) {
+  PageSection section{.title = chapter.title, .text = chapter.text};
+  const auto coarse = [](const Formula& formula) { return formula.amplification->measured; };
+  // Steps of the code cost a thousand times what a formula costs.
+  const bool measured = std::ranges::any_of(chapter.formulas, coarse);
+  if (chapter.formulas.size() > 1 && !measured) {
+    const NamedFigure together = picture_of(chapter.formulas, {});
+    section.pictures.push_back(
+        atelier.draw(together.figure, "regions_" + chapter.stem, together.figure.title));
+    if (chapter.by_cost) {
+      const NamedFigure cost = picture_of(chapter.formulas, {.per_evaluation = true});
+      section.pictures.push_back(
+          atelier.draw(cost.figure, "regions_" + chapter.stem + "_per_evaluation", cost.figure.title));
+    }
+  }
+  Figure each{.title = chapter.title, .columns = 2, .panel_height = 300};
+  for (const Formula& formula : chapter.formulas)
+    each.panels.push_back(panel_of(formula, {.cells = coarse(formula) ? 120 : 300}, 2, 300, 300));
+  section.pictures.push_back(atelier.draw(each, "each_" + chapter.stem, chapter.title + ", one by one"));
+  for (const auto& [parts, stem, caption] :
+       {std::tuple{PartsChoice{.fast = "0,-1,-3,-10", .ratios = {}}, "beside_stiff_",
+                   "beside a stiff part: the region of what is not stiff, and how far it may swing"},
+        {PartsChoice{.fast = {}, .ratios = "1.2,2"}, "old_jacobian_",
+         "with an old Jacobian, z = hλ being so many times what it says"}}) {
+    Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
+    for (const Formula& formula : chapter.formulas) {
+      // What foreign engines step with an old Jacobian is not known.
+      const bool own = formula.method && formula.method->engine == "hmax";
+      if (!own || !(parts.fast.empty() ? formula.method->linearly_implicit : formula.method->needs_split))
+        continue;
+      const PlaneLook look{.cells = 160};
+      for (Panel& panel : panels_of(formula, part_regions(formula, parts), look, 300))
+        told.panels.push_back(std::move(panel));
+    }
+    if (told.panels.empty()) continue;
+    section.pictures.push_back(atelier.draw(told, stem + chapter.stem, told.title));
+  }
+  section.table = limits_table(chapter.formulas);
+  return section;
+}
+
+/// The spectra of the six materials in the region of a method.
+SlidingPicture sliding_picture(const std::string& id) {
+  const Formula formula = find_formula(id);
+  const Amplification& amplification = *formula.amplification;
+  SlidingPicture picture;
+  double largest = 0;
+  for (const LiverMaterial& material : liver_materials()) {
+    ProblemSettings settings;
+    settings.material = material.id;
+    const Linearised near = linearised(make_problem("liver_benchmark", settings));
+    SlidingSpectrum spectrum{.label = std::string(material.id)};
+    for (const Complex lambda : near.spectrum.lambda)
+      spectrum.points.push_back(
+          {lambda.real(), lambda.imag(), first_exit(amplification.of_eigenmode(Eigenmode(lambda)))});
+    largest = std::max(largest, spectrum.largest_step());
+    picture.spectra.push_back(std::move(spectrum));
+  }
+  picture.end = 1.15 * largest;
+  const PlaneWindow window = window_of(amplification);
+  picture.re = {1.25 * window.re_from, window.re_to};
+  picture.im = {window.im_from, window.im_to};
+  for (const RegionCurve& curve : region_boundary(stable_at(amplification), window, 300)) {
+    picture.region.emplace_back();
+    for (const Complex z : curve.points) picture.region.back().push_back({z.real(), z.imag()});
+  }
+  picture.title = fmt::format("The step grows: eigenvalues of six livers leave the region of {}", id);
+  return picture;
+}
+
+PageSection sliding_section(Atelier& atelier) {
+  PageSection section{
+      .title = "The largest stable step, seen",
+      .text =
+          "Each eigenvalue of the model, times the step, runs along a ray from the origin as the step "
+          "grows. The first that leaves the region sets the largest stable step of its liver."};
+  for (const std::string id : {"explicit_euler", "rk4", "dormand_prince_54"}) {
+    const SlidingPicture picture = sliding_picture(id);
+    section.pictures.push_back(
+        atelier.keep(sliding_svg(picture), "sliding_" + id, fmt::format("{}: h grows", id)));
+    std::vector<double> steps;
+    for (const double share : {0.15, 0.3, 0.5, 0.75, 1.0}) steps.push_back(share * picture.end);
+    section.pictures.push_back(atelier.keep(sliding_frames_svg(picture, steps), "sliding_" + id + "_frames",
+                                            fmt::format("{}: five steps of it", id)));
+  }
+  return section;
+}
+
+void gallery(const std::string& names, const std::string& output, Console& console) {
+  if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
+  const fs::path page = fs::path(output) / "index.html";
+  check_writable(page, "<!DOCTYPE html>");
+  const auto& interrupted = interrupt_flag();
+  const std::vector<Chapter> chapters = chapters_of(names);
+  Json files = Json::array();
+  Atelier atelier(output, files);
+  std::vector<PageSection> sections{sliding_section(atelier)};
+  std::size_t shown = 0;
+  {
+    Progress progress(console, "gallery");
+    for (std::size_t i = 0; i < chapters.size(); ++i) {
+      if (interrupted) throw Interrupted{};
+      progress.update(static_cast<double>(i) / static_cast<double>(chapters.size()), chapters[i].title);
+      sections.push_back(section_of(chapters[i], atelier));
+      shown += chapters[i].formulas.size();
+    }
+  }
+  for (const PageSection& section : sections)
+    for (const PagePicture& picture : section.pictures)
+      if (!picture.problem.empty()) {
+        console.remark(picture.problem);
+        break;
+      }
+  write_page(
+      page,
+      page_text(
+          "Stability regions",
+          "z = h lambda, the step times an eigenvalue of the model: a step is stable where "
+          "the method's amplification is at most 1. The curves come from the coefficients "
+          "that the methods step with, or from steps of foreign engines that show none. Scales are equal on both axes.",
+          sections));
+  if (console.json)
+    return console.print_json({{"page", page.string()}, {"methods", shown}, {"figures", files}});
+  console.print(
+      fmt::format("The page: {} with {} methods in {} sections\n", page.string(), shown, chapters.size()));
+}
+
+}  // namespace
+
+void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas) {
+  CLI::App& command =
+      add_command(stability, console, "gallery",
+                  "A page with the region of every method, and of spectra that leave them as the step grows",
+                  {"hmax stability gallery --methods bdf_2,newmark --output results/runs/gallery"});
+  const auto methods = std::make_shared<std::string>("all");
+  const auto output = std::make_shared<std::string>();
+  command.add_option("--method,--methods", *methods, formulas + "; all by default")->type_name("A,B");
+  command.add_option("--output", *output, "The folder of the page and its figures")->type_name("FOLDER");
+  add_force(command);
+  add_figure_style(command);
+  command.callback([methods, output, &console] { gallery(*methods, *output, console); });
+}
+
+}  // namespace hmax

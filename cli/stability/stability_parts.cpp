@@ -1,0 +1,265 @@
+#include "cli/stability/stability_parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cli/shared/console.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// "-3", "5i", "-0.5i"
+Complex parse_fast(const std::string& text) {
+  const bool imaginary = text.ends_with('i');
+  const double value = parse_number("--fast", imaginary ? text.substr(0, text.size() - 1) : text);
+  if (!std::isfinite(value) || std::abs(value) > 1e6)
+    throw InputError(fmt::format(
+        "--fast has {}, but z of the stiff part is a number of at most 1e6 like -10, or 5i on the "
+        "imaginary axis",
+        text));
+  return imaginary ? Complex(0, value) : Complex(value, 0);
+}
+
+std::string words_of(Complex z) {
+  return z.imag() != 0 ? short_number(z.imag()) + "i" : short_number(z.real());
+}
+
+Eigenmode beside(Complex slow, Complex fast) {
+  Eigenmode mode(slow + fast);
+  mode.stiff = fast;
+  return mode;
+}
+
+using Coefficients = std::vector<Complex>;
+
+Complex value_of(const Coefficients& c, Complex z) {
+  Complex sum = 0;
+  for (std::size_t j = c.size(); j-- > 0;) sum = sum * z + c[j];
+  return sum;
+}
+
+/// R of an implicit-explicit method beside a fixed z_fast is a polynomial in z_slow of at most as many
+/// degrees as it has stages: from its values on a circle.
+Coefficients in_slow(const Amplification& pair, Complex fast) {
+  constexpr std::size_t points = 24;
+  constexpr long double radius = 4;
+  const auto on_unit_circle = [](std::size_t i) {
+    return std::polar(1.0L,
+                      2 * std::numbers::pi_v<long double> * static_cast<long double>(i % points) / points);
+  };
+  std::array<LongComplex, points> value;
+  for (std::size_t i = 0; i < points; ++i) {
+    const Complex slow(radius * on_unit_circle(i));
+    const StepPolynomial pi = *pair.of_eigenmode(beside(slow, fast)).polynomial;
+    value[i] =
+        -evaluate(pi.coefficients()[0], LongComplex(1)) / evaluate(pi.coefficients()[1], LongComplex(1));
+  }
+  std::array<LongComplex, points> share;
+  long double largest = 0;
+  for (std::size_t j = 0; j < points; ++j) {
+    share[j] = 0;
+    for (std::size_t i = 0; i < points; ++i) share[j] += value[i] * std::conj(on_unit_circle(i * j));
+    share[j] /= static_cast<long double>(points);
+    largest = std::max(largest, std::abs(share[j]));
+  }
+  Coefficients c;
+  for (std::size_t j = 0; j < points; ++j)
+    c.push_back(std::abs(share[j]) <= 1e-13L * largest
+                    ? Complex(0)
+                    : Complex(share[j] / std::pow(radius, static_cast<long double>(j))));
+  while (c.size() > 1 && c.back() == Complex(0)) c.pop_back();
+  return c;
+}
+
+Amplification beside_stiff(const std::shared_ptr<const Amplification>& pair, Complex fast) {
+  Amplification amplification;
+  amplification.of_eigenmode = [pair, fast](const Eigenmode& mode) {
+    return pair->of_eigenmode(beside(mode.lambda, fast));
+  };
+  amplification.stable_at = [c = in_slow(*pair, fast)](Complex z) {
+    // Beside an oscillation that is stiff a slow one may turn either way.
+    return std::norm(value_of(c, z)) <= 1 + 2e-9 && std::norm(value_of(c, std::conj(z))) <= 1 + 2e-9;
+  };
+  return amplification;
+}
+
+Amplification with_old_jacobian(const std::shared_ptr<const Amplification>& method, double ratio) {
+  Eigenmode mode(Complex(1));
+  mode.frozen = 1 / ratio;
+  Amplification amplification;
+  amplification.of_eigenmode = [method, ratio](const Eigenmode& told) {
+    Eigenmode old = told;
+    old.frozen = told.lambda / ratio;
+    return method->of_eigenmode(old);
+  };
+  amplification.in_z = method->of_eigenmode(mode).polynomial;
+  amplification.stable_at = [pi = *amplification.in_z](Complex z) { return pi.is_at_most_one(z); };
+  return amplification;
+}
+
+RegionShape shape_of(const std::string& label, const std::vector<RegionCurve>& curves) {
+  RegionShape shape{.label = label};
+  for (const RegionCurve& curve : curves) {
+    shape.loops.emplace_back();
+    for (const Complex z : curve.points) shape.loops.back().push_back({z.real(), z.imag()});
+  }
+  return shape;
+}
+
+bool is_split(const std::vector<PartRegion>& regions) {
+  return regions.front().formula.method && regions.front().formula.method->needs_split;
+}
+
+/// No more of the window than the regions fill, but for islands.
+PlaneWindow close_to(const std::vector<PartRegion>& regions, PlaneWindow window) {
+  PlaneWindow close{0, 0, 0, 0};
+  for (const PartRegion& region : regions) {
+    const auto curves = region_boundary(region.formula.amplification->stable_at, window, 200);
+    for (const RegionCurve& curve : curves) {
+      if (curve.area() < 0.05 * curves.front().area()) continue;
+      for (const Complex z : curve.points)
+        close = {std::min(close.re_from, z.real()), std::max(close.re_to, z.real()),
+                 std::min(close.im_from, z.imag()), std::max(close.im_to, z.imag())};
+    }
+  }
+  const double margin = 0.08 * std::max(close.re_to - close.re_from, close.im_to - close.im_from);
+  if (margin == 0) return window;
+  return {close.re_from - margin, close.re_to + margin, close.im_from - margin, close.im_to + margin};
+}
+
+/// Where a slow part on the imaginary axis is stable beside a decay: over log10 of its rate.
+Panel swing_beside_decay(const Formula& formula, int height, int cells) {
+  std::map<double, Coefficients> known;
+  const StableAt inside = [&](Complex at) {
+    auto [c, is_new] = known.try_emplace(at.real());
+    if (is_new) c->second = in_slow(*formula.amplification, -std::pow(10.0, at.real()));
+    return std::norm(value_of(c->second, Complex(0, at.imag()))) <= 1 + 2e-9;
+  };
+  PlaneWindow window{-2, 4, -12, 12};
+  const std::vector<RegionCurve> coarse = region_boundary(inside, window, 120);
+  double farthest = 0.5;
+  for (const RegionCurve& curve : coarse)
+    for (const Complex z : curve.points) farthest = std::max(farthest, z.imag());
+  window.im_to = std::min(12.0, 1.15 * farthest);
+  window.im_from = -window.im_to;
+  const PlaneFrame frame{{window.re_from, window.re_to}, {0, window.im_to}, height};
+  return region_panel(shape_of("", region_boundary(inside, window, cells)), frame,
+                      {"log₁₀ of -z_fast, a stiff decay [1]", "z_slow / i, an oscillation [1]"});
+}
+
+}  // namespace
+
+void PartsChoice::add_to(CLI::App& command) {
+  command
+      .add_option(
+          "--fast", fast,
+          "Of implicit-explicit methods: the region of what is not stiff beside a stiff part with these "
+          "h lambda, like 0,-1,-10 or 5i")
+      ->type_name("NUMBERS");
+  command
+      .add_option(
+          "--ratios", ratios,
+          "Of linearly implicit methods: the region with an old Jacobian, lambda being so many times what "
+          "it says, like 1,1.5,2,4")
+      ->type_name("NUMBERS");
+}
+
+std::vector<PartRegion> part_regions(const Formula& formula, const PartsChoice& parts) {
+  if (!parts.fast.empty() && !parts.ratios.empty())
+    throw InputError("--fast and --ratios are two pictures; ask for one of them at a time");
+  std::vector<PartRegion> regions;
+  const auto add = [&](const std::string& label, Amplification amplification, Complex fast, double ratio) {
+    Formula part{.id = label, .order = formula.order, .amplification = shared(std::move(amplification))};
+    part.method = formula.method;
+    regions.push_back({std::move(part), fast, ratio});
+  };
+  if (!parts.fast.empty()) {
+    if (!formula.method || !formula.method->needs_split)
+      throw InputError(
+          fmt::format("{} takes all of f alike, and --fast is for methods that treat a stiff part of it "
+                      "implicitly; choose one like imex_ark_324",
+                      formula.id));
+    for (const std::string& text : parse_names("--fast", parts.fast)) {
+      const Complex fast = parse_fast(text);
+      add("z_fast = " + words_of(fast), beside_stiff(formula.amplification, fast), fast, 1);
+    }
+    return regions;
+  }
+  // What foreign engines step with an old Jacobian is not known.
+  if (!formula.method || !formula.method->linearly_implicit || formula.method->engine != "hmax")
+    throw InputError(fmt::format(
+        "{} does not step with a Jacobian that may be an old one, which --ratios is for; choose one "
+        "like rosenbrock_23",
+        formula.id));
+  for (const double ratio : parse_numbers("--ratios", parts.ratios)) {
+    if (!(ratio > 0 && ratio <= 1e6))
+      throw InputError(
+          fmt::format("--ratios has {}, but a ratio lies between 0 and 1e6, like 1.5", to_text(ratio)));
+    add("z / z₀ = " + short_number(ratio), with_old_jacobian(formula.amplification, ratio), 0, ratio);
+  }
+  return regions;
+}
+
+PlaneWindow window_of(const std::vector<PartRegion>& regions, const PlaneLook& look) {
+  if (look.window) return *look.window;
+  if (!is_split(regions)) return {-14, 6, -8, 8};
+  double farthest = 0;
+  for (const PartRegion& region : regions) farthest = std::max(farthest, std::abs(region.fast));
+  const double size = 6 + 2.2 * farthest;
+  return close_to(regions, close_to(regions, {-size, size, -size, size}));
+}
+
+std::vector<Panel> panels_of(const Formula& formula, const std::vector<PartRegion>& regions,
+                             const PlaneLook& look, int height) {
+  const PlaneWindow window = window_of(regions, look);
+  const PlaneFrame frame =
+      equal_frame({window.re_from, window.re_to}, {window.im_from, window.im_to}, 2, height, height);
+  const PlaneWindow framed{frame.re.low, frame.re.high, frame.im.low, frame.im.high};
+  const auto shape = [&](const PartRegion& region, const std::string& label) {
+    return shape_of(label, region_boundary(region.formula.amplification->stable_at, framed, look.cells));
+  };
+  std::vector<Panel> panels;
+  if (is_split(regions)) {
+    std::vector<RegionShape> shapes;
+    for (const PartRegion& region : regions) shapes.push_back(shape(region, region.formula.id));
+    panels.push_back(regions_panel(shapes, frame, {"Re z_slow [1]", "Im z_slow [1]"}));
+    panels.back().title = formula.id;
+    panels.push_back(swing_beside_decay(formula, height, look.cells));
+    panels.back().title = formula.id + ": how far it may swing";
+    return panels;
+  }
+  for (const PartRegion& region : regions) {
+    panels.push_back(region_panel(shape(region, ""), frame));
+    panels.back().title = fmt::format("{}, {}", formula.id, region.formula.id);
+  }
+  return panels;
+}
+
+NamedFigure picture_of(const Formula& formula, const std::vector<PartRegion>& regions,
+                       const PlaneLook& look) {
+  const bool split = is_split(regions);
+  Figure figure{
+      .title = split ? fmt::format("{}: where the rest of f is stable beside a stiff part z_fast", formula.id)
+                     : fmt::format("{} with an old Jacobian that says z₀ for z = hλ", formula.id),
+      .panels = {},
+      .columns = regions.size() > 1 || split ? 2 : 1,
+      .panel_height = split ? 400 : 300};
+  figure.panels = panels_of(formula, regions, look, figure.panel_height);
+  if (!split)
+    for (std::size_t i = 0; i < regions.size(); ++i) figure.panels[i].title = regions[i].formula.id;
+  else
+    for (Panel& panel : figure.panels) panel.title.clear();
+  return {std::move(figure),
+          fmt::format("{}_{}", split ? "beside_stiff" : "old_jacobian", file_stem(formula.id))};
+}
+
+}  // namespace hmax

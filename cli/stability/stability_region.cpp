@@ -1,0 +1,166 @@
+/// hmax stability region
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "cli/shared/outputs.hpp"
+#include "cli/stability/stability.hpp"
+#include "cli/stability/stability_parts.hpp"
+#include "cli/stability/stability_pictures.hpp"
+#include "plots/draw.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RegionOptions {
+  MethodsChoice methods;
+  PartsChoice parts;
+  std::string window, output;
+  int cells = 400;
+  bool per_evaluation = false, field = false, order_star = false;
+
+  [[nodiscard]] bool wants_figure() const { return !output.empty() && !output.ends_with(".csv"); }
+};
+
+PlaneLook look_of(const RegionOptions& options) {
+  PlaneLook look{.per_evaluation = options.per_evaluation, .cells = options.cells};
+  if (options.field && options.order_star)
+    throw InputError("--field and --order-star are two pictures; ask for one of them at a time");
+  if (options.field && !options.wants_figure())
+    throw InputError("--field is a picture; say into which folder with --output, like --output results/runs");
+  if (options.field) look.view = PlaneView::field;
+  if (options.order_star) look.view = PlaneView::order_star;
+  if (options.window.empty()) return look;
+  const std::vector<double> numbers = parse_numbers("--window", options.window);
+  if (numbers.size() != 4 || !(numbers[0] < numbers[1]) || !(numbers[2] < numbers[3]) ||
+      !std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }))
+    throw InputError(
+        fmt::format("--window {} is no rectangle; write re_from,re_to,im_from,im_to with smaller numbers "
+                    "first, like -4,1,-4,4",
+                    options.window));
+  look.window = PlaneWindow{numbers[0], numbers[1], numbers[2], numbers[3]};
+  return look;
+}
+
+constexpr std::string_view csv_header = "method,curve,re,im\n";
+
+/// One method and the numbers it is told besides.
+std::vector<PartRegion> parts_of(const std::vector<Formula>& formulas, const RegionOptions& options) {
+  if (!options.parts.any()) return {};
+  if (formulas.size() > 1)
+    throw InputError("--fast and --ratios show one method; name one of them with --method");
+  if (options.field || options.order_star || options.per_evaluation)
+    throw InputError(
+        "--fast and --ratios are pictures of their own; leave out --field, --order-star and --per-evaluation");
+  return part_regions(formulas.front(), options.parts);
+}
+
+void region(const RegionOptions& options, Console& console) {
+  const PlaneLook look = look_of(options);
+  const std::vector<Formula> chosen = options.methods.formulas();
+  const std::vector<PartRegion> parts = parts_of(chosen, options);
+  std::vector<Formula> formulas = chosen;
+  std::optional<PlaneWindow> window_of_parts;
+  if (!parts.empty()) {
+    formulas.clear();
+    for (const PartRegion& part : parts) formulas.push_back(part.formula);
+    window_of_parts = window_of(parts, look);
+  }
+  for (const Formula& formula : formulas) expect_look(formula, look);
+  Json documents = Json::array();
+  std::string csv(csv_header), text;
+  for (std::size_t which = 0; which < formulas.size(); ++which) {
+    const Formula& formula = formulas[which];
+    const PlaneWindow window = window_of_parts ? *window_of_parts : window_of(formula, look);
+    const std::vector<RegionCurve> curves = curves_of(formula, look, window);
+    Json list = Json::array(), about = Json::array();
+    text += fmt::format("{}: {} closed curve{} in [{}, {}] x i [{}, {}]\n", formula.id, curves.size(),
+                        curves.size() == 1 ? "" : "s", short_number(window.re_from, 4),
+                        short_number(window.re_to, 4), short_number(window.im_from, 4),
+                        short_number(window.im_to, 4));
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      Json points = Json::array();
+      for (const Complex z : curves[i].points) {
+        points.push_back({z.real(), z.imag()});
+        csv += fmt::format("{},{},{},{}\n", formula.id, i, to_text(z.real()), to_text(z.imag()));
+      }
+      points.push_back(points.front());
+      list.push_back(std::move(points));
+      const double area = curves[i].area();
+      about.push_back({{"area", area}, {"hole", area < 0}, {"clipped", curves[i].clipped}});
+      text += fmt::format("  {} of area {}, {} points{}\n", area < 0 ? "hole" : "outline",
+                          short_number(std::abs(area)), curves[i].points.size(),
+                          curves[i].clipped ? ", closed along the edge of the window" : "");
+    }
+    Json document{{"method", parts.empty() ? formula.id : chosen.front().id},
+                  {"window", {window.re_from, window.re_to, window.im_from, window.im_to}},
+                  {"curves", std::move(list)},
+                  {"about", std::move(about)}};
+    if (!options.parts.fast.empty()) document["fast"] = {parts[which].fast.real(), parts[which].fast.imag()};
+    if (!options.parts.ratios.empty()) document["ratio"] = parts[which].ratio;
+    documents.push_back(std::move(document));
+  }
+  if (options.wants_figure()) {
+    const NamedFigure picture =
+        parts.empty() ? picture_of(formulas, look) : picture_of(chosen.front(), parts, look);
+    const FigureFiles files = draw(picture.figure, options.output, picture.name);
+    for (Json& document : documents)
+      document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
+    if (files.drawn())
+      text += fmt::format("The figure: {}.svg\n", files.base.string());
+    else
+      console.remark(files.problem);
+  } else if (!options.output.empty()) {
+    write_file(options.output, csv, csv_header);
+    text += fmt::format("The points: {}\n", options.output);
+  }
+  if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);
+  console.print(text);
+}
+
+}  // namespace
+
+void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas) {
+  CLI::App& command = add_command(
+      stability, console, "region", "The boundary of the stability region as closed curves, and its picture",
+      {"hmax stability region --method dormand_prince_54",
+       "hmax stability region --method rk4 --window -4,1,-4,4 --json",
+       "hmax stability region --method explicit_euler,rk4,adams_bashforth_2 --output results/runs/stability",
+       "hmax stability region --method rk4 --order-star --output results/runs/stability",
+       "hmax stability region --method imex_ark_324 --fast 0,-1,-3,-10 --output results/runs/stability",
+       "hmax stability region --method rosenbrock_23 --ratios 1,1.5,2,4 --output results/runs/stability"});
+  const auto options = std::make_shared<RegionOptions>();
+  options->methods.add_to(command, formulas);
+  options->parts.add_to(command);
+  command
+      .add_option("--window", options->window,
+                  "Part of the plane, re_from,re_to,im_from,im_to; one that fits by default")
+      ->type_name("NUMBERS");
+  command.add_option("--cells", options->cells, "Squares along the longer side of the grid; 400 by default")
+      ->check(CLI::Range(2, 4000))
+      ->type_name("NUMBER");
+  command
+      .add_option("--output", options->output,
+                  "Draw into this folder, one method filled, several as outlines on equal scales; with the "
+                  "ending .csv write the points of the curves to this file")
+      ->type_name("FOLDER");
+  command.add_flag("--per-evaluation", options->per_evaluation,
+                   "The plane divided by the evaluations of f that a step costs");
+  command.add_flag("--field", options->field, "Draw levels of the spectral radius, not the region alone");
+  command.add_flag("--order-star", options->order_star,
+                   "Where a step amplifies more than the equation, |R(z) e^-z| > 1; one-step methods only");
+  add_force(command);
+  add_figure_style(command);
+  command.callback([options, &console] { region(*options, console); });
+}
+
+}  // namespace hmax

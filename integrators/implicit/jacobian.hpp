@@ -1,0 +1,284 @@
+/// Derivatives of f as methods ask for them: the system's own where it has them, differences where not.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include <Eigen/SparseCore>
+
+#include "integrators/linear/linear_solver.hpp"
+#include "integrators/state.hpp"
+#include "integrators/system.hpp"
+
+namespace hmax {
+
+/// When a method takes a new Jacobian.
+struct JacobianUpdate {
+  static constexpr int automatic = -1, frozen = 0;
+  /// automatic: the method's own rule; frozen: that of the start, for the whole run; K >= 1: at the start of
+  /// every K-th step, so that 1 is the exact one.
+  int every = automatic;
+
+  bool operator==(const JacobianUpdate&) const = default;
+};
+
+namespace detail {
+/// The increment of a forward difference of a quantity of size |y|.
+template <class Real>
+Real difference_increment(Real y, Real scale) {
+  using std::abs, std::sqrt;
+  const Real delta = sqrt(std::numeric_limits<Real>::epsilon()) * std::max(abs(y), scale);
+  // What is added is the difference of two machine numbers: t + delta - t is exact then.
+  volatile Real moved = y + delta;
+  return moved - y;
+}
+}  // namespace detail
+
+/// A system that declares where its Jacobian can be nonzero: `sparsity` writes a matrix of shape (dim, dim)
+/// with an entry wherever some f_i depends on y_j; the values do not matter. Differences then take columns
+/// without a common row together.
+template <class S>
+concept PatternedSystem = System<S> &&
+    requires(const S& system, Eigen::SparseMatrix<real_of<typename S::State>>& pattern) {
+  system.sparsity(pattern);
+};
+
+/// Whether a system declares its pattern; an erased one answers at run time.
+template <System S>
+constexpr bool has_sparsity(const S& system) {
+  if constexpr (requires { system.has_sparsity(); })
+    return system.has_sparsity();
+  else
+    return PatternedSystem<S>;
+}
+
+/// The columns of a sparse matrix in groups whose members have no row in common: each column in turn joins
+/// the first group that takes it [curtis1974estimation].
+class ColumnGroups {
+ public:
+  ColumnGroups() = default;
+  template <class Real>
+  explicit ColumnGroups(const Eigen::SparseMatrix<Real>& pattern)
+      : group_(static_cast<std::size_t>(pattern.cols())) {
+    using Entries = typename Eigen::SparseMatrix<Real>::InnerIterator;
+    const Eigen::SparseMatrix<Real> rows = pattern.transpose();  // column i holds the entries of row i
+    std::vector<Eigen::Index> taken_for;                         // by group: the last column it refused
+    for (Eigen::Index j = 0; j < pattern.cols(); ++j) {
+      for (Entries entry(pattern, j); entry; ++entry)
+        for (Entries other(rows, entry.row()); other && other.row() < j; ++other)
+          taken_for[of(other.row())] = j;
+      std::size_t group = 0;
+      while (group < taken_for.size() && taken_for[group] == j) ++group;
+      if (group == taken_for.size()) taken_for.push_back(-1);
+      group_[static_cast<std::size_t>(j)] = group;
+    }
+    members_.resize(taken_for.size());
+    for (Eigen::Index j = 0; j < pattern.cols(); ++j) members_[of(j)].push_back(j);
+  }
+
+  /// The columns of each group.
+  [[nodiscard]] const std::vector<std::vector<Eigen::Index>>& members() const { return members_; }
+
+ private:
+  [[nodiscard]] std::size_t of(Eigen::Index column) const { return group_[static_cast<std::size_t>(column)]; }
+
+  std::vector<std::size_t> group_;  // by column
+  std::vector<std::vector<Eigen::Index>> members_;
+};
+
+namespace detail {
+template <class Matrix>
+inline constexpr bool may_be_mechanical = is_mechanical<Matrix>;
+template <class... Matrices>
+inline constexpr bool may_be_mechanical<std::variant<Matrices...>> = (is_mechanical<Matrices> || ...);
+
+/// Has `write` fill a matrix of the type Own that a system knows, and leaves the result in J, which may be of
+/// more kinds. What J held of these kinds goes in, so that patterns are kept.
+template <class Own, class Matrix, class Write>
+void write_as(Matrix& J, const Write& write) {
+  if constexpr (std::is_same_v<Matrix, Own>) {
+    write(J);
+  } else {
+    Own own;
+    std::visit(
+        [&]<class Held>(Held& held) {
+          if constexpr (!is_mechanical<Held>) own.template emplace<Held>().swap(held);
+        },
+        J);
+    write(own);
+    std::visit([&]<class Held>(Held& held) { alternative<Held>(J).swap(held); }, own);
+  }
+}
+}  // namespace detail
+
+/// df/dy of a system, from its verb `jacobian` or by forward differences: column by column, or by groups of
+/// columns where the system declares its pattern. Of second-order systems with sparse matrices: these.
+/// @tparam Matrix  jacobian_type or equations_type of the system
+template <class State, class Matrix>
+class JacobianSource {
+ public:
+  using Real = real_of<State>;
+
+  template <System Sys>
+  void init(const Sys& system) {
+    if (has_jacobian(system)) return;
+    f0_.resize(system.dim());
+    f1_.resize(system.dim());
+    moved_.resize(system.dim());
+    if constexpr (PatternedSystem<Sys>)
+      if (has_sparsity(system)) {
+        system.sparsity(pattern_);
+        pattern_.makeCompressed();
+      }
+    if constexpr (is_sparse)
+      if (pattern_.size() == 0)  // a sparse matrix of whose pattern nothing is known is full
+        pattern_ = jacobian_of<Vector>::Ones(system.dim(), system.dim()).sparseView();
+    groups_ = ColumnGroups(pattern_);
+    increments_.resize(pattern_.cols());
+  }
+
+  /// J = df/dy at (t, y), shape (n, n). Differences cost one evaluation of f for each column, or each group
+  /// of columns, and one more where f0 is not given.
+  /// @param f0  f(t, y) if it is known
+  template <System Sys>
+  void evaluate(const Sys& system, Real t, const State& y, Matrix& J, const State* f0 = nullptr) {
+    if constexpr (detail::is_mechanical<Matrix>) {
+      write_parts(system, t, y, J);
+    } else {
+      if constexpr (detail::may_be_mechanical<Matrix>)
+        if (system.dofs() > 0 && has_sparse_matrices(system)) return write_parts(system, t, y, J);
+      if constexpr (DifferentiableSystem<Sys>)
+        if (has_jacobian(system))
+          return detail::write_as<jacobian_type<Sys>>(J, [&](auto& own) { system.jacobian(t, y, own); });
+      if (f0 == nullptr) {
+        system.rhs(t, y, f0_);
+        f0 = &f0_;
+      }
+      moved_ = y;
+      if (pattern_.size() > 0) return grouped_differences(system, t, y, *f0, J);
+      if constexpr (!is_sparse) differences(system, t, y, *f0, J);
+    }
+  }
+
+ private:
+  using Dense = jacobian_of<State>;
+  using Sparse = Eigen::SparseMatrix<typename State::Scalar>;
+  using Vector = Eigen::Vector<Real, Eigen::Dynamic>;
+  static constexpr bool is_sparse = std::is_same_v<Matrix, Sparse>;
+
+  template <class Wanted>
+  static Wanted& as(Matrix& J) {
+    if constexpr (detail::is_variant<Matrix>)
+      return detail::alternative<Wanted>(J);
+    else
+      return J;
+  }
+
+  /// M, K and C in the place of J.
+  template <System Sys>
+  void write_parts(const Sys& system, Real t, const State& y, Matrix& J) {
+    using Parts = MechanicalJacobian<Real>;
+    const Eigen::Index n = system.dofs();
+    Parts& parts = as<Parts>(J);
+    if (parts.mass.size() != n) parts.mass = system.mass();
+    positions_ = y.head(n);
+    velocities_ = y.tail(n);
+    const auto write = [](auto&& verb, Eigen::SparseMatrix<Real>& into) {
+      if constexpr (detail::is_variant<typename Sys::DofMatrix>) {
+        typename Sys::DofMatrix matrix;
+        matrix.template emplace<Eigen::SparseMatrix<Real>>().swap(into);
+        verb(matrix);
+        into.swap(std::get<Eigen::SparseMatrix<Real>>(matrix));
+      } else {
+        verb(into);
+      }
+    };
+    write([&](auto& K) { system.stiffness(t, positions_, velocities_, K); }, parts.stiffness);
+    write([&](auto& C) { system.damping(t, positions_, velocities_, C); }, parts.damping);
+  }
+
+  /// Components far below the others are moved by what the others would be.
+  static Real scale_of(const State& y) { return std::max(Real(1e-5) * y.cwiseAbs().maxCoeff(), Real(1e-8)); }
+  static Real increment(const State& y, Eigen::Index j, Real scale) {
+    using std::abs;
+    return detail::difference_increment<Real>(Eigen::numext::real(y[j]), std::max(Real(abs(y[j])), scale));
+  }
+
+  template <System Sys>
+  void differences(const Sys& system, Real t, const State& y, const State& f0, Matrix& J) {
+    Dense& out = as<Dense>(J);
+    out.resize(y.size(), y.size());
+    const Real scale = scale_of(y);
+    for (Eigen::Index j = 0; j < y.size(); ++j) {
+      const Real delta = increment(y, j, scale);
+      moved_[j] = y[j] + delta;
+      system.rhs(t, moved_, f1_);
+      out.col(j) = (f1_ - f0) / delta;
+      moved_[j] = y[j];
+    }
+  }
+
+  template <System Sys>
+  void grouped_differences(const Sys& system, Real t, const State& y, const State& f0, Matrix& J) {
+    if constexpr (std::is_same_v<Matrix, Dense>) {
+      J.setZero(y.size(), y.size());
+      each_entry(system, t, y, f0,
+                 [&](Eigen::Index i, Eigen::Index j, Eigen::Index, auto value) { J(i, j) = value; });
+    } else {
+      Sparse& out = as<Sparse>(J);
+      if (out.rows() != pattern_.rows() || out.nonZeros() != pattern_.nonZeros())
+        out = pattern_.template cast<typename State::Scalar>();
+      each_entry(system, t, y, f0,
+                 [&](Eigen::Index, Eigen::Index, Eigen::Index n, auto value) { out.valuePtr()[n] = value; });
+    }
+  }
+
+  /// Calls set(i, j, n, value) for the entry (i, j), the n-th of the pattern.
+  template <System Sys, class Set>
+  void each_entry(const Sys& system, Real t, const State& y, const State& f0, const Set& set) {
+    const Real scale = scale_of(y);
+    for (Eigen::Index j = 0; j < y.size(); ++j) increments_[j] = increment(y, j, scale);
+    for (const auto& group : groups_.members()) {
+      for (const Eigen::Index j : group) moved_[j] = y[j] + increments_[j];
+      system.rhs(t, moved_, f1_);
+      for (const Eigen::Index j : group) {
+        moved_[j] = y[j];
+        for (Eigen::Index n = pattern_.outerIndexPtr()[j]; n < pattern_.outerIndexPtr()[j + 1]; ++n) {
+          const Eigen::Index i = pattern_.innerIndexPtr()[n];
+          set(i, j, n, (f1_[i] - f0[i]) / increments_[j]);
+        }
+      }
+    }
+  }
+
+  State f0_ = blank_state<State>(), f1_ = f0_, moved_ = f0_;
+  Eigen::Vector<Real, Eigen::Dynamic> positions_, velocities_;
+  bool writes_parts_ = true;           // a system with sparse K and C: until it shows dense ones
+  Eigen::SparseMatrix<Real> pattern_;  // empty: unknown, so every entry
+  ColumnGroups groups_;
+  Vector increments_;  // of the columns, in grouped differences
+};
+
+/// dfdt = partial f / partial t at (t, y), shape (n): the system's own, zero for autonomous systems, or a
+/// forward difference, which costs one evaluation of f.
+/// @param f0  f(t, y)
+template <System Sys>
+void evaluate_time_derivative(const Sys& system, real_of<typename Sys::State> t, const typename Sys::State& y,
+                              const typename Sys::State& f0, typename Sys::State& dfdt) {
+  using Real = real_of<typename Sys::State>;
+  if (is_autonomous(system)) {
+    dfdt.setZero(y.size());
+    return;
+  }
+  if constexpr (TimeDifferentiableSystem<Sys>)
+    if (has_time_derivative(system)) return system.time_derivative(t, y, dfdt);
+  const Real delta = detail::difference_increment<Real>(t, Real(1e-3));
+  system.rhs(t + delta, y, dfdt);
+  dfdt = (dfdt - f0) / delta;
+}
+
+}  // namespace hmax

@@ -1,0 +1,315 @@
+/// Radau IIA of order 5: the collocation method for tight stiff work.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "integrators/implicit/newton.hpp"
+#include "integrators/implicit/radau_coefficients.hpp"
+#include "integrators/implicit/residual_rounding.hpp"
+#include "integrators/slope_at.hpp"
+#include "integrators/state.hpp"
+#include "integrators/stats.hpp"
+#include "integrators/stepper.hpp"
+
+namespace hmax {
+
+/// One step of the three-stage Radau IIA method,
+///   z_i = h sum_j a_ij f(t + c_j h, y + z_j),    y_new = y + z_3.
+/// In w = T^-1 z each simplified Newton iteration solves one real and one complex equation of dimension n,
+///   (I - h/gamma J) dw_1 = h/gamma g_1 - w_1,
+///   (I - h/(alpha + i beta) J)(dw_2 + i dw_3) = h/(alpha + i beta) (g_2 + i g_3) - (w_2 + i w_3),   g = T^-1
+///   f(z).
+/// @tparam StateT  Eigen column vector of a real scalar, shape (n)
+/// @tparam Matrix  equations_type of the system
+/// @cost   three f and both solutions an iteration, two factorisations when h or J has changed; no allocation
+///         after init() for dense J
+/// @source [hairer1996solving] IV.8
+template <class StateT, class Matrix = jacobian_of<StateT>>
+class RadauIIA5 {
+ public:
+  using State = StateT;
+  using Real = real_of<State>;
+  using Complex = std::complex<Real>;
+  static_assert(std::is_same_v<typename State::Scalar, Real>,
+                "the complex equation stands for two real ones");
+  static constexpr int order = 5;
+  static constexpr int error_order = 4;
+  static constexpr bool may_estimate_error = true;
+  static constexpr bool is_explicit = false;
+
+  void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
+  /// How symmetric sparse equations are solved.
+  void set_linear_solve(LinearSolve choice) { real_.set(choice); }
+  /// How exactly equations are solved at fixed steps.
+  void set_newton(NewtonSettings settings) { norm_.set(settings); }
+  void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
+  [[nodiscard]] const ImplicitWork& work() const { return work_; }
+
+  template <System Sys>
+  void init(const Sys& system, Real, const State& y) {
+    const Eigen::Index n = y.size();
+    for (auto* vectors : {&z_, &w_, &f_, &Y_, &polynomial_, &old_polynomial_})
+      for (State& v : *vectors) v.setZero(n);
+    slope_.setZero(n);
+    error_.setZero(n);
+    pair_.setZero(n);
+    jacobian_.init(system);
+    real_.init(n);
+    complex_.init(n);
+    norm_.init(n);
+    rounding_.init(system);
+    work_ = {};
+    memory_ = {};
+    slope_known_ = polynomial_known_ = false;
+    old_h_ = 0;
+  }
+
+  template <System Sys>
+  StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
+    h_ = h;
+    polynomial_known_ = false;
+    jacobian_.begin(system, t, y);
+    norm_.prepare(y);
+    if (!slope_known_) {
+      system.rhs(t, y, slope_);
+      slope_known_ = true;
+    }
+    attempt_memory_ = memory_;
+    extrapolates_ = old_h_ > 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
+    if (!extrapolates_) attempt_memory_ = {};  // what is known is of better starts
+    if (!solve(system, t, y, h)) return StepStatus::newton_failed;
+    detail::assign(y_new, [&](auto access) { return access(y) + access(z_[2]); });
+    return StepStatus::ok;
+  }
+
+  /// Commits the last attempt: y_new is the new state.
+  void accept(const State&) {
+    if (!polynomial_known_) make_polynomial();
+    for (std::size_t j = 0; j < 3; ++j) copy_state(polynomial_[j], old_polynomial_[j]);
+    // f at the end as the collocation polynomial has it: f(t + h, y_new) would multiply the error of y_new by
+    // the stiffness.
+    const Real per_h = 1 / h_;
+    detail::assign(slope_, [&](auto access) {
+      return (access(polynomial_[0]) - c2m1 * (access(polynomial_[1]) - c1m1 * access(polynomial_[2]))) *
+             per_h;
+    });
+    jacobian_.accept(attempt_memory_.theta);
+    memory_ = {attempt_memory_.eta};
+    old_h_ = h_;
+  }
+
+  /// Square of the weighted norm of err = (I - h/gamma J)^-1 (h/gamma f(t, y) + e . z). An error too large
+  /// for the step is damped once more by the same matrix: what is left of it for infinite stiffness vanishes.
+  /// This is f(t, y + err) in place of f(t, y), with f linearised. [hairer1996solving, IV.8 (8.19), (8.20)]
+  template <class Norm>
+  Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm) const {
+    const Real h_gamma = h / gamma;
+    detail::assign(error_, [&](auto access) {
+      return access(slope_) * h_gamma + access(z_[0]) * e(0) + access(z_[1]) * e(1) + access(z_[2]) * e(2);
+    });
+    const auto weigh = [&] {
+      real_.solve(error_);
+      return norm.squared(y, y_new, [&](Eigen::Index d) { return error_[d]; });
+    };
+    const Real squared = weigh();
+    return squared < 1 ? squared : weigh();
+  }
+
+  /// out = y(t + theta h) by the collocation polynomial, of degree 3.
+  template <System Sys>
+  void interpolate(const Sys&, Real, Real, const State&, const State& y_new, Real theta, State& out) {
+    if (!polynomial_known_) make_polynomial();
+    const Real u = theta - 1;
+    detail::assign(out, [&](auto access) {
+      return access(y_new) + (access(polynomial_[0]) +
+                              (access(polynomial_[1]) + access(polynomial_[2]) * (u - c1m1)) * (u - c2m1)) *
+                                 u;
+    });
+  }
+
+ private:
+  using Three = std::array<State, 3>;
+  static constexpr Real gamma = static_cast<Real>(radau::gamma);
+  static constexpr Real c(std::size_t i) { return static_cast<Real>(radau::tableau.c[i]); }
+  static constexpr Real e(std::size_t i) { return static_cast<Real>(radau::e[i]); }
+  static constexpr Real c1m1 = c(0) - 1, c2m1 = c(1) - 1;
+
+  template <System Sys>
+  bool solve(const Sys& system, Real t, const State& y, Real h) {
+    // The three stages have no potential together: a slower flow would not come nearer.
+    return solve_or_continue(
+        jacobian_, norm_, attempt_memory_, system, t, y, std::span(first_mu).first(1),
+        [&](std::optional<Real> continuation) { return solve_stages(system, t, y, h, continuation); });
+  }
+
+  static Complex complex_shift(Real h) {
+    return h / Complex(static_cast<Real>(radau::alpha), static_cast<Real>(radau::beta));
+  }
+  bool factor(Real h) {
+    return real_.factor(jacobian_.matrix(), jacobian_.id(), h / gamma, work_.factorisations) &&
+           complex_.factor(jacobian_.matrix(), jacobian_.id(), complex_shift(h), work_.factorisations);
+  }
+
+  /// @param continuation  the first mu of continue_newton, with the Jacobian at the last stage, which then
+  ///                      replaces iterate_newton
+  template <System Sys>
+  bool solve_stages(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
+    const SlopeAt<Sys> slopes[]{{system, t + c(0) * h}, {system, t + c(1) * h}, {system, t + h}};
+    const auto rounds = [&](bool estimate) { return rounding(h, estimate); };
+    NewtonEnd end = NewtonEnd::singular;
+    if (continuation) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        z_[i].setZero();
+        w_[i].setZero();
+      }
+      end = continue_newton<Real>(
+          *continuation, attempt_memory_, work_.newton,
+          [&] {
+            find_residual(slopes, y, h);
+            Real size = 0;
+            for (const State& part : f_) size = std::max(size, largest_component(part));
+            return size;
+          },
+          [&](Real mu) -> std::optional<Real> {
+            jacobian_.take(system, t + h, Y_[2]);
+            if (!factor(h / (1 + mu))) return std::nullopt;
+            return correct(1 / (1 + mu));
+          },
+          rounds);
+    } else if (factor(h)) {
+      predict(h);
+      end = iterate_newton(
+          norm_.iterations(), attempt_memory_, work_.newton,
+          [&] {
+            find_residual(slopes, y, h);
+            return correct(1);
+          },
+          rounds);
+    }
+    if (end != NewtonEnd::converged) work_.failure = to_string(end);
+    work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
+    return end == NewtonEnd::converged;
+  }
+
+  /// Leaves the right-hand sides of the equations for dw, of the iterate w, z, in f_.
+  template <class Slopes>
+  void find_residual(const Slopes& slopes, const State& y, Real h) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      detail::assign(Y_[i], [&](auto access) { return access(y) + access(z_[i]); });
+      slopes[i](Y_[i], f_[i]);
+    }
+    transform<Inverse>(f_, z_);  // g, in the place of z
+    const Real h_gamma = h / gamma, re = complex_shift(h).real(), im = complex_shift(h).imag();
+    detail::assign(f_[0], [&](auto access) { return h_gamma * access(z_[0]) - access(w_[0]); });
+    detail::assign(f_[1],
+                   [&](auto access) { return re * access(z_[1]) - im * access(z_[2]) - access(w_[1]); });
+    detail::assign(f_[2],
+                   [&](auto access) { return re * access(z_[2]) + im * access(z_[1]) - access(w_[2]); });
+  }
+
+  /// Solves for dw, of which a share is added to w; z becomes that of the new w.
+  /// @returns the mean square of the norms of what was added
+  Real correct(Real share) {
+    for (Eigen::Index d = 0; d < pair_.size(); ++d) pair_[d] = Complex(f_[1][d], f_[2][d]);
+    real_.solve(f_[0]);
+    complex_.solve(pair_);
+    for (Eigen::Index d = 0; d < pair_.size(); ++d) {
+      f_[1][d] = pair_[d].real();
+      f_[2][d] = pair_[d].imag();
+    }
+    Real sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      detail::assign(f_[i], [&](auto access) { return share * access(f_[i]); });
+      detail::assign(w_[i], [&](auto access) { return access(w_[i]) + access(f_[i]); });
+      sum += norm_.squared(f_[i], Y_[2]);
+    }
+    transform<Forward>(w_, z_);
+    return sum / 3;
+  }
+
+  /// The norm of what rounding of f makes of a correction. That of each stage is as large as the real
+  /// equation makes it; the transformation enlarges it by about 5.
+  Real rounding(Real h, bool estimate) {
+    return 5 * rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h / gamma, Y_[2], z_[2], norm_,
+                         [&](State& x) { real_.solve(x); });
+  }
+
+  struct Forward {
+    static constexpr const radau::Matrix3& matrix = radau::T;
+  };
+  struct Inverse {
+    static constexpr const radau::Matrix3& matrix = radau::T_inverse;
+  };
+  template <class Which, std::size_t I>
+  struct MatrixRow {
+    static constexpr std::size_t size = 3;
+    static constexpr long double weight(std::size_t j) { return Which::matrix[I][j]; }
+  };
+  /// out_i = sum_j M_ij in_j.
+  template <class Which>
+  static void transform(const Three& in, Three& out) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (detail::assign(out[I],
+                      [&](auto access) {
+                        return detail::weighted_sum<MatrixRow<Which, I>, Real>(
+                            Real(1), [&](std::size_t j) -> decltype(auto) { return access(in[j]); });
+                      }),
+       ...);
+    }
+    (std::make_index_sequence<3>{});
+  }
+
+  /// z from the polynomial of the last step continued to this one; zero at the first, and where that says
+  /// nothing.
+  void predict(Real h) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Real u = extrapolates_ ? c(i) * h / old_h_ : Real(0);
+      detail::assign(z_[i], [&](auto access) {
+        return (access(old_polynomial_[0]) +
+                (access(old_polynomial_[1]) + access(old_polynomial_[2]) * (u - c1m1)) * (u - c2m1)) *
+               u;
+      });
+    }
+    transform<Inverse>(z_, w_);
+  }
+
+  /// Newton's form of the polynomial through z at c_3 = 1, c_2, c_1 and 0, in u = theta - 1, less its value
+  /// at the end:  u (p_0 + (u - (c_2 - 1))(p_1 + (u - (c_1 - 1)) p_2)).
+  void make_polynomial() {
+    const Real per_c1 = 1 / c(0), per_c2 = 1 / c(1), per_c12 = 1 / (c(0) - c(1));
+    detail::assign(polynomial_[0], [&](auto access) { return (access(z_[1]) - access(z_[2])) * (1 / c2m1); });
+    detail::assign(polynomial_[1], [&](auto access) {
+      return ((access(z_[0]) - access(z_[1])) * per_c12 - access(polynomial_[0])) * (1 / c1m1);
+    });
+    detail::assign(polynomial_[2], [&](auto access) {
+      return access(polynomial_[1]) -
+             ((access(z_[0]) - access(z_[1])) * per_c12 - access(z_[0]) * per_c1) * per_c2;
+    });
+    polynomial_known_ = true;
+  }
+
+  Three z_, w_, f_, Y_;
+  Three polynomial_, old_polynomial_;
+  State slope_ = blank_state<State>();  // f at the start of the step
+  mutable State error_ = blank_state<State>();
+  Eigen::Matrix<Complex, State::RowsAtCompileTime, 1> pair_;
+  Linearisation<State, Matrix> jacobian_;
+  mutable ShiftedSolver<Matrix, Real> real_;
+  ShiftedSolver<Matrix, Complex> complex_;
+  NewtonNorm<State> norm_{Real(0.03)};
+  ResidualRounding<State> rounding_;
+  NewtonMemory<Real> memory_, attempt_memory_;
+  ImplicitWork work_;
+  Real h_ = 0, old_h_ = 0;
+  bool extrapolates_ = false;
+  bool slope_known_ = false, polynomial_known_ = false;
+};
+
+}  // namespace hmax

@@ -1,0 +1,351 @@
+#include "integrators/linear/panel_analysis.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+#include "integrators/linear/panel_kernels.hpp"
+
+namespace hmax {
+namespace {
+
+using Index = PanelAnalysis::Index;
+using Indices = std::vector<Index>;
+
+/// An undirected graph: the neighbours of v, without v, are to[first[v]], ..., to[first[v + 1] - 1].
+struct Graph {
+  Indices first{0}, to;
+
+  [[nodiscard]] Index size() const { return static_cast<Index>(first.size()) - 1; }
+  [[nodiscard]] std::span<const Index> of(Index v) const {
+    return std::span(to).subspan(first[v], first[v + 1] - first[v]);
+  }
+};
+
+/// The unknowns of a pattern, those that have one and the same taken for one.
+struct Groups {
+  Indices first{0};  ///< unknown of each group, and one more
+  Indices of;        ///< group of each unknown
+  Graph graph;
+
+  Groups(std::span<const Index> outer, std::span<const Index> inner) {
+    const auto n = static_cast<Index>(outer.size()) - 1;
+    const auto column = [&](Index j) { return inner.subspan(outer[j], outer[j + 1] - outer[j]); };
+    of.resize(n);
+    for (Index j = 0; j < n; ++j) {
+      if (j > 0 && !std::ranges::equal(column(j), column(j - 1))) first.push_back(j);
+      of[j] = static_cast<Index>(first.size()) - 1;
+    }
+    if (n > 0) first.push_back(n);
+    for (Index g = 0; g + 1 < static_cast<Index>(first.size()); ++g) {
+      Index last = -1;
+      for (const Index i : column(first[g])) {
+        if (of[i] != last && of[i] != g) graph.to.push_back(of[i]);
+        last = of[i];
+      }
+      graph.first.push_back(static_cast<Index>(graph.to.size()));
+    }
+  }
+  [[nodiscard]] Index count() const { return graph.size(); }
+  [[nodiscard]] Index size(Index g) const { return first[g + 1] - first[g]; }
+};
+
+/// The vertices in an order of minimum degree.
+Indices minimum_degree(const Graph& graph) {
+  const Index n = graph.size();
+  Eigen::SparseMatrix<double> pattern(n, n);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index v = 0; v < n; ++v) {
+    entries.emplace_back(v, v, 1);
+    for (const Index u : graph.of(v)) entries.emplace_back(u, v, 1);
+  }
+  pattern.setFromTriplets(entries.begin(), entries.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> order;
+  Eigen::AMDOrdering<Index>()(pattern, order);
+  return {order.indices().data(), order.indices().data() + n};
+}
+
+/// The graph with vertex order[k] called k.
+Graph renamed(const Graph& graph, const Indices& order) {
+  Indices name(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) name[order[k]] = static_cast<Index>(k);
+  Graph out;
+  for (const Index v : order) {
+    for (const Index u : graph.of(v)) out.to.push_back(name[u]);
+    out.first.push_back(static_cast<Index>(out.to.size()));
+  }
+  return out;
+}
+
+/// The elimination tree: of each vertex, the first later one that its elimination touches; -1: none.
+/// @source [davis2016survey] 4.1
+Indices elimination_tree(const Graph& graph) {
+  Indices parent(graph.size(), -1), root(graph.size(), -1);
+  for (Index k = 0; k < graph.size(); ++k)
+    for (Index v : graph.of(k)) {
+      while (v != -1 && v < k) {
+        const Index above = root[v];
+        root[v] = k;
+        if (above == -1) parent[v] = k;
+        v = above;
+      }
+    }
+  return parent;
+}
+
+/// The vertices with every subtree together, roots last.
+Indices postorder(const Indices& parent) {
+  const auto n = static_cast<Index>(parent.size());
+  Indices child(n, -1), next(n, -1), order, way;
+  for (Index v = n; v-- > 0;)
+    if (parent[v] >= 0) {
+      next[v] = child[parent[v]];
+      child[parent[v]] = v;
+    }
+  for (Index v = 0; v < n; ++v) {
+    if (parent[v] >= 0) continue;
+    way.push_back(v);
+    while (!way.empty()) {
+      const Index top = way.back();
+      if (const Index below = child[top]; below >= 0) {
+        child[top] = next[below];
+        way.push_back(below);
+      } else {
+        order.push_back(top);
+        way.pop_back();
+      }
+    }
+  }
+  return order;
+}
+
+/// Panels in the making: each is known by its last vertex, to which the others point.
+class Merging {
+ public:
+  /// @param size  unknowns of each vertex
+  Merging(const Graph& graph, Indices parent, Indices size)
+      : parent_(std::move(parent)),
+        width_(std::move(size)),
+        height_(parent_.size(), 0),
+        zeros_(parent_.size(), 0),
+        into_(parent_.size()) {
+    std::iota(into_.begin(), into_.end(), 0);
+    // Row i of L has an entry in every vertex on the way up from a neighbour to i.
+    Indices seen(parent_.size(), -1);
+    for (Index i = 0; i < graph.size(); ++i) {
+      seen[i] = i;
+      for (Index v : graph.of(i))
+        for (; v < i && seen[v] != i; v = parent_[v]) {
+          seen[v] = i;
+          height_[v] += width_[i];
+        }
+    }
+    merge([](double, double, double zeros) { return zeros == 0; });
+    // A few zeros are cheaper than many small panels [ashcraft1989influence].
+    merge([](double width, double entries, double zeros) {
+      return zeros < (width <= 24 ? 0.3 : width <= 48 ? 0.15 : 0.05) * entries;
+    });
+  }
+
+  /// The last vertex of the panel that v is in.
+  [[nodiscard]] Index panel_of(Index v) {
+    while (into_[v] != v) v = into_[v] = into_[into_[v]];
+    return v;
+  }
+
+ private:
+  /// Merges children into their parents where allowed(width, entries, zeros among them) of the whole.
+  template <class Allowed>
+  void merge(const Allowed& allowed) {
+    const auto n = static_cast<Index>(parent_.size());
+    std::vector<Indices> children(n);
+    for (Index v = 0; v < n; ++v)
+      if (into_[v] == v && parent_[v] >= 0) children[panel_of(parent_[v])].push_back(v);
+    for (Index v = 0; v < n; ++v) {
+      if (into_[v] != v) continue;
+      // The one that adds the fewest zeros first.
+      std::ranges::sort(children[v], {}, [&](Index c) {
+        return std::pair(static_cast<double>(width_[c]) * (width_[v] + height_[v] - height_[c]), c);
+      });
+      for (const Index c : children[v]) {
+        const double wc = width_[c], width = wc + width_[v];
+        const double zeros = zeros_[c] + zeros_[v] + wc * (width_[v] + height_[v] - height_[c]);
+        if (!allowed(width, width * (width / 2 + height_[v]), zeros)) continue;
+        into_[c] = v;
+        width_[v] += width_[c];
+        zeros_[v] = zeros;
+      }
+    }
+  }
+
+  Indices parent_, width_, height_;
+  std::vector<double> zeros_;
+  Indices into_;
+};
+
+/// Sums of a to b - 1 squares.
+double squares(double from, double to) {
+  const auto up_to = [](double m) { return m * (m + 1) * (2 * m + 1) / 6; };
+  return up_to(to) - up_to(from);
+}
+
+}  // namespace
+
+PanelAnalysis::PanelAnalysis(std::span<const Index> outer, std::span<const Index> inner) {
+  const Groups groups(outer, inner);
+  Indices order = minimum_degree(groups.graph);
+  Graph graph = renamed(groups.graph, order);
+  Indices parent = elimination_tree(graph);
+  {
+    // A tree of any order is that of its postorder, renamed.
+    const Indices after = postorder(parent);
+    Indices name(after.size()), before = std::move(order);
+    for (std::size_t k = 0; k < after.size(); ++k) name[after[k]] = static_cast<Index>(k);
+    order.clear();
+    Indices above;
+    for (const Index v : after) {
+      order.push_back(before[v]);
+      above.push_back(parent[v] < 0 ? -1 : name[parent[v]]);
+    }
+    parent = std::move(above);
+    graph = renamed(graph, after);
+  }
+  const Index n = graph.size();
+  Indices size(n);
+  for (Index v = 0; v < n; ++v) size[v] = groups.size(order[v]);
+  Merging merging(graph, parent, size);
+
+  // Panels, in the order of their last vertices, which is a postorder again.
+  Indices number(n, -1), panel(n), members_first{0}, members;
+  for (Index v = 0; v < n; ++v)
+    if (merging.panel_of(v) == v) {
+      number[v] = static_cast<Index>(panels.size());
+      panels.push_back({});
+    }
+  const auto count = static_cast<Index>(panels.size());
+  members_first.assign(count + 1, 0);
+  for (Index v = 0; v < n; ++v) {
+    panel[v] = number[merging.panel_of(v)];
+    ++members_first[panel[v] + 1];
+  }
+  std::partial_sum(members_first.begin(), members_first.end(), members_first.begin());
+  members.resize(n);
+  {
+    Indices next(members_first.begin(), members_first.end() - 1);
+    for (Index v = 0; v < n; ++v) members[next[panel[v]]++] = v;
+  }
+  const auto members_of = [&](Index p) {
+    return std::span(members).subspan(members_first[p], members_first[p + 1] - members_first[p]);
+  };
+  to.resize(groups.of.size());
+  Indices first(n);  // unknown of each vertex in L
+  Index unknowns = 0;
+  for (Index p = 0; p < count; ++p) {
+    panels[p].first = unknowns;
+    for (const Index v : members_of(p)) {
+      first[v] = unknowns;
+      for (Index k = 0; k < size[v]; ++k) to[groups.first[order[v]] + k] = unknowns++;
+    }
+    panels[p].width = unknowns - panels[p].first;
+    const Index above = parent[members_of(p).back()];
+    panels[p].parent = above < 0 ? -1 : panel[above];
+  }
+
+  // Rows: the later neighbours of its own unknowns, and the rows of its children. By groups first.
+  std::vector<Indices> touched(count);
+  for (Index p = 0; p < count; ++p) {
+    Indices& mine = touched[p];
+    for (const Index v : members_of(p))
+      for (const Index u : graph.of(v))
+        if (panel[u] > p) mine.push_back(u);
+    std::ranges::sort(mine, {}, [&](Index v) { return first[v]; });
+    mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
+    Panel& here = panels[p];
+    here.rows = rows.size();
+    for (const Index v : mine)
+      for (Index k = 0; k < size[v]; ++k) rows.push_back(first[v] + k);
+    here.height = static_cast<Index>(rows.size() - here.rows);
+    if (here.parent >= 0)
+      for (const Index v : mine)
+        if (panel[v] > here.parent) touched[here.parent].push_back(v);
+    mine = {};
+  }
+
+  // Where panels and updates stand, and rows in parents.
+  Indices depth(count, 0), row_at(unknowns, 0);
+  for (Index p = count; p-- > 0;)
+    if (panels[p].parent >= 0) depth[p] = depth[panels[p].parent] + 1;
+  std::size_t top[2] = {};
+  std::vector<std::size_t> base(count);
+  Indices eldest(count, -1);
+  for (Index p = 0; p < count; ++p) {
+    Panel& here = panels[p];
+    const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
+    const auto wide = static_cast<std::size_t>(PanelShape::padded(here.width));
+    here.values = values;
+    values += (tall + wide) * static_cast<std::size_t>(here.width);
+    tallest = std::max(tallest, here.height);
+    widest = std::max(widest, here.width);
+    work += squares(here.height, here.height + here.width);
+    here.stack = depth[p] % 2;
+    here.update = top[here.stack];
+    top[here.stack] += tall * static_cast<std::size_t>(here.height);
+    stacks[here.stack] = std::max(stacks[here.stack], top[here.stack]);
+    if (eldest[p] >= 0) top[1 - here.stack] = panels[eldest[p]].update;
+    if (here.parent >= 0 && eldest[here.parent] < 0) eldest[here.parent] = p;
+  }
+  for (Panel& here : panels) {
+    here.joins[0] = here.joins[1] = here.joins[2] = joins.size();
+    if (here.parent < 0) continue;
+    const Panel& above = panels[here.parent];
+    const Index end = above.first + above.width;
+    std::size_t at = above.rows;
+    bool inside = true;
+    for (Index k = 0; k < here.height; ++k) {
+      const Index row = rows[here.rows + k];
+      if (inside && row >= end) {
+        inside = false;
+        here.joins[1] = joins.size();
+      }
+      if (!inside)
+        while (rows[at] != row) ++at;
+      const std::size_t place = inside ? static_cast<std::size_t>(row - above.first) : at - above.rows;
+      const bool begins = joins.size() == here.joins[inside ? 0 : 1];
+      if (!begins && joins.back().to + joins.back().length == place)
+        ++joins.back().length;
+      else
+        joins.push_back({k, 1, place});
+    }
+    here.joins[2] = joins.size();
+    if (inside) here.joins[1] = here.joins[2];
+  }
+
+  // Entries of A: each column of an unknown, at the unknown itself and those eliminated later.
+  for (Index p = 0; p < count; ++p) {
+    Panel& here = panels[p];
+    here.entries = entries.size();
+    for (Index k = 0; k < here.height; ++k) row_at[rows[here.rows + k]] = k;
+    const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
+    const auto wide = static_cast<std::size_t>(PanelShape::padded(here.width));
+    const std::size_t below = here.values + wide * static_cast<std::size_t>(here.width);
+    for (const Index v : members_of(p))
+      for (Index k = 0; k < size[v]; ++k) {
+        const Index j = groups.first[order[v]] + k;
+        const auto column = static_cast<std::size_t>(to[j] - here.first);
+        for (Index from = outer[j]; from < outer[j + 1];) {
+          const Index group = groups.of[inner[from]], length = groups.size(group);
+          const Index row = to[groups.first[group]];
+          if (row >= here.first + here.width)
+            entries.push_back({from, length, below + column * tall + static_cast<std::size_t>(row_at[row])});
+          else if (row >= first[v])
+            entries.push_back(
+                {from, length, here.values + column * wide + static_cast<std::size_t>(row - here.first)});
+          from += length;
+        }
+      }
+  }
+}
+
+}  // namespace hmax

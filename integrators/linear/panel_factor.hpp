@@ -1,0 +1,258 @@
+/// The factors of a sparse symmetric matrix, panel by panel.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include <Eigen/SparseCore>
+
+#include "integrators/linear/panel_analysis.hpp"
+#include "integrators/linear/panel_kernels.hpp"
+#include "integrators/linear/panel_loops.hpp"
+
+namespace hmax {
+
+namespace detail {
+/// One number at a time, for scalars without kernels of their own.
+template <class ScalarT>
+struct SingleLane {
+  using Scalar = ScalarT;
+  static constexpr int width = 1, columns = 4, vectors = 2;
+  using V = Scalar;
+  static V load(const Scalar* p) { return *p; }
+  static void store(Scalar* p, const V& v) { *p = v; }
+};
+/// Of complex numbers, whose operators take infinities into account, which here mean failure anyway.
+template <class Real>
+struct SingleLane<std::complex<Real>> {
+  using Scalar = std::complex<Real>;
+  static constexpr int width = 1, columns = 4, vectors = 2;
+  struct V {
+    Real re = 0, im = 0;
+    friend V operator*(const V& a, const V& b) {
+      return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+    }
+    friend V operator*(const V& a, const Scalar& b) { return a * V{b.real(), b.imag()}; }
+    void operator*=(const Scalar& b) { *this = *this * b; }
+    void operator+=(const V& b) { re += b.re, im += b.im; }
+    void operator-=(const V& b) { re -= b.re, im -= b.im; }
+  };
+  static V load(const Scalar* p) { return {p->real(), p->imag()}; }
+  static void store(Scalar* p, const V& v) { *p = {v.re, v.im}; }
+};
+
+/// Memory at addresses that the widest registers may load from.
+template <class T>
+struct AlignedAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t alignment{64};
+
+  AlignedAllocator() = default;
+  template <class U>
+  explicit AlignedAllocator(const AlignedAllocator<U>&) {}
+  static T* allocate(std::size_t count) {
+    return static_cast<T*>(::operator new(count * sizeof(T), alignment));
+  }
+  static void deallocate(T* at, std::size_t) { ::operator delete(at, alignment); }
+  bool operator==(const AlignedAllocator&) const = default;
+};
+
+template <class Scalar>
+const PanelKernels<Scalar>& panel_kernels() {
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return *available_panel_kernels().front();
+  } else {
+    static constexpr PanelKernels<Scalar> plain = panel_loops::kernels_of<SingleLane<Scalar>>("plain");
+    return plain;
+  }
+}
+}  // namespace detail
+
+/// P A P^T = L D L^T of a symmetric A, shape (n, n), without pivoting: A may be indefinite, but its factors
+/// are only as good as their pivots. Multifrontal: each panel takes up its entries of A and the updates of
+/// its children, is eliminated as a dense matrix, and leaves its own update to its parent. Arithmetic so runs
+/// over numbers that lie side by side, with one list of rows for all columns of a panel. The same input gives
+/// the same bits on every processor. Nothing is allocated after the first factor().
+/// @source [liu1992multifrontal]
+template <class Scalar>
+class PanelFactor {
+ public:
+  using Index = int;
+  using Matrix = Eigen::SparseMatrix<Scalar>;
+
+  PanelFactor() = default;
+  explicit PanelFactor(const PanelKernels<Scalar>& kernels) : kernels_(&kernels) {}
+
+  /// Takes the pattern of a compressed A, which is symmetric; allocates.
+  void analyse(const Matrix& A) {
+    const auto n = static_cast<std::size_t>(A.cols());
+    plan_ = PanelAnalysis({A.outerIndexPtr(), n + 1},
+                          {A.innerIndexPtr(), static_cast<std::size_t>(A.nonZeros())});
+    values_.clear();
+    d_.resize(n);
+    inverse_.resize(n);
+    x_.resize(n);
+    own_.resize(PanelShape::padded(plan_.widest));
+    part_.resize(PanelShape::padded(plan_.tallest) + PanelShape::lanes);
+  }
+
+  /// Operations of one factorisation, of which half are multiplications.
+  [[nodiscard]] double work() const { return plan_.work; }
+
+  /// Of the matrix that was analysed, or another one of its pattern.
+  /// @returns false when a pivot is zero or not finite; solve() must not be called then
+  bool factor(const Matrix& A) {
+    if (values_.empty()) {  // the first time, since iterations may come to need none
+      values_.resize(plan_.values);
+      for (int k : {0, 1}) stacks_[k].resize(plan_.stacks[k]);
+    }
+    waiting_.clear();
+    for (std::size_t p = 0; p < plan_.panels.size(); ++p)
+      if (!eliminate(p, A.valuePtr())) return false;
+    return true;
+  }
+
+  /// D, in the order of elimination, shape (n). Of a real A it has as many negative entries as A has
+  /// negative eigenvalues.
+  [[nodiscard]] std::span<const Scalar> pivots() const { return d_; }
+
+  /// x = A^-1 x, shape (n). No allocation.
+  template <class X>
+  void solve(X& x) {
+    const Index n = static_cast<Index>(plan_.to.size());
+    for (Index i = 0; i < n; ++i) x_[plan_.to[i]] = x[i];
+    Scalar *const own = own_.data(), *const part = part_.data();
+    for (const Panel& panel : plan_.panels) {
+      const auto [T, B] = parts(panel);
+      Scalar* const unknowns = x_.data() + panel.first;
+      const Index* const rows = plan_.rows.data() + panel.rows;
+      load(unknowns, panel.width, own);
+      kernels_->forward(T, B, panel.width, panel.height, own, part);
+      std::copy_n(own, panel.width, unknowns);
+      for (Index i = 0; i < panel.height; ++i) x_[rows[i]] += part[i];
+    }
+    for (Index i = 0; i < n; ++i) x_[i] *= inverse_[i];
+    for (auto panel = plan_.panels.rbegin(); panel != plan_.panels.rend(); ++panel) {
+      const auto [T, B] = parts(*panel);
+      Scalar* const unknowns = x_.data() + panel->first;
+      const Index* const rows = plan_.rows.data() + panel->rows;
+      load(unknowns, panel->width, own);
+      for (Index i = 0; i < panel->height; ++i) part[i] = x_[rows[i]];
+      std::fill(part + panel->height, part + PanelShape::padded(panel->height), Scalar(0));
+      kernels_->backward(T, B, panel->width, panel->height, own, part);
+      std::copy_n(own, panel->width, unknowns);
+    }
+    for (Index i = 0; i < n; ++i) x[i] = x_[plan_.to[i]];
+  }
+
+ private:
+  using Panel = PanelAnalysis::Panel;
+  using AlignedVector = std::vector<Scalar, detail::AlignedAllocator<Scalar>>;
+  struct Parts {
+    Scalar *T, *B;
+  };
+  Parts parts(const Panel& panel) {
+    Scalar* const T = values_.data() + panel.values;
+    return {T, T + PanelShape::padded(panel.width) * panel.width};
+  }
+  Scalar* update(const Panel& panel) { return stacks_[panel.stack].data() + panel.update; }
+
+  static void load(const Scalar* from, Index count, Scalar* to) {
+    std::copy_n(from, count, to);
+    std::fill(to + count, to + PanelShape::padded(count), Scalar(0));
+  }
+
+  /// The front of a panel is a matrix of its unknowns and rows; its columns of unknowns are the panel itself.
+  bool eliminate(std::size_t p, const Scalar* A) {
+    const Panel& panel = plan_.panels[p];
+    const auto [T, B] = parts(panel);
+    const Index w = panel.width, h = panel.height;
+    // Of the triangle what stands above the diagonal is only calculated with, beside the rest.
+    const auto tall = PanelShape::padded(w);
+    for (std::ptrdiff_t j = 0; j < w; ++j)
+      std::fill(T + j * tall + j / PanelShape::lanes * PanelShape::lanes, T + (j + 1) * tall, Scalar(0));
+    std::fill(B, B + PanelShape::padded(h) * w, Scalar(0));
+    take_entries(p, A);
+    std::size_t first = waiting_.size();  // of its children
+    while (first > 0 && plan_.panels[waiting_[first - 1]].parent == static_cast<Index>(p)) --first;
+    for (std::size_t c = first; c < waiting_.size(); ++c) join_unknowns(plan_.panels[waiting_[c]], panel);
+    Scalar* const d = d_.data() + panel.first;
+    kernels_->eliminate(T, B, w, h, d);
+    for (Index i = 0; i < w; ++i) {
+      if (!(std::abs(d[i]) > 0) || !std::isfinite(std::abs(d[i]))) return false;
+      inverse_[panel.first + i] = Scalar(1) / d[i];
+    }
+    if (h > 0) kernels_->update(B, w, h, d, update(panel));
+    for (std::size_t c = first; c < waiting_.size(); ++c) join_rows(plan_.panels[waiting_[c]], panel);
+    waiting_.resize(first);
+    if (h > 0) waiting_.push_back(static_cast<Index>(p));
+    return true;
+  }
+
+  void take_entries(std::size_t p, const Scalar* A) {
+    const auto& all = plan_.entries;
+    const std::size_t end = p + 1 < plan_.panels.size() ? plan_.panels[p + 1].entries : all.size();
+    Scalar* const values = values_.data();
+    for (std::size_t r = plan_.panels[p].entries; r < end; ++r) {
+      const Scalar* const from = A + all[r].from;
+      Scalar* const to = values + all[r].to;
+      if (all[r].length == 3) {  // a point of a body
+        to[0] = from[0];
+        to[1] = from[1];
+        to[2] = from[2];
+      } else {
+        std::copy_n(from, all[r].length, to);
+      }
+    }
+  }
+
+  /// Adds the columns of a child's update that are unknowns of its parent to the panel of that.
+  void join_unknowns(const Panel& child, const Panel& parent) {
+    const auto [T, B] = parts(parent);
+    const auto* const joins = plan_.joins.data();
+    for (std::size_t c = child.joins[0]; c < child.joins[1]; ++c)
+      for (Index k = 0; k < joins[c].length; ++k) {
+        const auto column = static_cast<std::ptrdiff_t>(joins[c].to) + k;
+        const Scalar* const U = update(child) + PanelShape::padded(child.height) * (joins[c].from + k);
+        Scalar* const t = T + PanelShape::padded(parent.width) * column;
+        Scalar* const b = B + PanelShape::padded(parent.height) * column;
+        add(joins[c].length - k, U + joins[c].from + k, t + column);
+        for (std::size_t r = c + 1; r < child.joins[1]; ++r)
+          add(joins[r].length, U + joins[r].from, t + joins[r].to);
+        for (std::size_t r = child.joins[1]; r < child.joins[2]; ++r)
+          add(joins[r].length, U + joins[r].from, b + joins[r].to);
+      }
+  }
+
+  /// Adds the other ones to the update of its parent.
+  void join_rows(const Panel& child, const Panel& parent) {
+    const auto* const joins = plan_.joins.data();
+    for (std::size_t c = child.joins[1]; c < child.joins[2]; ++c)
+      for (Index k = 0; k < joins[c].length; ++k) {
+        const auto column = static_cast<std::ptrdiff_t>(joins[c].to) + k;
+        const Scalar* const U = update(child) + PanelShape::padded(child.height) * (joins[c].from + k);
+        Scalar* const u = update(parent) + PanelShape::padded(parent.height) * column;
+        add(joins[c].length - k, U + joins[c].from + k, u + column);
+        for (std::size_t r = c + 1; r < child.joins[2]; ++r)
+          add(joins[r].length, U + joins[r].from, u + joins[r].to);
+      }
+  }
+
+  static void add(Index count, const Scalar* from, Scalar* to) {
+    for (Index i = 0; i < count; ++i) to[i] += from[i];
+  }
+
+  const PanelKernels<Scalar>* kernels_ = &detail::panel_kernels<Scalar>();
+  PanelAnalysis plan_;
+  AlignedVector values_, stacks_[2], own_, part_;
+  std::vector<Scalar> d_, inverse_, x_;
+  std::vector<Index> waiting_;  // panels whose updates have not been taken up
+};
+
+}  // namespace hmax

@@ -1,0 +1,35 @@
+#include "integrators/linear/panel_kernels.hpp"
+
+#include <vector>
+
+#include "core/instruction_set.hpp"
+
+namespace hmax {
+
+extern const PanelKernels<double> panel_kernels_portable;
+#ifdef HMAX_X86_KERNELS
+extern const PanelKernels<double> panel_kernels_avx2, panel_kernels_avx512;
+#endif
+
+namespace {
+
+const PanelKernels<double>* kernels_for([[maybe_unused]] InstructionSet set) {
+#ifdef HMAX_X86_KERNELS
+  if (set == InstructionSet::avx512) return &panel_kernels_avx512;
+  if (set == InstructionSet::avx2) return &panel_kernels_avx2;
+#endif
+  return &panel_kernels_portable;
+}
+
+}  // namespace
+
+std::span<const PanelKernels<double>* const> available_panel_kernels() {
+  static const std::vector<const PanelKernels<double>*> available = [] {
+    std::vector<const PanelKernels<double>*> all;
+    for (const InstructionSet set : instruction_sets()) all.push_back(kernels_for(set));
+    return all;
+  }();
+  return available;
+}
+
+}  // namespace hmax

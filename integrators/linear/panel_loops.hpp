@@ -1,0 +1,258 @@
+/// The loops of panel_kernels.hpp for any register.
+///
+/// Each instruction set includes this in a source of its own with a type `Lanes` of an unnamed namespace, so
+/// that no code compiled for one set can be linked in the place of another. For the same reason nothing of
+/// the standard library is used here. `Lanes` has
+///   Scalar, V, width      numbers, a register of them and how many it holds, which divides 8
+///   columns, vectors      of the tiles that are kept in registers; columns is a multiple of width, divides 8
+///   load(p), store(p, v)  from and to aligned memory
+#pragma once
+
+#include "integrators/linear/panel_kernels.hpp"
+
+namespace hmax::panel_loops {
+
+using Index = std::ptrdiff_t;
+
+/// So many columns are subtracted from a tile before it is written back, and so many rows of them serve all
+/// tiles beside one another: both stay in the caches.
+inline constexpr Index depth = 128, rows_at_once = 256;
+
+template <int N>
+struct Count {
+  static constexpr int value = N;
+};
+
+/// f(Count<n>) for an n from 1 to N known at run time.
+template <int N, class F>
+inline void with_count(Index n, const F& f) {
+  if constexpr (N > 1) {
+    if (n < N) return with_count<N - 1>(n, f);
+  }
+  f(Count<N>{});
+}
+
+/// factors(q, c) = d_q S(c, q) for k columns of S, each NC side by side.
+template <class Lanes, int NC, class Scalar>
+inline void scale(const Scalar* S, Index lds, const Scalar* d, Index k, Scalar* factors) {
+  for (Index q = 0; q < k; ++q)
+    for (int c = 0; c < NC; ++c) factors[q * NC + c] = d[q] * S[q * lds + c];
+}
+
+/// What finishes NC columns of L below their diagonal block: 1 / d_p, and d_p L(c, p) for p < c < NC.
+template <int NC, class Scalar>
+struct DiagonalBlock {
+  Scalar inverse[NC], factor[NC][NC];
+};
+
+struct Nothing {};
+
+/// A tile of NV registers of rows and NC columns: C - A factors, finished by a diagonal block if there is
+/// one.
+template <class Lanes, int NC, int NV, bool overwrites, class Block, class Scalar>
+inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar* factors, Index k,
+                 const Block& block) {
+  using V = typename Lanes::V;
+  constexpr Index W = Lanes::width;
+  V sum[NC][NV];
+#pragma GCC unroll 8
+  for (int c = 0; c < NC; ++c)
+#pragma GCC unroll 4
+    for (int v = 0; v < NV; ++v) {
+      if constexpr (overwrites)
+        sum[c][v] = V{};
+      else
+        sum[c][v] = Lanes::load(C + c * ldc + v * W);
+    }
+  for (Index q = 0; q < k; ++q, A += lda, factors += NC) {
+    V column[NV];
+#pragma GCC unroll 4
+    for (int v = 0; v < NV; ++v) column[v] = Lanes::load(A + v * W);
+#pragma GCC unroll 8
+    for (int c = 0; c < NC; ++c)
+#pragma GCC unroll 4
+      for (int v = 0; v < NV; ++v) sum[c][v] -= column[v] * factors[c];
+  }
+  if constexpr (requires { block.inverse; }) {
+#pragma GCC unroll 8
+    for (int p = 0; p < NC; ++p)
+#pragma GCC unroll 4
+      for (int v = 0; v < NV; ++v) {
+        sum[p][v] *= block.inverse[p];
+#pragma GCC unroll 8
+        for (int c = p + 1; c < NC; ++c) sum[c][v] -= sum[p][v] * block.factor[c][p];
+      }
+  }
+#pragma GCC unroll 8
+  for (int c = 0; c < NC; ++c)
+#pragma GCC unroll 4
+    for (int v = 0; v < NV; ++v) Lanes::store(C + c * ldc + v * W, sum[c][v]);
+}
+
+/// The same for all rows from `from` to `to`.
+template <class Lanes, int NC, bool overwrites, class Block, class Scalar>
+inline void tiles(Index from, Index to, Scalar* C, Index ldc, const Scalar* A, Index lda,
+                  const Scalar* factors, Index k, const Block& block) {
+  constexpr int NV = Lanes::vectors;
+  Index r = from;
+  for (; r + NV * Lanes::width <= to; r += NV * Lanes::width)
+    tile<Lanes, NC, NV, overwrites>(C + r, ldc, A + r, lda, factors, k, block);
+  for (; r < to; r += Lanes::width) tile<Lanes, NC, 1, overwrites>(C + r, ldc, A + r, lda, factors, k, block);
+}
+
+/// C <- C - A diag(d) S^T, or without C where it is overwritten, shape (rows, columns) with k columns of A.
+/// @param lower  what stands above the diagonal is of no use
+template <class Lanes, class Scalar>
+inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, const Scalar* A, Index lda,
+                             const Scalar* S, Index lds, const Scalar* d, Index k, bool lower,
+                             bool overwrites) {
+  Scalar factors[depth * Lanes::columns];
+  for (Index q = 0; q < k; q += depth, overwrites = false) {
+    const Index deep = k - q < depth ? k - q : depth;
+    for (Index top = 0; top < rows; top += rows_at_once) {
+      const Index bottom = rows - top < rows_at_once ? rows : top + rows_at_once;
+      for (Index c = 0; c < columns; c += Lanes::columns) {
+        if (lower && c >= bottom) break;
+        with_count<Lanes::columns>(columns - c, [&]<int NC>(Count<NC>) {
+          scale<Lanes, NC>(S + q * lds + c, lds, d + q, deep, factors);
+          const Index from = lower && c > top ? c : top;
+          if (overwrites)
+            tiles<Lanes, NC, true>(from, bottom, C + c * ldc, ldc, A + q * lda, lda, factors, deep,
+                                   Nothing{});
+          else
+            tiles<Lanes, NC, false>(from, bottom, C + c * ldc, ldc, A + q * lda, lda, factors, deep,
+                                    Nothing{});
+        });
+      }
+    }
+  }
+}
+
+/// L D L^T of the NC columns of a diagonal block, in place.
+template <class Lanes, int NC, class Scalar>
+inline void factor_diagonal(Scalar* T, Index ldt, Scalar* d, DiagonalBlock<NC, Scalar>& block) {
+  for (int p = 0; p < NC; ++p) {
+    d[p] = T[p * ldt + p];
+    block.inverse[p] = Scalar(1) / d[p];
+    for (int r = p + 1; r < NC; ++r) {
+      T[p * ldt + r] *= block.inverse[p];
+      block.factor[r][p] = d[p] * T[p * ldt + r];
+    }
+    for (int c = p + 1; c < NC; ++c)
+      for (int r = c; r < NC; ++r) T[c * ldt + r] -= T[p * ldt + r] * block.factor[c][p];
+  }
+}
+
+template <class Lanes>
+void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, Index h,
+               typename Lanes::Scalar* d) {
+  using Scalar = typename Lanes::Scalar;
+  constexpr Index NB = Lanes::columns;
+  const Index ldt = PanelShape::padded(w), ldb = PanelShape::padded(h);
+  Scalar factors[depth * Lanes::columns];
+  for (Index s = 0; s < w; s += depth) {
+    const Index end = w - s < depth ? w : s + depth;
+    for (Index j = s; j < end; j += NB)
+      with_count<Lanes::columns>(end - j, [&]<int NC>(Count<NC>) {
+        DiagonalBlock<NC, Scalar> block{};
+        Scalar* const own = T + j * ldt;
+        scale<Lanes, NC>(T + s * ldt + j, ldt, d + s, j - s, factors);
+        tiles<Lanes, NC, false>(j, j + NB, own, ldt, T + s * ldt, ldt, factors, j - s, Nothing{});
+        factor_diagonal<Lanes, NC>(own + j, ldt, d + j, block);
+        tiles<Lanes, NC, false>(j + NB, ldt, own, ldt, T + s * ldt, ldt, factors, j - s, block);
+        tiles<Lanes, NC, false>(0, ldb, B + j * ldb, ldb, B + s * ldb, ldb, factors, j - s, block);
+      });
+    if (end == w) break;
+    const Scalar* const done = T + s * ldt + end;
+    subtract_product<Lanes>(T + end * ldt + end, ldt, ldt - end, w - end, done, ldt, done, ldt, d + s,
+                            end - s, true, false);
+    subtract_product<Lanes>(B + end * ldb, ldb, ldb, w - end, B + s * ldb, ldb, done, ldt, d + s, end - s,
+                            false, false);
+  }
+}
+
+template <class Lanes>
+void update(const typename Lanes::Scalar* B, Index w, Index h, const typename Lanes::Scalar* d,
+            typename Lanes::Scalar* U) {
+  const Index ld = PanelShape::padded(h);
+  subtract_product<Lanes>(U, ld, ld, h, B, ld, B, ld, d, w, true, true);
+}
+
+/// y <- y - A x for NC columns.
+template <class Lanes, int NC, class Scalar>
+inline void subtract_columns(Index from, Index to, const Scalar* A, Index lda, const Scalar* x, Scalar* y) {
+  using V = typename Lanes::V;
+#pragma GCC unroll 2
+  for (Index r = from; r < to; r += Lanes::width) {
+    V sum = Lanes::load(y + r);
+#pragma GCC unroll 8
+    for (int c = 0; c < NC; ++c) sum -= Lanes::load(A + c * lda + r) * x[c];
+    Lanes::store(y + r, sum);
+  }
+}
+
+template <class Lanes>
+void forward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, Index w, Index h,
+             typename Lanes::Scalar* x, typename Lanes::Scalar* part) {
+  using Scalar = typename Lanes::Scalar;
+  const Index ldt = PanelShape::padded(w), ldb = PanelShape::padded(h);
+  for (Index r = 0; r < ldb; ++r) part[r] = Scalar(0);
+  for (Index j = 0; j < w; j += 8) {
+    const Scalar* const own = T + j * ldt;
+    with_count<8>(w - j, [&]<int NC>(Count<NC>) {
+      for (int c = 0; c < NC; ++c)
+        for (int r = c + 1; r < NC; ++r) x[j + r] -= own[c * ldt + j + r] * x[j + c];
+      Scalar given[NC];
+      for (int c = 0; c < NC; ++c) given[c] = x[j + c];
+      subtract_columns<Lanes, NC>(j + 8, ldt, own, ldt, given, x);
+      subtract_columns<Lanes, NC>(0, ldb, B + j * ldb, ldb, given, part);
+    });
+  }
+}
+
+/// sums(c) += eight partial sums of A_c . x, of rows r, r + 8, ...
+template <class Lanes, int NC, class Scalar>
+inline void add_dots(Index from, Index to, const Scalar* A, Index lda, const Scalar* x,
+                     typename Lanes::V (&sums)[NC][8 / Lanes::width]) {
+  for (Index r = from; r < to; r += 8)
+#pragma GCC unroll 8
+    for (int v = 0; v < 8 / Lanes::width; ++v) {
+      const typename Lanes::V with = Lanes::load(x + r + v * Lanes::width);
+#pragma GCC unroll 8
+      for (int c = 0; c < NC; ++c) sums[c][v] += Lanes::load(A + c * lda + r + v * Lanes::width) * with;
+    }
+}
+
+template <class Lanes>
+void backward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, Index w, Index h,
+              typename Lanes::Scalar* x, const typename Lanes::Scalar* part) {
+  using Scalar = typename Lanes::Scalar;
+  using V = typename Lanes::V;
+  constexpr int NS = Lanes::width >= 4 ? Lanes::width : 2;  // columns whose sums stay in registers
+  const Index ldt = PanelShape::padded(w), ldb = PanelShape::padded(h);
+  for (Index j = (w - 1) / 8 * 8; j >= 0; j -= 8) {
+    const Index end = w - j < 8 ? w : j + 8;
+    for (Index first = j; first < end; first += NS)
+      with_count<NS>(end - first, [&]<int NC>(Count<NC>) {
+        V sums[NC][8 / Lanes::width];
+        for (int c = 0; c < NC; ++c)
+          for (int v = 0; v < 8 / Lanes::width; ++v) sums[c][v] = V{};
+        add_dots<Lanes, NC>(0, ldb, B + first * ldb, ldb, part, sums);
+        add_dots<Lanes, NC>(j + 8, ldt, T + first * ldt, ldt, x, sums);
+        for (int c = 0; c < NC; ++c) {
+          alignas(64) Scalar s[8];
+          for (int v = 0; v < 8 / Lanes::width; ++v) Lanes::store(s + v * Lanes::width, sums[c][v]);
+          x[first + c] -= ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+        }
+      });
+    for (Index c = end - 1; c >= j; --c)
+      for (Index r = c + 1; r < end; ++r) x[c] -= T[c * ldt + r] * x[r];
+  }
+}
+
+template <class Lanes>
+constexpr PanelKernels<typename Lanes::Scalar> kernels_of(const char* name) {
+  return {name, eliminate<Lanes>, update<Lanes>, forward<Lanes>, backward<Lanes>};
+}
+
+}  // namespace hmax::panel_loops

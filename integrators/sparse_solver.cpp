@@ -1,8 +1,0 @@
-#include "integrators/sparse_solver.hpp"
-
-namespace hmax {
-
-template class SparseSolver<double>;
-template void SparseSolver<double>::solve(Eigen::VectorXd&);
-
-}  // namespace hmax

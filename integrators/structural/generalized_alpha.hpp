@@ -1,0 +1,347 @@
+/// Implicit methods of structural dynamics, M q'' = F(t, q, v), on packed states y = (q, v): Newmark,
+/// HHT-alpha and generalized-alpha are one method of four numbers.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "integrators/implicit/jacobian.hpp"
+#include "integrators/implicit/newton_settings.hpp"
+#include "integrators/linear/linear_solver.hpp"
+#include "integrators/stats.hpp"
+#include "integrators/structural/structural.hpp"
+
+namespace hmax {
+
+/// The four numbers of the family.
+struct AlphaParameters {
+  long double alpha_m = 0;  ///< weight of the old acceleration in the equation of motion
+  long double alpha_f = 0;  ///< weight of the old position, velocity and time in it
+  long double beta = 0.25L, gamma = 0.5L;
+
+  bool operator==(const AlphaParameters&) const = default;
+};
+
+/// Newmark's method [newmark1959method]: (1/4, 1/2) is the trapezoidal rule for linear problems, (1/6, 1/2)
+/// the linear acceleration method, (1/12, 1/2) that of Fox and Goodwin, (0, 1/2) central differences that
+/// solve for the whole damping matrix, v_new = v + h/2 (a + a_new): without damping explicit, with it solved
+/// by
+///   (M + h/2 C) a_new = F(t + h, q_new, v + h/2 a),    q_new = q + h v + h^2/2 a.
+constexpr AlphaParameters newmark_parameters(long double beta, long double gamma) {
+  return {0, 0, beta, gamma};
+}
+
+/// The method of Hilber, Hughes and Taylor [hilber1977improved], alpha in [-1/3, 0]; 0 is the trapezoidal
+/// rule.
+constexpr AlphaParameters hht_parameters(long double alpha) {
+  return {0, -alpha, (1 - alpha) * (1 - alpha) / 4, 0.5L - alpha};
+}
+
+/// The generalized-alpha method of Chung and Hulbert [chung1993time] whose amplification of infinitely fast
+/// modes is rho, in [0, 1]: 0 annihilates them within three steps, 1 keeps them.
+constexpr AlphaParameters generalized_alpha_parameters(long double rho) {
+  const long double alpha_m = (2 * rho - 1) / (rho + 1), alpha_f = rho / (rho + 1);
+  const long double s = 1 - alpha_m + alpha_f;
+  return {alpha_m, alpha_f, s * s / 4, 0.5L - alpha_m + alpha_f};
+}
+
+/// 2 where gamma = 1/2 - alpha_m + alpha_f, else 1 [chung1993time].
+constexpr int order_of(const AlphaParameters& p) {
+  const long double defect = p.gamma - (0.5L - p.alpha_m + p.alpha_f);
+  return defect < 1e-15L && defect > -1e-15L ? 2 : 1;
+}
+
+static_assert(newmark_parameters(0.25L, 0.5L) == AlphaParameters{} && hht_parameters(0) == AlphaParameters{});
+static_assert(generalized_alpha_parameters(1) == AlphaParameters{0.5L, 0.5L, 0.25L, 0.5L});
+static_assert(generalized_alpha_parameters(0) == AlphaParameters{-1, 0, 1, 1.5L});
+static_assert(order_of(newmark_parameters(0.25L, 0.6L)) == 1 && order_of(hht_parameters(-0.3L)) == 2);
+
+/// One step of the generalized-alpha method: a_new solves
+///   M ((1 - alpha_m) a_new + alpha_m a) = F(t_f, q_f, v_f),     x_f = (1 - alpha_f) x_new + alpha_f x,
+///   q_new = q + h v + h^2 ((1/2 - beta) a + beta a_new),        v_new = v + h ((1 - gamma) a + gamma a_new).
+/// The force is evaluated once at the point between the ends, not averaged from both; for linear forces both
+/// are the same. a_new is the a of the next step; the first is M^-1 F(t_0).
+///
+/// Simplified Newton iteration on a_new with the symmetric matrix of n rows
+///   M + c C + k K,    c = r gamma h,    k = r beta h^2,    r = (1 - alpha_f) / (1 - alpha_m)
+/// from a_new = a until what is still to come, as the rate of convergence foretells it, is rounding. The rate
+/// is remembered from step to step, so that a linear problem takes one iteration and one force a step. A
+/// factorisation is kept while h, K and C stay. K and C are renewed as JacobianUpdate says; automatic: after
+/// a step that converged slowly. Where the iteration does not converge, automatic and exact go on to Newton's
+/// method from a motionless guess, with K and C at every iterate.
+/// @tparam DofsT    Eigen column vector, shape (n)
+/// @tparam MatrixT  type of K and C, shape (n, n): dense, sparse, or a variant of both
+/// @cost   a force and a solution each iteration; no allocation after init() for dense matrices
+/// @source [chung1993time]
+template <class StateT, class DofsT, class MatrixT>
+class GeneralizedAlpha {
+ public:
+  using State = StateT;
+  using Real = real_of<State>;
+  using Scalar = typename State::Scalar;
+  static constexpr int order = 0;  // order_of(parameters)
+  static constexpr int error_order = 0;
+  static constexpr bool may_estimate_error = false;
+  static constexpr bool is_explicit = false;
+
+  GeneralizedAlpha() = default;
+  explicit GeneralizedAlpha(const AlphaParameters& p)
+      : alpha_m_(static_cast<Real>(p.alpha_m)),
+        alpha_f_(static_cast<Real>(p.alpha_f)),
+        beta_(static_cast<Real>(p.beta)),
+        gamma_(static_cast<Real>(p.gamma)) {}
+
+  void set_jacobian_update(JacobianUpdate update) { update_ = update; }
+  /// How symmetric sparse equations are solved.
+  void set_linear_solve(LinearSolve choice) {
+    if constexpr (requires { solver_.set(choice); }) solver_.set(choice);
+  }
+
+  /// How exactly equations are solved.
+  void set_newton(NewtonSettings settings) {
+    iterations_ = settings.iterations;
+    tolerance_ = std::max(static_cast<Real>(settings.tolerance), rounding);
+  }
+
+  template <SecondOrderSystem Sys>
+  void init(const Sys& system, Real t, const State& y) {
+    const Eigen::Index n = system.dofs();
+    mass_ = system.mass();
+    q_ = y.head(n);
+    v_ = y.tail(n);
+    force_ = a_new_ = a_ = mass_;
+    system.force(t, q_, v_, a_);
+    a_ = a_.cwiseQuotient(mass_);
+    if constexpr (!detail::is_variant<MatrixT>) {
+      K_.resize(n, n);
+      C_.resize(n, n);
+    }
+    linearise(system, t, K_, C_);
+    linearised_here_ = true;
+    A_ = K_full_ = K_;
+    C_full_ = C_;
+    if constexpr (requires { solver_.resize(n); }) solver_.resize(n);
+    factored_h_ = std::numeric_limits<Real>::quiet_NaN();
+    rate_ = new_rate_ = Real(1);
+    slow_ = new_slow_ = false;
+    steps_ = 0;
+    work_ = {};
+    offset_ = 0;
+    if constexpr (OffsetSystem<Sys>)
+      if (has_offset(system)) {
+        State X = y;
+        X.setZero();
+        system.offset(X);
+        offset_ = norm(X, 0);
+      }
+  }
+
+  template <SecondOrderSystem Sys>
+  StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
+    if (!linearised_here_ && is_due()) {
+      unpack(y);
+      linearise(system, t, K_, C_);
+      linearised_here_ = true;
+      factored_h_ = std::numeric_limits<Real>::quiet_NaN();
+    }
+    new_rate_ = rate_;
+    new_slow_ = false;
+    if (factor(h)) {
+      a_new_ = a_;
+      if (iterate(system, t, y, h, y_new, limit(decides() ? 10 : 100), false)) return StepStatus::ok;
+    }
+    // The iterates of Newton's method leave K and C alone: an attempt leaves no trace.
+    factored_h_ = std::numeric_limits<Real>::quiet_NaN();
+    if (!decides()) return StepStatus::newton_failed;
+    stand_still(y, h);
+    const bool solved = iterate(system, t, y, h, y_new, limit(40), true);
+    new_rate_ = Real(1);
+    new_slow_ = true;
+    return solved ? StepStatus::ok : StepStatus::newton_failed;
+  }
+
+  /// Commits the last attempt: its acceleration begins the next step.
+  void accept(const State&) {
+    std::swap(a_, a_new_);
+    linearised_here_ = false;
+    ++steps_;
+    rate_ = new_rate_;
+    slow_ = new_slow_;
+  }
+
+  /// Cubic Hermite polynomials, q with v and v with a; no evaluation.
+  template <SecondOrderSystem Sys>
+  void interpolate(const Sys&, Real, Real h, const State& y, const State& y_new, Real theta,
+                   State& out) const {
+    detail::hermite_motion(
+        h, y, y_new, [&](Eigen::Index i) { return a_[i]; }, [&](Eigen::Index i) { return a_new_[i]; }, theta,
+        out);
+  }
+
+  [[nodiscard]] ImplicitWork work() const { return work_; }
+
+  /// The acceleration at the start of the next step, shape (n).
+  [[nodiscard]] const DofsT& acceleration() const { return a_; }
+
+ private:
+  /// A rate of convergence above this asks for new K and C.
+  static constexpr double slow = 0.03;
+  static constexpr Real rounding = 100 * std::numeric_limits<Real>::epsilon();
+
+  /// Whether this class chooses where K and C are taken, at all times or when the iteration fails.
+  [[nodiscard]] bool decides() const {
+    return update_.every == JacobianUpdate::automatic || update_.every == 1;
+  }
+
+  /// The iterations that are allowed where the user sets no limit.
+  [[nodiscard]] int limit(int own) const { return iterations_ > 0 ? iterations_ : own; }
+
+  void unpack(const State& y) {
+    const Eigen::Index n = detail::dofs_of(y);
+    q_ = y.head(n);
+    v_ = y.tail(n);
+  }
+
+  /// K and C at (t, q_, v_). K has no part in a method whose positions do not depend on a_new.
+  template <SecondOrderSystem Sys>
+  void linearise(const Sys& system, Real t, MatrixT& K, MatrixT& C) const {
+    system.damping(t, q_, v_, C);
+    if (beta_ == 0)
+      K = C;
+    else
+      system.stiffness(t, q_, v_, K);
+  }
+
+  [[nodiscard]] bool is_due() const {
+    if (update_.every == JacobianUpdate::automatic) return slow_;
+    return update_.every != JacobianUpdate::frozen && steps_ % update_.every == 0;
+  }
+
+  bool factor(Real h) {
+    if (factored_h_ == h) return true;
+    if (!factor(h, K_, C_)) return false;
+    factored_h_ = h;
+    return true;
+  }
+  bool factor(Real h, const MatrixT& K, const MatrixT& C) {
+    const Real share = (1 - alpha_f_) / (1 - alpha_m_);
+    set_combination(mass_, share * gamma_ * h, C, share * beta_ * h * h, K, A_);
+    ++work_.factorisations;
+    return solver_.factor(A_);
+  }
+
+  /// The a_new of q_new = q; a_new = a where q_new does not depend on it.
+  void stand_still(const State& y, Real h) {
+    const Eigen::Index n = detail::dofs_of(y);
+    if (beta_ == 0)
+      a_new_ = a_;
+    else
+      detail::for_each_dof(
+          y, [&](Eigen::Index i) { a_new_[i] = -(y[n + i] / h + (Real(0.5) - beta_) * a_[i]) / beta_; });
+  }
+
+  /// Iterates on a_new_ and leaves the candidate in y_new. iterate_newton of newton.hpp trusts a remembered
+  /// rate less from step to step, as nonlinear problems need; a linear one would then take two corrections a
+  /// step.
+  /// @param newton  K and C are taken, and A factored, at every iterate
+  template <SecondOrderSystem Sys>
+  bool iterate(const Sys& system, Real t, const State& y, Real h, State& y_new, int iterations, bool newton) {
+    const Eigen::Index n = detail::dofs_of(y);
+    const Real t_f = t + (1 - alpha_f_) * h, share = 1 / (1 - alpha_m_);
+    Real before = 0, rate = newton ? Real(1) : rate_;
+    update_candidate(y, h, y_new);
+    for (int k = 1; k <= iterations; ++k) {
+      detail::for_each_dof(y, [&](Eigen::Index i) {
+        q_[i] = alpha_f_ * y[i] + (1 - alpha_f_) * y_new[i];
+        v_[i] = alpha_f_ * y[n + i] + (1 - alpha_f_) * y_new[n + i];
+      });
+      if (newton) {
+        linearise(system, t_f, K_full_, C_full_);
+        if (!factor(h, K_full_, C_full_)) return fails("the matrix of Newton's method is singular");
+      }
+      // A d = (F - M ((1 - alpha_m) a_new + alpha_m a)) / (1 - alpha_m)
+      system.force(t_f, q_, v_, force_);
+      detail::for_each_dof(y, [&](Eigen::Index i) {
+        force_[i] = force_[i] * share - mass_[i] * (a_new_[i] + alpha_m_ * share * a_[i]);
+      });
+      solver_.solve(force_);
+      a_new_ += force_;
+      update_candidate(y, h, y_new);
+      ++work_.newton;
+
+      // As velocities: the correction, and the motion that it corrects.
+      const Real size = h * norm(force_, 0);
+      const Real motion = norm(y_new, n) + h * norm(a_new_, 0);
+      if (!(size <= std::numeric_limits<Real>::max()))
+        return fails("the forces are not finite in an iterate of Newton's method");
+      if (k > 1) {
+        rate = size / before;
+        if (rate >= 1) {
+          // Nothing but rounding may be left, also of positions, which is more than that of a slow motion.
+          if (size <= 50 * rounding * (motion + (norm(y_new, 0) + offset_) / h)) return solved(size, motion);
+          if (!newton) return fails("Newton's method diverges");
+        }
+        new_rate_ = rate;
+        new_slow_ = rate > Real(slow);
+      }
+      const Real left = size * std::min(Real(1), 10 * rate);
+      if (left <= tolerance_ * motion) return solved(left, motion);
+      before = size;
+    }
+    return fails("Newton's method converges too slowly");
+  }
+
+  bool fails(std::string_view why) {
+    work_.failure = why;
+    return false;
+  }
+  /// Remembers the error that is left.
+  bool solved(Real left, Real motion) {
+    if (motion > 0) work_.newton_error = std::max(work_.newton_error, static_cast<double>(left / motion));
+    return true;
+  }
+
+  /// The Euclidean norm of n numbers from `first` on; of one number without a root.
+  template <class Vector>
+  Real norm(const Vector& vector, Eigen::Index first) const {
+    using std::abs;
+    if constexpr (DofsT::SizeAtCompileTime == 1)
+      return abs(vector[first]);
+    else
+      return vector.segment(first, mass_.size()).norm();
+  }
+
+  /// y_new of a_new_.
+  void update_candidate(const State& y, Real h, State& y_new) const {
+    const Eigen::Index n = detail::dofs_of(y);
+    detail::for_each_dof(y, [&](Eigen::Index i) {
+      y_new[i] = y[i] + h * (y[n + i] + h * ((Real(0.5) - beta_) * a_[i] + beta_ * a_new_[i]));
+      y_new[n + i] = y[n + i] + h * ((1 - gamma_) * a_[i] + gamma_ * a_new_[i]);
+    });
+  }
+
+  Real alpha_m_ = 0, alpha_f_ = 0, beta_ = Real(0.25), gamma_ = Real(0.5);
+  JacobianUpdate update_{};
+  Real tolerance_ = rounding;
+  int iterations_ = 0;                                             // limit of the user; 0: none
+  DofsT mass_ = blank_state<DofsT>(), a_ = mass_, a_new_ = mass_;  // shape (n)
+  DofsT q_ = mass_, v_ = mass_, force_ = mass_;                    // at one iterate, shape (n)
+  MatrixT K_ = blank_matrix<MatrixT>(), C_ = K_, K_full_ = K_,
+          C_full_ = K_;  // shape (n, n): of the last renewal,
+                         // and at the iterates of Newton's method
+  MatrixT A_ = K_;
+  LinearSolver<MatrixT> solver_;
+  Real offset_ = 0;                       // the norm of the positions that q is added to, with their rounding
+  Real factored_h_ = 0;                   // the h of the factors of K_ and C_; NaN: there are none
+  Real rate_ = 1, new_rate_ = 1;          // of convergence, in the last accepted step and the last attempt
+  std::int64_t steps_ = 0;                // accepted
+  bool slow_ = false, new_slow_ = false;  // the same
+  bool linearised_here_ = false;          // K_ and C_ are those of the start of this step
+  ImplicitWork work_;
+};
+
+}  // namespace hmax

@@ -1,0 +1,151 @@
+#include "problems/mesh/files/mesh_import.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "problems/digits.hpp"
+#include "problems/mesh/files/mesh_defects.hpp"
+#include "problems/mesh/refine.hpp"
+#include "problems/mesh/renumber.hpp"
+#include "problems/mesh/topology.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Index = TetMesh::Index;
+
+std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+Eigen::MatrixXd scattered(const Eigen::MatrixXd& now, const std::vector<Index>& order, Eigen::Index columns) {
+  if (now.cols() != static_cast<Eigen::Index>(order.size()))
+    throw std::invalid_argument(std::to_string(now.cols()) +
+                                " columns of values do not belong to a mesh of " +
+                                std::to_string(order.size()) + "; give one for each");
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(now.rows(), columns);
+  for (std::size_t i = 0; i < order.size(); ++i) result.col(order[i]) = now.col(static_cast<Eigen::Index>(i));
+  return result;
+}
+
+/// A group on the mesh that refined() makes of `mesh`, whose new points stand in the order of its edges.
+/// Elements whose sides are no edges of the mesh are left out.
+MeshGroup refined_group(const MeshGroup& group, const TetMesh& mesh, const EdgeTable& table) {
+  MeshGroup fine{.dimension = group.dimension, .number = group.number, .name = group.name};
+  const std::size_t size = at(group.dimension) + 1;
+  for (std::size_t begin = 0; begin < group.corners.size(); begin += size) {
+    const Index* p = group.corners.data() + begin;
+    std::array<Index, 3> middle{};
+    bool known = true;
+    for (std::size_t k = 0; k < size && size > 1; ++k) {
+      const Index edge = table.find(p[k], p[(k + 1) % size]);
+      known = known && edge >= 0;
+      middle[k] = static_cast<Index>(mesh.point_count()) + edge;
+    }
+    if (!known) continue;
+    if (size == 1) fine.corners.push_back(p[0]);
+    if (size == 2) fine.corners.insert(fine.corners.end(), {p[0], middle[0], middle[0], p[1]});
+    if (size == 3)
+      fine.corners.insert(fine.corners.end(), {p[0], middle[0], middle[2], middle[0], p[1], middle[1],
+                                               middle[2], middle[1], p[2], middle[0], middle[1], middle[2]});
+  }
+  return fine;
+}
+
+}  // namespace
+
+std::int64_t MeshOrigin::tetrahedron_number(Eigen::Index tetrahedron) const {
+  return file.numbers.at(at(tetrahedra.at(at(tetrahedron))));
+}
+
+Eigen::MatrixXd MeshOrigin::on_points(const Eigen::MatrixXd& now) const {
+  return scattered(now, points, file.mesh.point_count());
+}
+
+Eigen::MatrixXd MeshOrigin::on_tetrahedra(const Eigen::MatrixXd& now) const {
+  return scattered(now, tetrahedra, file.mesh.tetrahedron_count());
+}
+
+std::vector<TetMesh::Index> MeshOrigin::model_points() const {
+  std::vector<Index> points_now(at(file.mesh.point_count()), -1);
+  for (std::size_t i = 0; i < points.size(); ++i) points_now[at(points[i])] = static_cast<Index>(i);
+  return points_now;
+}
+
+std::vector<TetMesh::Index> number_regions(TetMesh& mesh) {
+  std::vector<Index> names = mesh.regions;
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  if (names.size() < 2) {
+    mesh.regions.clear();
+    return names.empty() ? std::vector<Index>{0} : names;
+  }
+  for (Index& region : mesh.regions)
+    region = static_cast<Index>(std::ranges::lower_bound(names, region) - names.begin());
+  return names;
+}
+
+MeshImport import_mesh(MeshFile file, double unit) {
+  if (!(unit > 0 && std::isfinite(unit)))
+    throw std::invalid_argument("a unit of " + shortest_digits(unit) +
+                                " m is no length; give a positive one");
+  require_valid(file);
+  file.mesh.points *= unit;
+  Renumbering order = local_order(file.mesh);
+  MeshImport result;
+  result.mesh = renumbered(file.mesh, order);
+  const Eigen::Index used =
+      file.mesh.point_count() - static_cast<Eigen::Index>(unused_points(file.mesh).size());
+  order.points.resize(at(used));  // the idle ones are the last
+  result.mesh.points.conservativeResize(3, used);
+  result.origin = {.file = std::move(file),
+                   .points = std::move(order.points),
+                   .tetrahedra = std::move(order.tetrahedra),
+                   .regions = number_regions(result.mesh)};
+  return result;
+}
+
+MeshImport import_as_it_is(MeshFile file) {
+  MeshImport result{.mesh = file.mesh, .origin = {}};
+  result.origin.points.resize(at(file.mesh.point_count()));
+  result.origin.tetrahedra.resize(at(file.mesh.tetrahedron_count()));
+  std::iota(result.origin.points.begin(), result.origin.points.end(), 0);
+  std::iota(result.origin.tetrahedra.begin(), result.origin.tetrahedra.end(), 0);
+  result.origin.regions = number_regions(result.mesh);
+  result.origin.file = std::move(file);
+  return result;
+}
+
+MeshFile refined(const MeshFile& file, int times) {
+  MeshFile fine = file;
+  fine.mesh = refined(file.mesh, times);  // says first whether so often is too often
+  TetMesh coarse = file.mesh;
+  for (int i = 0; i < times; ++i) {
+    const EdgeTable table = edge_table(coarse);
+    for (MeshGroup& group : fine.groups) group = refined_group(group, coarse, table);
+    coarse = i + 1 < times ? refined(coarse) : TetMesh{};
+  }
+  const auto last = std::ranges::max_element(file.point_numbers);
+  std::int64_t next = last == file.point_numbers.end() ? 0 : *last + 1;
+  while (fine.point_numbers.size() < at(fine.mesh.point_count())) fine.point_numbers.push_back(next++);
+  fine.numbers.resize(at(fine.mesh.tetrahedron_count()));
+  std::iota(fine.numbers.begin(), fine.numbers.end(), 1);
+  fine.places.assign(fine.numbers.size(), 0);
+  return fine;
+}
+
+MeshFile renumbered(const MeshFile& file) {
+  const Renumbering order = local_order(file.mesh);
+  MeshFile result = counted_from_one(renumbered(file.mesh, order), file.name);
+  result.format = file.format;
+  result.names = file.names;
+  result.groups = file.groups;
+  std::vector<Index> now(order.points.size());
+  for (std::size_t i = 0; i < now.size(); ++i) now[at(order.points[i])] = static_cast<Index>(i);
+  for (MeshGroup& group : result.groups)
+    for (Index& corner : group.corners) corner = now[at(corner)];
+  return result;
+}
+
+}  // namespace hmax

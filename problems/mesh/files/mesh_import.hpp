@@ -1,0 +1,51 @@
+/// From a mesh file to a mesh that models take, and from the results of models back to the file.
+#pragma once
+
+#include <vector>
+
+#include "problems/mesh/files/mesh_file.hpp"
+
+namespace hmax {
+
+/// Where the points, tetrahedra and regions of a mesh for models come from.
+struct MeshOrigin {
+  MeshFile file;                              ///< in its own order, in metres
+  std::vector<TetMesh::Index> points;         ///< where each point stands in the file, from 0
+  std::vector<TetMesh::Index> tetrahedra;     ///< the same of the tetrahedra
+  std::vector<TetMesh::Index> regions = {0};  ///< what the file calls regions 0, 1, ...
+
+  /// The number of a tetrahedron in the file.
+  [[nodiscard]] std::int64_t tetrahedron_number(Eigen::Index tetrahedron) const;
+  /// Values in the order of the file; 0 at points that are in no tetrahedron. @param now  one column each
+  [[nodiscard]] Eigen::MatrixXd on_points(const Eigen::MatrixXd& now) const;
+  [[nodiscard]] Eigen::MatrixXd on_tetrahedra(const Eigen::MatrixXd& now) const;
+  /// The point of the mesh for models of each point of the file; -1 of those in no tetrahedron.
+  [[nodiscard]] std::vector<TetMesh::Index> model_points() const;
+};
+
+/// A mesh as models take it: valid, in metres, without idle points, regions from 0.
+struct MeshImport {
+  TetMesh mesh;
+  MeshOrigin origin;
+};
+
+/// The mesh of a file, in local_order().
+/// @param unit  metres in one unit of the file's coordinates
+/// @throws std::invalid_argument for defects, and for units that are not positive
+MeshImport import_mesh(MeshFile file, double unit);
+
+/// A mesh that models can take as it is, in its own order.
+MeshImport import_as_it_is(MeshFile file);
+
+/// Each tetrahedron into eight (refine.hpp), each triangle of a group into four, each line into two. Points
+/// keep their numbers and the new ones follow; tetrahedra count from 1.
+MeshFile refined(const MeshFile& file, int times);
+
+/// The file in local_order(), points and tetrahedra counted from 1.
+MeshFile renumbered(const MeshFile& file);
+
+/// Numbers regions 0, 1, ... in the order of what they were called; none where there is one region only.
+/// @returns what each was called
+std::vector<TetMesh::Index> number_regions(TetMesh& mesh);
+
+}  // namespace hmax

@@ -1,0 +1,151 @@
+#include "problems/mesh/files/mesh_names.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "problems/digits.hpp"
+#include "problems/mesh/files/mesh_defects.hpp"
+#include "problems/mesh/files/mesh_import.hpp"
+#include "problems/mesh/mesh_generators.hpp"
+#include "problems/mesh/refine.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Parameters = std::vector<std::pair<std::string, double>>;
+
+const double* find(const Parameters& parameters, std::string_view name) {
+  const auto found = std::ranges::find(parameters, name, &std::pair<std::string, double>::first);
+  return found == parameters.end() ? nullptr : &found->second;
+}
+
+void refuse(std::string_view parameter, const std::string& mesh, double value, const std::string& allowed) {
+  throw std::invalid_argument("the parameter " + std::string(parameter) + " of the mesh " + mesh + " is " +
+                              shortest_digits(value) + "; give a whole number from " + allowed);
+}
+
+bool is_key(std::string_view text) {
+  return !text.empty() &&
+         std::ranges::all_of(text, [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
+}
+
+/// "n=6"
+std::pair<std::string, double> parameter_of(std::string_view text) {
+  const std::size_t equals = std::min(text.find('='), text.size());
+  const std::string_view digits = text.substr(std::min(equals + 1, text.size()));
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
+    throw std::invalid_argument("the parameter '" + std::string(text) +
+                                "' of a mesh has no number; write it like ball:n=6,radius=0.04");
+  return {std::string(text.substr(0, equals)), value};
+}
+
+/// The largest n up to which `share` n^3 tetrahedra are allowed.
+int most_cells(int share) {
+  int n = static_cast<int>(std::cbrt(static_cast<double>(most_tetrahedra) / share));
+  while (share * std::pow(n + 1, 3) <= static_cast<double>(most_tetrahedra)) ++n;
+  return n;
+}
+
+TetMesh generated(const std::string& name, const Parameters& values) {
+  const auto value = [&](std::string_view parameter) { return *find(values, parameter); };
+  const double n_value = value("n");
+  const int most = most_cells(name == "beam" ? 24 : name == "cube" ? 6 : 20);
+  if (n_value != std::floor(n_value) || n_value < 1 || n_value > most)
+    refuse("n", name, n_value, "1 to " + std::to_string(most));
+  const int n = static_cast<int>(n_value);
+  if (name == "beam") return beam_mesh(value("length"), value("width"), value("height"), n);
+  if (name == "cube") return cube_mesh(value("edge"), n);
+  return ball_mesh(value("radius"), n);
+}
+
+}  // namespace
+
+const std::vector<NamedMesh>& named_meshes() {
+  static const std::vector<NamedMesh> meshes = [] {
+    std::vector<NamedMesh> all;
+    for (const MeshTextFile& file : mesh_texts())
+      all.push_back({std::string(file.name),
+                     {},
+                     file.name == "liver"     ? "a liver of 1.5 kg with the counts of the study"
+                     : file.name == "phantom" ? "a cube of gel with the counts of the study"
+                                              : ""});
+    all.push_back({"beam",
+                   {{"n", 4}, {"length", 0.2}, {"width", 0.05}, {"height", 0.05}},
+                   "4 n cells along x, n x n across"});
+    all.push_back({"cube", {{"n", 4}, {"edge", 0.1}}, "n cells along each edge"});
+    all.push_back({"ball", {{"n", 4}, {"radius", 0.05}}, "n shells around the origin"});
+    return all;
+  }();
+  return meshes;
+}
+
+MeshRequest parse_mesh_request(std::string_view text) {
+  MeshRequest request;
+  while (true) {
+    const std::size_t colon = text.rfind(':');
+    if (colon == std::string_view::npos) break;
+    std::string_view list = text.substr(colon + 1);
+    const std::size_t equals = list.find('=');
+    // A path may hold colons too.
+    if (equals == std::string_view::npos || !is_key(list.substr(0, equals)) ||
+        list.find('/') != std::string_view::npos)
+      break;
+    Parameters parameters;
+    while (!list.empty()) {
+      const std::string_view one = list.substr(0, list.find(','));
+      list.remove_prefix(std::min(one.size() + 1, list.size()));
+      parameters.push_back(parameter_of(one));
+    }
+    request.parameters.insert(request.parameters.begin(), parameters.begin(), parameters.end());
+    text = text.substr(0, colon);
+  }
+  for (const auto& parameter : request.parameters)
+    if (std::ranges::count(request.parameters, parameter.first, &std::pair<std::string, double>::first) > 1)
+      throw std::invalid_argument("the parameter " + parameter.first +
+                                  " of a mesh is given twice; leave one of them out");
+  request.name = text;
+  return request;
+}
+
+int refinements_of(const MeshRequest& request) {
+  const double* times = find(request.parameters, "refine");
+  if (!times) return 0;
+  if (*times != std::floor(*times) || *times < 0) refuse("refine", request.name, *times, "0 on");
+  // More than any mesh can be refined, which is told where its tetrahedra are counted.
+  return static_cast<int>(std::min(*times, 1000.0));
+}
+
+TetMesh mesh_by_name(const MeshRequest& request) {
+  const auto known = std::ranges::find(named_meshes(), request.name, &NamedMesh::name);
+  if (known == named_meshes().end()) {
+    std::string names;
+    for (const NamedMesh& mesh : named_meshes()) names += (names.empty() ? "" : ", ") + mesh.name;
+    throw std::invalid_argument("there is no mesh '" + request.name + "'; known are " + names);
+  }
+  Parameters values = known->parameters;
+  for (const auto& [name, value] : request.parameters) {
+    if (name == "refine") continue;
+    const auto place = std::ranges::find(values, name, &std::pair<std::string, double>::first);
+    if (place == values.end()) {
+      std::string names = "refine";
+      for (const auto& each : known->parameters) names += ", " + each.first;
+      throw std::invalid_argument("the mesh " + request.name + " has no parameter '" + name + "'; it takes " +
+                                  names);
+    }
+    place->second = value;
+  }
+  const int times = refinements_of(request);
+  const auto text = std::ranges::find(mesh_texts(), request.name, &MeshTextFile::name);
+  if (text == mesh_texts().end()) return refined(generated(request.name, values), times);
+  MeshFile file = read_mesh(request.name + ".msh", text->msh);
+  require_valid(file);
+  number_regions(file.mesh);
+  return refined(file.mesh, times);
+}
+
+}  // namespace hmax

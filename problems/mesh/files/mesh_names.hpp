@@ -1,0 +1,54 @@
+/// Meshes by name: those of problems/meshes, and the generators with their parameters.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "problems/mesh/tet_mesh.hpp"
+
+namespace hmax {
+
+/// A file of problems/meshes as text; the definition is made at configuration by cmake/embed.cmake.
+struct MeshTextFile {
+  std::string_view name;  ///< of the file, without .msh
+  std::string_view msh;
+};
+
+/// Sorted by name.
+std::span<const MeshTextFile> mesh_texts();
+
+/// A mesh as it is asked for: "ball:n=6,radius=0.04:refine=1" is `ball` with n = 6, radius = 0.04, refine
+/// = 1.
+struct MeshRequest {
+  std::string name;  ///< of a mesh or a file
+  std::vector<std::pair<std::string, double>> parameters;
+};
+
+/// Takes what looks like :key=number,key=number from the end; a name may hold other colons.
+/// @throws std::invalid_argument when a parameter is no number or is given twice
+MeshRequest parse_mesh_request(std::string_view text);
+
+/// A mesh that has a name, with the parameters it takes and their defaults. `refine` is one of all of them.
+struct NamedMesh {
+  std::string name;
+  std::vector<std::pair<std::string, double>> parameters;
+  std::string description;
+};
+
+/// phantom, liver, beam, cube, ball.
+const std::vector<NamedMesh>& named_meshes();
+
+/// The whole number of refinements that was asked for.
+/// @throws std::invalid_argument unless it is whole and 0 or more
+int refinements_of(const MeshRequest& request);
+
+/// The mesh of this name, in metres, in the order of its file or generator, refined as asked for.
+/// @throws std::invalid_argument for a name or parameter that is unknown, naming the known ones, and for
+///         parameters out of range
+TetMesh mesh_by_name(const MeshRequest& request);
+inline TetMesh mesh_by_name(std::string_view text) { return mesh_by_name(parse_mesh_request(text)); }
+
+}  // namespace hmax

@@ -1,0 +1,67 @@
+/// TetGen's pair of .node and .ele [si2015tetgen]; both count from 0 or both from 1.
+#include <cmath>
+
+#include "problems/mesh/files/mesh_file.hpp"
+#include "problems/mesh/files/mesh_readers.hpp"
+
+namespace hmax {
+
+MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, const std::string& ele_name,
+                     std::string_view ele_text) {
+  MeshBuilder builder;
+  MeshText nodes(node_name, node_text, '#');
+  nodes.begin_line();
+  const std::size_t points = nodes.count("points", 8);
+  if (const std::int64_t dimension = nodes.integer("the dimension"); dimension != 3)
+    nodes.fail("the points have " + std::to_string(dimension) + " coordinates; a body needs 3");
+  const std::size_t attributes = nodes.count("attributes of points", 1);
+  const std::size_t markers = nodes.count("markers of points", 1);
+  nodes.end_line("the counts of points");
+  builder.reserve_points(points);
+  for (std::size_t i = 0; i < points; ++i) {
+    nodes.begin_line();
+    const std::int64_t number = nodes.integer("the number of a point");
+    const double x = nodes.number("the x coordinate"), y = nodes.number("the y coordinate");
+    builder.add_point(number, x, y, nodes.number("the z coordinate"));
+    for (std::size_t k = 0; k < attributes; ++k) nodes.number("an attribute of a point");
+    for (std::size_t k = 0; k < markers; ++k) {
+      const std::array point{static_cast<TetMesh::Index>(i)};
+      builder.add_to_group(nodes.integer("the marker of a point"), point);
+    }
+    nodes.end_line("a point");
+  }
+  nodes.require_end();
+  builder.number_points(nodes);
+
+  MeshText elements(ele_name, ele_text, '#');
+  elements.begin_line();
+  const std::size_t tetrahedra = elements.count("tetrahedra", 10);
+  const std::int64_t corners = elements.integer("the number of points of a tetrahedron");
+  const std::size_t values = elements.count("attributes of tetrahedra", 1);
+  elements.end_line("the counts of tetrahedra");
+  if (tetrahedra > 0 && corners != 4 && corners != 10)
+    elements.fail("the tetrahedra have " + std::to_string(corners) +
+                  " points instead of 4, or 10 of second order; export the mesh again");
+  builder.reserve_tetrahedra(tetrahedra);
+  for (std::size_t t = 0; t < tetrahedra; ++t) {
+    elements.begin_line();
+    const std::int64_t place = elements.place(), number = elements.integer("the number of a tetrahedron");
+    std::array<TetMesh::Index, 4> points_of{};
+    for (TetMesh::Index& point : points_of)
+      point = builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
+    for (std::int64_t k = 4; k < corners; ++k)
+      builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
+    if (corners > 4) builder.add_second_order();
+    std::int64_t region = 0;
+    for (std::size_t k = 0; k < values; ++k) {
+      const double value = elements.number("an attribute of a tetrahedron");
+      if (k == 0 && std::abs(value) < 1e9) region = std::llround(value);
+    }
+    elements.end_line("a tetrahedron");
+    builder.add_tetrahedron(points_of, number, place, region, elements);
+  }
+  elements.require_end();
+  return builder.finish(elements, "TetGen");
+}
+
+}  // namespace hmax

@@ -1,0 +1,70 @@
+#include "problems/mesh/files/xml_tags.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace hmax {
+
+std::string_view XmlTag::attribute(std::string_view wanted, std::string_view otherwise) const {
+  for (const auto& [key, value] : attributes)
+    if (key == wanted) return value;
+  return otherwise;
+}
+
+std::string unescaped(std::string_view text) {
+  constexpr std::array<std::pair<std::string_view, char>, 5> entities{
+      {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}}};
+  std::string result;
+  while (!text.empty()) {
+    const auto known =
+        std::ranges::find_if(entities, [&](const auto& entity) { return text.starts_with(entity.first); });
+    result += known == entities.end() ? text.front() : known->second;
+    text.remove_prefix(known == entities.end() ? 1 : known->first.size());
+  }
+  return result;
+}
+
+std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std::size_t from) {
+  constexpr std::string_view blanks = " \t\r\n";
+  const auto cut_off = [&](std::size_t at) {
+    text.part(at, whole.size()).fail("a tag has no end; the file is cut off, so copy or export it again");
+  };
+  while (true) {
+    const std::size_t begin = whole.find('<', from);
+    if (begin == std::string_view::npos) return std::nullopt;
+    if (whole.substr(begin).starts_with("<!--")) {
+      const std::size_t end = whole.find("-->", begin);
+      if (end == std::string_view::npos) cut_off(begin);
+      from = end + 3;
+      continue;
+    }
+    const std::size_t end = whole.find('>', begin);
+    if (end == std::string_view::npos) cut_off(begin);
+    from = end + 1;
+    if (whole[begin + 1] == '?' || whole[begin + 1] == '!') continue;
+    std::string_view inner = whole.substr(begin + 1, end - begin - 1);
+    XmlTag tag{.name = {}, .attributes = {}, .begin = begin, .end = end + 1, .empty = inner.ends_with('/')};
+    if (tag.empty) inner.remove_suffix(1);
+    std::size_t at = std::min(inner.find_first_of(blanks), inner.size());
+    tag.name = inner.substr(0, at);
+    const auto damaged = [&] {
+      text.part(begin, whole.size())
+          .fail("the tag " + in_quotes(tag.name) + " is damaged; copy or export the file again");
+    };
+    while ((at = inner.find_first_not_of(blanks, at)) != std::string_view::npos) {
+      const std::size_t equals = inner.find('=', at);
+      if (equals == std::string_view::npos) damaged();
+      std::string_view key = inner.substr(at, equals - at);
+      key = key.substr(0, key.find_last_not_of(blanks) + 1);
+      const std::size_t open = inner.find_first_of("\"'", equals);
+      if (open == std::string_view::npos) damaged();
+      const std::size_t close = inner.find(inner[open], open + 1);
+      if (close == std::string_view::npos) damaged();
+      tag.attributes.emplace_back(key, inner.substr(open + 1, close - open - 1));
+      at = close + 1;
+    }
+    return tag;
+  }
+}
+
+}  // namespace hmax

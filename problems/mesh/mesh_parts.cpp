@@ -1,0 +1,106 @@
+#include "problems/mesh/mesh_parts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+#include "problems/mesh/topology.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Index = TetMesh::Index;
+
+std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+/// Sets that are joined one pair after the other; each is known by its least member.
+class DisjointSets {
+ public:
+  explicit DisjointSets(Eigen::Index count) : parent_(at(count)) {
+    std::iota(parent_.begin(), parent_.end(), Index{0});
+  }
+  Index root(Index a) {
+    while (parent_[at(a)] != a) a = parent_[at(a)] = parent_[at(parent_[at(a)])];
+    return a;
+  }
+  void join(Index a, Index b) {
+    a = root(a);
+    b = root(b);
+    parent_[at(std::max(a, b))] = std::min(a, b);
+  }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+DisjointSets joined_by_faces(const TetMesh& mesh) {
+  std::vector<std::pair<std::array<Index, 3>, Index>> faces;
+  faces.reserve(4 * at(mesh.tetrahedron_count()));
+  for (Index t = 0; t < mesh.tetrahedron_count(); ++t)
+    for (const auto& face : tetrahedron_faces) {
+      std::array<Index, 3> corners{};
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = mesh.tetrahedra(face[k], t);
+      std::ranges::sort(corners);
+      faces.emplace_back(corners, t);
+    }
+  std::ranges::sort(faces);
+  DisjointSets sets(mesh.tetrahedron_count());
+  for (std::size_t i = 1; i < faces.size(); ++i)
+    if (faces[i].first == faces[i - 1].first) sets.join(faces[i].second, faces[i - 1].second);
+  return sets;
+}
+
+}  // namespace
+
+std::vector<MeshPart> parts_of(const TetMesh& mesh) {
+  DisjointSets sets = joined_by_faces(mesh);
+  std::vector<Index> part_of(at(mesh.tetrahedron_count()));
+  std::vector<MeshPart> parts;
+  for (Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    const Index root = sets.root(t);  // which is the first tetrahedron of its part
+    if (root == t) {
+      part_of[at(t)] = static_cast<Index>(parts.size());
+      parts.emplace_back();
+    }
+    part_of[at(t)] = part_of[at(root)];
+    parts[at(part_of[at(t)])].tetrahedra.push_back(t);
+  }
+  if (parts.size() > 1) {
+    std::vector<std::pair<Index, Index>> uses;  // a point, and a part that has it
+    for (Index t = 0; t < mesh.tetrahedron_count(); ++t)
+      for (const Index point : mesh.tetrahedra.col(t)) uses.emplace_back(point, part_of[at(t)]);
+    std::ranges::sort(uses);
+    uses.erase(std::unique(uses.begin(), uses.end()), uses.end());
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+      const bool shared = (i > 0 && uses[i - 1].first == uses[i].first) ||
+                          (i + 1 < uses.size() && uses[i + 1].first == uses[i].first);
+      if (shared) parts[at(uses[i].second)].hinges.push_back(uses[i].first);
+    }
+  }
+  std::ranges::stable_sort(parts, std::greater{},
+                           [](const MeshPart& part) { return part.tetrahedra.size(); });
+  return parts;
+}
+
+std::vector<std::vector<TetMesh::Index>> loose_parts(const TetMesh& mesh, const std::vector<Index>& held) {
+  DisjointSets sets(mesh.point_count());
+  for (const auto& tetrahedron : mesh.tetrahedra.colwise())
+    for (int i = 1; i < 4; ++i) sets.join(tetrahedron(0), tetrahedron(i));
+  std::vector<char> is_held(at(mesh.point_count()), 0);
+  for (const Index point : held) is_held[at(sets.root(point))] = 1;
+  std::vector<Index> number(at(mesh.point_count()), -1);
+  std::vector<std::vector<Index>> loose;
+  for (Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    const std::size_t root = at(sets.root(mesh.tetrahedra(0, t)));
+    if (is_held[root]) continue;
+    if (number[root] < 0) {
+      number[root] = static_cast<Index>(loose.size());
+      loose.emplace_back();
+    }
+    loose[at(number[root])].push_back(t);
+  }
+  return loose;
+}
+
+}  // namespace hmax

@@ -1,0 +1,19 @@
+/// Uniform refinement of tetrahedral meshes.
+#pragma once
+
+#include "problems/mesh/tet_mesh.hpp"
+
+namespace hmax {
+
+/// No mesh of the house has more tetrahedra; what would make more is refused.
+inline constexpr Eigen::Index most_tetrahedra = 100'000'000;
+
+/// Each tetrahedron into eight of equal volume: one at each corner, and the octahedron between them cut along
+/// its shortest diagonal (of equal ones the first), which keeps shapes from getting worse and worse
+/// [zhang1995successive]. The points of the mesh come first, then the middles of edges_of(mesh) in
+/// their order; the parts of tetrahedron t are 8 t to 8 t + 7 and inherit its region.
+/// @param times  how often, one after the other
+/// @throws std::invalid_argument when times is negative or the result would be too large
+TetMesh refined(const TetMesh& mesh, int times = 1);
+
+}  // namespace hmax

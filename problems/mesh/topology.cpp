@@ -1,0 +1,183 @@
+#include "problems/mesh/topology.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace hmax {
+
+namespace {
+
+using Index = TetMesh::Index;
+
+/// Sorts by the lowest point first: `first[a]` to `first[a + 1]` of what `fill` then writes belongs to point
+/// a.
+std::vector<std::size_t> buckets(std::vector<std::size_t> counts) {
+  std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), std::size_t{0});
+  return counts;
+}
+
+/// Pairs of points, each once. @param pair  (k, lower, upper) of the pairs k = 0 to count - 1
+template <class Pair>
+EdgeTable unique_edges(Eigen::Index points, Eigen::Index count, Pair pair) {
+  std::vector<std::size_t> counts(static_cast<std::size_t>(points) + 1, 0);
+  for (Eigen::Index k = 0; k < count; ++k) ++counts[static_cast<std::size_t>(pair(k).first)];
+  const std::vector<std::size_t> first = buckets(std::move(counts));
+  std::vector<Index> upper(static_cast<std::size_t>(count));
+  std::vector<std::size_t> next = first;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto [a, b] = pair(k);
+    upper[next[static_cast<std::size_t>(a)]++] = b;
+  }
+  EdgeTable table;
+  table.first.assign(static_cast<std::size_t>(points) + 1, 0);
+  std::size_t kept = 0;
+  std::vector<Index> lower(upper.size());
+  for (std::size_t a = 0; a < static_cast<std::size_t>(points); ++a) {
+    const auto begin = upper.begin() + static_cast<std::ptrdiff_t>(first[a]);
+    const auto end = upper.begin() + static_cast<std::ptrdiff_t>(first[a + 1]);
+    std::sort(begin, end);
+    const std::size_t start = kept;
+    for (auto it = begin; it != end; ++it)
+      if (kept == start || upper[kept - 1] != *it) {
+        upper[kept] = *it;
+        lower[kept++] = static_cast<Index>(a);
+      }
+    table.first[a + 1] = static_cast<Index>(kept);
+  }
+  table.edges.resize(2, static_cast<Eigen::Index>(kept));
+  for (std::size_t e = 0; e < kept; ++e) table.edges.col(static_cast<Eigen::Index>(e)) << lower[e], upper[e];
+  return table;
+}
+
+/// A face by its points in order; `owner` = 4 tetrahedron + face of it.
+struct Face {
+  Index middle, upper;
+  std::int64_t owner;
+};
+
+}  // namespace
+
+TetMesh::Index EdgeTable::find(Index a, Index b) const {
+  if (a > b) std::swap(a, b);
+  Index low = first[static_cast<std::size_t>(a)], high = first[static_cast<std::size_t>(a) + 1];
+  const Index end = high;
+  while (low < high) {
+    const Index middle = low + (high - low) / 2;
+    if (edges(1, middle) < b)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < end && edges(1, low) == b ? low : -1;
+}
+
+EdgeTable edge_table(const TetMesh& mesh) {
+  return unique_edges(mesh.point_count(), 6 * mesh.tetrahedron_count(), [&](Eigen::Index k) {
+    const auto& [i, j] = tetrahedron_edges[static_cast<std::size_t>(k % 6)];
+    const Index a = mesh.tetrahedra(i, k / 6), b = mesh.tetrahedra(j, k / 6);
+    return std::pair(std::min(a, b), std::max(a, b));
+  });
+}
+
+MeshSurface surface_of(const TetMesh& mesh) {
+  const Eigen::Index count = 4 * mesh.tetrahedron_count();
+  const auto corners = [&](std::int64_t owner) {
+    const auto& face = tetrahedron_faces[static_cast<std::size_t>(owner % 4)];
+    const auto tetrahedron = mesh.tetrahedra.col(owner / 4);
+    return std::array<Index, 3>{tetrahedron(face[0]), tetrahedron(face[1]), tetrahedron(face[2])};
+  };
+  std::vector<std::size_t> counts(static_cast<std::size_t>(mesh.point_count()) + 1, 0);
+  for (Eigen::Index k = 0; k < count; ++k) ++counts[static_cast<std::size_t>(std::ranges::min(corners(k)))];
+  const std::vector<std::size_t> first = buckets(std::move(counts));
+  std::vector<Face> faces(static_cast<std::size_t>(count));
+  std::vector<std::size_t> next = first;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    auto points = corners(k);
+    std::ranges::sort(points);
+    faces[next[static_cast<std::size_t>(points[0])]++] = {points[1], points[2], k};
+  }
+
+  MeshSurface surface;
+  std::vector<std::int64_t> owners;
+  for (std::size_t a = 0; a + 1 < first.size(); ++a) {
+    const auto begin = faces.begin() + static_cast<std::ptrdiff_t>(first[a]);
+    const auto end = faces.begin() + static_cast<std::ptrdiff_t>(first[a + 1]);
+    std::sort(begin, end, [](const Face& one, const Face& other) {
+      return std::pair(one.middle, one.upper) < std::pair(other.middle, other.upper);
+    });
+    for (auto it = begin; it != end;) {
+      const auto other = std::find_if(
+          it, end, [&](const Face& face) { return face.middle != it->middle || face.upper != it->upper; });
+      ++surface.faces;
+      if (other - it == 1) owners.push_back(it->owner);
+      if (other - it > 2) surface.crowded.push_back(static_cast<Index>(it->owner / 4));
+      it = other;
+    }
+  }
+  std::ranges::sort(owners);
+
+  surface.triangles.resize(3, static_cast<Eigen::Index>(owners.size()));
+  surface.inside.reserve(owners.size());
+  std::vector<char> outside(static_cast<std::size_t>(mesh.point_count()), 0);
+  for (std::size_t k = 0; k < owners.size(); ++k) {
+    const auto points = corners(owners[k]);
+    surface.triangles.col(static_cast<Eigen::Index>(k)) << points[0], points[1], points[2];
+    surface.inside.push_back(static_cast<Index>(owners[k] / 4));
+    for (const Index point : points) outside[static_cast<std::size_t>(point)] = 1;
+  }
+  for (std::size_t a = 0; a < outside.size(); ++a)
+    if (outside[a]) surface.points.push_back(static_cast<Index>(a));
+  surface.edges = unique_edges(mesh.point_count(), 3 * surface.triangles.cols(), [&](Eigen::Index k) {
+                    const Index a = surface.triangles(k % 3, k / 3),
+                                b = surface.triangles((k + 1) % 3, k / 3);
+                    return std::pair(std::min(a, b), std::max(a, b));
+                  }).edges;
+  return surface;
+}
+
+std::vector<TetMesh::Index> unused_points(const TetMesh& mesh) {
+  std::vector<char> used(static_cast<std::size_t>(mesh.point_count()), 0);
+  for (const Index point : mesh.tetrahedra.reshaped()) used[static_cast<std::size_t>(point)] = 1;
+  std::vector<Index> unused;
+  for (std::size_t a = 0; a < used.size(); ++a)
+    if (!used[a]) unused.push_back(static_cast<Index>(a));
+  return unused;
+}
+
+MeshTopology topology_of(const TetMesh& mesh) {
+  const MeshSurface surface = surface_of(mesh);
+  MeshTopology topology;
+  topology.points = mesh.point_count();
+  topology.edges = edges_of(mesh).cols();
+  topology.faces = surface.faces;
+  topology.tetrahedra = mesh.tetrahedron_count();
+  topology.surface_points = static_cast<Eigen::Index>(surface.points.size());
+  topology.surface_edges = surface.edges.cols();
+  topology.surface_triangles = surface.triangles.cols();
+  topology.unused_points = static_cast<Eigen::Index>(unused_points(mesh).size());
+  topology.crowded_faces = static_cast<Eigen::Index>(surface.crowded.size());
+
+  // Union-find over the points: every tetrahedron joins its four.
+  std::vector<Index> parent(static_cast<std::size_t>(mesh.point_count()));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index a) {
+    auto at = static_cast<std::size_t>(a);
+    while (parent[at] != static_cast<Index>(at)) {
+      parent[at] = parent[static_cast<std::size_t>(parent[at])];
+      at = static_cast<std::size_t>(parent[at]);
+    }
+    return static_cast<Index>(at);
+  };
+  Eigen::Index joins = 0;
+  for (const auto& tetrahedron : mesh.tetrahedra.colwise())
+    for (int i = 1; i < 4; ++i) {
+      const Index a = root(tetrahedron(0)), b = root(tetrahedron(i));
+      if (a == b) continue;
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+      ++joins;
+    }
+  topology.components = topology.points - topology.unused_points - joins;
+  return topology;
+}
+
+}  // namespace hmax

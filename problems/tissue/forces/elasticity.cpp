@@ -1,0 +1,145 @@
+#include "problems/tissue/forces/elasticity.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Dense>
+
+#include "problems/digits.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+double dot(const Matrix3d& A, const Matrix3d& B) { return A.cwiseProduct(B).sum(); }
+
+/// mu e:e + lambda/2 tr(e)^2.
+double hooke_energy(const Matrix3d& e, const Lame& lame) {
+  return lame.mu * e.squaredNorm() + lame.lambda / 2 * e.trace() * e.trace();
+}
+
+/// 2 mu e + lambda tr(e) I.
+Matrix3d hooke_stress(const Matrix3d& e, const Lame& lame) {
+  return 2 * lame.mu * e + lame.lambda * e.trace() * Matrix3d::Identity();
+}
+
+/// The rotation nearest to F: Newton's iteration R <- (R + R^-T) / 2 where F does not invert, which doubles
+/// the digits each time [higham2008functions, 8], and singular vectors where it does or is nearly flat.
+Matrix3d nearest_rotation(const Matrix3d& F) {
+  const double size = F.norm();
+  if (F.determinant() > 1e-3 * size * size * size) {
+    Matrix3d R = F;
+    for (int i = 0; i < 30; ++i) {
+      const Matrix3d next = (R + R.inverse().transpose()) / 2;
+      const double change = (next - R).norm();
+      R = next;
+      if (change < 1e-9) return (R + R.inverse().transpose()) / 2;
+    }
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d U = svd.matrixU();
+  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;
+  return U * svd.matrixV().transpose();
+}
+
+Matrix3d cross_matrix(const Vector3d& w) {
+  Matrix3d W;
+  W << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
+  return W;
+}
+
+/// Columns f2 x f3, f3 x f1, f1 x f2: the derivative of the determinant of (f1, f2, f3).
+Matrix3d cofactors(const Matrix3d& F) {
+  Matrix3d C;
+  for (int j = 0; j < 3; ++j) C.col(j) = F.col((j + 1) % 3).cross(F.col((j + 2) % 3));
+  return C;
+}
+
+}  // namespace
+
+Lame lame(double young, double poisson) {
+  if (!(young > 0) || !std::isfinite(young))
+    throw std::invalid_argument("Young's modulus is " + shortest_digits(young) +
+                                " Pa but must be positive and finite");
+  if (!(poisson > -1 && poisson < 0.5))
+    throw std::invalid_argument("Poisson's ratio is " + shortest_digits(poisson) +
+                                " but must lie above -1 and below 0.5; tissue that keeps its volume has 0.45 "
+                                "to 0.499");
+  return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
+}
+
+SmallStrain::SmallStrain(const Matrix3d& H, const Lame& lame)
+    : lame_(lame), strain_((H + H.transpose()) / 2) {}
+double SmallStrain::energy() const { return hooke_energy(strain_, lame_); }
+Matrix3d SmallStrain::stress() const { return hooke_stress(strain_, lame_); }
+Matrix3d SmallStrain::differential(const Matrix3d& dF) const {
+  return hooke_stress((dF + dF.transpose()) / 2, lame_);
+}
+
+GreenStrain::GreenStrain(const Matrix3d& H, const Lame& lame)
+    : lame_(lame),
+      F_(Matrix3d::Identity() + H),
+      strain_((H + H.transpose() + H.transpose() * H) / 2),
+      stress_(hooke_stress(strain_, lame)) {}
+double GreenStrain::energy() const { return hooke_energy(strain_, lame_); }
+Matrix3d GreenStrain::stress() const { return F_ * stress_; }
+Matrix3d GreenStrain::differential(const Matrix3d& dF) const {
+  const Matrix3d half = F_.transpose() * dF, change = (half + half.transpose()) / 2;
+  return dF * stress_ + F_ * hooke_stress(change, lame_);
+}
+
+Corotational::Corotational(const Matrix3d& H, const Lame& lame)
+    : lame_(lame), F_(Matrix3d::Identity() + H), R_(nearest_rotation(F_)), trace_(dot(R_, F_) - 3) {
+  const Matrix3d stretch = R_.transpose() * F_, S = (stretch + stretch.transpose()) / 2;
+  const Matrix3d sums = S.trace() * Matrix3d::Identity() - S;
+  bool unique = false;
+  sums.computeInverseWithCheck(turn_, unique, 1e-12 * std::pow(sums.norm(), 3));
+  if (!unique) turn_.setZero();
+}
+double Corotational::energy() const {
+  return lame_.mu * (F_ - R_).squaredNorm() + lame_.lambda / 2 * trace_ * trace_;
+}
+Matrix3d Corotational::stress() const { return 2 * lame_.mu * (F_ - R_) + lame_.lambda * trace_ * R_; }
+Matrix3d Corotational::differential(const Matrix3d& dF) const {
+  // With F = R S and dR = R W, W = -W^T: the skew part of R^T dF is that of W S, so that
+  // (tr(S) I - S) w = axis of (R^T dF - dF^T R).
+  const Matrix3d A = R_.transpose() * dF;
+  const Vector3d axis(A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1));
+  const Matrix3d dR = R_ * cross_matrix(turn_ * axis);
+  return 2 * lame_.mu * (dF - dR) + lame_.lambda * (A.trace() * R_ + trace_ * dR);
+}
+
+StableNeoHookean::StableNeoHookean(const Matrix3d& H, const Lame& lame)
+    : mu_(4 * lame.mu / 3),
+      lambda_(lame.lambda + 5 * lame.mu / 6),
+      square_(2 * H.trace() + H.squaredNorm()),
+      volume_(H.trace() + cofactors(H).trace() + H.determinant()),
+      H_(H),
+      F_(Matrix3d::Identity() + H),
+      cofactors_(cofactors(F_)) {}
+double StableNeoHookean::energy() const {
+  // |F|^2 - 3 - 2 (J - 1), which begins with the squares of H.
+  const double shear = H_.squaredNorm() - 2 * (cofactors(H_).trace() + H_.determinant());
+  return mu_ / 2 * (square_ / 4 - std::log1p(square_ / 4) + 3 * shear / 4) + lambda_ / 2 * volume_ * volume_;
+}
+Matrix3d StableNeoHookean::stress() const {
+  // mu' (1 - 1/(|F|^2 + 1)) F + lambda' (J - a) C with the cofactors C: at F = I the two are 3/4 mu' and
+  // cancel.
+  const Matrix3d shear = H_ + H_.transpose() - H_.trace() * Matrix3d::Identity() - cofactors(H_);  // F - C
+  return mu_ * (3 * shear / 4 + square_ / (4 * (square_ + 4)) * F_) + lambda_ * volume_ * cofactors_;
+}
+Matrix3d StableNeoHookean::differential(const Matrix3d& dF) const {
+  Matrix3d dC;
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    dC.col(j) = dF.col(k).cross(F_.col(l)) + F_.col(k).cross(dF.col(l));
+  }
+  const double n = square_ + 4, excess = volume_ - 3 * mu_ / (4 * lambda_);
+  return mu_ * ((1 - 1 / n) * dF + 2 * dot(F_, dF) / (n * n) * F_) +
+         lambda_ * (dot(cofactors_, dF) * cofactors_ + excess * dC);
+}
+
+}  // namespace hmax

@@ -1,0 +1,220 @@
+#include "problems/tissue/forces/green_elements.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Dense>
+
+#include "problems/tissue/forces/tet_elements.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix3d;
+constexpr std::size_t lanes = TetBlock::lanes;
+constexpr std::size_t window = 16;        // blocks that are dealt to at once
+constexpr std::size_t batch_windows = 8;  // whose elements come before what they finish is written
+
+std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+std::array<TetMesh::Index, 4> corners(const TetMesh& mesh, Eigen::Index tetrahedron) {
+  std::array<TetMesh::Index, 4> p;
+  for (Eigen::Index a = 0; a < 4; ++a) p[at(a)] = mesh.tetrahedra(a, tetrahedron);
+  std::sort(p.begin(), p.end());
+  return p;
+}
+
+}  // namespace
+
+struct GreenElements::Element {
+  Matrix3d gradients, H;  // Bm, du/dX
+  double half_lambda, mu;
+  [[nodiscard]] double volume() const { return 1 / (6 * std::abs(gradients.determinant())); }
+  /// V (lambda/2 tr(E)^2 + mu E:E), E = (H + H^T + H^T H) / 2.
+  [[nodiscard]] double energy() const {
+    const Matrix3d C = H + H.transpose() + H.transpose() * H;
+    return half_lambda * C.trace() * C.trace() / 4 + mu * C.squaredNorm() / 4;
+  }
+};
+
+GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
+                             const TissueKernels& kernels)
+    : kernels_(&kernels) {
+  const auto count = at(mesh.tetrahedron_count());
+  std::vector<std::array<Index, 5>> order(count);  // corners, then the tetrahedron
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto p = corners(mesh, static_cast<Eigen::Index>(t));
+    order[t] = {p[0], p[1], p[2], p[3], static_cast<Index>(t)};
+  }
+  std::sort(order.begin(), order.end());
+
+  blocks_.resize((count + lanes - 1) / lanes);
+  slots_.resize(blocks_.size());
+  place_.resize(count);
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    const std::size_t start = n / window * window, width = std::min(window, blocks_.size() - start);
+    TetBlock& block = blocks_[n];
+    TetSlots& slots = slots_[n];
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t wanted = start * lanes + lane * width + (n - start), i = std::min(wanted, count - 1);
+      const Index tetrahedron = order[i][4];
+      const bool used = wanted < count;
+      if (used) place_[at(tetrahedron)] = static_cast<Index>(n * lanes + lane);
+      std::array<Index, 4> points;
+      std::copy_n(order[i].begin(), 4, points.begin());
+      for (std::size_t a = 0; a < 4; ++a) block.rows[a][lane] = 4 * points[a];
+      const RestShape rest(mesh, points);
+      for (std::size_t k = 0; k < 9; ++k)
+        block.gradients[k][lane] =
+            rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
+      const Lame& material = lame[at(mesh.region(tetrahedron))];
+      const double volume = used ? std::abs(rest.volume) : 0;
+      block.half_lambda[lane] = volume * material.lambda / 2;
+      block.mu[lane] = volume * material.mu;
+      for (std::size_t a = 0, pair = 0; a < 4; ++a)
+        for (std::size_t b = a + 1; b < 4; ++b, ++pair) {
+          slots.block[pair][lane] = pattern.pair(order[i][a], order[i][b]);
+        }
+    }
+  }
+  std::vector<Index> lowest;
+  lowest.reserve(order.size());
+  for (const auto& p : order) lowest.push_back(p[0]);
+  make_batches(pattern, lowest);
+  place_rim(pattern);
+}
+
+void GreenElements::make_batches(const BlockPattern& pattern, std::span<const Index> lowest) {
+  // Elements come in the order of their lowest points: all that is left of that of the next one is finished.
+  constexpr std::size_t size = batch_windows * window;
+  Index oldest = 0, needed = 0, columns = 0, point = 0, last = 0;
+  for (std::size_t begin = 0; begin < blocks_.size(); begin += size) {
+    const std::size_t end = std::min(begin + size, blocks_.size());
+    for (std::size_t n = begin; n < end; ++n)
+      for (const auto& pair : slots_[n].block) last = std::max(last, *std::max_element(pair, pair + lanes));
+    ring_ = std::max(ring_, last + 1 - needed);
+    if (end == blocks_.size())
+      columns = pattern.columns();
+    else
+      for (; point < lowest[end * lanes]; ++point)
+        if (pattern.stride(point) > 0) ++columns;
+    // A block is written in both columns that it belongs to.
+    while (oldest < columns && pattern.last_row(oldest) < columns) ++oldest;
+    needed = pattern.first_pair(oldest);
+    batches_.push_back({end, columns});
+  }
+  for (TetSlots& slots : slots_)
+    for (auto& pair : slots.block)
+      for (Index& block : pair)
+        if (block >= 0) block %= ring_;
+}
+
+void GreenElements::place_rim(const BlockPattern& pattern) {
+  // Pairs of one free and one supported point, each once, in the order of their columns; pairs of two
+  // supported ones share a block after them.
+  std::vector<std::array<Index, 2>> pairs;
+  const auto in_order = [&](Index a, Index b) {
+    return pattern.stride(a) > 0 ? std::array{pattern.free()[at(a)], b}
+                                 : std::array{pattern.free()[at(b)], a};
+  };
+  const auto each_missing = [&](const auto& visit) {
+    for (std::size_t n = 0; n < blocks_.size(); ++n)
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+        for (std::size_t a = 0, pair = 0; a < 4; ++a)
+          for (std::size_t b = a + 1; b < 4; ++b, ++pair)
+            if (slots_[n].block[pair][lane] < 0)
+              visit(in_order(blocks_[n].rows[a][lane] / 4, blocks_[n].rows[b][lane] / 4),
+                    slots_[n].block[pair][lane]);
+  };
+  each_missing([&](const std::array<Index, 2>& pair, Index) {
+    if (pair[0] >= 0) pairs.push_back(pair);
+  });
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  for (const auto& pair : pairs) rim_.push_back(pair[0]);
+  each_missing([&](const std::array<Index, 2>& pair, Index& block) {
+    const auto found = pair[0] >= 0 ? std::lower_bound(pairs.begin(), pairs.end(), pair) : pairs.end();
+    block = ring_ + static_cast<Index>(found - pairs.begin());
+  });
+}
+
+GreenElements::Element GreenElements::element(const NodeRows& u, std::size_t place) const {
+  const TetBlock& block = blocks_[place / lanes];
+  const std::size_t lane = place % lanes;
+  Element e;
+  for (std::size_t k = 0; k < 9; ++k)
+    e.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3)) =
+        block.gradients[k][lane];
+  e.H = edge_vectors(u, corners_at(place)) * e.gradients;
+  e.half_lambda = block.half_lambda[lane];
+  e.mu = block.mu[lane];
+  return e;
+}
+
+double GreenElements::energy(const NodeRows& u) const {
+  double sum = 0;
+  for (const Index place : place_) sum += element(u, at(place)).energy();
+  return sum;
+}
+
+double GreenElements::energy_density(const NodeRows& u, std::size_t i) const {
+  const Element e = element(u, at(place_[i]));
+  return e.energy() / e.volume();
+}
+
+void GreenElements::add_force(const NodeRows& u, NodeRows& f) const {
+  kernels_->green_force(blocks_.data(), blocks_.size(), &u.front().x, &f.front().x);
+}
+
+void GreenElements::write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const {
+  // All rows are zero before and after.
+  thread_local BlockPattern::Pairs pairs;
+  const std::size_t blocks = at(ring_) + rim_.size() + 1;
+  if (pairs.rows.size() < 3 * blocks) pairs.rows.assign(3 * blocks, {});
+  pairs.ring = ring_;
+  pattern.begin(pairs);
+  std::size_t begin = 0, on_rim = 0;
+  Index columns = 0;
+  for (const Batch& batch : batches_) {
+    kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch.end - begin, &u.front().x,
+                              &pairs.rows.front().x);
+    for (; on_rim < rim_.size() && rim_[on_rim] < batch.columns; ++on_rim)
+      for (std::size_t c = 0; c < 3; ++c) {
+        NodeRow& row = pairs.rows[3 * (at(ring_) + on_rim) + c];
+        Eigen::Map<Eigen::Vector3d>(&pairs.diagonal[9 * at(rim_[on_rim]) + 3 * c]) -= as_vector(row);
+        row = {};
+      }
+    pattern.write(columns, batch.columns, pairs, values);
+    columns = batch.columns;
+    begin = batch.end;
+  }
+  std::fill_n(pairs.rows.begin() + static_cast<std::ptrdiff_t>(3 * (blocks - 1)), 3, NodeRow{});
+}
+
+std::array<GreenElements::Index, 4> GreenElements::corners_at(std::size_t place) const {
+  std::array<Index, 4> p;
+  for (std::size_t a = 0; a < 4; ++a) p[a] = blocks_[place / lanes].rows[a][place % lanes] / 4;
+  return p;
+}
+
+GreenElements::Stiffness GreenElements::stiffness(const NodeRows& u, std::size_t i) const {
+  // As TissueKernels::green_stiffness has it.
+  const Element e = element(u, at(place_[i]));
+  const Matrix3d F = Matrix3d::Identity() + e.H, B = F * F.transpose();
+  Eigen::Matrix<double, 3, 4> g;
+  g << -e.gradients.colwise().sum().transpose(), e.gradients.transpose();
+  const Eigen::Matrix<double, 3, 4> h = F * g;
+  const double c = e.half_lambda * (B.trace() - 3) - e.mu;
+  Stiffness K;
+  for (Eigen::Index a = 0; a < 4; ++a)
+    for (Eigen::Index b = 0; b < 4; ++b) {
+      const double k = g.col(a).dot(g.col(b));
+      K.block<3, 3>(3 * a, 3 * b) = 2 * e.half_lambda * h.col(a) * h.col(b).transpose() +
+                                    e.mu * h.col(b) * h.col(a).transpose() + e.mu * k * B +
+                                    (c * k + e.mu * h.col(a).dot(h.col(b))) * Matrix3d::Identity();
+    }
+  return K;
+}
+
+}  // namespace hmax

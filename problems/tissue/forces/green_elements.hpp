@@ -1,0 +1,68 @@
+/// Tetrahedra of Green's strain in blocks of eight: the fast form of TetElements<GreenStrain>.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "problems/mesh/tet_mesh.hpp"
+#include "problems/tissue/forces/block_pattern.hpp"
+#include "problems/tissue/forces/elasticity.hpp"
+#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/node_rows.hpp"
+
+namespace hmax {
+
+/// St. Venant-Kirchhoff elements, see TissueKernels. They are taken in the order of their lowest points, and
+/// neighbours in it are dealt to different blocks, so that a sum is not waited for by the next. The order is
+/// fixed by the mesh: the same mesh gives the same bits. Rows u are the displacements of the points.
+class GreenElements {
+ public:
+  using Index = TetMesh::Index;
+  using Stiffness = Eigen::Matrix<double, 12, 12>;  ///< -dF/dx of one element, points after one another
+
+  /// @param lame     of each region of the mesh
+  /// @param pattern  holds the pairs of points of every tetrahedron
+  GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
+                const TissueKernels& kernels = tissue_kernels());
+
+  [[nodiscard]] double energy(const NodeRows& u) const;
+  void add_force(const NodeRows& u, NodeRows& f) const;
+  /// values = K, in the pattern that the elements were made with.
+  void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const;
+
+  [[nodiscard]] std::size_t size() const { return place_.size(); }
+  /// Corners of a tetrahedron of the mesh, in ascending order.
+  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const {
+    return corners_at(static_cast<std::size_t>(place_[element]));
+  }
+  [[nodiscard]] double energy_density(const NodeRows& u, std::size_t element) const;
+  [[nodiscard]] Stiffness stiffness(const NodeRows& u, std::size_t element) const;
+
+ private:
+  /// One tetrahedron taken out of its block.
+  struct Element;
+  [[nodiscard]] Element element(const NodeRows& u, std::size_t place) const;
+  [[nodiscard]] std::array<Index, 4> corners_at(std::size_t place) const;
+
+  /// Elements whose sums are finished with them.
+  struct Batch {
+    std::size_t end;  ///< of blocks
+    Index columns;    ///< of the stiffness that are finished after them
+  };
+
+  void make_batches(const BlockPattern& pattern, std::span<const Index> lowest);
+  void place_rim(const BlockPattern& pattern);
+
+  const TissueKernels* kernels_;
+  std::vector<TetBlock> blocks_;
+  std::vector<TetSlots> slots_;
+  std::vector<Batch> batches_;
+  Index ring_ = 0;            ///< blocks of pairs whose sums are not finished, at most
+  std::vector<Index> rim_;    ///< columns of pairs with a supported point, whose blocks follow the ring
+  std::vector<Index> place_;  ///< of each tetrahedron of the mesh: 8 block + lane
+};
+
+}  // namespace hmax

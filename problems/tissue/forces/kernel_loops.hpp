@@ -1,0 +1,208 @@
+/// The loops of kernels.hpp for any register.
+///
+/// Each instruction set includes this in a source of its own with a type `Lanes` of an unnamed namespace, so
+/// that no code compiled for one set can be linked in the place of another. For the same reason nothing of
+/// the standard library is used here. `Lanes` has
+///   width                    doubles in a register; divides 8
+///   V, load(p), splat(s)     a register, from aligned memory, from one number
+///   root(v)                  square root
+///   Rows                     `width` rows of four numbers
+///   rows(x, from)            those that begin at x + from[i]
+///   minus(a, b), plus(a, b)  by entries
+///   columns(rows, v)         to three registers x, y, z
+///   back(x, y, z)            and from them, the fourth entry 0
+///   row(rows, lane)          one row, a type Row
+///   add(p, row), subtract(p, row)  to four numbers in memory, aligned
+#pragma once
+
+#include "problems/tissue/forces/kernels.hpp"
+
+namespace hmax::kernel_loops {
+
+/// Entry (i, j) of a symmetric matrix stored as 00 11 22 01 02 12.
+constexpr int symmetric[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+
+/// Asks for a block before it is needed: they are read once, faster than the processor foresees. GCC 12 drops
+/// calls of functions that only do that, unless it must inline them.
+template <class Lanes>
+[[gnu::always_inline]] inline void fetch_ahead(const TetBlock* blocks, std::size_t n, std::size_t count) {
+  constexpr std::size_t ahead = 4, line = 64;
+  if (n + ahead >= count) return;
+  const char* const next = reinterpret_cast<const char*>(blocks + n + ahead);
+  for (std::size_t i = 0; i < sizeof(TetBlock); i += line) __builtin_prefetch(next + i);
+}
+
+/// H = du/dX = (u1 - u0, u2 - u0, u3 - u0) Bm of some lanes, entry (i, j) at H[i][j], and Bm, row a at g[a].
+template <class Lanes, class V>
+inline void displacement_gradient(const TetBlock& block, std::size_t lane, const double* u, V (*H)[3],
+                                  V (*g)[3]) {
+  V U[3][3];
+  const typename Lanes::Rows origin = Lanes::rows(u, block.rows[0] + lane);
+  for (int a = 0; a < 3; ++a) {
+    Lanes::columns(Lanes::minus(Lanes::rows(u, block.rows[a + 1] + lane), origin), U[a]);
+    for (int j = 0; j < 3; ++j) g[a][j] = Lanes::load(block.gradients[3 * a + j] + lane);
+  }
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) H[i][j] = U[0][i] * g[0][j] + U[1][i] * g[1][j] + U[2][i] * g[2][j];
+}
+
+/// a.b
+template <class Lanes>
+inline typename Lanes::V dot(const typename Lanes::V* a, const typename Lanes::V* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// V S of the second Piola-Kirchhoff stress S = lambda tr(E) I + 2 mu E, where 2 E = F^T F - I, without the
+/// difference: 2 E_ii = H_ii + (F^T H)_ii.
+template <class Lanes, class V>
+inline void green_stress(const TetBlock& block, std::size_t lane, const V (*H)[3], const V (*F)[3],
+                         V (&S)[6]) {
+  const auto product = [&](int i, int j, const V(*B)[3]) {
+    return F[0][i] * B[0][j] + F[1][i] * B[1][j] + F[2][i] * B[2][j];
+  };
+  for (int i = 0; i < 3; ++i) S[i] = H[i][i] + product(i, i, H);
+  S[3] = product(0, 1, F), S[4] = product(0, 2, F), S[5] = product(1, 2, F);
+  const V mu = Lanes::load(block.mu + lane);
+  const V pressure = Lanes::load(block.half_lambda + lane) * (S[0] + S[1] + S[2]);
+  for (int k = 0; k < 6; ++k) S[k] *= mu;
+  for (int k = 0; k < 3; ++k) S[k] += pressure;
+}
+
+template <class Lanes>
+void green_force(const TetBlock* blocks, std::size_t count, const double* u, double* f) {
+  using V = typename Lanes::V;
+  for (std::size_t n = 0; n < count; ++n) {
+    fetch_ahead<Lanes>(blocks, n, count);
+    for (std::size_t lane = 0; lane < TetBlock::lanes; lane += Lanes::width) {
+      const TetBlock& block = blocks[n];
+      V H[3][3], F[3][3], g[3][3], S[6], P[3][3], pull[3][3];
+      displacement_gradient<Lanes>(block, lane, u, H, g);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) F[i][j] = i == j ? H[i][j] + Lanes::splat(1) : H[i][j];
+      green_stress<Lanes>(block, lane, H, F, S);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          P[i][j] =
+              F[i][0] * S[symmetric[0][j]] + F[i][1] * S[symmetric[1][j]] + F[i][2] * S[symmetric[2][j]];
+      for (int a = 0; a < 3; ++a)
+        for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
+
+      const typename Lanes::Rows pull1 = Lanes::back(pull[0][0], pull[0][1], pull[0][2]),
+                                 pull2 = Lanes::back(pull[1][0], pull[1][1], pull[1][2]),
+                                 pull3 = Lanes::back(pull[2][0], pull[2][1], pull[2][2]);
+      const typename Lanes::Rows all = Lanes::plus(Lanes::plus(pull1, pull2), pull3);
+#pragma GCC unroll 8
+      for (std::size_t i = 0; i < Lanes::width; ++i) {
+        Lanes::subtract(f + block.rows[1][lane + i], Lanes::row(pull1, i));
+        Lanes::subtract(f + block.rows[2][lane + i], Lanes::row(pull2, i));
+        Lanes::subtract(f + block.rows[3][lane + i], Lanes::row(pull3, i));
+        Lanes::add(f + block.rows[0][lane + i], Lanes::row(all, i));
+      }
+    }
+  }
+}
+
+/// Adds the blocks of one pair of corners, column j at entries[j].
+template <class Lanes>
+inline void scatter_block(const TetSlots& slots, int pair, std::size_t lane,
+                          const typename Lanes::V (*entries)[3], double* pairs) {
+  const typename Lanes::Rows columns[3] = {Lanes::back(entries[0][0], entries[0][1], entries[0][2]),
+                                           Lanes::back(entries[1][0], entries[1][1], entries[1][2]),
+                                           Lanes::back(entries[2][0], entries[2][1], entries[2][2])};
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < Lanes::width; ++i) {
+    double* const to = pairs + 12 * static_cast<std::ptrdiff_t>(slots.block[pair][lane + i]);
+    Lanes::add(to, Lanes::row(columns[0], i));
+    Lanes::add(to + 4, Lanes::row(columns[1], i));
+    Lanes::add(to + 8, Lanes::row(columns[2], i));
+  }
+}
+
+/// What the stiffness of some lanes is made of: gradients g_a, h_a = F g_a, lambda h_a, mu h_a, mu B and c.
+/// Not used are lh[0] and mh[3].
+template <class Lanes>
+struct StiffnessParts {
+  typename Lanes::V g[4][3], h[4][3], lh[4][3], mh[4][3], B[6], c;
+};
+
+template <class Lanes>
+inline void stiffness_parts(const TetBlock& block, std::size_t lane, const double* u,
+                            StiffnessParts<Lanes>& parts) {
+  using V = typename Lanes::V;
+  auto& [g, h, lh, mh, B, c] = parts;
+  V F[3][3];
+  displacement_gradient<Lanes>(block, lane, u, F, g + 1);
+  for (int i = 0; i < 3; ++i) F[i][i] += Lanes::splat(1);
+  for (int a = 1; a < 4; ++a)
+    for (int i = 0; i < 3; ++i) h[a][i] = dot<Lanes>(F[i], g[a]);
+  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  for (int i = 0; i < 3; ++i) h[0][i] = -(h[1][i] + h[2][i] + h[3][i]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) B[symmetric[i][j]] = dot<Lanes>(F[i], F[j]);
+  const V mu = Lanes::load(block.mu + lane), half = Lanes::load(block.half_lambda + lane),
+          lambda = half + half;
+  c = half * (B[0] + B[1] + B[2] - Lanes::splat(3)) - mu;
+  for (int k = 0; k < 6; ++k) B[k] *= mu;
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) mh[a][i] = mu * h[a][i], lh[a + 1][i] = lambda * h[a + 1][i];
+}
+
+template <class Lanes>
+void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t count, const double* u,
+                     double* pairs) {
+  using V = typename Lanes::V;
+  constexpr std::size_t lanes = TetBlock::lanes, width = Lanes::width;
+  for (std::size_t n = 0; n < count; ++n) {
+    fetch_ahead<Lanes>(blocks, n, count);
+    StiffnessParts<Lanes> parts[lanes / width];
+    for (std::size_t lane = 0; lane < lanes; lane += width)
+      stiffness_parts<Lanes>(blocks[n], lane, u, parts[lane / width]);
+    // Entry (i, j) of block (b, a): lambda h_b[i] h_a[j] + mu h_a[i] h_b[j] + mu K_ab B_ij + s_ab e_ij,
+    // with K_ab = g_a.g_b and s_ab = c K_ab + mu h_a.h_b. Pair after pair, so that the order of the sums is
+    // the same for every width.
+    for (int a = 0, pair = 0; a < 3; ++a)
+      for (int b = a + 1; b < 4; ++b, ++pair)
+        for (std::size_t lane = 0; lane < lanes; lane += width) {
+          const auto& [g, h, lh, mh, B, c] = parts[lane / width];
+          const V k = dot<Lanes>(g[a], g[b]), s = c * k + dot<Lanes>(mh[a], h[b]);
+          V entries[3][3];
+          for (int j = 0; j < 3; ++j)
+            for (int i = 0; i < 3; ++i) {
+              entries[j][i] = lh[b][i] * h[a][j] + mh[a][i] * h[b][j] + k * B[symmetric[i][j]];
+              if (i == j) entries[j][i] += s;
+            }
+          scatter_block<Lanes>(slots[n], pair, lane, entries, pairs);
+        }
+  }
+}
+
+template <class Lanes>
+void spring_force(const SpringBlock* blocks, std::size_t count, double b, const double* x, double* f) {
+  using V = typename Lanes::V;
+  const V one = Lanes::splat(1), cubic = Lanes::splat(b);
+  for (std::size_t n = 0; n < count; ++n)
+    for (std::size_t lane = 0; lane < SpringBlock::lanes; lane += Lanes::width) {
+      const SpringBlock& block = blocks[n];
+      V d[3];
+      Lanes::columns(Lanes::minus(Lanes::rows(x, block.rows[1] + lane), Lanes::rows(x, block.rows[0] + lane)),
+                     d);
+      // T / l = k L (s + b s^3) / l with s = l / L - 1. Points that coincide have d = 0 and meet no force.
+      const V now = Lanes::root(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + Lanes::splat(1e-300));
+      const V s = now * Lanes::load(block.per_length + lane) - one;
+      const V pull = Lanes::load(block.tension + lane) * s * (one + cubic * (s * s)) / now;
+      const typename Lanes::Rows rows = Lanes::back(pull * d[0], pull * d[1], pull * d[2]);
+#pragma GCC unroll 8
+      for (std::size_t i = 0; i < Lanes::width; ++i) {
+        Lanes::add(f + block.rows[0][lane + i], Lanes::row(rows, i));
+        Lanes::subtract(f + block.rows[1][lane + i], Lanes::row(rows, i));
+      }
+    }
+}
+
+/// The table of one instruction set.
+template <class Lanes>
+constexpr TissueKernels kernels_of(const char* name) {
+  return {name, Lanes::width, green_force<Lanes>, green_stiffness<Lanes>, spring_force<Lanes>};
+}
+
+}  // namespace hmax::kernel_loops

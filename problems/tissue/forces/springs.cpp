@@ -1,0 +1,239 @@
+#include "problems/tissue/forces/springs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <Eigen/Dense>
+
+#include "problems/digits.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// From a to b: length [m] and direction; no direction when the points coincide.
+struct Span {
+  double length;
+  Vector3d e;
+  Span(const NodeRows& x, const std::array<TetMesh::Index, 2>& points) {
+    const Vector3d d =
+        as_vector(x[static_cast<std::size_t>(points[1])]) - as_vector(x[static_cast<std::size_t>(points[0])]);
+    length = std::max(d.norm(), std::numeric_limits<double>::min());
+    e = d / length;
+  }
+};
+
+Vector3d approach(const NodeRows& v, const std::array<TetMesh::Index, 2>& points) {
+  return as_vector(v[static_cast<std::size_t>(points[1])]) -
+         as_vector(v[static_cast<std::size_t>(points[0])]);
+}
+
+void pull_together(NodeRows& f, const std::array<TetMesh::Index, 2>& points, const Vector3d& pull) {
+  as_vector(f[static_cast<std::size_t>(points[0])]) += pull;
+  as_vector(f[static_cast<std::size_t>(points[1])]) -= pull;
+}
+
+/// values += (B, -B; -B, B).
+void add_pair(const BlockPattern& pattern, double* values, const std::array<TetMesh::Index, 2>& points,
+              const std::array<TetMesh::Index, 4>& slots, const Matrix3d& B) {
+  pattern.add(values, slots[0], points[0], B);
+  pattern.add(values, slots[1], points[1], -B);
+  pattern.add(values, slots[2], points[0], -B);
+  pattern.add(values, slots[3], points[1], B);
+}
+
+/// dT/dl e e^T + T / l (I - e e^T).
+template <class Law>
+Matrix3d tangent(const Law& law, const Span& at, double stiffness, double length) {
+  const double s = (at.length - length) / length, across = stiffness * length * law.phi(s) / at.length;
+  return across * Matrix3d::Identity() + (stiffness * law.slope(s) - across) * at.e * at.e.transpose();
+}
+
+/// b of phi = s + b s^3, the laws that the kernels know.
+std::optional<double> cubic_coefficient(const SpringLaw& law) {
+  if (std::holds_alternative<LinearSpring>(law)) return 0;
+  if (const auto* cubic = std::get_if<CubicSpring>(&law)) return cubic->b;
+  return std::nullopt;
+}
+
+}  // namespace
+
+double ExponentialSpring::phi(double s) const { return std::expm1(b * s) / b; }
+double ExponentialSpring::slope(double s) const { return std::exp(b * s); }
+double ExponentialSpring::integral(double s) const {
+  // (exp(x) - 1 - x) / b^2, whose first terms cancel for small x.
+  const double x = b * s;
+  if (std::abs(x) < 1e-2)
+    return s * s * (1 + x / 3 * (1 + x / 4 * (1 + x / 5 * (1 + x / 6 * (1 + x / 7))))) / 2;
+  return (std::expm1(x) - x) / (b * b);
+}
+
+TableSpring::TableSpring(std::vector<double> strain, std::vector<double> phi)
+    : strain_(std::move(strain)), phi_(std::move(phi)) {
+  if (strain_.size() < 2 || strain_.size() != phi_.size())
+    throw std::invalid_argument("a spring table has " + std::to_string(strain_.size()) + " strains and " +
+                                std::to_string(phi_.size()) +
+                                " values; give at least two points, each with both");
+  sum_.push_back(0);
+  for (std::size_t i = 0; i + 1 < strain_.size(); ++i) {
+    const double width = strain_[i + 1] - strain_[i];
+    if (!(width > 0))
+      throw std::invalid_argument("the strains of a spring table do not ascend after " +
+                                  shortest_digits(strain_[i]) + "; sort them and leave repeated ones out");
+    slope_.push_back((phi_[i + 1] - phi_[i]) / width);
+    sum_.push_back(sum_.back() + width * (phi_[i] + phi_[i + 1]) / 2);
+  }
+  if (const double at_rest = this->phi(0);
+      !(std::abs(at_rest) <= 1e-12 * (std::abs(phi_.front()) + std::abs(phi_.back()))))
+    throw std::invalid_argument("a spring table has the tension " + shortest_digits(at_rest) +
+                                " at strain 0; let it pass through (0, 0)");
+}
+std::size_t TableSpring::line(double s) const {
+  const auto after = std::upper_bound(strain_.begin() + 1, strain_.end() - 1, s);
+  return static_cast<std::size_t>(after - strain_.begin()) - 1;
+}
+double TableSpring::phi(double s) const {
+  const std::size_t i = line(s);
+  return phi_[i] + slope_[i] * (s - strain_[i]);
+}
+double TableSpring::slope(double s) const { return slope_[line(s)]; }
+double TableSpring::up_to(double s) const {
+  const std::size_t i = line(s);
+  const double d = s - strain_[i];
+  return sum_[i] + d * (phi_[i] + slope_[i] * d / 2);
+}
+double TableSpring::integral(double s) const { return up_to(s) - up_to(0); }
+
+std::vector<double> edge_stiffness(const TetMesh& mesh, const EdgeTable& edges,
+                                   std::span<const double> young) {
+  std::vector<double> k(static_cast<std::size_t>(edges.edges.cols()), 0);
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    Matrix3d rest;
+    for (Eigen::Index a = 1; a < 4; ++a)
+      rest.col(a - 1) = mesh.points.col(mesh.tetrahedra(a, t)) - mesh.points.col(mesh.tetrahedra(0, t));
+    const double stiff = young[static_cast<std::size_t>(mesh.region(t))] * rest.determinant() / 6;
+    for (const auto& [a, b] : tetrahedron_edges) {
+      const TetMesh::Index i = mesh.tetrahedra(a, t), j = mesh.tetrahedra(b, t);
+      k[static_cast<std::size_t>(edges.find(i, j))] +=
+          stiff / (mesh.points.col(j) - mesh.points.col(i)).squaredNorm();
+    }
+  }
+  return k;
+}
+
+SpringSet::SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, SpringLaw law,
+                     const BlockPattern& pattern, const TissueKernels& kernels)
+    : springs_(std::move(springs)), law_(std::move(law)), kernels_(&kernels) {
+  for (const Spring& spring : springs_) {
+    const auto [a, b] = spring.points;
+    const std::string name = "the spring between points " + std::to_string(a) + " and " + std::to_string(b);
+    length_.push_back((rest.col(b) - rest.col(a)).norm());
+    if (!(length_.back() > 0))
+      throw std::invalid_argument(name + " has no length; give it two different points");
+    if (!(spring.stiffness >= 0 && std::isfinite(spring.stiffness) && spring.damper >= 0 &&
+          std::isfinite(spring.damper)))
+      throw std::invalid_argument(name + " has the stiffness " + shortest_digits(spring.stiffness) +
+                                  " N/m and the damper " + shortest_digits(spring.damper) +
+                                  " N s/m; neither may be negative");
+    slots_.push_back(pattern.slots(spring.points));
+    has_dampers_ = has_dampers_ || spring.damper > 0;
+  }
+  if (!cubic_coefficient(law_) || springs_.empty()) return;
+  // Springs are dealt to blocks as tetrahedra are, see GreenElements.
+  constexpr std::size_t lanes = SpringBlock::lanes, window = 16;
+  blocks_.resize((springs_.size() + lanes - 1) / lanes);
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    const std::size_t start = n / window * window, width = std::min(window, blocks_.size() - start);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t wanted = start * lanes + lane * width + (n - start);
+      const std::size_t i = std::min(wanted, springs_.size() - 1);
+      for (std::size_t a = 0; a < 2; ++a) blocks_[n].rows[a][lane] = 4 * springs_[i].points[a];
+      blocks_[n].per_length[lane] = 1 / length_[i];
+      blocks_[n].tension[lane] = wanted < springs_.size() ? springs_[i].stiffness * length_[i] : 0;
+    }
+  }
+}
+
+double SpringSet::energy(const NodeRows& x) const {
+  return std::visit(
+      [&](const auto& law) {
+        double sum = 0;
+        for (std::size_t i = 0; i < springs_.size(); ++i) {
+          const double L = length_[i], s = (Span(x, springs_[i].points).length - L) / L;
+          sum += springs_[i].stiffness * L * L * law.integral(s);
+        }
+        return sum;
+      },
+      law_);
+}
+
+void SpringSet::add_force(const NodeRows& x, NodeRows& f) const {
+  if (const auto cubic = cubic_coefficient(law_)) {
+    kernels_->spring_force(blocks_.data(), blocks_.size(), *cubic, &x.front().x, &f.front().x);
+    return;
+  }
+  std::visit(
+      [&](const auto& law) {
+        for (std::size_t i = 0; i < springs_.size(); ++i) {
+          const Span at(x, springs_[i].points);
+          const double L = length_[i];
+          pull_together(f, springs_[i].points,
+                        springs_[i].stiffness * L * law.phi((at.length - L) / L) * at.e);
+        }
+      },
+      law_);
+}
+
+void SpringSet::add_damper_force(const NodeRows& x, const NodeRows& v, NodeRows& f) const {
+  for (const Spring& spring : springs_) {
+    const Span at(x, spring.points);
+    pull_together(f, spring.points, spring.damper * at.e.dot(approach(v, spring.points)) * at.e);
+  }
+}
+
+Matrix3d SpringSet::stiffness(const NodeRows& x, std::size_t i) const {
+  const Span at(x, springs_[i].points);
+  return std::visit([&](const auto& law) { return tangent(law, at, springs_[i].stiffness, length_[i]); },
+                    law_);
+}
+
+void SpringSet::add_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const {
+  std::visit(
+      [&](const auto& law) {
+        for (std::size_t i = 0; i < springs_.size(); ++i) {
+          const Span at(x, springs_[i].points);
+          add_pair(pattern, values, springs_[i].points, slots_[i],
+                   tangent(law, at, springs_[i].stiffness, length_[i]));
+        }
+      },
+      law_);
+}
+
+void SpringSet::add_damper_stiffness(const NodeRows& x, const NodeRows& v, const BlockPattern& pattern,
+                                     double* values) const {
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    // e.w changes by (w - e (e.w)).dd / l and e by (dd - e (e.dd)) / l.
+    const Span at(x, springs_[i].points);
+    const Vector3d w = approach(v, springs_[i].points);
+    const double along = at.e.dot(w);
+    const Matrix3d across = Matrix3d::Identity() - at.e * at.e.transpose();
+    add_pair(pattern, values, springs_[i].points, slots_[i],
+             springs_[i].damper / at.length * (at.e * (w - along * at.e).transpose() + along * across));
+  }
+}
+
+void SpringSet::add_damping(const NodeRows& x, const BlockPattern& pattern, double* values) const {
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const Span at(x, springs_[i].points);
+    add_pair(pattern, values, springs_[i].points, slots_[i], springs_[i].damper * at.e * at.e.transpose());
+  }
+}
+
+}  // namespace hmax

@@ -1,0 +1,122 @@
+/// Springs and dampers between the points of a mesh.
+#pragma once
+
+#include <array>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "problems/mesh/topology.hpp"
+#include "problems/tissue/forces/block_pattern.hpp"
+#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/node_rows.hpp"
+
+namespace hmax {
+
+/// A spring law is a function phi of the strain s = (l - L) / L, from which a spring of stiffness k [N/m] has
+/// the tension T = k L phi(s) [N]. It answers with phi, its slope and its integral from 0.
+
+/// phi = s.
+struct LinearSpring {
+  [[nodiscard]] double phi(double s) const { return s; }
+  [[nodiscard]] double slope(double) const { return 1; }
+  [[nodiscard]] double integral(double s) const { return s * s / 2; }
+};
+
+/// phi = s + b s^3: with b > 0 stiffer the more it is stretched or pressed.
+struct CubicSpring {
+  double b = 1;
+  [[nodiscard]] double phi(double s) const { return s * (1 + b * s * s); }
+  [[nodiscard]] double slope(double s) const { return 1 + 3 * b * s * s; }
+  [[nodiscard]] double integral(double s) const { return s * s * (2 + b * s * s) / 4; }
+};
+
+/// phi = (exp(b s) - 1) / b, the law of soft tissue in tension; pressed it gives way towards -1 / b.
+/// @source  [fung1993biomechanics]
+struct ExponentialSpring {
+  double b = 5;  ///< not 0
+  [[nodiscard]] double phi(double s) const;
+  [[nodiscard]] double slope(double s) const;
+  [[nodiscard]] double integral(double s) const;
+};
+
+/// Straight lines through measured points (strain, phi), prolonged beyond the first and the last. At a point
+/// the slope is that of the line to its right.
+class TableSpring {
+ public:
+  /// @param strain  ascending, at least two
+  /// @param phi     as many values
+  /// @throws std::invalid_argument  when the strains do not ascend, the counts differ, or phi(0) is not 0: a
+  ///         spring is at rest at its own length
+  TableSpring(std::vector<double> strain, std::vector<double> phi);
+  [[nodiscard]] double phi(double s) const;
+  [[nodiscard]] double slope(double s) const;
+  [[nodiscard]] double integral(double s) const;
+
+ private:
+  [[nodiscard]] std::size_t line(double s) const;
+  [[nodiscard]] double up_to(double s) const;  ///< integral from the first strain
+  std::vector<double> strain_, phi_, slope_, sum_;
+};
+
+using SpringLaw = std::variant<LinearSpring, CubicSpring, ExponentialSpring, TableSpring>;
+
+/// Stiffness [N/m] of a spring on each edge such that the springs resist a uniform stretch like a solid of
+/// the given Young's modulus: k = sum over the tetrahedra at the edge of E V / L^2. Together they have the
+/// energy of an isotropic solid with Poisson's ratio 1/4 under uniform dilation, whatever the mesh. That is
+/// the only ratio that springs alone can have.
+/// @param young  E of each region [Pa]
+/// @source  [vangelder1998approximate]
+std::vector<double> edge_stiffness(const TetMesh& mesh, const EdgeTable& edges,
+                                   std::span<const double> young);
+
+/// Springs of one law, each with a damper along it: a pulls b, with d = xb - xa, l = |d|, e = d / l, w = vb -
+/// va,
+///   F_a = (k L phi((l - L) / L) + c e.w) e = -F_b.
+class SpringSet {
+ public:
+  using Index = TetMesh::Index;
+  struct Spring {
+    std::array<Index, 2> points;
+    double stiffness;   ///< k [N/m]
+    double damper = 0;  ///< c [N s/m]
+  };
+
+  /// @param rest     positions at which the springs are as long as they like to be, shape (3, points)
+  /// @param pattern  holds the pair of points of every spring
+  /// @throws std::invalid_argument  when a spring has no length, or pushes more the longer it is
+  SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, SpringLaw law,
+            const BlockPattern& pattern, const TissueKernels& kernels = tissue_kernels());
+
+  [[nodiscard]] double energy(const NodeRows& x) const;
+  /// f += the elastic forces [N] at the positions x.
+  void add_force(const NodeRows& x, NodeRows& f) const;
+  /// f += the forces of the dampers [N] at positions x and velocities v.
+  void add_damper_force(const NodeRows& x, const NodeRows& v, NodeRows& f) const;
+  /// values += K = -dF/dx of the springs [N/m].
+  void add_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const;
+  /// values += -dF/dx of the dampers, which is not symmetric.
+  void add_damper_stiffness(const NodeRows& x, const NodeRows& v, const BlockPattern& pattern,
+                            double* values) const;
+  /// values += C = -dF/dv [N s/m].
+  void add_damping(const NodeRows& x, const BlockPattern& pattern, double* values) const;
+
+  [[nodiscard]] std::size_t size() const { return springs_.size(); }
+  [[nodiscard]] const Spring& spring(std::size_t i) const { return springs_[i]; }
+  [[nodiscard]] bool has_dampers() const { return has_dampers_; }
+  /// The block of spring i: its stiffness is (B, -B; -B, B).
+  [[nodiscard]] Eigen::Matrix3d stiffness(const NodeRows& x, std::size_t i) const;
+
+ private:
+  std::vector<Spring> springs_;
+  std::vector<double> length_;       // L [m]
+  std::vector<SpringBlock> blocks_;  // the same once more, for laws that the kernels know
+  std::vector<std::array<Index, 4>> slots_;
+  SpringLaw law_;
+  const TissueKernels* kernels_;
+  bool has_dampers_ = false;
+};
+
+}  // namespace hmax

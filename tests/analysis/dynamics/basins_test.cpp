@@ -1,0 +1,82 @@
+#include "analysis/dynamics/basins.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+/// exp(J t) y of J = T diag(a, b) T^-1 in closed form: a shear with very different rates.
+TEST(Trap, IsNotLeftByTheLinearFlow) {
+  const double a = -0.1, b = -30;
+  const Matrix2d T = (Matrix2d() << 1, 1, -5, 0.2).finished();
+  const Matrix2d J = T * Vector2d(a, b).asDiagonal() * T.inverse();
+  const Vector2d rest(2, -1), size(3, 7);
+  const Trap trap(rest, J, size);
+  EXPECT_TRUE(trap.holds(rest));
+  int inside = 0;
+  for (int k = 0; k < 200; ++k) {
+    const double angle = 2 * std::acos(-1.0) * k / 200;
+    const Vector2d u(std::cos(angle), std::sin(angle));
+    double r = 1e-3;
+    while (!trap.holds(rest + r * u.cwiseProduct(size))) r *= 0.98;
+    EXPECT_LT(r, 1e-3 + 1e-15);
+    ++inside;
+    for (const double t : {1e-3, 1e-2, 0.1, 1.0, 10.0}) {
+      const Vector2d y = T * Vector2d(std::exp(a * t), std::exp(b * t)).asDiagonal() * T.inverse() *
+                         (r * u.cwiseProduct(size));
+      EXPECT_TRUE(trap.holds(rest + y)) << angle << " " << t;
+    }
+  }
+  EXPECT_EQ(inside, 200);
+}
+
+TEST(Trap, NeedsAStableEquilibrium) {
+  for (const Matrix2d& J : {(Matrix2d() << 0, 1, -1, 0).finished(), (Matrix2d() << 0, 1, 1, -1).finished(),
+                            (Matrix2d() << 0, 1, -1, 0.1).finished()})
+    EXPECT_THROW(Trap({0, 0}, J, {1, 1}), std::invalid_argument);
+}
+
+/// Fates that the line x = 0 divides, as in x' = x - x^3, v' = -v.
+TEST(Basins, AreDividedByTheSeparatrix) {
+  const auto side = [](const Vector2d& y) { return y(0) < 0 ? 0 : 1; };
+  const Basins found = basins(side, {{-2, -1}, {1, 1}}, 30, 4);
+  EXPECT_EQ(found.fate.size(), 120U);
+  EXPECT_DOUBLE_EQ(found.share(0), 2.0 / 3);
+  EXPECT_DOUBLE_EQ(found.share(1), 1.0 / 3);
+  EXPECT_EQ(found.share(undecided), 0);
+  EXPECT_EQ(found.fate[19], 0);
+  EXPECT_EQ(found.fate[20], 1);
+}
+
+TEST(Basins, StartsOfASymmetricWindowMirrorEachOtherExactly) {
+  std::vector<Vector2d> starts;
+  basins(
+      [&](const Vector2d& y) {
+        starts.push_back(y);
+        return 0;
+      },
+      {{-0.7, -1.1}, {0.7, 1.1}}, 7, 5);
+  for (std::size_t i = 0; i < starts.size(); ++i) EXPECT_EQ(starts[i], -starts[starts.size() - 1 - i]);
+}
+
+TEST(Basins, CanBeInterrupted) {
+  const Basins found = basins([](const Vector2d&) { return 0; }, {{0, 0}, {1, 1}}, 4, 4,
+                              [](double share) { return share < 0.5; });
+  EXPECT_DOUBLE_EQ(found.share(0), 0.5);
+  EXPECT_DOUBLE_EQ(found.share(undecided), 0.5);
+}
+
+TEST(Basins, NeedAWindow) {
+  const auto fate = [](const Vector2d&) { return 0; };
+  EXPECT_THROW(basins(fate, {{0, 0}, {0, 1}}, 4, 4), std::invalid_argument);
+  EXPECT_THROW(basins(fate, {{0, 0}, {1, 1}}, 0, 4), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,119 @@
+#include "analysis/dynamics/growth.hpp"
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace hmax {
+namespace {
+
+/// y_n = r(h)^n
+ShowSteps powers(double (*r)(double h)) {
+  return [r](double h, std::int64_t steps, const auto& show) {
+    Eigen::VectorXd y = Eigen::VectorXd::Ones(1);
+    for (std::int64_t n = 0; n <= steps; ++n) {
+      show(y);
+      y *= r(h);
+    }
+    return true;
+  };
+}
+const Distance size = [](const Eigen::Ref<const Eigen::VectorXd>& y) { return y.norm(); };
+const ExpectedGrowth some{.above = 1e-3, .beside = -1, .linear = false};
+
+TEST(ObservedLimit, IsWhereTheFactorPassesOneWhateverWasPredicted) {
+  const ShowSteps run = powers([](double h) { return 1 + 0.1 * (h - 2); });
+  for (const double predicted : {2.0, 1.2, 3.5}) {
+    const ObservedLimit limit = observe_limit(run, size, predicted, some);
+    EXPECT_NEAR(limit.h, 2, 1e-3) << predicted;
+    EXPECT_EQ(limit.below_decays && limit.above_grows, predicted == 2) << predicted;
+  }
+}
+
+TEST(ObservedLimit, SaysThatNothingEverGrowsOrEverythingDoes) {
+  EXPECT_TRUE(std::isinf(observe_limit(powers([](double) { return 0.99; }), size, 2, some).h));
+  EXPECT_EQ(observe_limit(powers([](double) { return 1.01; }), size, 2, some).h, 0);
+}
+
+TEST(ObservedGrowth, CountsARunThatBreaksDownAsGrowth) {
+  const ShowSteps stops = [](double, std::int64_t, const auto& show) {
+    show(Eigen::VectorXd::Ones(1));
+    return true;
+  };
+  EXPECT_TRUE(std::isinf(observed_growth(stops, size, 1, 100)));
+  const ShowSteps not_a_number = powers([](double) { return std::nan(""); });
+  EXPECT_TRUE(std::isinf(observed_growth(not_a_number, size, 1, 100)));
+}
+
+TEST(ObservedGrowth, DoesNotCountTheJumpOfAFirstStep) {
+  const ShowSteps jumps = [](double, std::int64_t steps, const auto& show) {
+    show(Eigen::VectorXd::Constant(1, 1e-9));
+    for (std::int64_t n = 1; n <= steps; ++n)
+      show(Eigen::VectorXd::Constant(1, std::pow(0.99, static_cast<double>(n))));
+    return true;
+  };
+  EXPECT_LT(observed_growth(jumps, size, 1, 512), 0);
+}
+
+TEST(GrowsAt, DoesNotCountWhatGrowsInProportionToTime) {
+  const ShowSteps line = [](double, std::int64_t steps, const auto& show) {
+    for (std::int64_t n = 0; n <= steps; ++n) show(Eigen::VectorXd::Constant(1, static_cast<double>(n + 1)));
+    return true;
+  };
+  EXPECT_FALSE(grows_at(line, size, 1));
+  EXPECT_TRUE(grows_at(powers([](double) { return 1.001; }), size, 1));
+}
+
+TEST(ObservedLimit, IsSeenBehindAMotionThatFadesSlowly) {
+  const ShowSteps run = [](double h, std::int64_t steps, const auto& show) {
+    for (std::int64_t n = 0; n <= steps; ++n) {
+      const auto k = static_cast<double>(n);
+      show(Eigen::VectorXd::Constant(1, std::pow(0.996, k) + 1e-3 * std::pow(1 + 2.5 * (h - 2), k)));
+    }
+    return true;
+  };
+  const ObservedLimit limit = observe_limit(run, size, 2, {.above = 5e-3, .beside = -1});
+  EXPECT_TRUE(limit.below_decays && limit.above_grows);
+  EXPECT_NEAR(limit.h, 2, 1e-3);
+  EXPECT_GT(limit.steps, 512);
+}
+
+TEST(WithoutRoots, LeavesWhatStepsMultiplyByAnotherRoot) {
+  const std::complex<double> root = std::polar(0.98, 0.4);
+  const auto three_motions = [&](double, std::int64_t steps, const auto& show) {
+    Eigen::VectorXd y(1);
+    for (std::int64_t n = 0; n <= steps; ++n) {
+      y[0] = 7 + std::pow(root, n).real() + 50 * std::pow(0.9999, n) + 1e-6 * std::pow(-1.01, n);
+      show(y);
+    }
+    return true;
+  };
+  std::vector<double> left;
+  const ShowSteps filtered = without_roots(three_motions, Eigen::VectorXd::Constant(1, 7), [&](double) {
+    return std::vector<std::complex<double>>{root, std::conj(root), 0.9999};
+  });
+  EXPECT_TRUE(
+      filtered(0.1, 100, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { left.push_back(y[0] - 7); }));
+  ASSERT_EQ(left.size(), 101U);
+  for (std::size_t n = 1; n < left.size(); ++n) EXPECT_NEAR(left[n] / left[n - 1], -1.01, 1e-7) << n;
+}
+
+TEST(ObservedLimit, IsFoundWhereGrowthIsSlowAndAlone) {
+  int runs = 0;
+  const ShowSteps slow = [&](double h, std::int64_t steps, const auto& show) {
+    ++runs;
+    return powers([](double step) { return 1 + 5e-5 * (step - 2); })(h, steps, show);
+  };
+  const ObservedLimit limit =
+      observe_limit(slow, size, 2, {.above = 1e-7, .beside = -1, .visible = 1e-5, .fall = 20});
+  EXPECT_TRUE(limit.below_decays && limit.above_grows);
+  EXPECT_NEAR(limit.h, 2, 3e-4);
+  EXPECT_LE(limit.steps, 3000);
+  // Halving two thousandths down to a millionth would take eleven.
+  EXPECT_LE(runs, 6);
+}
+
+}  // namespace
+}  // namespace hmax

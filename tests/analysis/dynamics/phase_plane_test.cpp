@@ -1,0 +1,184 @@
+#include "analysis/dynamics/phase_plane.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+/// m x'' + c x' + k1 x + k3 x^3 = 0, written here once more so that this test needs no other folder.
+struct CubicSpring {
+  using State = Vector2d;
+  double m = 1.45, c = 0, k1 = 0.7, k3 = 0.8;
+
+  Eigen::Index dim() const { return 2; }
+  void rhs(double, const State& y, State& f) const {
+    f << y(1), -(c * y(1) + k1 * y(0) + k3 * y(0) * y(0) * y(0)) / m;
+  }
+  void jacobian(double, const State& y, Matrix2d& J) const {
+    J << 0, 1, -(k1 + 3 * k3 * y(0) * y(0)) / m, -c / m;
+  }
+};
+
+const Window kWindow{{-2, -2.5}, {2, 2.5}};
+
+/// The only equilibrium of the liver oscillator with damping c.
+Equilibrium liver(double c) {
+  const auto found = find_equilibria(CubicSpring{.c = c}, 0, kWindow);
+  EXPECT_EQ(found.size(), 1u);
+  return found.at(0);
+}
+
+TEST(PhasePlane, ClassifiesTheFourPublishedDampings) {
+  EXPECT_EQ(liver(-0.2).type, EquilibriumType::unstable_focus);
+  EXPECT_EQ(liver(0).type, EquilibriumType::centre);
+  EXPECT_EQ(liver(2).type, EquilibriumType::stable_focus);
+  EXPECT_EQ(liver(10).type, EquilibriumType::stable_node);
+  for (const double c : {-0.2, 0.0, 2.0, 10.0}) EXPECT_EQ(liver(c).state, Vector2d::Zero()) << c;
+}
+
+TEST(PhasePlane, EigenvaluesSolveTheCharacteristicEquationOfTheOscillator) {
+  for (const double c : {-0.2, 0.0, 2.0, 10.0})
+    for (const auto lambda : liver(c).eigenvalues)
+      EXPECT_LT(std::abs(1.45 * lambda * lambda + c * lambda + 0.7), 2e-15 * (1 + c * c)) << c;
+  // zeta = -Re(lambda) / |lambda| of c = 2.
+  const auto lambda = liver(2).eigenvalues[0];
+  EXPECT_NEAR(-lambda.real() / std::abs(lambda), 0.992583, 5e-7);
+}
+
+TEST(PhasePlane, ACentreNeedsDampingThatIsZeroToRounding) {
+  EXPECT_EQ(liver(1e-9).type, EquilibriumType::stable_focus);
+  EXPECT_EQ(liver(-1e-9).type, EquilibriumType::unstable_focus);
+}
+
+TEST(PhasePlane, CriticalDampingIsANode) {
+  const double c = 2 * std::sqrt(1.45 * 0.7);
+  EXPECT_EQ(liver(c).type, EquilibriumType::stable_node);
+  EXPECT_EQ(liver(-c).type, EquilibriumType::unstable_node);
+}
+
+TEST(PhasePlane, StiffNodesKeepTheSmallEigenvalue) {
+  // lambda^2 + 1e9 lambda + 1 = 0 has the root -1e-9 (1 + 1e-18), lost by T/2 + sqrt(T^2/4 - D).
+  const auto lambda = eigenvalues_2x2((Matrix2d() << 0, 1, -1, -1e9).finished());
+  EXPECT_NEAR(lambda[0].real(), -1e-9, 1e-23);
+  EXPECT_NEAR(lambda[1].real(), -1e9, 1e-6);
+}
+
+TEST(PhasePlane, TheDoubleWellHasASaddleBetweenTwoFoci) {
+  const CubicSpring well{.c = 0.2, .k1 = -0.7, .k3 = 0.8};
+  const auto found = find_equilibria(well, 0, kWindow);
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found[0].type, EquilibriumType::stable_focus);
+  EXPECT_EQ(found[1].type, EquilibriumType::saddle);
+  EXPECT_EQ(found[2].type, EquilibriumType::stable_focus);
+  EXPECT_NEAR(found[0].state(0), -std::sqrt(0.7 / 0.8), 1e-14);
+  EXPECT_EQ(found[1].state, Vector2d::Zero());
+  EXPECT_NEAR(found[2].state(0), std::sqrt(0.7 / 0.8), 1e-14);
+}
+
+TEST(PhasePlane, ASpringWithoutLinearPartIsDegenerate) {
+  const auto found = find_equilibria(CubicSpring{.c = 0.5, .k1 = 0}, 0, kWindow);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].type, EquilibriumType::degenerate);
+  EXPECT_NEAR(found[0].state(0), 0, 1e-9);
+}
+
+TEST(PhasePlane, ALineOfEquilibriaIsShownByDegeneratePoints) {
+  const auto found = find_equilibria(CubicSpring{.c = 0.5, .k1 = 0, .k3 = 0}, 0, kWindow);
+  ASSERT_FALSE(found.empty());
+  for (const Equilibrium& e : found) {
+    EXPECT_EQ(e.type, EquilibriumType::degenerate);
+    EXPECT_NEAR(e.state(1), 0, 1e-12);
+  }
+}
+
+TEST(PhasePlane, FindsBothEquilibriaOfLotkaVolterra) {
+  // x' = x (1 - y), y' = y (x - 1): saddle at the origin, centre at (1, 1) although J(0,0) and J(1,1) are
+  // differences.
+  const PlanarField field{
+      [](const Vector2d& y) { return Vector2d(y(0) * (1 - y(1)), y(1) * (y(0) - 1)); },
+      [](const Vector2d& y) { return (Matrix2d() << 1 - y(1), -y(0), y(1), y(0) - 1).finished(); }};
+  const auto found = find_equilibria(field, {{-0.53, -0.41}, {3.1, 2.9}});
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].type, EquilibriumType::saddle);
+  EXPECT_EQ(found[1].type, EquilibriumType::centre);
+  EXPECT_LT((found[1].state - Vector2d(1, 1)).norm(), 1e-13);
+}
+
+TEST(PhasePlane, AFieldWithoutEquilibriaHasNone) {
+  const PlanarField field{[](const Vector2d& y) { return Vector2d(1, y(0) * y(0) + 1); },
+                          [](const Vector2d& y) { return (Matrix2d() << 0, 0, 2 * y(0), 0).finished(); }};
+  EXPECT_TRUE(find_equilibria(field, kWindow).empty());
+}
+
+TEST(PhasePlane, NullclinesOfTheOscillatorAreTheAxisAndTheCubic) {
+  const CubicSpring liver{.c = 2};
+  const PlanarField field = frozen_at(liver);
+  const auto axis = nullcline(field, 0, kWindow);
+  ASSERT_EQ(axis.size(), 1u);
+  for (const Vector2d& p : axis[0]) EXPECT_NEAR(p(1), 0, 1e-12);
+  const auto cubic = nullcline(field, 1, kWindow);
+  ASSERT_EQ(cubic.size(), 1u);
+  for (const Vector2d& p : cubic[0])
+    EXPECT_NEAR(p(1), -(0.7 * p(0) + 0.8 * std::pow(p(0), 3)) / 2, 1e-3);  // v = -(k1 x + k3 x^3) / c
+  // One unbroken curve from border to border: neighbours are at most a cell apart.
+  for (std::size_t i = 1; i < cubic[0].size(); ++i) EXPECT_LT((cubic[0][i] - cubic[0][i - 1]).norm(), 0.05);
+}
+
+TEST(PhasePlane, AClosedNullclineIsStitchedToOneClosedCurve) {
+  const PlanarField circle{[](const Vector2d& y) { return Vector2d(y.squaredNorm() - 1, y(0) * y(1)); }, {}};
+  const auto closed = nullcline(circle, 0, kWindow);
+  ASSERT_EQ(closed.size(), 1u);
+  EXPECT_EQ(closed[0].front(), closed[0].back());
+  for (const Vector2d& p : closed[0]) EXPECT_NEAR(p.norm(), 1, 1e-3);
+  EXPECT_GE(nullcline(circle, 1, kWindow).size(), 2u);  // the two axes cross at the origin
+}
+
+TEST(PhasePlane, NullclinesStopWhereTheFieldIsNotFinite) {
+  const PlanarField field{[](const Vector2d& y) { return Vector2d(y(1) + 0 / y(0) * std::sqrt(y(0)), 0); },
+                          {}};
+  const auto half = nullcline(field, 0, {{-1, -1.03}, {1, 1}}, 50);
+  ASSERT_EQ(half.size(), 1u);
+  for (const Vector2d& p : half[0]) EXPECT_GT(p(0), 0);
+}
+
+TEST(PhasePlane, ArrowsFollowTheFieldAndSkipTheEquilibrium) {
+  const CubicSpring liver{.c = 2};
+  const Table arrows = direction_field(frozen_at(liver), {{-1, -1}, {1, 1}}, {"x [m]", "v [m/s]"}, 5, 5);
+  EXPECT_EQ(arrows.columns, (std::vector<std::string>{"x [m]", "v [m/s]", "dx [m]", "dv [m/s]"}));
+  ASSERT_EQ(arrows.values.size(), 4u);
+  EXPECT_EQ(arrows.values[0].size(), 24u);  // 25 points without the origin
+  for (std::size_t i = 0; i < arrows.values[0].size(); ++i) {
+    const Vector2d arrow(arrows.values[2][i], arrows.values[3][i]);
+    Vector2d f;
+    liver.rhs(0, {arrows.values[0][i], arrows.values[1][i]}, f);
+    EXPECT_NEAR(arrow.normalized().dot(f.normalized()), 1, 1e-14);
+  }
+}
+
+TEST(PhasePlane, TheWindowHoldsTheOrbitsAndIsSymmetricAboutZero) {
+  const Table orbit{{}, {"t [s]", "x [m]", "v [m/s]"}, {{0, 1, 2}, {0.5, -0.25, NAN}, {0, 2, 1e300}}};
+  const Window window = window_around({orbit}, "x [m]", "v [m/s]", {}, 0.1);
+  EXPECT_NEAR(window.lower(0), -0.6, 1e-14);
+  EXPECT_NEAR(window.upper(0), 0.6, 1e-14);
+  EXPECT_NEAR(window.lower(1), -0.2, 1e-14);
+  EXPECT_NEAR(window.upper(1), 2.2, 1e-14);
+  EXPECT_THROW(window_around({orbit}, "x", "v [m/s]"), std::invalid_argument);
+  EXPECT_THROW(window_around({}, "x", "v"), std::invalid_argument);
+}
+
+TEST(PhasePlane, BadWindowsAreRefused) {
+  const PlanarField field = frozen_at(CubicSpring{});
+  EXPECT_THROW(find_equilibria(field, {{0, 0}, {0, 1}}), std::invalid_argument);
+  EXPECT_THROW(find_equilibria(field, {{0, 0}, {1, NAN}}), std::invalid_argument);
+  EXPECT_THROW(nullcline(field, 2, kWindow), std::invalid_argument);
+  EXPECT_THROW(direction_field(field, kWindow, {"x", "v"}, 0, 3), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace hmax

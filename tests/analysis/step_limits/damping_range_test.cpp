@@ -1,0 +1,161 @@
+/// Limits of structures whose damping couples their modes, without dense matrices; dense ones are the oracle.
+#include "analysis/step_limits/damping_range.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "analysis/amplification/structural_amplification.hpp"
+#include "analysis/dynamics/coupled_motion.hpp"
+#include "analysis/spectrum/damped_eigenvalues.hpp"
+#include "analysis/spectrum/lanczos.hpp"
+
+namespace hmax {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// A chain of springs between a wall and a free end, of stiffnesses about one.
+Sparse chain(Index n, double spread, Index seed) {
+  const VectorXd noise = start_vector(n * seed).tail(n);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index i = 0; i < n; ++i) {
+    const double k = 1000 * (1 + spread * noise[i]);
+    entries.emplace_back(i, i, k);
+    if (i == 0) continue;
+    entries.emplace_back(i - 1, i - 1, k);
+    entries.emplace_back(i, i - 1, -k);
+    entries.emplace_back(i - 1, i, -k);
+  }
+  Sparse K(n, n);
+  K.setFromTriplets(entries.begin(), entries.end());
+  return K;
+}
+
+/// Damped by the stiffness of a state that it has left: alpha M + beta K0, but a stiffness K.
+MechanicalPart deformed(Index n, double alpha, double beta) {
+  const VectorXd mass = VectorXd::LinSpaced(n, 1, 2);
+  const Sparse M(mass.asDiagonal().toDenseMatrix().sparseView());
+  return mechanical_part(mass, chain(n, 0.8, 2), Sparse(alpha * M + beta * chain(n, 0.8, 3)));
+}
+
+std::vector<Complex> all_of(const MechanicalPart& part) {
+  const Index n = part.mass.size();
+  MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
+  A.topRightCorner(n, n).setIdentity();
+  A.bottomLeftCorner(n, n) = -(part.mass.cwiseInverse().asDiagonal() * dense(part.K));
+  A.bottomRightCorner(n, n) = -(part.mass.cwiseInverse().asDiagonal() * dense(part.C));
+  const Eigen::VectorXcd values = Eigen::EigenSolver<MatrixXd>(A, false).eigenvalues();
+  std::vector<Complex> lambda(values.begin(), values.end());
+  std::ranges::sort(lambda, std::ranges::greater{}, [](Complex l) { return std::abs(l); });
+  return lambda;
+}
+
+// From weakly damped to creeping fast modes.
+constexpr double betas[]{0.001, 0.02, 0.3};
+
+TEST(DampedEigenvalues, OfLargestModulusAreThoseOfADenseSolver) {
+  for (const double beta : betas) {
+    const MechanicalPart part = deformed(120, 0.1, beta);
+    ASSERT_EQ(part.damping, Damping::general);
+    const DampedEigenvalues found = largest_damped_eigenvalues(part);
+    const std::vector<Complex> all = all_of(part);
+    ASSERT_GE(found.lambda.size(), 2U) << beta;
+    for (const Complex each : all) {
+      if (std::abs(each) <= found.rest * (1 + 1e-6)) break;
+      EXPECT_TRUE(std::ranges::any_of(found.lambda,
+                                      [&](Complex l) { return std::abs(l - each) <= 1e-7 * std::abs(each); }))
+          << beta << " " << each;
+    }
+    for (const Complex each : found.lambda)
+      EXPECT_TRUE(
+          std::ranges::any_of(all, [&](Complex l) { return std::abs(l - each) <= 1e-7 * std::abs(each); }))
+          << beta << " " << each;
+  }
+}
+
+TEST(DampedEigenvalues, OfABodyThatBucklesGrowAsADenseSolverSays) {
+  MechanicalPart part = deformed(60, 0.1, 0.02);
+  EXPECT_FALSE(growing_eigenvalue(part));
+  Sparse K = std::get<Sparse>(part.K);
+  for (Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) -= 20;
+  part = mechanical_part(part.mass, K, part.C);
+  double largest = 0;
+  for (const Complex lambda : all_of(part)) largest = std::max(largest, lambda.real());
+  ASSERT_GT(largest, 0);
+  EXPECT_NEAR(growing_eigenvalue(part).value_or(0), largest, 1e-6 * largest);
+}
+
+// With lambda = re + i im, conjugates beside it: gamma = -2 re, kappa = re^2 + im^2.
+TEST(DampingRange, HoldsEveryOscillatingMode) {
+  for (const double beta : betas) {
+    const MechanicalPart part = deformed(120, 0.1, beta);
+    DampingRange range = damping_range(part);
+    const double rho = least_damping_per_stiffness(part);
+    const MatrixXd K = dense(part.K), C = dense(part.C);
+    const double least =
+        Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(C, K, Eigen::EigenvaluesOnly).eigenvalues()[0];
+    EXPECT_NEAR(rho, least, 2e-3 * least);
+    EXPECT_LE(rho, least);
+    range.cut(-1, rho, 0);
+    ASSERT_GE(range.corners.size(), 3U);
+    int oscillating = 0;
+    for (const Complex lambda : all_of(part)) {
+      if (lambda.imag() <= 1e-6 * std::abs(lambda)) continue;
+      ++oscillating;
+      const MechanicalMode mode = MechanicalMode::of(lambda);
+      // On one side of all edges.
+      int left = 0, right = 0;
+      for (std::size_t i = 0; i < range.corners.size(); ++i) {
+        const MechanicalMode &a = range.corners[i], &b = range.corners[(i + 1) % range.corners.size()];
+        const double across =
+            (b.gamma - a.gamma) * (mode.kappa - a.kappa) - (b.kappa - a.kappa) * (mode.gamma - a.gamma);
+        if (across != 0) ++(across > 0 ? left : right);
+      }
+      EXPECT_TRUE(left == 0 || right == 0) << beta << " " << lambda;
+    }
+    EXPECT_GT(oscillating, 0);
+  }
+}
+
+// The exit of explicit Euler, gamma / kappa: the least of a triangle is at a corner.
+TEST(DampingRange, HasItsLeastExitOnItsEdge) {
+  const DampingRange triangle{.corners = {{100, 1}, {400, 8}, {100, 9}}};
+  const RangeLimit limit = smallest_exit(triangle, [](std::span<const MechanicalMode> modes) {
+    std::vector<double> exits;
+    for (const MechanicalMode& mode : modes) exits.push_back(mode.gamma / mode.kappa);
+    return exits;
+  });
+  EXPECT_DOUBLE_EQ(limit.h_max, 0.01);
+  EXPECT_DOUBLE_EQ(limit.mode.gamma, 1);
+}
+
+TEST(CoupledMotion, HasTheProvedLimitOfDenseMatricesWithoutThem) {
+  for (const double beta : betas) {
+    const MechanicalPart part = deformed(60, 0.1, beta);
+    for (const Amplification& single :
+         {symplectic_euler_amplification(), kick_drift_kick_amplification(KickDamping::predicted),
+          generalized_alpha_amplification(newmark_parameters(0.25L, 0.5L))}) {
+      const auto by_dense = CoupledMotion(*single.motion, part).first_exit(single);
+      const auto by_products = proved_first_exit(*single.motion, part, single);
+      ASSERT_TRUE(by_dense && by_dense->proved && by_products) << beta;
+      if (std::isinf(by_dense->h_max)) {
+        EXPECT_EQ(by_products->h_max, by_dense->h_max);
+        continue;
+      }
+      EXPECT_NEAR(by_products->h_max, by_dense->h_max, 1e-8 * by_dense->h_max) << beta;
+      EXPECT_NEAR(by_products->shape.kappa, by_dense->shape.kappa, 1e-4 * by_dense->shape.kappa) << beta;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,91 @@
+#include "bench/catalogue/catalogue.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "bench/catalogue/families.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+TEST(Catalogue, IdsAndAliasesAreUnique) {
+  std::set<std::string> names;
+  for (const Method& method : methods()) {
+    EXPECT_TRUE(names.insert(method.id).second) << method.id;
+    for (const std::string& alias : method.aliases) EXPECT_TRUE(names.insert(alias).second) << alias;
+  }
+  for (const std::string& family : method_families()) EXPECT_FALSE(names.contains(family)) << family;
+}
+
+TEST(Catalogue, FactsOfEveryMethodAgreeWithOneAnother) {
+  for (const Method& method : methods()) {
+    EXPECT_GE(method.order, 0) << method.id;
+    EXPECT_FALSE(method.source.empty() || method.family.empty() || method.engine.empty()) << method.id;
+    EXPECT_TRUE(method.fixed_step || method.adaptive()) << method.id;
+    EXPECT_TRUE(method.a_stable || !method.l_stable) << method.id;
+    EXPECT_FALSE(method.a_stable && method.is_explicit) << method.id;
+    EXPECT_EQ(method.parameters.empty(), !method.with) << method.id;
+  }
+}
+
+TEST(Catalogue, FamiliesAndAllStandForTheMethodsThatSuitTheProblem) {
+  const Problem oscillator = make_problem("liver_forced");
+  const std::vector<Method> all = choose_methods({"all"}, {oscillator});
+  EXPECT_EQ(all.size(), methods().size());
+  const std::vector<Method> explicit_ones = choose_methods({"explicit_runge_kutta", "rk4"}, {});
+  ASSERT_GE(explicit_ones.size(), 14U);
+  EXPECT_EQ(explicit_ones.back().id, "rk4");
+  EXPECT_THROW(choose_methods({"explicit_runge_kuta"}, {}), InputError);
+}
+
+TEST(Catalogue, KnowsWhichMethodsSolveNonlinearEquations) {
+  const auto solves = [](const char* id) { return find_method(id).solves_nonlinear_equations(); };
+  for (const char* id : {"rodas_4", "rosenbrock_23", "linearly_implicit_euler", "rk4", "symplectic_euler"})
+    EXPECT_FALSE(solves(id)) << id;
+  for (const char* id : {"newmark", "explicit_newmark", "implicit_euler", "radau_iia_5"})
+    EXPECT_TRUE(solves(id)) << id;
+  for (const Method& method : methods()) {
+    if (method.id == "odeint_rosenbrock4") EXPECT_FALSE(method.solves_nonlinear_equations());
+    if (method.id == "odeint_implicit_euler") EXPECT_TRUE(method.solves_nonlinear_equations());
+  }
+}
+
+TEST(Catalogue, APeerOfAMethodThatIsNotThereIsAnError) {
+  if (std::ranges::none_of(methods(), [](const Method& method) { return method.family == "odeint"; }))
+    GTEST_SKIP() << "without Boost";
+  std::vector<Method> none;
+  EXPECT_THROW(add_odeint(none), std::logic_error);
+}
+
+TEST(Catalogue, AMethodWithoutItsTableIsLeftOutAndSaidWhy) {
+  if (std::ranges::none_of(methods(),
+                           [](const Method& method) { return method.family == "sundials_arkode"; }))
+    GTEST_SKIP() << "without SUNDIALS";
+  std::vector<Method> found;
+  add_arkode_dirk(found, "arkode_dirk_of_tomorrow", 99'999);
+  EXPECT_TRUE(found.empty());
+  EXPECT_NE(why_left_out("arkode_dirk_of_tomorrow").find("no implicit table 99999"), std::string::npos);
+  try {
+    find_method("arkode_dirk_of_tomorrow");
+    ADD_FAILURE() << "a method without its table was found";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("another version of SUNDIALS"), std::string::npos);
+  }
+  EXPECT_EQ(why_left_out("rk4"), "");
+}
+
+TEST(Catalogue, AMethodWithoutParametersTakesNone) { EXPECT_THROW(find_method("rk4:beta=1"), InputError); }
+
+TEST(Catalogue, JacobianPoliciesReadBackAsWritten) {
+  for (const char* word : {"auto", "exact", "frozen", "every:7"})
+    EXPECT_EQ(to_string(jacobian_update_from(word)), word);
+  for (const char* word : {"every:0", "every:1.5", "every:", "frosen"})
+    EXPECT_THROW(jacobian_update_from(word), InputError) << word;
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,407 @@
+#include "bench/timing/sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <signal.h>
+#include <string>
+#include <sys/wait.h>
+#include <thread>
+#include <tuple>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sqlite3.h>
+
+#include "results/errors.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+/// Few methods, short samples.
+SweepSpec quick() {
+  SweepSpec spec;
+  spec.methods = {"explicit_euler", "rk4", "bogacki_shampine_32", "dormand_prince_54"};
+  spec.h = {2, 0.2, 0.1};
+  spec.t_end = 10;
+  spec.min_sample_s = 2e-5;
+  return spec;
+}
+
+std::vector<Row> measured(const SweepSpec& spec) {
+  Scratch scratch;
+  const SweepPlan plan = plan_sweep(spec);
+  Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
+  const SweepSummary summary = run_sweep(plan, store);
+  EXPECT_EQ(summary.measured, plan.rows());
+  return store.rows();
+}
+
+const Row& row(const std::vector<Row>& rows, const std::string& method, const std::string& mode, double h) {
+  const auto found = std::ranges::find_if(
+      rows, [&](const Row& r) { return r.key.method == method && r.key.mode == mode && r.key.h == h; });
+  if (found == rows.end()) throw std::runtime_error("no row of " + method + " " + mode);
+  return *found;
+}
+
+template <class Action>
+std::string input_error(Action&& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string refusal(const SweepSpec& spec) {
+  return input_error([&] { plan_sweep(spec); });
+}
+
+auto identity(const RowKey& k) {
+  return std::make_tuple(k.problem, k.material, k.parameters, k.y0, k.method, k.mode, k.control, k.h, k.rtol,
+                         k.atol, k.t_end);
+}
+
+TEST(Sweep, TheDefaultsAreTheStudysStepsInBothReadingsWithEveryMethod) {
+  const SweepPlan plan = plan_sweep({});
+  ASSERT_EQ(plan.problems.size(), 1u);
+  EXPECT_EQ(plan.problems[0].id, "liver_forced");
+  EXPECT_EQ(plan.methods.size(), choose_methods(study_methods(), plan.problems).size());
+  ASSERT_EQ(plan.blocks.size(), 18u);
+  const std::vector<double> published{2, 0.6, 0.2, 0.15, 0.05, 0.01, 0.005, 0.0005, 0.00005};
+  std::set<std::string> sampled, fixed;
+  for (std::size_t i = 0; i < 18; i += 2) {
+    EXPECT_EQ(plan.blocks[i].mode, "fixed");
+    EXPECT_EQ(plan.blocks[i].run.h, published[i / 2]);
+    EXPECT_EQ(plan.blocks[i].run.t_end, 100);
+    EXPECT_EQ(plan.blocks[i].methods.size(), std::ranges::count_if(plan.methods, &Method::fixed_step));
+    EXPECT_EQ(plan.blocks[i + 1].mode, "sampled");
+    EXPECT_EQ(plan.blocks[i + 1].run.every, published[i / 2]);
+    for (const std::size_t m : plan.blocks[i + 1].methods) EXPECT_GT(plan.methods[m].error_order, 0);
+  }
+}
+
+TEST(Sweep, EveryRowIsCompleteInBothReadings) {
+  const std::vector<Row> rows = measured(quick());
+  ASSERT_EQ(rows.size(), 3u * 4u + 3u * 2u);
+  for (const Row& r : rows) {
+    SCOPED_TRACE(r.key.method + " " + r.key.mode + " " + std::to_string(r.key.h));
+    EXPECT_EQ(r.key.problem, "liver_forced");
+    EXPECT_EQ(r.key.parameters, "m=1.45 c=2 k1=0.7 k3=0.8 P=0.5 w=0.5");
+    EXPECT_EQ(r.key.y0, "0.5,1");
+    EXPECT_EQ(r.cpu_s.size(), 9u);
+    for (const double seconds : r.cpu_s) EXPECT_GT(seconds, 0);
+    EXPECT_GE(r.runs_per_sample, 1);
+    EXPECT_EQ(r.subnormals, 0);
+    EXPECT_FALSE(r.reference.empty());
+    EXPECT_GT(r.reference_error, 0);
+    EXPECT_LT(r.reference_error, 1e-12);
+    EXPECT_GE(r.rhs, r.steps);
+    if (r.outcome != "reached_end") continue;
+    EXPECT_EQ(r.status, "");
+    EXPECT_EQ(r.t_reached, 10);
+    EXPECT_GE(r.error_end, 0);
+    EXPECT_GE(r.error_global, r.error_end);
+    EXPECT_LT(r.error_global, r.key.h < 2 ? 0.2 : 1e9);
+    if (r.key.mode == "fixed") {
+      EXPECT_EQ(r.steps, std::lround(10 / r.key.h));
+      EXPECT_EQ(r.key.control, "none");
+      EXPECT_EQ(r.key.rtol, 0);
+    } else {
+      EXPECT_EQ(r.key.control, "deadband");
+      EXPECT_EQ(r.key.rtol, 1e-6);
+      EXPECT_LT(r.error_global, 1e-4) << "an output point is as good as a step";
+    }
+  }
+}
+
+TEST(Sweep, ADivergedRunIsARowWithItsTimeOfDivergence) {
+  SweepSpec spec = quick();
+  spec.methods = {"explicit_euler"};
+  spec.h = {2};
+  spec.t_end = 100;
+  const std::vector<Row> rows = measured(spec);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].outcome, "diverged");
+  EXPECT_GT(rows[0].t_reached, 2);
+  EXPECT_LT(rows[0].t_reached, 100);
+  EXPECT_TRUE(std::isnan(rows[0].error_end));
+  EXPECT_TRUE(std::isnan(rows[0].error_global));
+  EXPECT_NE(rows[0].status.find("diverged"), std::string::npos);
+  EXPECT_EQ(rows[0].cpu_s.size(), 9u);
+}
+
+TEST(Sweep, TheErrorOfFixedStepsFallsByTwoToTheOrder) {
+  SweepSpec spec = quick();
+  spec.methods = {"rk4", "rk2_heun", "explicit_euler"};
+  spec.h = {0.05, 0.025};
+  spec.sampled = false;
+  const std::vector<Row> rows = measured(spec);
+  for (const auto& [method, order] :
+       std::map<std::string, int>{{"rk4", 4}, {"rk2_heun", 2}, {"explicit_euler", 1}}) {
+    const double ratio =
+        row(rows, method, "fixed", 0.05).error_global / row(rows, method, "fixed", 0.025).error_global;
+    EXPECT_NEAR(std::log2(ratio), order, 0.1) << method;
+  }
+}
+
+TEST(Sweep, AnErrorAtTheEndIsThatOfThePublishedEndState) {
+  // Taylor series in 128 bits, docs/facts.md.
+  constexpr double x = -3.3690941329057441755e-01, v = 1.5203434594206605961e-01;
+  SweepSpec spec = quick();
+  spec.methods = {"rk4"};
+  spec.h = {0.1};
+  spec.sampled = false;
+  const Row r = measured(spec).at(0);
+  const RunRecord run =
+      find_method("rk4").bind(make_problem("liver_forced")).run({.t_end = 10, .h = 0.1}, {});
+  EXPECT_NEAR(r.error_end, std::max(std::abs(run.y[0] - x), std::abs(run.y[1] - v)), 1e-15);
+}
+
+TEST(Sweep, AnOutputIntervalCostsNoStepsAndChangesNoErrorAtTheEnd) {
+  const std::vector<Row> rows = measured(quick());
+  for (const char* method : {"bogacki_shampine_32", "dormand_prince_54"}) {
+    const Row &coarse = row(rows, method, "sampled", 2), &fine = row(rows, method, "sampled", 0.1);
+    EXPECT_EQ(coarse.steps, fine.steps);
+    EXPECT_EQ(coarse.rejected, fine.rejected);
+    EXPECT_EQ(coarse.error_end, fine.error_end);
+  }
+}
+
+TEST(Sweep, TighterTolerancesGiveSmallerErrorsAndMoreSteps) {
+  SweepSpec spec = quick();
+  spec.h = {};
+  spec.tolerances = {{1e-4, 1e-4}, {1e-8, 1e-8}};
+  const std::vector<Row> rows = measured(spec);
+  ASSERT_EQ(rows.size(), 4u);  // rk4 and explicit_euler have no error estimate
+  for (const Row& r : rows) {
+    EXPECT_EQ(r.key.mode, "adaptive");
+    EXPECT_EQ(r.key.h, 0);
+    EXPECT_GE(r.error_global, r.error_end);
+    EXPECT_LT(r.error_global, 1000 * r.key.rtol);
+  }
+  EXPECT_LT(rows[0].steps, rows[1].steps);
+  EXPECT_GT(rows[0].error_global, rows[1].error_global);
+}
+
+TEST(Sweep, WithoutAReferenceThereIsNoErrorAndSoNoTime) {
+  // Self-exciting: the motion grows and quickens until no reference can follow it.
+  SweepSpec spec = quick();
+  spec.problems[0].settings.parameters = {{"c", -2.0}};
+  spec.methods = {"dormand_prince_54"};
+  spec.h = {2};
+  spec.fixed = false;
+  spec.sampled_tolerance = {1e-2, 1e-2};
+  spec.t_end = 60;
+  spec.max_steps = 20'000;
+  const Row r = measured(spec).at(0);
+  EXPECT_EQ(r.outcome, "reached_end") << "a loose tolerance damps what it cannot resolve";
+  EXPECT_TRUE(r.cpu_s.empty());
+  EXPECT_TRUE(std::isnan(r.error_end));
+  EXPECT_NE(r.status.find("reference ends"), std::string::npos);
+}
+
+TEST(Sweep, ARunThatReachesTheLimitOfStepsIsGivenUpAndNotTimed) {
+  SweepSpec spec = quick();
+  spec.methods = {"bogacki_shampine_32"};
+  spec.h = {};
+  spec.tolerances = {{1e-8, 1e-8}};
+  spec.max_steps = 100;
+  const Row r = measured(spec).at(0);
+  EXPECT_EQ(r.outcome, "too_many_steps");
+  EXPECT_TRUE(r.cpu_s.empty());
+  EXPECT_TRUE(std::isnan(r.error_global));
+  EXPECT_NE(r.status.find("given up"), std::string::npos);
+}
+
+TEST(Sweep, SubnormalNumbersAreCounted) {
+  // Critically damped and at rest at last: the state fades through the subnormal numbers.
+  SweepSpec spec = quick();
+  spec.problems = {
+      {"liver_linear", {.material = "", .parameters = {{"m", 1.0}, {"k1", 1.0}, {"c", 2.0}}, .y0 = {1, -1}}}};
+  spec.methods = {"rk4"};
+  spec.h = {0.5};
+  spec.t_end = 740;
+  spec.sampled = false;
+  EXPECT_GT(measured(spec).at(0).subnormals, 5);
+}
+
+TEST(Sweep, EveryMaterialIsARowOfItsOwn) {
+  SweepSpec spec = quick();
+  spec.problems.clear();
+  for (const char* material : {"male_slim", "female_fat", "female_fat:heavy"})
+    spec.problems.push_back({"liver_benchmark", {.material = material, .parameters = {}, .y0 = {}}});
+  spec.methods = {"rk4"};
+  spec.h = {0.1};
+  const std::vector<Row> rows = measured(spec);
+  std::set<std::string> materials;
+  for (const Row& r : rows) materials.insert(r.key.material);
+  EXPECT_EQ(materials, (std::set<std::string>{"male_slim", "female_fat", "female_fat:heavy"}));
+}
+
+TEST(Sweep, AUsersSystemAndTableauTakePart) {
+  Scratch scratch;
+  write_text(scratch / "decay.toml", "[equations]\nu = \"-u\"\n[initial]\nu = 1\n");
+  write_text(scratch / "mine.toml", "a = [[], [1]]\nb = [0.5, 0.5]\nb_hat = [1, 0]\n");
+  SweepSpec spec = quick();
+  spec.problems = {{scratch / "decay.toml", {}}};
+  spec.methods = {};
+  spec.tableaux = {scratch / "mine.toml"};
+  spec.h = {0.1};
+  spec.t_end = 1;
+  const std::vector<Row> rows = measured(spec);
+  ASSERT_EQ(rows.size(), 2u);
+  const Row& fixed = row(rows, "mine", "fixed", 0.1);
+  EXPECT_NEAR(fixed.error_end, std::pow(1 - 0.1 + 0.005, 10) - std::exp(-1.0), 1e-9);
+  EXPECT_EQ(fixed.key.problem, "decay");
+}
+
+TEST(Sweep, WhatIsStoredIsSkippedWhenASweepIsResumed) {
+  Scratch scratch;
+  const SweepPlan plan = plan_sweep(quick());
+  int blocks = 0;
+  {
+    Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
+    const SweepSummary first = run_sweep(plan, store, {}, [&] { return store.size() >= 6 && ++blocks > 0; });
+    EXPECT_TRUE(first.interrupted);
+    EXPECT_EQ(first.measured, store.size());
+    EXPECT_LT(first.measured, plan.rows());
+  }
+  Store store = open_sweep_store(plan, scratch / "a.sqlite", true);
+  const std::int64_t before = store.size();
+  std::vector<SweepProgress> told;
+  const SweepSummary second = run_sweep(plan, store, [&](const SweepProgress& p) { told.push_back(p); });
+  EXPECT_FALSE(second.interrupted);
+  EXPECT_EQ(second.skipped, before);
+  EXPECT_EQ(second.measured, plan.rows() - before);
+  EXPECT_EQ(second.rows, plan.rows());
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.back().rows_done, plan.rows());
+  EXPECT_NEAR(told.back().fraction, 1, 1e-12);
+  for (std::size_t i = 1; i < told.size(); ++i) EXPECT_GE(told[i].fraction, told[i - 1].fraction);
+  EXPECT_EQ(run_sweep(plan, store).skipped, plan.rows());
+  EXPECT_EQ(store.sessions().size(), 2u) << "a sweep with nothing to do is no session";
+}
+
+TEST(Sweep, KilledAtRandomMomentsAndResumedItLosesNoRowAndDoublesNone) {
+  Scratch scratch;
+  const auto file = scratch / "a.sqlite";
+  SweepSpec spec = quick();
+  spec.h = {1, 0.5, 0.4, 0.25, 0.2, 0.125, 0.1, 0.05, 0.04, 0.02};
+  spec.min_sample_s = 2e-4;
+  const SweepPlan plan = plan_sweep(spec);
+  std::mt19937 random(20240229);
+  int interrupted = 0;
+  std::int64_t most = 0;
+  for (int kill_number = 0; kill_number < 10; ++kill_number) {
+    const pid_t child = fork();
+    if (child == 0) {
+      try {
+        Store store = open_sweep_store(plan, file, true);
+        run_sweep(plan, store);
+      } catch (const std::exception& error) {
+        fprintf(stderr, "child: %s\n", error.what());
+        _exit(1);
+      }
+      _exit(0);
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 40'000));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    interrupted += WIFSIGNALED(status);
+    EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+    const std::int64_t size = Store::open_or_create(file).size();
+    EXPECT_GE(size, most) << "a stored row was lost";
+    most = size;
+  }
+  EXPECT_GE(interrupted, 5);
+
+  Store store = open_sweep_store(plan, file, true);
+  run_sweep(plan, store);
+  std::set<decltype(identity(RowKey{}))> expected, found;
+  for (const SweepBlock& block : plan.blocks)
+    for (const std::size_t m : block.methods) expected.insert(identity(row_key(plan, block, m)));
+  for (const Row& r : store.rows()) EXPECT_TRUE(found.insert(identity(r.key)).second);
+  EXPECT_EQ(found, expected);
+}
+
+TEST(SweepStore, IsNotTakenForAnotherSweep) {
+  Scratch scratch;
+  const auto file = scratch / "a.sqlite";
+  SweepSpec spec = quick();
+  spec.h = {2};
+  const SweepPlan plan = plan_sweep(spec);
+  {
+    Store store = open_sweep_store(plan, file, false);
+    run_sweep(plan, store);
+  }
+  EXPECT_NE(input_error([&] { open_sweep_store(plan, file, false); }).find("--resume"), std::string::npos);
+  spec.h = {2, 1};
+  const std::string other_steps = input_error([&] { open_sweep_store(plan_sweep(spec), file, true); });
+  EXPECT_NE(other_steps.find("h was [2.0] and is [2.0,1.0]"), std::string::npos) << other_steps;
+  spec.h = {2};
+  spec.problems[0].settings.parameters = {{"c", 3.0}};
+  EXPECT_NE(input_error([&] { open_sweep_store(plan_sweep(spec), file, true); }).find("problems"),
+            std::string::npos);
+  EXPECT_EQ(Store::open_existing(file).size(), 6);
+}
+
+TEST(SweepStore, OfAnotherSchemaIsLeftAlone) {
+  Scratch scratch;
+  const auto file = scratch / "a.sqlite";
+  const SweepPlan plan = plan_sweep(quick());
+  open_sweep_store(plan, file, false);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(database, "PRAGMA user_version = 99", nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(database);
+  const std::string before = read_text(file);
+  EXPECT_NE(input_error([&] { open_sweep_store(plan, file, true); }).find("schema 99"), std::string::npos);
+  EXPECT_EQ(read_text(file), before);
+}
+
+TEST(SweepPlan, RefusesWhatCannotBeMeasuredBeforeAnythingRuns) {
+  const auto changed = [](auto&& change) {
+    SweepSpec spec = quick();
+    change(spec);
+    return refusal(spec);
+  };
+  using S = SweepSpec;
+  const double nan = std::nan(""), inf = INFINITY;
+  for (const double h : {0.0, -1.0, nan, inf}) {
+    EXPECT_NE(changed([&](S& s) { s.h = {h}; }), "");
+    EXPECT_NE(changed([&](S& s) { s.h = {1, h}, s.fixed = false; }), "");
+  }
+  EXPECT_NE(changed([](S& s) { s.h = {1e-9}; }).find("more than the limit"), std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.h = {1e-7}, s.fixed = false; }).find("in memory"), std::string::npos);
+  for (const double t_end : {0.0, -1.0, nan, inf}) EXPECT_NE(changed([&](S& s) { s.t_end = t_end; }), "");
+  EXPECT_NE(changed([](S& s) { s.methods = {"rk5"}; }).find("unknown method"), std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.problems[0].name = "liver_force"; }).find("liver_forced"),
+            std::string::npos);
+  EXPECT_NE(changed([](S& s) {
+              s.problems[0].settings.parameters = {{"q", 1}};
+            }).find("'q'"),
+            std::string::npos);
+  EXPECT_NE(changed([](S& s) {
+              s.methods = {"ode45", "dormand_prince_54"};
+            }).find("twice"),
+            std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.h = {1, 1}; }).find("twice"), std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.repeats = 8; }).find("at least 9"), std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.methods = {"rk4"}, s.fixed = false; }).find("error estimate"),
+            std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.fixed = s.sampled = false; }).find("--fixed"), std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.h = {}; }).find("--rtol"), std::string::npos);
+  EXPECT_NE(changed([](S& s) { s.sampled_tolerance.rtol = 0; }), "");
+  EXPECT_NE(changed([&](S& s) { s.h = {}, s.tolerances = {{nan, 1e-6}}; }), "");
+  EXPECT_NE(changed([](S& s) { s.h = {}, s.tolerances = {{1e-6, 1e-6}}, s.methods = {"rk4"}; }), "");
+}
+
+}  // namespace
+}  // namespace hmax

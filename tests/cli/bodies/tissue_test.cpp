@@ -1,0 +1,336 @@
+/// Bodies on meshes at the command line.
+#include <cstring>
+
+#include "problems/mesh/files/mesh_writers.hpp"
+#include "results/table.hpp"
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+Json json_of(const std::string& arguments) {
+  const Told told = Shell{}.hmax(arguments);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  return told.json();
+}
+
+void expect_refusal(const std::string& arguments, const std::string& named) {
+  expect_refused(Shell{}.hmax(arguments), named);
+}
+
+TEST(TissueRun, SaysHowFarTheBodyMovedAndWithFullWhere) {
+  const std::string common =
+      "run --mesh phantom --model fem_green --material liver:male_normal --method linearly_implicit_euler --h "
+      "0.01 --t-end 0.1 --json";
+  const Json brief = json_of(common);
+  EXPECT_EQ(brief.at("problem"), "fem_green@phantom");
+  EXPECT_EQ(brief.at("material"), "liver:male_normal");
+  EXPECT_EQ(brief.at("outcome"), "reached_end");
+  EXPECT_GT(brief.at("max_displacement").get<double>(), 1e-4);
+  EXPECT_TRUE(brief.at("energy").is_number());
+  EXPECT_FALSE(brief.contains("y"));
+  const Json full = json_of(common + " --full");
+  EXPECT_EQ(full.at("y").size(), 2 * full.at("dofs").get<std::size_t>());
+  EXPECT_EQ(full.at("max_displacement"), brief.at("max_displacement"));
+}
+
+TEST(TissueRun, WritesHowFarABodyMovesAndASeriesForParaView) {
+  const Shell shell;
+  const std::string run =
+      "run --mesh phantom --load breathing --method symplectic_euler --h 0.002 --t-end 1 --every 0.25 ";
+  EXPECT_EQ(shell.hmax(run + "--set depth=0.02 --output motion.csv").exit_code, 0);
+  const Table motion = read_csv(shell / "motion.csv");
+  EXPECT_EQ(motion.columns, (std::vector<std::string>{"t [s]", "largest displacement [m]", "energy [J]"}));
+  ASSERT_EQ(motion.values[0].size(), 5U);
+  EXPECT_EQ(motion.values[1].front(), 0);
+  EXPECT_GT(motion.values[1].back(), 0.01);
+
+  const Told told = shell.hmax(run + "--set depth=0.02 --output series/motion.pvd --json");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.json().at("points"), 5);
+  const std::string series = read_text(shell / "series/motion.pvd");
+  EXPECT_NE(series.find("timestep=\"0.25\""), std::string::npos) << series;
+  EXPECT_NE(series.find("motion_00004.vtu"), std::string::npos);
+  // The held end itself is where the sine puts it: a quarter of the period of 4 s has passed.
+  const Told info = shell.hmax("mesh info series/motion_00004.vtu --unit m --json");
+  EXPECT_EQ(info.json().at("tetrahedra"), 120) << info.err;
+  expect_refused(shell.hmax("run --problem liver_linear --method rk4 --h 0.1 --output a.pvd"), "--mesh");
+  expect_refused(shell.hmax(run + "--output a.vtu"), "FILE.pvd");
+}
+
+/// A column of tetrahedra whose points are numbered from top to bottom and back, with an idle point in front:
+/// an order that nobody would choose for locality.
+TEST(TissueRun, WritesResultsInTheOrderOfTheFile) {
+  const Shell shell;
+  ASSERT_EQ(shell.hmax("mesh make beam:n=2 --output beam.msh").exit_code, 0);
+  MeshFile file = read_mesh_file(shell / "beam.msh");
+  const Eigen::Index n = file.mesh.point_count();
+  Eigen::Matrix3Xd points(3, n + 1);
+  points.col(0).setConstant(7);
+  for (Eigen::Index i = 0; i < n; ++i) points.col(1 + (i * 17) % n) = file.mesh.points.col(i);
+  for (TetMesh::Index& corner : file.mesh.tetrahedra.reshaped())
+    corner = 1 + static_cast<TetMesh::Index>((corner * 17) % n);
+  file.mesh.points = points;
+  file.mesh.regions.assign(static_cast<std::size_t>(file.mesh.tetrahedron_count()), 40);
+  file.mesh.regions[3] = 70;
+  write_text(shell / "odd.msh", msh_text(counted_from_one(file.mesh)));
+
+  const std::string common = "--mesh odd.msh --unit m --set axis=1 ";
+  EXPECT_EQ(
+      shell.hmax("run --method symplectic_euler --h 0.001 --t-end 0.01 --every 0.01 --output s.pvd " + common)
+          .exit_code,
+      0);
+  EXPECT_EQ(shell.hmax("stability modes --count 1 --output modes.vtu " + common).exit_code, 0);
+  for (const char* name : {"s_00001.vtu", "modes.vtu"}) {
+    const MeshFile written = read_mesh_file(shell / name);
+    EXPECT_EQ(written.mesh.points, file.mesh.points) << name;
+    EXPECT_EQ(written.mesh.tetrahedra, file.mesh.tetrahedra) << name;
+    EXPECT_EQ(written.mesh.regions, file.mesh.regions) << name;
+  }
+  // What falls is not held and not idle: the displacement stands beside its point. The state has this order
+  // too.
+  const std::string frame = read_text(shell / "s_00001.vtu");
+  const std::string tag = "Name=\"displacement\" NumberOfComponents=\"3\" format=\"appended\" offset=\"";
+  const std::size_t begin = frame.find("\n_") + 10 + std::stoul(frame.substr(frame.find(tag) + tag.size()));
+  const Json state =
+      shell.hmax("run --method symplectic_euler --h 0.001 --t-end 0.01 --json --full " + common).json();
+  std::size_t dof = 0;
+  for (Eigen::Index i = 0; i <= n; ++i) {
+    Eigen::Vector3d u;
+    std::memcpy(u.data(), frame.data() + begin + 24 * static_cast<std::size_t>(i), 24);
+    const bool free = i > 0 && points(0, i) > 0.1 * points.rightCols(n).row(0).maxCoeff();
+    EXPECT_EQ(u(2) < 0, free) << i;
+    for (int k = 0; free && k < 3; ++k) EXPECT_NEAR(state.at("y").at(dof++).get<double>(), u(k), 1e-15) << i;
+  }
+  EXPECT_EQ(2 * dof, state.at("y").size());
+}
+
+TEST(TissueRun, HoldsTheSetsOfPointsThatAreNamed) {
+  const std::string common = "run --mesh cube:n=2 --method symplectic_euler --h 0.001 --t-end 0.01 --json ";
+  // The nine points at the bottom, point 1 among them, and the one above it.
+  EXPECT_EQ(json_of(common + "--support points:1,2 --support -1,1,-1,1,-0.001,0.001").at("dofs"),
+            3 * (27 - 10));
+  EXPECT_EQ(json_of(common + "--support points:1,2").at("parameters").at("support:points:1,2"), 1);
+  expect_refusal("run --mesh cube:n=2 --method rk4 --h 0.001 --support top", "no group or region 'top'");
+  expect_refusal("run --problem liver_linear --method rk4 --h 0.001 --support top", "--support");
+  const Json fallen = json_of(common + "--gravity 0,-9.81,0 --full --set support=0");
+  EXPECT_LT(fallen.at("y").at(1).get<double>(), -1e-5);
+  EXPECT_NEAR(fallen.at("y").at(2).get<double>(), 0, 1e-12);
+  expect_refusal("run --mesh cube --method rk4 --h 0.001 --gravity 0,1", "a vector of three");
+  expect_refusal("run --mesh cube --method rk4 --h 0.001 --load tool --tool-at 0,0,9", "meets nothing");
+}
+
+TEST(TissueRun, RefusesWhatBelongsToOtherProblems) {
+  expect_refusal("run --mesh phantom --problem liver_linear --method rk4 --h 0.1", "choose one");
+  expect_refusal("run --model fem_green --method rk4 --h 0.1", "--mesh");
+  expect_refusal("run --mesh phantom --method rk4 --h 0.001 --linear cg", "--linear");
+  expect_refusal("run --mesh phantom --method newmark --h 0.001 --linear cgg", "cg");
+}
+
+TEST(Static, HasTheKeysOfTheContract) {
+  const Json found = json_of(
+      "static --mesh phantom --model fem_green --material liver:male_normal --load press --solver newton --linear "
+      "direct --json");
+  for (const char* key : {"outcome", "iterations", "residuals", "seconds", "max_displacement"})
+    EXPECT_TRUE(found.contains(key)) << key;
+  EXPECT_EQ(found.at("outcome"), "converged");
+  EXPECT_EQ(found.at("residuals").size(), found.at("iterations").get<std::size_t>() + 1);
+  EXPECT_LE(found.at("residuals").back().get<double>(), 1e-9);
+}
+
+TEST(Static, FindsOneEquilibriumBySeveralWays) {
+  const auto displacement = [](const std::string& how) {
+    const Json found = json_of("static --mesh phantom --load press --json " + how);
+    EXPECT_EQ(found.at("outcome"), "converged") << how;
+    return found.at("max_displacement").get<double>();
+  };
+  const double newton = displacement("");
+  for (const char* how : {"--solver modified_newton", "--linear sor", "--linear cg",
+                          "--solver modified_newton --linear sor", "--load-steps 4"})
+    EXPECT_NEAR(displacement(how), newton, 1e-6 * newton) << how;
+}
+
+TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
+  const Told told = Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  const Json found = told.json();
+  EXPECT_EQ(found.at("outcome"), "collapsed");
+  EXPECT_GT(found.at("least_volume"), 0.0);
+  EXPECT_LT(found.at("least_volume"), 0.05);
+  EXPECT_NE(found.at("status").get<std::string>().find("fem_neo_hookean"), std::string::npos);
+  EXPECT_EQ(json_of("static --mesh ball:n=2 --load-scale 0.5 --json").at("outcome"), "converged");
+  // Each solver says the same of it.
+  const Json ways =
+      Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --compare out --json").json().at("ways");
+  EXPECT_EQ(ways.at(0).at("outcome"), "collapsed");
+  EXPECT_NE(ways.at(0).at("status").get<std::string>().find("tetrahedron"), std::string::npos);
+  // What is known at rest is still said of it.
+  const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --set g=30 --method rk4");
+  EXPECT_NE(predicted.out.find("no equilibrium was found: tetrahedron"), std::string::npos) << predicted.out;
+  EXPECT_EQ(predicted.out.find("load steps"), std::string::npos) << predicted.out;
+}
+
+TEST(Static, BringsALoadOnInStepsWhereAllAtOnceIsTooMuch) {
+  const std::string pressed =
+      "static --mesh ball:n=3 --model fem_neo_hookean --load press --load-scale 8 --json";
+  const Json found = json_of(pressed);
+  EXPECT_EQ(found.at("outcome"), "converged");
+  EXPECT_NE(found.at("status").get<std::string>().find("ten steps"), std::string::npos);
+  const Shell shell;
+  shell.hmax(pressed + " --picture pressed.svg");
+  EXPECT_NE(read_text(shell / "pressed.svg").find("10 load steps"), std::string::npos);
+  EXPECT_GT(found.at("least_volume"), 0.05);
+  // Who says how many steps gets so many.
+  EXPECT_EQ(Shell{}.hmax(pressed + " --load-steps 1").json().at("outcome"), "collapsed");
+}
+
+TEST(Static, FindsEquilibriaOfSmallLoadsAndStiffBodiesToRounding) {
+  for (const char* body : {"--mesh beam:n=2 --set E=2e11 --set rho=7800", "--mesh liver --set E=1e7",
+                           "--mesh phantom --load press --set force=0.001"}) {
+    EXPECT_EQ(json_of(std::string("static --json ") + body).at("outcome"), "converged") << body;
+    const Told told = Shell{}.hmax(std::string("stability predict --method rk4 ") + body);
+    EXPECT_NE(told.out.find(": equilibrium of"), std::string::npos) << told.out;
+  }
+}
+
+TEST(Static, GoesOnWithWhatSorHasNotSolvedToItsTolerance) {
+  const std::string liver = "static --mesh liver --load press --linear sor --json --solver ";
+  EXPECT_EQ(json_of(liver + "modified_newton").at("outcome"), "converged");
+  const Told linear = Shell{}.hmax(liver + "linear");
+  EXPECT_EQ(linear.exit_code, 1);
+  EXPECT_NE(linear.json().at("status").get<std::string>().find("relaxation of 1.5"), std::string::npos);
+}
+
+TEST(Static, SaysWhatALinearSolutionLeaves) {
+  const Json linear = json_of("static --mesh liver --load press --solver linear --json");
+  EXPECT_EQ(linear.at("outcome"), "converged");
+  EXPECT_NE(linear.at("status").get<std::string>().find("leave 0.971 of the load"), std::string::npos);
+  EXPECT_EQ(
+      json_of("static --mesh liver --model fem_cauchy --load press --solver linear --json").at("status"), "");
+  expect_refusal("static --mesh phantom --load tool --solver linear", "no contact");
+}
+
+TEST(Static, ComparesSorAtItsBestRelaxation) {
+  const std::string compare = "static --mesh liver --load press --set force=0.1 --json --compare c";
+  const Json best = Shell{}.hmax(compare).json();
+  EXPECT_EQ(best.at("relaxation"), 1.9);
+  EXPECT_TRUE(best.at("linear_tolerance").is_null());
+  EXPECT_EQ(Shell{}.hmax(compare + " --relaxation 1.7").json().at("relaxation"), 1.7);
+}
+
+TEST(Static, KeepsToLoadStepsAndIterationsWithATool) {
+  const std::string tool = "static --mesh phantom --load tool --json ";
+  const Told stopped = Shell{}.hmax(tool + "--load-steps 1 --iterations 1");
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_NE(stopped.json().at("status").get<std::string>().find("more iterations"), std::string::npos);
+  EXPECT_LT(json_of(tool + "--load-steps 5").at("iterations"), json_of(tool).at("iterations"));
+}
+
+TEST(Static, WithoutALoadIsRest) {
+  for (const char* nothing : {"--mesh cube:n=8 --set g=0", "--mesh cube:n=4 --load press --set force=0"}) {
+    const Json found = json_of(std::string("static --json ") + nothing);
+    EXPECT_EQ(found.at("outcome"), "converged") << nothing;
+    EXPECT_EQ(found.at("max_displacement"), 0) << nothing;
+    EXPECT_EQ(found.at("status"), "") << nothing;
+  }
+}
+
+TEST(Static, HasTheEnergyOfTheLoadThatActs) {
+  const auto energy = [](const std::string& scale) {
+    return json_of("static --mesh phantom --model fem_cauchy --load press --json --load-scale " + scale)
+        .at("energy")
+        .get<double>();
+  };
+  EXPECT_NEAR(energy("2"), 4 * energy("1"), 1e-9 * std::abs(energy("1")));
+  EXPECT_LT(energy("1"), 0);
+}
+
+TEST(Static, SaysFromWhichLoadFramesHaveNoEquilibriumToBeHeldAgainst) {
+  const Told told =
+      Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --pseudo-dynamic 3 --frames 10 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_EQ(told.json().at("outcome"), "not_converged");
+  EXPECT_NE(told.json().at("status").get<std::string>().find("of the load"), std::string::npos);
+  const Json last = told.json().at("frames").back();
+  EXPECT_TRUE(last.at("error").is_null());
+  EXPECT_NE(last.at("status").get<std::string>().find("no equilibrium"), std::string::npos);
+}
+
+TEST(RunOnAMesh, SaysThatElementsHaveEndedInsideOut) {
+  const std::string pressed =
+      "run --mesh phantom --load press --set force=100 --set alpha=20 --method linearly_implicit_euler --h 0.01 ";
+  const Told told = Shell{}.hmax(pressed + "--json");
+  ASSERT_LE(told.json().at("least_volume"), 0.0);
+  EXPECT_NE(Shell{}.hmax(pressed).err.find("inside out"), std::string::npos);
+  EXPECT_GT(json_of("run --mesh phantom --method linearly_implicit_euler --h 0.01 --json").at("least_volume"),
+            0.5);
+}
+
+TEST(StabilityMap, HasNoLimitWhereABodyHasNoEquilibrium) {
+  const Shell shell;
+  const Json map =
+      shell
+          .hmax(
+              "stability map --mesh ball:n=2 --method rk4 --x g=1:40:2 --y E=5500:6000:2 --output map --json")
+          .json();
+  EXPECT_TRUE(map.at("h_max").at(0).at(0).is_number());
+  EXPECT_TRUE(map.at("h_max").at(0).at(1).is_null());
+  EXPECT_NE(map.at("status").get<std::string>().find("no equilibrium"), std::string::npos);
+  // Grey up to the point that has one, not white.
+  EXPECT_NE(read_text(shell / "map/map.dat").find("the model has no rest: x, y"), std::string::npos);
+  EXPECT_NE(read_text(shell / "map/map.gp").find("'g [m/s²]'"), std::string::npos);
+}
+
+TEST(Static, SaysThatNothingHoldsABody) {
+  const Told told = Shell{}.hmax("static --mesh phantom --set support=0 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.json().at("status").get<std::string>().find("supports"), std::string::npos);
+}
+
+TEST(Static, EndsWithOneWhenThereIsNoEquilibrium) {
+  const Told result = Shell{}.hmax("static --mesh phantom --load press --load-scale 1e4 --json");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.json().at("outcome"), "converged");
+  EXPECT_NE(result.json().at("status"), "");
+  expect_refusal("static --problem liver_linear", "--mesh");
+  expect_refusal("static --mesh phantom --load breathing", "time");
+  expect_refusal("static --mesh phantom --load tool --load-scale 2", "depth");
+}
+
+TEST(Static, RunAndPredictSayHowDeepAToolIndents) {
+  const Json pressed = json_of("static --mesh phantom --load tool --json").at("tool");
+  EXPECT_DOUBLE_EQ(pressed.at("depth"), 0.01);
+  EXPECT_GE(pressed.at("indentation"), 0.009);
+  EXPECT_LT(pressed.at("penetration"), 0.001);
+  const std::string run =
+      "run --mesh phantom --load tool --method linearly_implicit_euler --h 0.01 --t-end 1";
+  EXPECT_GE(json_of(run + " --json").at("tool").at("indentation"), 0.009);
+  EXPECT_EQ(Shell{}.hmax(run).err, "");
+  const Told soft = Shell{}.hmax(run + " --set tool_stiffness=1e5");
+  EXPECT_NE(soft.out.find("indentation"), std::string::npos);
+  EXPECT_NE(soft.err.find("raise tool_stiffness"), std::string::npos) << soft.err;
+  const std::string predict = "stability predict --mesh phantom --load tool --methods rk4";
+  EXPECT_GE(json_of(predict + " --json").at("models").at(0).at("tool").at("indentation"), 0.009);
+  EXPECT_NE(Shell{}.hmax(predict + " --at rest").err.find("does not touch"), std::string::npos);
+}
+
+TEST(Static, WarnsOfAShallowToolOnlyOnceItsPressHasEnded) {
+  const std::string run =
+      "run --mesh phantom --load tool --method linearly_implicit_euler --h 0.01 --set "
+      "tool_stiffness=1e5 --t-end ";
+  EXPECT_EQ(Shell{}.hmax(run + "0.1").err, "");
+  EXPECT_EQ(Shell{}.hmax(run + "0.49").err, "");
+  EXPECT_NE(Shell{}.hmax(run + "0.5").err.find("raise tool_stiffness"), std::string::npos);
+}
+
+TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {
+  const Json frames = json_of("static --mesh phantom --load press --pseudo-dynamic 1 --frames 10 --json");
+  EXPECT_EQ(frames.at("frames").size(), 10u);
+  const Json slower = json_of("static --mesh phantom --load press --pseudo-dynamic 3 --frames 10 --json");
+  EXPECT_LT(slower.at("largest_error").get<double>(), frames.at("largest_error").get<double>());
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,75 @@
+#include "cli/reproduce/reproduce_stability.hpp"
+
+#include <atomic>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "plots/gnuplot.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
+  const Scratch scratch;
+  std::vector<LimitCase> cases = limit_cases();
+  ASSERT_GE(cases.size(), 25u);
+  // One material, one underdamped and one critically damped curve, one cubic and one driven model.
+  std::vector<LimitCase> some{cases.front()};
+  for (const char* family : {"linear_damping", "linear_critical", "cubic_damping", "forced_amplitude"})
+    for (const LimitCase& each : cases)
+      if (each.family == family) {
+        some.push_back(each);
+        break;
+      }
+  ASSERT_EQ(some.size(), 5u);
+  std::vector<Method> chosen;
+  for (const char* id :
+       {"explicit_euler", "rk4", "abm_pece_3", "newmark", "central_difference", "implicit_euler"})
+    chosen.push_back(find_method(id));
+  const auto never = [] { return false; };
+  const auto rows = predicted_and_observed(
+      some, chosen, [](double) {}, never);
+  ASSERT_EQ(rows.size(), 18u);
+  const LimitSummary summary = summary_of(some, rows);
+  EXPECT_EQ(summary.with_number, 12u);
+  EXPECT_EQ(summary.unbounded, 6u);
+  EXPECT_EQ(summary.disagreeing, 0u) << summary.worst;
+  EXPECT_LT(summary.worst_gap, 1e-3) << summary.worst;
+  const auto nonlinear = nonlinear_limits(
+      some, {find_method("rk4")}, [](double) {}, never);
+  ASSERT_EQ(nonlinear.size(), 2u);
+  EXPECT_TRUE(nonlinear[1].along);
+
+  const fs::path report = reproduce_stability(some, rows, nonlinear, "a machine", scratch / "report");
+  EXPECT_NE(text_of(report).find("0 disagree"), std::string::npos);
+  EXPECT_NE(text_of(scratch / "report" / "limits.csv").find("male_slim:light"), std::string::npos);
+  EXPECT_NE(text_of(scratch / "report" / "nonlinear.csv").find("rk4"), std::string::npos);
+  EXPECT_EQ(fs::exists(scratch / "report" / "hmax_predicted_vs_observed.svg"), gnuplot_available());
+}
+
+TEST(StabilityReport, StopsWhenInterruptedAndKeepsWhatIsFinished) {
+  std::vector<LimitCase> cases = limit_cases();
+  cases.resize(1);
+  const std::vector<Method> chosen = choose_methods({"explicit_runge_kutta"}, {cases.front().problem});
+  std::atomic<int> asked = 0;
+  const auto rows = predicted_and_observed(
+      cases, chosen, [](double) {}, [&] { return ++asked > 3; });
+  EXPECT_EQ(rows.size(), 3u);
+  EXPECT_GT(chosen.size(), 3u);
+  for (const LimitRow& row : rows) EXPECT_TRUE(row.prediction.observed->confirms());
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,119 @@
+#include <cmath>
+#include <limits>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cli/reproduce/reproduce_oscillators.hpp"
+#include "plots/gnuplot.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Rows as a sweep would store them: five methods at three steps, the largest too large for Euler. Method
+/// number k takes (k + 1) / h microseconds a run with the step h.
+std::vector<Row> made_up_rows(const std::string& parameters, double t_end) {
+  const std::pair<const char*, int> methods[] = {{"explicit_euler", 1},
+                                                 {"rosenbrock_23", 2},
+                                                 {"trapezoidal", 2},
+                                                 {"dormand_prince_54", 5},
+                                                 {"adams_pece", 8}};
+  std::vector<Row> rows;
+  for (const std::string mode : {"fixed", "sampled"})
+    for (const double h : {2.0, 0.5, 0.125}) {
+      int k = 0;
+      for (const auto& [method, order] : methods) {
+        const double cost = ++k * 1e-6 / h;
+        if (mode == "sampled" && k == 1) continue;  // no error estimate
+        if (mode == "fixed" && k == 5) continue;    // no fixed step
+        Row row;
+        row.key.problem = "liver_forced";
+        row.key.parameters = parameters;
+        row.key.y0 = "0.5,1";
+        row.key.method = method;
+        row.key.mode = mode;
+        row.key.control = mode == "fixed" ? "none" : "deadband";
+        row.key.h = h;
+        row.key.rtol = row.key.atol = mode == "fixed" ? 0 : 1e-6;
+        row.key.t_end = row.t_reached = t_end;
+        row.outcome = "reached_end";
+        row.steps = static_cast<std::int64_t>(t_end / h);
+        row.rhs = order * row.steps;
+        row.cpu_s = {cost * 1.5, cost * 0.9, cost};
+        row.error_end = row.error_global = mode == "fixed" ? 1e-3 * std::pow(h, order) : 1e-6;
+        if (k == 1 && h == 2) {
+          row.outcome = "diverged";
+          row.t_reached = 6;
+          row.error_end = row.error_global = std::numeric_limits<double>::quiet_NaN();
+        }
+        rows.push_back(row);
+      }
+    }
+  return rows;
+}
+
+std::vector<std::string> reproduce_into(const fs::path& folder) {
+  const StudyRows rows{.published_model = made_up_rows("m=1.45 c=2 k1=0.7 k3=0.8 P=0.5 w=0.5", 100),
+                       .self_exciting = made_up_rows("m=1.45 c=-2 k1=0.7 k3=0.8 P=0.5 w=0.5", 10),
+                       .machine = "no machine, made-up numbers"};
+  std::vector<std::string> sections;
+  const fs::path page =
+      reproduce_oscillators(rows, folder, [&](const std::string& s) { sections.push_back(s); });
+  EXPECT_EQ(page, folder / "README.md");
+  return sections;
+}
+
+/// Every file of a folder and its bytes.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder).string()] = read_text(entry.path());
+  return files;
+}
+
+/// One call draws some twenty figures, so the page is judged as a whole.
+TEST(ReproduceOscillators, ShowsEveryFigureAndTableLinksWhatExistsAndRepeatsItsBytes) {
+  const Scratch scratch;
+  const auto sections = reproduce_into(scratch / "report");
+  EXPECT_EQ(sections.size(), 9U);
+
+  const auto files = contents(scratch / "report");
+  ASSERT_TRUE(files.contains("README.md"));
+  const std::string& page = files.at("README.md");
+  for (int figure = 1; figure <= 8; ++figure)
+    EXPECT_NE(page.find("\n## Figure " + std::to_string(figure) + ":"), std::string::npos) << figure;
+  EXPECT_NE(page.find("\n## Table 2:"), std::string::npos);
+  EXPECT_NE(page.find("made-up numbers"), std::string::npos);
+
+  // h [s] and milliseconds of Euler, ode45, ode23s, ode113, ode23t; a dash where Euler diverged, and where a
+  // method has no such run.
+  EXPECT_NE(page.find("\n| 2 | – | 0.002 | 0.001 | – | 0.0015 |\n"), std::string::npos);
+  EXPECT_NE(page.find("\n| 0.125 | 0.008 | 0.032 | 0.016 | – | 0.024 |\n"), std::string::npos);
+  EXPECT_NE(page.find("\n| 0.125 | – | 0.032 | 0.016 | 0.04 | 0.024 |\n"), std::string::npos);
+
+  std::map<std::string, int> linked;  // by extension
+  static const std::regex link(R"(\]\(([^)\s]+)\))");
+  for (std::sregex_iterator it(page.begin(), page.end(), link), end; it != end; ++it) {
+    const std::string target = (*it)[1];
+    EXPECT_TRUE(files.contains(target) && !files.at(target).empty()) << target;
+    ++linked[fs::path(target).extension().string()];
+  }
+  EXPECT_GE(linked[".gp"], 15);
+  EXPECT_EQ(linked[".dat"], linked[".gp"]);
+  EXPECT_EQ(linked[".png"], gnuplot_available() ? linked[".gp"] : 0);
+
+  reproduce_into(scratch / "report");
+  const auto again = contents(scratch / "report");
+  ASSERT_EQ(again.size(), files.size());
+  for (const auto& [name, bytes] : files)
+    EXPECT_TRUE(again.contains(name) && again.at(name) == bytes) << name;
+}
+
+}  // namespace
+}  // namespace hmax

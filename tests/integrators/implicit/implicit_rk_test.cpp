@@ -1,0 +1,266 @@
+/// Diagonally implicit methods and Radau IIA: order, stability, error estimate, continuous output, counts.
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "integrators/stats.hpp"
+#include "problems/oscillator/oscillator.hpp"
+#include "tests/integrators/implicit_methods.hpp"
+
+namespace hmax {
+namespace {
+
+using State = Eigen::Vector2d;
+
+template <class Method>
+struct ImplicitRk : testing::Test {};
+TYPED_TEST_SUITE(ImplicitRk, EveryImplicitMethod, MethodId);
+template <class Method>
+struct AdaptiveImplicitRk : testing::Test {};
+TYPED_TEST_SUITE(AdaptiveImplicitRk, EveryAdaptiveImplicitMethod, MethodId);
+
+bool same_bits(const State& a, const State& b) { return std::memcmp(a.data(), b.data(), sizeof(State)) == 0; }
+
+TYPED_TEST(ImplicitRk, IsExactForQuadratureUpToItsOrder) {
+  const auto system = system_of<State>([](double t, const State&, State& dydt) {
+    dydt << TypeParam::order * std::pow(t, TypeParam::order - 1), 1;
+  });
+  State y(0, 0);
+  integrate(typename TypeParam::template Stepper<State>{}, system, Span<double>{0, 2}, y,
+            FixedStep<double>(0.5));
+  EXPECT_NEAR(y[0], std::pow(2, TypeParam::order), 1e-6);  // differences for J, which is zero
+  EXPECT_NEAR(y[1], 2, 1e-13);
+}
+
+TYPED_TEST(ImplicitRk, StepsAsItsStabilityFunctionSays) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> part(-3, 3), size(-2, 2);
+  for (int sample = 0; sample < 200; ++sample) {
+    std::complex<double> z(part(random), part(random));
+    z *= std::pow(10, size(random));
+    if (z.real() > 0) z = -z;
+    const RotatingDecay system{z};
+    typename TypeParam::template Stepper<State> stepper;
+    State y(1, 0), y_new(0, 0);
+    stepper.init(system, 0, y);
+    ASSERT_EQ(stepper.attempt(system, 0, y, 1, y_new), StepStatus::ok);
+    EXPECT_LT(std::abs(stability_function<TypeParam>(z) - std::complex<double>(y_new[0], y_new[1])), 1e-13)
+        << z;
+  }
+}
+
+TYPED_TEST(ImplicitRk, IsAStableAndLStableWhereItSaysSo) {
+  for (double y = 1e-3; y < 1e6; y *= 1.1)
+    EXPECT_LE(std::abs(stability_function<TypeParam>({0, y})), 1 + 1e-14) << y;
+  const double far = std::abs(stability_function<TypeParam>({-1e9, 0}));
+  if (TypeParam::l_stable)
+    EXPECT_LT(far, 1e-7);
+  else
+    EXPECT_NEAR(far, 1, 1e-7);
+}
+
+TEST(Trapezoidal, KeepsEveryOscillationAsItIs) {
+  for (double y = 1e-3; y < 1e6; y *= 1.1) {
+    EXPECT_NEAR(std::abs(stability_function<Trapezoidal>({0, y})), 1, 1e-15);
+    EXPECT_NEAR(std::abs(stability_function<ImplicitMidpoint>({0, y})), 1, 1e-15);
+  }
+}
+
+/// The full liver model at t = 10; digits of a Taylor series in 128 bits.
+const State reference(-3.3690941329057441755e-01, 1.5203434594206605961e-01);
+
+TYPED_TEST(ImplicitRk, HasItsOrder) {
+  const auto error = [](double h) {
+    State y(0.5, 1);
+    const auto end = integrate(typename TypeParam::template Stepper<State>{}, Oscillator(),
+                               Span<double>{0, 10}, y, FixedStep<double>(h));
+    EXPECT_EQ(end.outcome, Outcome::reached_end);
+    return (y - reference).norm();
+  };
+  EXPECT_NEAR(std::log2(error(0.1) / error(0.05)), TypeParam::order, 0.1);
+}
+
+/// Norm of the error estimate of the second step of size h; the first is one of size h too.
+template <class Method>
+double second_estimate(double h) {
+  const Oscillator system;
+  typename Method::template Stepper<State> stepper;
+  State y(0.5, 1), y_new;
+  stepper.init(system, 0, y);
+  stepper.attempt(system, 0, y, h, y_new);
+  stepper.accept(y_new);
+  y = y_new;
+  stepper.attempt(system, h, y, h, y_new);
+  return std::sqrt(stepper.error_squared(h, y, y_new, Component{0}) +
+                   stepper.error_squared(h, y, y_new, Component{1}));
+}
+template <class Method>
+double first_estimate(double h) {
+  const Oscillator system;
+  typename Method::template Stepper<State> stepper;
+  State y(0.5, 1), y_new;
+  stepper.init(system, 0, y);
+  stepper.attempt(system, 0, y, h, y_new);
+  return std::sqrt(stepper.error_squared(h, y, y_new, Component{0}) +
+                   stepper.error_squared(h, y, y_new, Component{1}));
+}
+
+TYPED_TEST(AdaptiveImplicitRk, ErrorEstimateHasItsOrderFromTheFirstStepOn) {
+  for (auto* estimate : {first_estimate<TypeParam>, second_estimate<TypeParam>})
+    EXPECT_NEAR(std::log2(estimate(0.01) / estimate(0.005)), TypeParam::error_order, 0.1);
+}
+
+TEST(Trapezoidal, EstimatesItsLocalError) {
+  // On a cubic quadrature the third derivative is constant: the estimate is h^3 y''' / 12, which is the
+  // error.
+  const auto system = system_of<State>([](double t, const State&, State& dydt) { dydt << 3 * t * t, 0; });
+  Trapezoidal::Stepper<State> stepper;
+  State y(0, 0), y_new;
+  stepper.init(system, 0, y);
+  double t = 0;
+  for (const double h : {0.5, 0.2, 0.4}) {
+    stepper.attempt(system, t, y, h, y_new);
+    const double error = y_new[0] - y[0] - (std::pow(t + h, 3) - std::pow(t, 3));
+    EXPECT_NEAR(error, h * h * h / 2, 1e-13);
+    EXPECT_NEAR(std::sqrt(stepper.error_squared(h, y, y_new, Component{0})), std::abs(error), 1e-13);
+    stepper.accept(y_new);
+    y = y_new;
+    t += h;
+  }
+}
+
+/// Three accepted steps of size 0.1; before each attempt `disturb` may do with the stepper what it likes.
+template <class Method, class System, class Disturb>
+State three_steps(const System& system, Disturb disturb) {
+  typename Method::template Stepper<State> stepper;
+  State y(0.5, 1), y_new;
+  stepper.init(system, 0, y);
+  for (int n = 0; n < 3; ++n) {
+    disturb(stepper, 0.1 * n, y);
+    EXPECT_EQ(stepper.attempt(system, 0.1 * n, y, 0.1, y_new), StepStatus::ok);
+    stepper.accept(y_new);
+    y = y_new;
+  }
+  return y;
+}
+
+TYPED_TEST(ImplicitRk, RejectedAttemptsLeaveNoTrace) {
+  const Oscillator system({.k1 = 20, .k3 = 30});
+  const State fresh = three_steps<TypeParam>(system, [](auto&&...) {});
+  for (const double h : {0.03, 0.7, 30.0, 3e4}) {  // some of them fail, with a fresh Jacobian too
+    const auto disturb = [&](auto& stepper, double t, const State& y) {
+      State rejected = y, between;
+      if (stepper.attempt(system, t, y, h, rejected) == StepStatus::ok)
+        stepper.interpolate(system, t, h, y, rejected, 0.4, between);
+    };
+    EXPECT_TRUE(same_bits(fresh, three_steps<TypeParam>(system, disturb))) << h;
+  }
+}
+
+TYPED_TEST(ImplicitRk, InterpolantMeetsBothEndsAndTheSolutionBetween) {
+  const Oscillator system;
+  const auto defect = [&](double h) {
+    typename TypeParam::template Stepper<State> stepper, fine;
+    State y(0.5, 1), y_new, out;
+    stepper.init(system, 0, y);
+    stepper.attempt(system, 0, y, h, y_new);
+    stepper.interpolate(system, 0, h, y, y_new, 0, out);
+    EXPECT_LT((out - y).norm(), 1e-15);
+    stepper.interpolate(system, 0, h, y, y_new, 1, out);
+    EXPECT_LT((out - y_new).norm(), 1e-15);
+    double worst = 0;
+    for (const double theta : {0.2, 0.5, 0.9}) {
+      stepper.interpolate(system, 0, h, y, y_new, theta, out);
+      State exact = y;
+      integrate(RadauIIA5<State>{}, system, Span<double>{0, theta * h}, exact,
+                FixedStep<double>(theta * h / 16));
+      worst = std::max(worst, (out - exact).norm());
+    }
+    return worst;
+  };
+  // Local: one power more than the global order, which beyond order 3 is that of the interpolant.
+  EXPECT_NEAR(std::log2(defect(0.04) / defect(0.02)), std::min(TypeParam::order, 3) + 1, 0.15);
+}
+
+TEST(TrBdf2, InterpolantHasNoKinkAtItsInnerPoint) {
+  const Oscillator system;
+  TrBdf2::Stepper<State> stepper;
+  State y(0.5, 1), y_new, before, at, after;
+  stepper.init(system, 0, y);
+  stepper.attempt(system, 0, y, 0.5, y_new);
+  const double c = static_cast<double>(tableaux::TrBdf2::tableau.c[1]), d = 1e-5;
+  stepper.interpolate(system, 0, 0.5, y, y_new, c - d, before);
+  stepper.interpolate(system, 0, 0.5, y, y_new, c, at);
+  stepper.interpolate(system, 0, 0.5, y, y_new, c + d, after);
+  EXPECT_LT((after - 2 * at + before).norm() / d, 1e-4);
+}
+
+TYPED_TEST(ImplicitRk, TakesOneJacobianAndOneMatrixOfALinearSystem) {
+  Stats stats;
+  const Counted<Oscillator> system(Oscillator({.k3 = 0}), stats);
+  State y(0.5, 1);
+  const auto end = integrate(typename TypeParam::template Stepper<State>{}, system, Span<double>{0, 100}, y,
+                             FixedStep<double>(0.1));
+  constexpr bool radau = TypeParam::order == 5;
+  constexpr std::int64_t implicit_stages =
+      radau ? 1 : static_cast<std::int64_t>(TypeParam::tableau.stages) - (TypeParam::tableau.a[0][0] == 0);
+  EXPECT_EQ(stats.jacobian, 1);
+  EXPECT_EQ(end.stats.factorisations, radau ? 2 : 1);
+  EXPECT_LE(end.stats.newton, 2 * implicit_stages * end.stats.steps);
+  EXPECT_GE(end.stats.newton, implicit_stages * end.stats.steps);
+  // Besides the iterations only slopes at the start of the run are evaluated, if any.
+  EXPECT_LE(stats.rhs - (radau ? 3 : 1) * end.stats.newton, 2);
+}
+
+TYPED_TEST(ImplicitRk, TakesJacobiansAsTheUserDecides) {
+  const auto jacobians = [](int every) {
+    Stats stats;
+    const Counted<Oscillator> system(Oscillator(), stats);
+    State y(0.5, 1);
+    typename TypeParam::template Stepper<State> stepper;
+    stepper.set_jacobian_update({every});
+    const auto end = integrate(stepper, system, Span<double>{0, 1}, y, FixedStep<double>(0.1));
+    EXPECT_EQ(end.outcome, Outcome::reached_end);
+    return stats.jacobian;
+  };
+  EXPECT_EQ(jacobians(1), 10);
+  EXPECT_EQ(jacobians(4), 3);
+  EXPECT_EQ(jacobians(JacobianUpdate::frozen), 1);
+}
+
+TYPED_TEST(ImplicitRk, ComputesWithStatesOfEveryKindAlike) {
+  State two(0.5, 1);
+  Eigen::VectorXd any = two;
+  Eigen::Vector<long double, Eigen::Dynamic> wide = two.cast<long double>();
+  const auto oscillator = [](auto t, const auto& y, auto& dydt) {
+    dydt[0] = y[1];
+    dydt[1] = std::cos(t) - y[0] - y[0] * y[0] * y[0];
+  };
+  const auto go = [&](auto& y) {
+    using Any = std::remove_cvref_t<decltype(y)>;
+    using Real = real_of<Any>;
+    integrate(typename TypeParam::template Stepper<Any>{}, system_of<Any>(oscillator, 2), Span<Real>{0, 1}, y,
+              FixedStep<Real>(Real(1) / 16));
+  };
+  go(two);
+  go(any);
+  go(wide);
+  EXPECT_LT((any - two).norm(), 1e-13);
+  EXPECT_LT((wide - two.cast<long double>()).norm(), 1e-13L);
+}
+
+TEST(LinearOscillator, KeepsItsEnergyToRoundingOverAMillionSteps) {
+  const Oscillator system({.m = 1, .c = 0, .k1 = 4, .k3 = 0, .P = 0, .w = 1});
+  const auto drift = [&](auto stepper) {
+    State y(1, 0);
+    const auto end = integrate(stepper, system, Span<double>{0, 1e5}, y, FixedStep<double>(0.1));
+    EXPECT_EQ(end.stats.steps, 1'000'000);
+    return std::abs((4 * y[0] * y[0] + y[1] * y[1]) / 4 - 1);
+  };
+  EXPECT_LT(drift(Trapezoidal::Stepper<State>{}), 2e-11);
+  EXPECT_LT(drift(ImplicitMidpoint::Stepper<State>{}), 2e-11);
+}
+
+}  // namespace
+}  // namespace hmax

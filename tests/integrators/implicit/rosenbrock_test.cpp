@@ -1,0 +1,420 @@
+/// Rosenbrock and W-methods: what one step is, and what it costs.
+#include "integrators/implicit/rosenbrock.hpp"
+
+#include <cstring>
+#include <random>
+#include <variant>
+
+#include "integrators/integrate.hpp"
+#include "problems/any_system.hpp"
+#include "problems/oscillator/oscillator.hpp"
+#include "problems/test_set/van_der_pol.hpp"
+#include "tests/integrators/rosenbrock_systems.hpp"
+
+namespace hmax {
+namespace {
+
+using Complex = std::complex<double>;
+using Plane = Eigen::Vector2d;
+using Wide = Eigen::Matrix<long double, 2, 1>;
+
+template <class Method>
+struct RosenbrockMethod : testing::Test {};
+TYPED_TEST_SUITE(RosenbrockMethod, EveryRosenbrock, MethodId);
+
+/// The largest |y_new - R(z)| / max(1, |R(z)|) over random z = h lambda.
+template <class Method, class State>
+double worst_defect(State y) {
+  const auto form = original(Method::tableau);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> angle(0, 6.283), size(-2, 2), exponent(-3, 3);
+  DecayWithJacobian<State> system{{y}};
+  Rosenbrock<Method, State> stepper;
+  State y_new = y;
+  double worst = 0;
+  for (int repeat = 0; repeat < 1000; ++repeat) {
+    const double h = std::pow(10, exponent(random));
+    const Complex z = std::polar(std::pow(10, size(random)), angle(random));
+    if (std::abs(1.0 - z * static_cast<double>(Method::tableau.gamma)) < 0.1) continue;  // near the pole
+    system.lambda.fill(z / h);
+    y.fill(1);
+    stepper.init(system, 0, y);
+    EXPECT_EQ(stepper.attempt(system, 0, y, h, y_new), StepStatus::ok);
+    const Complex R(stability_function(form, std::complex<long double>(z)));
+    for (const Complex component : y_new)
+      worst = std::max(worst, std::abs(component - R) / std::max(1.0, std::abs(R)));
+  }
+  return worst;
+}
+
+TYPED_TEST(RosenbrockMethod, MultipliesByItsStabilityFunction) {
+  using One = Eigen::Matrix<Complex, 1, 1>;
+  // Stages of the RODAS methods are up to a thousand times the step they add up to.
+  const double tolerance = TypeParam::tableau.stages > 3 ? 1e-12 : 1e-13;
+  EXPECT_LT((worst_defect<TypeParam, One>(One(1.0))), tolerance);
+  EXPECT_LT((worst_defect<TypeParam, Eigen::VectorXcd>(Eigen::VectorXcd::Ones(3))), tolerance);
+}
+
+TYPED_TEST(RosenbrockMethod, IsAStableAndLStableAsItSays) {
+  // All poles lie at 1 / gamma > 0, so |R| <= 1 on the imaginary axis is A-stability.
+  const auto form = original(TypeParam::tableau);
+  long double largest = 0;
+  for (long double y = 1e-3L; y < 1e6L; y *= 1.01L)
+    largest = std::max(largest, std::abs(stability_function(form, {0, y})));
+  EXPECT_EQ(TypeParam::a_stable, largest <= 1 + 1e-12L) << largest;
+  EXPECT_EQ(TypeParam::l_stable, std::abs(stability_at_infinity(form)) < 1e-12L);
+  EXPECT_LT(std::abs(stability_function(form, {-1e9L, 0})), 1e-6L);
+}
+
+TEST(Rosenbrock23, HasThePublishedStabilityFunction) {
+  const long double d = 1 / (2 + std::sqrt(2.0L));
+  for (const std::complex<long double> z : {std::complex<long double>(-3, 1), {0, 2}, {-50, 0}}) {
+    const auto R = stability_function(original(tableaux::Rosenbrock23::tableau), z);
+    EXPECT_LT(std::abs(R - (1.0L + (1 - 2 * d) * z) / ((1.0L - d * z) * (1.0L - d * z))), 1e-17L);
+  }
+}
+
+TEST(Rosenbrock23, SolvesTheEquationsOfOde23s) {
+  // [shampine1997matlab, section 3] with W = I - h d J: residuals of the published equations.
+  const ToldPendulum<Plane> system;
+  const double t = 0.4, h = 0.3, d = 1 / (2 + std::sqrt(2.0)), e32 = 6 + std::sqrt(2.0);
+  const Plane y(0.3, 0.5);
+  Eigen::Matrix2d J;
+  Plane f0, f1, f2, T, y_new, out;
+  system.jacobian(t, y, J);
+  system.time_derivative(t, y, T);
+  const Eigen::Matrix2d W = Eigen::Matrix2d::Identity() - h * d * J, inverse = W.inverse();
+  system.rhs(t, y, f0);
+  const Plane k1 = inverse * (f0 + h * d * T);
+  system.rhs(t + h / 2, y + h / 2 * k1, f1);
+  const Plane k2 = inverse * (f1 - k1) + k1, end = y + h * k2;
+  system.rhs(t + h, end, f2);
+  const Plane k3 = inverse * (f2 - e32 * (k2 - f1) - 2 * (k1 - f0) + h * d * T);
+  const Plane err = h / 6 * (k1 - 2 * k2 + k3);
+
+  Rosenbrock<tableaux::Rosenbrock23, Plane> stepper;
+  stepper.init(system, t, y);
+  ASSERT_EQ(stepper.attempt(system, t, y, h, y_new), StepStatus::ok);
+  EXPECT_LT((y_new - end).norm(), 1e-15);
+  for (const Eigen::Index i : {0, 1})
+    EXPECT_NEAR(stepper.error_squared(h, y, y_new, Component{i}), err[i] * err[i], 1e-17);
+  const double s = 0.3;
+  stepper.interpolate(system, t, h, y, y_new, s, out);
+  const Plane between = y + h * (s * (1 - s) / (1 - 2 * d) * k1 + s * (s - 2 * d) / (1 - 2 * d) * k2);
+  EXPECT_LT((out - between).norm(), 1e-15);
+}
+
+/// y' = p t^(p-1) with its derivatives.
+struct Power {
+  using State = Eigen::Matrix<double, 1, 1>;
+  int p;
+  static Eigen::Index dim() { return 1; }
+  void rhs(double t, const State&, State& f) const { f[0] = p * std::pow(t, p - 1); }
+  void jacobian(double, const State&, Eigen::Matrix<double, 1, 1>& J) const { J.setZero(); }
+  void time_derivative(double t, const State&, State& f) const {
+    f[0] = p > 1 ? p * (p - 1) * std::pow(t, p - 2) : 0;
+  }
+};
+
+TYPED_TEST(RosenbrockMethod, IsExactOnPolynomialsOfTimeUpToItsOrder) {
+  for (int p = 1; p <= TypeParam::order; ++p) {
+    const Power system{p};
+    Rosenbrock<TypeParam, Power::State> stepper;
+    const Power::State y(std::pow(0.5, p));
+    Power::State y_new;
+    stepper.init(system, 0.5, y);
+    stepper.attempt(system, 0.5, y, 1, y_new);
+    EXPECT_NEAR(y_new[0], std::pow(1.5, p), 1e-13 * std::pow(1.5, p)) << p;
+  }
+}
+
+/// log2 of the ratio of the errors at t = 2 with h and h / 2.
+template <class Method>
+long double observed_order(const ToldPendulum<Wide>& system, JacobianUpdate update, int steps) {
+  const auto end = [&](auto stepper, int n) {
+    Wide y(0.3L, 0.5L);
+    integrate(stepper, system, Span<long double>{0, 2}, y, FixedStep<long double>(2.0L / n));
+    return y;
+  };
+  const Wide exact = end(Rk<tableaux::Dop853, Wide>{}, 400);
+  Rosenbrock<Method, Wide> stepper;
+  stepper.set_jacobian_update(update);
+  return std::log2((end(stepper, steps) - exact).norm() / (end(stepper, 2 * steps) - exact).norm());
+}
+
+TYPED_TEST(RosenbrockMethod, HasItsOrder) {
+  const ToldPendulum<Wide> system;
+  const int steps = TypeParam::order > 3 ? 100 : 200;
+  EXPECT_NEAR(static_cast<double>(observed_order<TypeParam>(system, {}, steps)), TypeParam::order, 0.1);
+}
+
+TYPED_TEST(RosenbrockMethod, HasTheOrderOfAWMethodWithAWrongOrAnOldJacobian) {
+  ToldPendulum<Wide> system;
+  const auto order = [&](JacobianUpdate update) {
+    return static_cast<double>(observed_order<TypeParam>(system, update, 800));
+  };
+  EXPECT_NEAR(order({JacobianUpdate::frozen}), TypeParam::w_order, 0.1);
+  system.wrong = 1.3L;
+  EXPECT_NEAR(order({}), TypeParam::w_order, 0.1);
+}
+
+TYPED_TEST(RosenbrockMethod, EstimatesItsErrorWithItsOrder) {
+  if constexpr (TypeParam::error_order > 0) {
+    const ToldPendulum<Wide> system;
+    const Wide y(0.3L, 0.5L);
+    Wide y_new;
+    const auto estimate = [&](long double h) {
+      Rosenbrock<TypeParam, Wide> stepper;
+      stepper.init(system, 0.2L, y);
+      stepper.attempt(system, 0.2L, y, h, y_new);
+      return stepper.error_squared(h, y, y_new, Component{1});
+    };
+    EXPECT_NEAR(static_cast<double>(std::log2(estimate(1e-2L) / estimate(5e-3L)) / 2), TypeParam::error_order,
+                0.1);
+  }
+}
+
+TYPED_TEST(RosenbrockMethod, InterpolatesBetweenBothEndsWithItsOrder) {
+  const ToldPendulum<Wide> system;
+  const Wide y(0.3L, 0.5L);
+  Wide y_new, out;
+  const auto error = [&](long double h) {
+    long double worst = 0;
+    Rosenbrock<TypeParam, Wide> stepper;
+    stepper.init(system, 0.2L, y);
+    stepper.attempt(system, 0.2L, y, h, y_new);
+    stepper.interpolate(system, 0.2L, h, y, y_new, 0, out);
+    EXPECT_EQ(out, y);
+    stepper.interpolate(system, 0.2L, h, y, y_new, 1, out);
+    EXPECT_LT((out - y_new).norm(), 1e-14L);
+    for (const long double theta : {0.2L, 0.5L, 0.9L}) {
+      stepper.interpolate(system, 0.2L, h, y, y_new, theta, out);
+      Wide exact = y;
+      integrate(Rk<tableaux::Dop853, Wide>{}, system, Span<long double>{0.2L, 0.2L + theta * h}, exact,
+                FixedStep<long double>(h / 50));
+      worst = std::max(worst, (out - exact).norm());
+    }
+    return worst;
+  };
+  const double observed = static_cast<double>(std::log2(error(2e-2L) / error(1e-2L)));
+  EXPECT_NEAR(observed, TypeParam::interpolant_order + 1, 0.15);
+}
+
+/// Two accepted steps; before each, `disturb` may do with the stepper what it likes.
+template <class Method, class State, class Disturb>
+State two_steps(const Disturb& disturb) {
+  const ToldPendulum<State> system;
+  Rosenbrock<Method, State> stepper;
+  State y(2), y_new(2);
+  y << 0.3, 0.5;
+  stepper.init(system, 0, y);
+  for (int n = 0; n < 2; ++n) {
+    disturb(stepper, system, 0.1 * n, y);
+    stepper.attempt(system, 0.1 * n, y, 0.1, y_new);
+    stepper.accept(y_new);
+    y = y_new;
+  }
+  return y;
+}
+
+TYPED_TEST(RosenbrockMethod, LeavesNoTraceOfARejectedAttempt) {
+  const auto nothing = [](auto&&...) {};
+  const auto reject = [](auto& stepper, const auto& system, double t, const auto& y) {
+    auto rejected = y, between = y;
+    stepper.attempt(system, t, y, 3.7, rejected);
+    stepper.interpolate(system, t, 3.7, y, rejected, 0.4, between);
+  };
+  const auto same = [&]<class State>(std::type_identity<State>) {
+    const State a = two_steps<TypeParam, State>(nothing), b = two_steps<TypeParam, State>(reject);
+    return std::memcmp(a.data(), b.data(), 2 * sizeof(double)) == 0;
+  };
+  EXPECT_TRUE(same(std::type_identity<Plane>{}));
+  EXPECT_TRUE(same(std::type_identity<Eigen::VectorXd>{}));
+}
+
+/// What n fixed steps to t = 1 cost.
+template <class Method, class System>
+Stats cost(const System& system, int n, JacobianUpdate update = {}) {
+  Stats counts;
+  typename System::State y(2);
+  y << 0.3, 0.5;
+  Rosenbrock<Method, typename System::State, jacobian_type<System>> stepper;
+  stepper.set_jacobian_update(update);
+  const auto end =
+      integrate(stepper, Counted(system, counts), Span<double>{0, 1}, y, FixedStep<double>(1.0 / n));
+  counts.factorisations = end.stats.factorisations;
+  return counts;
+}
+
+TYPED_TEST(RosenbrockMethod, CostsWhatItSays) {
+  constexpr std::int64_t s = TypeParam::tableau.stages;
+  constexpr bool fsal = is_fsal(TypeParam::tableau);
+  const ToldPendulum<Plane> told;
+  const Pendulum<Plane> untold;
+  const std::int64_t stages = fsal ? (s - 1) * 30 + 1 : s * 30;
+  const Stats exact = cost<TypeParam>(told, 30);
+  EXPECT_EQ(exact.rhs, stages);
+  EXPECT_EQ(exact.jacobian, 30);
+  EXPECT_EQ(exact.factorisations, 30);
+  const Stats every = cost<TypeParam>(told, 30, {7});
+  EXPECT_EQ(every.jacobian, 5);  // before steps 1, 8, 15, 22 and 29
+  EXPECT_EQ(every.factorisations, 5);
+  // Two columns and df/dt by differences.
+  EXPECT_EQ(cost<TypeParam>(untold, 30).rhs, stages + 3 * 30);
+}
+
+TYPED_TEST(RosenbrockMethod, FactorsOnceInAWholeRunOfFixedStepsWithAFrozenJacobian) {
+  const Stats frozen = cost<TypeParam>(ToldPendulum<Plane>{}, 100, {JacobianUpdate::frozen});
+  EXPECT_EQ(frozen.jacobian, 1);
+  EXPECT_EQ(frozen.factorisations, 1);
+  EXPECT_EQ(cost<TypeParam>(AnySystem(ToldPendulum<Eigen::VectorXd>{}), 100, {0}).factorisations, 1);
+}
+
+TEST(Rosenbrock23, KeepsItsStepWhileTheJacobianIsFrozen) {
+  const auto run = [](JacobianUpdate update) {
+    Plane y(0.3, 0.5);
+    Rosenbrock<tableaux::Rosenbrock23, Plane> stepper;
+    stepper.set_jacobian_update(update);
+    return integrate(stepper, ToldPendulum<Plane>{}, Span<double>{0, 20}, y,
+                     Adaptive<double, IntegralController>({1e-5, 1e-5}, 3));
+  };
+  const auto exact = run({}), frozen = run({JacobianUpdate::frozen});
+  EXPECT_EQ(exact.stats.factorisations, exact.stats.steps + exact.stats.rejected);
+  EXPECT_EQ(frozen.outcome, Outcome::reached_end);
+  EXPECT_LT(frozen.stats.factorisations, frozen.stats.steps / 3);
+}
+
+TEST(LinearlyImplicitEuler, IsTheStepOfMechanicalSystems) {
+  // (M - h dF/dv - h^2 dF/dx) dv = h (F + h dF/dx v), v += dv, x += h v; here without a driving force.
+  const Oscillator system(OscillatorParameters{.m = 1.3, .c = 0.7, .k1 = 5, .k3 = 2.1, .P = 0, .w = 1});
+  const Plane y(0.6, -0.3);
+  const double h = 0.2;
+  const Eigen::Matrix<double, 1, 1> q(y[0]), v(y[1]);
+  Eigen::Matrix<double, 1, 1> F, K, C;
+  system.force(0, q, v, F);
+  system.stiffness(0, q, v, K);
+  system.damping(0, q, v, C);
+  const double dv = h * (F[0] - h * K(0, 0) * v[0]) / (1.3 + h * C(0, 0) + h * h * K(0, 0));
+  Rosenbrock<tableaux::LinearlyImplicitEuler, Plane> stepper;
+  Plane y_new;
+  stepper.init(system, 0, y);
+  stepper.attempt(system, 0, y, h, y_new);
+  EXPECT_NEAR(y_new[1], y[1] + dv, 1e-15);
+  EXPECT_NEAR(y_new[0], y[0] + h * y_new[1], 1e-15);
+}
+
+/// y' = A y with a Jacobian that may be another one.
+template <class StateT>
+struct Linear {
+  using State = StateT;
+  using Matrix = jacobian_of<State>;
+  static constexpr bool autonomous = true;
+  Matrix A, told;
+  static Eigen::Index dim() { return State::SizeAtCompileTime; }
+  void rhs(double, const State& y, State& dydt) const { dydt = A * y; }
+  void jacobian(double, const State&, Matrix& J) const { J = told; }
+};
+
+/// Whether 4000 steps stay bounded.
+template <class State, class Method = tableaux::LinearlyImplicitEuler>
+bool stays_bounded(const Linear<State>& system, double h) {
+  State y = State::Ones();
+  integrate(Rosenbrock<Method, State>{}, system, Span<double>{0, 4000 * h}, y, FixedStep<double>(h));
+  return y.norm() < 100;
+}
+
+TEST(LinearlyImplicitEuler, WithAFrozenStiffnessIsStableForEveryStepUpToTwiceIt) {
+  // With D = 1 + h^2 k0 / m a step has determinant 1 / D and trace 1 + 1 / D - h^2 k / (m D): bounded as long
+  // as h^2 (k - 2 k0) <= 4 m; here m = 1.
+  const double k0 = 3;
+  const auto spring = [](double k) { return (Eigen::Matrix2d() << 0, 1, -k, 0).finished(); };
+  for (const double h : {0.01, 0.3, 3.0, 10.0})
+    EXPECT_TRUE(stays_bounded<Plane>({spring(2 * k0 * 0.999), spring(k0)}, h)) << h;
+  const double k = 3 * k0, limit = std::sqrt(4 / (k - 2 * k0));
+  EXPECT_TRUE(stays_bounded<Plane>({spring(k), spring(k0)}, 0.99 * limit));
+  EXPECT_FALSE(stays_bounded<Plane>({spring(k), spring(k0)}, 1.01 * limit));
+}
+
+TEST(LinearlyImplicitEuler, WithAFrozenDecayIsStableForEveryStepUpToTwiceIt) {
+  using One = Eigen::Matrix<double, 1, 1>;
+  for (const double h : {0.01, 1.0, 1e4}) EXPECT_TRUE(stays_bounded<One>({One(-6.0), One(-3.0)}, h)) << h;
+  EXPECT_FALSE(stays_bounded<One>({One(-6.1), One(-3.0)}, 100));
+}
+
+TEST(Rosenbrock23, WithAFrozenJacobianIsStableForEveryStepUpToFourGammaOfIt) {
+  using One = Eigen::Matrix<double, 1, 1>;
+  using Method = tableaux::Rosenbrock23;
+  const auto four_gamma = static_cast<double>(4 * Method::tableau.gamma);
+  const auto spring = [](double k) { return (Eigen::Matrix2d() << 0, 1, -k, 0).finished(); };
+  const auto bounded = [&](double ratio, double h) {
+    const bool decays = stays_bounded<One, Method>({One(-ratio), One(-1.0)}, h);
+    EXPECT_EQ(decays, (stays_bounded<Plane, Method>({spring(ratio), spring(1)}, h))) << ratio << ' ' << h;
+    return decays;
+  };
+  for (const double h : {0.01, 0.3, 1.0, 10.0}) EXPECT_TRUE(bounded(0.999 * four_gamma, h));
+  EXPECT_FALSE(bounded(1.01 * four_gamma, 1e4));
+}
+
+TYPED_TEST(RosenbrockMethod, SaysThatItsMatrixIsSingular) {
+  using One = Eigen::Matrix<double, 1, 1>;
+  const double gamma = static_cast<double>(TypeParam::tableau.gamma);
+  double h = 0.5;
+  while (gamma * h * (1 / (gamma * h)) != 1) h *= 1.1;  // so that I - h gamma J is exactly zero
+  const DecayWithJacobian<One> system{{One(1 / (gamma * h))}};
+  Rosenbrock<TypeParam, One> stepper;
+  const One y(1.0);
+  One y_new;
+  stepper.init(system, 0, y);
+  EXPECT_EQ(stepper.attempt(system, 0, y, h, y_new), StepStatus::newton_failed);
+  EXPECT_EQ(stepper.attempt(system, 0, y, h / 2, y_new), StepStatus::ok);
+  One end = y;
+  EXPECT_EQ(integrate(stepper, system, Span<double>{0, 2 * h}, end, FixedStep<double>(h)).outcome,
+            Outcome::newton_failed);
+}
+
+TEST(Rosenbrock23, CutsTheStepAndGivesUpWhereItsMatrixIsNotFinite) {
+  // The Jacobian of y' = -sqrt y is infinite at y = 0: no step is short enough.
+  struct Root {
+    using State = Eigen::Matrix<double, 1, 1>;
+    static Eigen::Index dim() { return 1; }
+    void rhs(double, const State& y, State& f) const { f[0] = -std::sqrt(y[0]); }
+    void jacobian(double, const State& y, State& J) const { J[0] = -0.5 / std::sqrt(y[0]); }
+  };
+  Root::State y(0.0);
+  const auto end = integrate(Rosenbrock<tableaux::Rosenbrock23, Root::State>{}, Root{}, Span<double>{0, 1}, y,
+                             Adaptive<double, IntegralController>({1e-6, 1e-6, 0.1}, 3));
+  EXPECT_EQ(end.outcome, Outcome::newton_failed);
+  EXPECT_GT(end.stats.rejected, 10);
+}
+
+/// Van der Pol's equation as formulas would give it: without a Jacobian.
+struct UntoldVanDerPol {
+  using State = Eigen::VectorXd;
+  static Eigen::Index dim() { return 2; }
+  void rhs(double, const State& y, State& f) const {
+    f[0] = y[1];
+    f[1] = 1000 * (1 - y[0] * y[0]) * y[1] - y[0];
+  }
+};
+
+template <class Method, class System>
+double van_der_pol_error(const System& system, double tolerance) {
+  typename System::State y(2);
+  y << 2, 0;
+  const auto end = integrate(
+      Rosenbrock<Method, typename System::State, jacobian_type<System>>{}, system, Span<double>{0, 2000}, y,
+      Adaptive<double, DeadbandController>({tolerance, tolerance * 1e-3}, Method::error_order));
+  EXPECT_EQ(end.outcome, Outcome::reached_end);
+  return std::abs(y[0] / 0.1706167732170469e1 - 1);
+}
+
+TYPED_TEST(RosenbrockMethod, FollowsVanDerPol) {
+  if constexpr (TypeParam::error_order > 0) {
+    const double bound = TypeParam::order > 2 ? 1e-6 : 5e-5;
+    EXPECT_LT((van_der_pol_error<TypeParam>(UntoldVanDerPol{}, 1e-6)), bound);
+    EXPECT_LT((van_der_pol_error<TypeParam>(AnySystem(UntoldVanDerPol{}), 1e-6)), bound);
+  }
+}
+
+}  // namespace
+}  // namespace hmax

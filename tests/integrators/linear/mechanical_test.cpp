@@ -1,0 +1,215 @@
+/// Sparse mechanical systems are solved by their velocities, and give what packed states give.
+#include "integrators/mechanical.hpp"
+
+#include <complex>
+#include <random>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "integrators/implicit/dirk.hpp"
+#include "integrators/implicit/dirk_tableaux.hpp"
+#include "integrators/implicit/radau.hpp"
+#include "integrators/implicit/rosenbrock.hpp"
+#include "integrators/implicit/rosenbrock_tableaux.hpp"
+#include "problems/any_system.hpp"
+#include "tests/integrators/motion.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+using DenseChain = Chain<VectorXd>;
+using SparseChain = Chain<VectorXd, Sparse>;
+
+template <template <class> class StepperFor>
+void expect_what_packed_states_give(double tolerance) {
+  // Few unknowns are factored, many iterated upon.
+  for (const Index n : {4, 200}) {
+    const DenseChain dense{n, 5, 2, 0.3, 1};
+    const SparseChain sparse{n, 5, 2, 0.3, 1};
+    const VectorXd y = VectorXd::LinSpaced(2 * n, -0.5, 0.7);
+    const VectorXd expected = after_steps(StepperFor<DenseChain>{}, dense, y, 0.1, 3);
+    EXPECT_LT((after_steps(StepperFor<SparseChain>{}, sparse, y, 0.1, 3) - expected).norm(),
+              tolerance * expected.norm());
+    const AnySystem any(sparse);
+    EXPECT_LT((after_steps(StepperFor<AnySystem>{}, any, y, 0.1, 3) - expected).norm(),
+              tolerance * expected.norm());
+  }
+}
+
+template <class Method>
+struct OfRosenbrock {
+  template <class Sys>
+  using Stepper = Rosenbrock<Method, typename Sys::State, equations_type<Sys>>;
+};
+template <class Method>
+struct OfDirk {
+  template <class Sys>
+  using Stepper = Dirk<Method, typename Sys::State, equations_type<Sys>>;
+};
+template <class Sys>
+using RadauFor = RadauIIA5<typename Sys::State, equations_type<Sys>>;
+
+TEST(MechanicalEquations, GiveWhatPackedStatesGiveInEveryRosenbrockMethod) {
+  // The chain has no Jacobian of its own: packed states take differences.
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    (expect_what_packed_states_give<OfRosenbrock<T>::template Stepper>(2e-6), ...);
+  }(std::type_identity<tableaux::AllRosenbrock>{});
+}
+
+TEST(MechanicalEquations, GiveWhatPackedStatesGiveInEveryMethodThatSolvesToRounding) {
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    (expect_what_packed_states_give<OfDirk<T>::template Stepper>(1e-12), ...);
+  }(std::type_identity<tableaux::AllDiagonallyImplicit>{});
+  expect_what_packed_states_give<RadauFor>(1e-12);
+}
+
+/// A grid of masses in space whose springs have blocks of 3 x 3, and a random symmetric positive definite
+/// matrix of its pattern.
+Sparse blocks_in_space(int side, double shift, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> direction(-1, 1);
+  const int n = side * side * side;
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto spring = [&](int a, int b) {
+    const Eigen::Vector3d d = Eigen::Vector3d(direction(random), direction(random), direction(random));
+    const Eigen::Matrix3d k = d * d.transpose() + 0.1 * Eigen::Matrix3d::Identity();
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        entries.emplace_back(3 * a + r, 3 * a + c, k(r, c));
+        entries.emplace_back(3 * b + r, 3 * b + c, k(r, c));
+        entries.emplace_back(3 * a + r, 3 * b + c, -k(r, c));
+        entries.emplace_back(3 * b + r, 3 * a + c, -k(r, c));
+      }
+  };
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const int a = (z * side + y) * side + x;
+        if (x + 1 < side) spring(a, a + 1);
+        if (y + 1 < side) spring(a, a + side);
+        if (z + 1 < side) spring(a, a + side * side);
+        if (x + 1 < side && z + 1 < side) spring(a, a + 1 + side * side);
+      }
+  for (int i = 0; i < 3 * n; ++i) entries.emplace_back(i, i, shift);
+  Sparse A(3 * n, 3 * n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+TEST(SparseSolver, SolvesSymmetricEquationsByEveryWay) {
+  const Sparse A = blocks_in_space(6, 0.05, 1);
+  const VectorXd x = VectorXd::LinSpaced(A.rows(), -1, 2), b = A * x;
+  for (const auto by :
+       {LinearSolve::By::direct, LinearSolve::By::conjugate_gradients, LinearSolve::By::automatic}) {
+    SparseSolver<double> solver;
+    solver.set({.by = by});
+    ASSERT_TRUE(solver.factor(A));
+    for (int repetition = 0; repetition < 60; ++repetition) {
+      VectorXd found = b;
+      solver.solve(found);
+      EXPECT_LT((found - x).norm(), 1e-7 * x.norm());
+    }
+  }
+}
+
+TEST(SparseSolver, SolvesWhatIsIndefiniteOrNotSymmetric) {
+  Sparse indefinite = blocks_in_space(5, 0.05, 2);
+  for (int i = 0; i < 40; ++i) indefinite.coeffRef(3 * i, 3 * i) -= 8;
+  Sparse lopsided = blocks_in_space(5, 0.05, 3);
+  for (int i = 0; i + 3 < lopsided.rows(); i += 2) lopsided.coeffRef(i, i + 3) += 0.3;
+  lopsided.makeCompressed();
+  for (const Sparse& A : {indefinite, lopsided}) {
+    const VectorXd x = VectorXd::LinSpaced(A.rows(), -1, 2);
+    SparseSolver<double> solver;
+    ASSERT_TRUE(solver.factor(A));
+    VectorXd found = A * x;
+    solver.solve(found);
+    EXPECT_LT((found - x).norm(), 1e-9 * x.norm());
+  }
+}
+
+TEST(SparseSolver, SeesThatPivotsAreTooSmall) {
+  // Without pivoting each pair loses all that it is.
+  Sparse pairs(200, 200);
+  for (int i = 0; i < 200; i += 2) {
+    pairs.insert(i, i) = pairs.insert(i + 1, i + 1) = 1e-17;
+    pairs.insert(i, i + 1) = pairs.insert(i + 1, i) = 1;
+    if (i > 0) pairs.insert(i, i - 2) = pairs.insert(i - 2, i) = 0.1;
+  }
+  pairs.makeCompressed();
+  const VectorXd x = VectorXd::LinSpaced(pairs.rows(), -1, 2);
+  for (const auto by : {LinearSolve::By::direct, LinearSolve::By::automatic}) {
+    SparseSolver<double> solver;
+    solver.set({.by = by});
+    ASSERT_TRUE(solver.factor(pairs));
+    VectorXd found = pairs * x;
+    solver.solve(found);
+    EXPECT_LT((found - x).norm(), 1e-10 * x.norm());
+    EXPECT_FALSE(solver.is_symmetric());
+  }
+}
+
+TEST(SparseSolver, TakesComplexMatricesThatAreSymmetricAsSuch) {
+  using Complex = std::complex<double>;
+  Eigen::SparseMatrix<Complex> A = blocks_in_space(5, 0.05, 3).cast<Complex>() * std::polar(1.0, -1.7);
+  for (int i = 0; i < A.rows(); ++i) A.coeffRef(i, i) += 1;
+  for (const bool symmetric : {true, false}) {
+    if (!symmetric) A.coeffRef(0, 3) += Complex(0, 0.1);
+    const Eigen::VectorXcd x = Eigen::VectorXcd::Random(A.rows());
+    SparseSolver<Complex> solver;
+    ASSERT_TRUE(solver.factor(A));
+    EXPECT_EQ(solver.is_symmetric(), symmetric);
+    Eigen::VectorXcd found = A * x;
+    solver.solve(found);
+    EXPECT_LT((found - x).norm(), 1e-12 * x.norm());
+  }
+}
+
+TEST(SparseSolver, StopsWhereItIsToldTo) {
+  const Sparse A = blocks_in_space(6, 1e-4, 4);
+  const VectorXd x = VectorXd::LinSpaced(A.rows(), -1, 2), b = A * x;
+  const auto residual_after = [&](LinearSolve how) {
+    SparseSolver<double> solver;
+    solver.set(how);
+    EXPECT_TRUE(solver.factor(A));
+    VectorXd found = b;
+    solver.solve(found);
+    return (b - A * found).norm() / b.norm();
+  };
+  using By = LinearSolve::By;
+  const double one = residual_after({.by = By::conjugate_gradients, .tolerance = 1e-12, .iterations = 1});
+  const double five = residual_after({.by = By::conjugate_gradients, .tolerance = 1e-12, .iterations = 5});
+  EXPECT_GT(one, five);
+  EXPECT_GT(five, 1e-9);
+  const double loose = residual_after({.by = By::conjugate_gradients, .tolerance = 1e-3});
+  EXPECT_LT(loose, 2e-3);
+  EXPECT_GT(loose, 1e-8);
+}
+
+TEST(SparseSolver, RefusesWhatHasNoSolution) {
+  SparseSolver<double> solver;
+  Sparse zero(6, 6);
+  EXPECT_FALSE(solver.factor(zero));
+  Sparse not_a_number = blocks_in_space(2, 1, 5);
+  not_a_number.valuePtr()[3] = NAN;
+  EXPECT_FALSE(solver.factor(not_a_number));
+}
+
+TEST(SparseSolver, FollowsAPatternThatChanges) {
+  SparseSolver<double> solver;
+  for (const int side : {3, 6, 4}) {
+    const Sparse A = blocks_in_space(side, 0.1, 6);
+    const VectorXd x = VectorXd::LinSpaced(A.rows(), -1, 2);
+    ASSERT_TRUE(solver.factor(A));
+    VectorXd found = A * x;
+    solver.solve(found);
+    EXPECT_LT((found - x).norm(), 1e-7 * x.norm());
+  }
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,91 @@
+#include "problems/mesh/files/mesh_defects.hpp"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "tests/problems/mesh/meshes.hpp"
+
+namespace hmax {
+namespace {
+
+MeshFile file_of(const TetMesh& mesh) {
+  MeshFile file{.name = "body.msh", .format = "by hand", .mesh = mesh, .numbers = {}, .places = {}};
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    file.numbers.push_back(100 + t);
+    file.places.push_back(10 + t);
+  }
+  return file;
+}
+
+std::string refusal(const MeshFile& file) {
+  try {
+    require_valid(file);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MeshDefects, AGoodMeshHasNone) {
+  EXPECT_TRUE(defects_of(ball_mesh(1, 2)).none());
+  EXPECT_EQ(refusal(file_of(ball_mesh(1, 2))), "");
+}
+
+TEST(MeshDefects, SomeOrAllInvertedAreNamedAndTurned) {
+  const TetMesh good = cube_mesh(1, 2);
+  TetMesh mesh = good;
+  mesh.tetrahedra.row(0).swap(mesh.tetrahedra.row(1));
+  EXPECT_EQ(defects_of(mesh).inverted.size(), 48U);
+  EXPECT_EQ(
+      refusal(file_of(mesh)),
+      "body.msh, line 10: tetrahedron 100 is inverted as all others are; turn it with `hmax mesh convert FILE "
+      "OUTPUT --fix`");
+  EXPECT_EQ(fix_orientation(mesh), 48);
+  EXPECT_TRUE(defects_of(mesh).none());
+  std::swap(mesh.tetrahedra(2, 5), mesh.tetrahedra(3, 5));
+  std::swap(mesh.tetrahedra(2, 7), mesh.tetrahedra(0, 7));
+  EXPECT_EQ(defects_of(mesh).inverted, (std::vector<TetMesh::Index>{5, 7}));
+  EXPECT_NE(refusal(file_of(mesh)).find("line 15: tetrahedron 105 is inverted (2 in all); turn it"),
+            std::string::npos);
+  EXPECT_EQ(fix_orientation(mesh), 2);
+  EXPECT_NEAR(enclosed_volume(mesh), 1, 1e-14);
+}
+
+TEST(MeshDefects, FlatTetrahedraAreNamedAndNotTurned) {
+  TetMesh mesh = unit_tetrahedron();
+  mesh.tetrahedra.conservativeResize(4, 3);
+  mesh.points.conservativeResize(3, 5);
+  mesh.points.col(4) << 0.3, 0.3, 0;
+  mesh.tetrahedra.col(1) << 0, 1, 2, 4;
+  mesh.tetrahedra.col(2) << 0, 1, 1, 3;
+  EXPECT_EQ(defects_of(mesh).degenerate, (std::vector<TetMesh::Index>{1, 2}));
+  EXPECT_EQ(fix_orientation(mesh), 0);
+  EXPECT_NE(refusal(file_of(mesh)).find("line 11: tetrahedron 101 has no volume (2 in all); remove"),
+            std::string::npos);
+}
+
+TEST(MeshDefects, TheSameTetrahedronAgainIsNamedInAnyOrderOfItsCorners) {
+  TetMesh mesh = cube_mesh(1, 1);
+  mesh.tetrahedra.conservativeResize(4, 7);
+  mesh.tetrahedra.col(6) << mesh.tetrahedra(1, 2), mesh.tetrahedra(2, 2), mesh.tetrahedra(0, 2),
+      mesh.tetrahedra(3, 2);
+  const MeshDefects defects = defects_of(mesh);
+  ASSERT_EQ(defects.duplicates.size(), 1U);
+  EXPECT_EQ(defects.duplicates[0], std::pair(6, 2));
+  EXPECT_NE(refusal(file_of(mesh)).find("line 16: tetrahedron 106 has the same corners as tetrahedron 102"),
+            std::string::npos);
+}
+
+TEST(MeshDefects, ThreeTetrahedraOnAFaceOverlap) {
+  TetMesh mesh = unit_tetrahedron();
+  mesh.tetrahedra.conservativeResize(4, 3);
+  mesh.points.conservativeResize(3, 6);
+  mesh.points.rightCols(2) << 1, 2, 1, 2, 1, 2;
+  mesh.tetrahedra.col(1) << 1, 2, 3, 4;
+  mesh.tetrahedra.col(2) << 1, 2, 3, 5;
+  EXPECT_NE(refusal(file_of(mesh)).find("shares a face with more than one other"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hmax

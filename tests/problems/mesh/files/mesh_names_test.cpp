@@ -1,0 +1,70 @@
+#include "problems/mesh/files/mesh_names.hpp"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "tests/problems/mesh/meshes.hpp"
+
+namespace hmax {
+namespace {
+
+std::string refusal(std::string_view text) {
+  try {
+    mesh_by_name(text);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MeshNames, EveryNameIsAValidMeshInMetresOfOneRegion) {
+  EXPECT_EQ(named_meshes().size(), 5U);
+  for (const NamedMesh& named : named_meshes()) {
+    const TetMesh mesh = mesh_by_name(named.name);
+    EXPECT_TRUE(all_positive(mesh)) << named.name;
+    EXPECT_TRUE(mesh.regions.empty()) << named.name;
+    EXPECT_EQ(topology_of(mesh).euler(), 1) << named.name;
+    const MeshQuality quality = quality_of(mesh);
+    const double size = (quality.upper - quality.lower).maxCoeff();
+    EXPECT_GT(size, 0.05) << named.name;
+    EXPECT_LT(size, 0.3) << named.name;
+  }
+}
+
+TEST(MeshNames, TheMeshesOfTheStudyNeedNoFile) {
+  EXPECT_EQ(mesh_by_name("phantom").tetrahedron_count(), 120);
+  EXPECT_EQ(mesh_by_name("liver").tetrahedron_count(), 1151);
+  EXPECT_EQ(mesh_by_name("liver:refine=2").tetrahedron_count(), 64 * 1151);
+}
+
+TEST(MeshNames, GeneratorsTakeTheirParameters) {
+  EXPECT_EQ(mesh_by_name("ball:n=6").tetrahedron_count(), 20 * 216);
+  EXPECT_EQ(mesh_by_name("ball:n=1:refine=1").tetrahedron_count(), 160);
+  EXPECT_EQ(mesh_by_name("beam").tetrahedron_count(), 24 * 64);
+  EXPECT_NEAR(quality_of(mesh_by_name("cube:edge=2:n=1")).volume, 8, 1e-12);
+  EXPECT_EQ(quality_of(mesh_by_name("beam:n=1,length=3:height=0.5")).upper, Eigen::Vector3d(3, 0.05, 0.5));
+}
+
+TEST(MeshNames, WhatIsUnknownIsRefusedWithWhatIsKnown) {
+  EXPECT_NE(refusal("kidney").find("known are liver, phantom, beam, cube, ball"), std::string::npos)
+      << refusal("kidney");
+  EXPECT_NE(refusal("ball:m=3").find("no parameter 'm'; it takes refine, n, radius"), std::string::npos);
+  EXPECT_NE(refusal("liver:n=3").find("it takes refine"), std::string::npos);
+  EXPECT_NE(refusal("ball:n=2,radius=x").find("no number"), std::string::npos);
+  EXPECT_NE(refusal("ball:n=2:n=3").find("twice"), std::string::npos);
+  for (const char* text :
+       {"ball:n=0", "ball:n=1.5", "ball:n=-1", "ball:n=1e9", "ball:n=inf", "ball:n=", "ball:n=2,,",
+        "ball:n=2,radius", "liver:refine=-1", "liver:refine=30", "cube:edge=0", ":refine=1", ""})
+    EXPECT_NE(refusal(text), "") << text;
+}
+
+TEST(MeshNames, ARequestKeepsOtherColonsInTheName) {
+  const MeshRequest request = parse_mesh_request("C:/a:b=c/liver.msh:refine=2");
+  EXPECT_EQ(request.name, "C:/a:b=c/liver.msh");
+  EXPECT_EQ(refinements_of(request), 2);
+  EXPECT_EQ(parse_mesh_request("plain.msh").name, "plain.msh");
+}
+
+}  // namespace
+}  // namespace hmax

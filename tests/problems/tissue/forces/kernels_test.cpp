@@ -1,0 +1,189 @@
+#include "problems/tissue/forces/kernels.hpp"
+
+#include <cstring>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "problems/mesh/mesh_generators.hpp"
+#include "problems/mesh/renumber.hpp"
+#include "problems/tissue/forces/green_elements.hpp"
+#include "problems/tissue/forces/springs.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
+#include "tests/problems/tissue/bodies.hpp"
+
+namespace hmax {
+namespace {
+
+using Index = TetMesh::Index;
+
+/// The first tetrahedra of an uneven box, deformed, with every fifth point supported.
+struct Parts {
+  explicit Parts(Eigen::Index tetrahedra = 72) : Parts(tissue_tests::uneven_box(), tetrahedra) {}
+  Parts(TetMesh whole, Eigen::Index tetrahedra) : mesh(std::move(whole)) {
+    mesh.tetrahedra = mesh.tetrahedra.leftCols(tetrahedra).eval();
+    if (!mesh.regions.empty()) mesh.regions.resize(static_cast<std::size_t>(tetrahedra));
+    std::vector<Index> free;
+    for (Index i = 0, next = 0; i < mesh.point_count(); ++i) free.push_back(i % 5 == 2 ? -1 : next++);
+    pattern = BlockPattern(free, edges_of(mesh));
+    x.resize(static_cast<std::size_t>(mesh.point_count()));
+    u.resize(x.size());
+    const Eigen::VectorXd by = tissue_tests::random_vector(mesh.points.size(), 0.01, 5);
+    for (Eigen::Index i = 0; i < mesh.point_count(); ++i) {
+      as_vector(u[static_cast<std::size_t>(i)]) = by.segment<3>(3 * i);
+      as_vector(x[static_cast<std::size_t>(i)]) = mesh.points.col(i) + by.segment<3>(3 * i);
+    }
+  }
+  TetMesh mesh;
+  BlockPattern pattern;
+  NodeRows u, x;  // displacements, positions
+  std::vector<Lame> materials{lame(5300, 0.45), lame(9000, 0.3)};
+
+  template <class Elements>
+  [[nodiscard]] NodeRows forces(const Elements& elements) const {
+    NodeRows f(x.size());
+    elements.add_force(std::is_same_v<Elements, SpringSet> ? x : u, f);
+    return f;
+  }
+};
+
+double distance(const NodeRows& a, const NodeRows& b) {
+  double largest = 0, scale = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, (as_vector(a[i]) - as_vector(b[i])).norm());
+    scale = std::max(scale, as_vector(b[i]).norm());
+  }
+  return largest / scale;
+}
+
+bool same_bits(const NodeRows& a, const NodeRows& b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (as_vector(a[i]) != as_vector(b[i])) return false;
+  return true;
+}
+
+TEST(TissueKernels, GreenForcesAgreeWithThePlainElementsForEveryNumberOfTetrahedra) {
+  for (const Eigen::Index count : {1, 2, 7, 8, 9, 16, 17, 65, 72}) {
+    const Parts parts(count);
+    const auto plain = parts.forces(TetElements<GreenStrain>(parts.mesh, parts.materials, parts.pattern));
+    for (const TissueKernels* kernels : available_tissue_kernels()) {
+      const GreenElements fast(parts.mesh, parts.materials, parts.pattern, *kernels);
+      EXPECT_LT(distance(parts.forces(fast), plain), 1e-13) << kernels->name << ", " << count;
+    }
+  }
+}
+
+TEST(TissueKernels, GreenEnergiesAgreeWithThePlainElements) {
+  const Parts parts;
+  const TetElements<GreenStrain> plain(parts.mesh, parts.materials, parts.pattern);
+  const GreenElements fast(parts.mesh, parts.materials, parts.pattern);
+  EXPECT_NEAR(fast.energy(parts.u) / plain.energy(parts.u), 1, 1e-13);
+  for (std::size_t i = 0; i < plain.size(); ++i)
+    EXPECT_NEAR(fast.energy_density(parts.u, i) / plain.energy_density(parts.u, i), 1, 1e-11);
+}
+
+TEST(TissueKernels, GreenStiffnessAgreesWithThePlainElementsForEveryNumberOfTetrahedra) {
+  for (const Eigen::Index count : {1, 2, 7, 8, 9, 17, 72}) {
+    const Parts parts(count);
+    const TetElements<GreenStrain> plain(parts.mesh, parts.materials, parts.pattern);
+    Eigen::SparseMatrix<double> expected, K;
+    parts.pattern.clear(expected);
+    plain.add_stiffness(parts.u, parts.pattern, expected.valuePtr());
+    for (const TissueKernels* kernels : available_tissue_kernels()) {
+      const GreenElements fast(parts.mesh, parts.materials, parts.pattern, *kernels);
+      parts.pattern.shape(K);
+      fast.write_stiffness(parts.u, parts.pattern, K.valuePtr());
+      EXPECT_LT(Eigen::MatrixXd(K - expected).cwiseAbs().maxCoeff(),
+                1e-13 * Eigen::MatrixXd(expected).cwiseAbs().maxCoeff())
+          << kernels->name << ", " << count;
+      EXPECT_EQ(Eigen::MatrixXd(K), Eigen::MatrixXd(K).transpose()) << "symmetric to the last bit";
+    }
+  }
+}
+
+TEST(TissueKernels, GreenStiffnessAgreesWhereItIsWrittenColumnsAfterColumns) {
+  // A long box, in which sums are finished soon, and one whose points are numbered at random.
+  TetMesh box = box_mesh({0.1, 0.1, 0.1}, {40, 4, 4});
+  Renumbering mixed;
+  for (Index i = 0; i < box.point_count(); ++i) mixed.points.push_back(i * 7 % box.point_count());
+  for (Index i = 0; i < box.tetrahedron_count(); ++i) mixed.tetrahedra.push_back(i);
+  for (const TetMesh& mesh : {renumbered(box, local_order(box)), renumbered(box, mixed)}) {
+    const Parts parts(mesh, mesh.tetrahedron_count());
+    Eigen::SparseMatrix<double> expected, K;
+    parts.pattern.clear(expected);
+    TetElements<GreenStrain>(parts.mesh, parts.materials, parts.pattern)
+        .add_stiffness(parts.u, parts.pattern, expected.valuePtr());
+    const GreenElements fast(parts.mesh, parts.materials, parts.pattern);
+    parts.pattern.shape(K);
+    for (int repetition = 0; repetition < 2; ++repetition) {
+      K.coeffs().setConstant(7);
+      fast.write_stiffness(parts.u, parts.pattern, K.valuePtr());
+      EXPECT_LT((K - expected).norm(), 1e-13 * expected.norm());
+      EXPECT_EQ(Eigen::SparseMatrix<double>(K.transpose()).coeffs().matrix(), K.coeffs().matrix());
+    }
+  }
+}
+
+TEST(TissueKernels, SpringForcesAgreeWithThePlainLaws) {
+  const Parts parts;
+  const MeshEdges edges = edges_of(parts.mesh);
+  for (const double b : {0.0, 7.5}) {
+    std::vector<SpringSet::Spring> springs;
+    for (Eigen::Index e = 0; e < edges.cols(); ++e)
+      springs.push_back({{edges(0, e), edges(1, e)}, 10 + static_cast<double>(e)});
+    NodeRows plain(parts.x.size());
+    const CubicSpring law{b};
+    for (const auto& spring : springs) {
+      const auto a = static_cast<std::size_t>(spring.points[0]),
+                 z = static_cast<std::size_t>(spring.points[1]);
+      const Eigen::Vector3d d = as_vector(parts.x[z]) - as_vector(parts.x[a]);
+      const double L =
+          (parts.mesh.points.col(spring.points[1]) - parts.mesh.points.col(spring.points[0])).norm();
+      const Eigen::Vector3d pull = spring.stiffness * L * law.phi((d.norm() - L) / L) * d.normalized();
+      as_vector(plain[a]) += pull;
+      as_vector(plain[z]) -= pull;
+    }
+    for (const TissueKernels* kernels : available_tissue_kernels()) {
+      const SpringSet set(parts.mesh.points, springs, b == 0 ? SpringLaw(LinearSpring{}) : SpringLaw(law),
+                          parts.pattern, *kernels);
+      EXPECT_LT(distance(parts.forces(set), plain), 1e-13) << kernels->name;
+    }
+  }
+}
+
+TEST(TissueKernels, EveryInstructionSetGivesForcesAndStiffnessOfTheSameBits) {
+  const Parts parts;
+  const MeshEdges edges = edges_of(parts.mesh);
+  std::vector<SpringSet::Spring> springs;
+  for (const auto& edge : edges.colwise()) springs.push_back({{edge[0], edge[1]}, 100});
+  const auto all = available_tissue_kernels();
+  const TissueKernels& first = *all.front();
+  const auto with = [&](const TissueKernels& kernels) {
+    return GreenElements(parts.mesh, parts.materials, parts.pattern, kernels);
+  };
+  const auto stiffness = [&](const TissueKernels& kernels) {
+    Eigen::SparseMatrix<double> K;
+    parts.pattern.shape(K);
+    with(kernels).write_stiffness(parts.u, parts.pattern, K.valuePtr());
+    return Eigen::VectorXd(Eigen::Map<Eigen::VectorXd>(K.valuePtr(), K.nonZeros()));
+  };
+  for (const TissueKernels* kernels : all) {
+    EXPECT_TRUE(same_bits(parts.forces(with(*kernels)), parts.forces(with(first)))) << kernels->name;
+    EXPECT_EQ(stiffness(*kernels), stiffness(first)) << kernels->name;
+    const SpringSet here(parts.mesh.points, springs, CubicSpring{2}, parts.pattern, *kernels);
+    const SpringSet there(parts.mesh.points, springs, CubicSpring{2}, parts.pattern, first);
+    EXPECT_TRUE(same_bits(parts.forces(here), parts.forces(there))) << kernels->name;
+  }
+}
+
+TEST(TissueKernels, PointsThatCoincideMeetNoForceOfTheirSpring) {
+  const Parts parts;
+  NodeRows x(parts.x.size()), f(parts.x.size());
+  const SpringSet set(parts.mesh.points, {{{0, 1}, 100}}, LinearSpring{}, parts.pattern);
+  set.add_force(x, f);
+  EXPECT_EQ(as_vector(f[0]), Eigen::Vector3d::Zero());
+}
+
+}  // namespace
+}  // namespace hmax
