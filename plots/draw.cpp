@@ -283,7 +283,24 @@ class Writer {
                            gnuplot_string(text), across(x), up(y), font, more);
   }
 
+  /// The plotting area of a panel [pixels].
+  struct Place {
+    double left, right, top, bottom;
+  };
+
+  std::string source(int number) const { return fmt::format("'{}.dat' index {}", name_, number); }
+
   void panel(const Panel& panel, std::size_t index);
+  void headings(const Panel& panel, const Place& place);
+  void axes(const Panel& panel, const Place& place, const Extent& extent);
+  void strip_of_lost(const Panel& panel, const Extent& extent);
+  void plot(const Area& area);
+  void plot(const Fill& fill, const Panel& panel);
+  void plot(const Arrows& arrows);
+  void plot(const Curve& curve, const Panel& panel, const Place& place, const Extent& extent);
+  void plot(const Mark& mark, const Panel& panel);
+  std::vector<std::array<double, 4>> rows_of(const Curve& curve, const Panel& panel, const Place& place,
+                                             const Extent& extent) const;
   void key();
   void footer();
   int block(const std::string& comment, const std::vector<std::array<double, 4>>& rows, int columns);
@@ -296,6 +313,7 @@ class Writer {
                              : figure_.panel_height;
   int columns_ = columns_of(figure_.columns);
   std::string script_, data_;
+  std::vector<std::string> plots_;  // of the panel at hand
   int blocks_ = 0;
   double height_ = 0, key_top_ = 0, key_width_ = 0;
   std::vector<std::string> title_, footer_;
@@ -319,21 +337,45 @@ int Writer::block(const std::string& comment, const std::vector<std::array<doubl
 
 void Writer::panel(const Panel& panel, std::size_t index) {
   const auto column = static_cast<double>(index % static_cast<std::size_t>(columns_));
-  const double share = width_ / columns_;
-  const double left = share * column + left_margin, right = left + panel_width(columns_);
-  const double top = tops_[index / static_cast<std::size_t>(columns_)], bottom = top + panel_height_;
-  const Extent extent = extent_of(panel, right - left, panel_height_);
-
+  const double left = width_ / columns_ * column + left_margin;
+  const double top = tops_[index / static_cast<std::size_t>(columns_)];
+  const Place place{left, left + panel_width(columns_), top, top + panel_height_};
+  const Extent extent = extent_of(panel, place.right - place.left, panel_height_);
   script_ += "\nunset label\nunset object\n";
   for (std::size_t i = 0; index == 0 && i < title_.size(); ++i)
     label(title_[i], 16, 20 + title_line * static_cast<double>(i), "bold.',16'");
+  headings(panel, place);
+  axes(panel, place, extent);
+  if (extent.strip > 0) strip_of_lost(panel, extent);
+  plots_.clear();
+  for (const Area& area : panel.areas) plot(area);
+  for (const Fill& fill : panel.fills) plot(fill, panel);
+  if (!panel.arrows.x.empty()) plot(panel.arrows);
+  for (const Curve& curve : panel.curves) plot(curve, panel, place, extent);
+  for (const Mark& mark : panel.marks) plot(mark, panel);
+  if (index + 1 == figure_.panels.size()) key();
+  script_ += "plot ";
+  if (plots_.empty()) plots_.emplace_back("NaN");
+  for (std::size_t i = 0; i < plots_.size(); ++i)
+    script_ += (i == 0 ? "" : ", \\\n     ") + plots_[i] + " notitle";
+  script_ += "\n";
+}
+
+/// Title and notes of a panel, above it.
+void Writer::headings(const Panel& panel, const Place& place) {
+  const double wide = place.right - place.left;
   const double notes = note_height * static_cast<double>(panel.notes.size());
   if (!panel.title.empty())
-    label(shortened(one_line(panel.title), static_cast<std::size_t>((right - left) / 8.4)), left,
-          top - notes - 13, "bold.',13'");
+    label(shortened(one_line(panel.title), characters(wide, 8.4)), place.left, place.top - notes - 13,
+          "bold.',13'");
   for (std::size_t i = 0; i < panel.notes.size(); ++i)
-    label(shortened(one_line(panel.notes[i]), static_cast<std::size_t>((right - left) / 6.2)), left,
-          top - notes + note_height * static_cast<double>(i) + 4, "'sans-serif,11'", "tc rgb '#404040'");
+    label(shortened(one_line(panel.notes[i]), characters(wide, 6.2)), place.left,
+          place.top - notes + note_height * static_cast<double>(i) + 4, "'sans-serif,11'",
+          "tc rgb '#404040'");
+}
+
+void Writer::axes(const Panel& panel, const Place& place, const Extent& extent) {
+  const auto& [left, right, top, bottom] = place;
   script_ += fmt::format("set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\n", across(left),
                          across(right));
   script_ += fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}\n", up(top), up(bottom));
@@ -345,113 +387,117 @@ void Writer::panel(const Panel& panel, std::size_t index) {
           "'sans-serif,12'", "center");
   script_ += "unset ylabel\n";
   script_ += panel.grid ? "set grid ls 100\n" : "unset grid\n";
-  label(panel.y.label, share * column + 14, (top + bottom) / 2, "'sans-serif,12'", "center rotate by 90");
+  label(panel.y.label, left - left_margin + 14, (top + bottom) / 2, "'sans-serif,12'", "center rotate by 90");
   script_ += panel.x.logarithmic ? "set logscale x\n" : "unset logscale x\n";
   script_ += panel.y.logarithmic ? "set logscale y\n" : "unset logscale y\n";
   script_ += drawn_range('x', panel.x, extent.x) + drawn_range('y', panel.y, extent.y);
   script_ += tics('x', panel.x, extent.x, right - left);
   script_ += tics('y', panel.y, {extent.y.low, extent.end_of_tics}, panel_height_);
+}
 
-  if (extent.strip > 0) {
-    script_ += fmt::format(
-        "set object rectangle from graph 0,{:.5f} to graph 1,1 fc rgb '#f1f1f1' fs solid 1 noborder behind\n",
-        1 - extent.strip);
+void Writer::strip_of_lost(const Panel& panel, const Extent& extent) {
+  script_ += fmt::format(
+      "set object rectangle from graph 0,{:.5f} to graph 1,1 fc rgb '#f1f1f1' fs solid 1 noborder behind\n",
+      1 - extent.strip);
+  script_ +=
+      fmt::format("set label {} at graph 0.01,{:.5f} font 'sans-serif,11' tc rgb '#606060' noenhanced\n",
+                  gnuplot_string(panel.lost_label), 1 - extent.strip / 2);
+  for (const Lost& lost : extent.lost) {
+    Style style = lost.style;
+    if (style.marker == 0) style.marker = 2;
     script_ +=
-        fmt::format("set label {} at graph 0.01,{:.5f} font 'sans-serif,11' tc rgb '#606060' noenhanced\n",
-                    gnuplot_string(panel.lost_label), 1 - extent.strip / 2);
-    for (const Lost& lost : extent.lost) {
-      Style style = lost.style;
-      if (style.marker == 0) style.marker = 2;
-      script_ +=
-          fmt::format("set label '' at graph {:.5f},{:.5f} point {}\n", lost.x, lost.y, point_of(style, 0.7));
-    }
+        fmt::format("set label '' at graph {:.5f},{:.5f} point {}\n", lost.x, lost.y, point_of(style, 0.7));
   }
+}
 
-  std::vector<std::string> drawn;
-  const auto source = [&](int number) { return fmt::format("'{}.dat' index {}", name_, number); };
-  for (const Area& area : panel.areas) {
-    std::vector<std::array<double, 4>> rows;
-    for (std::size_t i = 0; i < area.x.size(); ++i)
-      rows.push_back({area.x[i], area.y[i], area.w[i] / 2, area.h[i] / 2});
-    if (rows.empty()) continue;
-    drawn.push_back(source(block(fmt::format("{}: x, y, half width, half height", area.label), rows, 4)) +
-                    fmt::format(" using 1:2:3:4 with boxxyerror fs solid 1 noborder lc rgb '{}'",
-                                colour_of({.colour = area.colour, .light = true})));
+void Writer::plot(const Area& area) {
+  std::vector<std::array<double, 4>> rows;
+  for (std::size_t i = 0; i < area.x.size(); ++i)
+    rows.push_back({area.x[i], area.y[i], area.w[i] / 2, area.h[i] / 2});
+  if (rows.empty()) return;
+  plots_.push_back(source(block(fmt::format("{}: x, y, half width, half height", area.label), rows, 4)) +
+                   fmt::format(" using 1:2:3:4 with boxxyerror fs solid 1 noborder lc rgb '{}'",
+                               colour_of({.colour = area.colour, .light = true})));
+}
+
+void Writer::plot(const Fill& fill, const Panel& panel) {
+  // One path for all loops: every later one is reached from the start of the first and left to it again,
+  // and what is gone along twice encloses nothing.
+  std::vector<std::array<double, 4>> rows;
+  for (const auto& loop : fill.loops) {
+    if (loop.size() < 3) continue;
+    for (const auto& [x, y] : loop) rows.push_back({x, y, 0, 0});
+    rows.push_back({loop.front()[0], loop.front()[1], 0, 0});
+    if (rows.size() > loop.size() + 1) rows.push_back(rows.front());
   }
-  for (const Fill& fill : panel.fills) {
-    // One path for all loops: every later one is reached from the start of the first and left to it again,
-    // and what is gone along twice encloses nothing.
-    std::vector<std::array<double, 4>> rows;
-    for (const auto& loop : fill.loops) {
-      if (loop.size() < 3) continue;
-      for (const auto& [x, y] : loop) rows.push_back({x, y, 0, 0});
-      rows.push_back({loop.front()[0], loop.front()[1], 0, 0});
-      if (rows.size() > loop.size() + 1) rows.push_back(rows.front());
-    }
-    if (rows.empty()) continue;
-    drawn.push_back(source(block(fmt::format("{} | {}: area, x, y", panel.title, fill.label), rows, 2)) +
-                    fmt::format(" using 1:2 with filledcurves closed fs solid 1 noborder fc rgb '{}'",
-                                colour_name(fill.colour, fill.shade)));
+  if (rows.empty()) return;
+  plots_.push_back(source(block(fmt::format("{} | {}: area, x, y", panel.title, fill.label), rows, 2)) +
+                   fmt::format(" using 1:2 with filledcurves closed fs solid 1 noborder fc rgb '{}'",
+                               colour_name(fill.colour, fill.shade)));
+}
+
+void Writer::plot(const Arrows& arrows) {
+  std::vector<std::array<double, 4>> rows;
+  for (std::size_t i = 0; i < arrows.x.size(); ++i)
+    rows.push_back({arrows.x[i], arrows.y[i], arrows.dx[i], arrows.dy[i]});
+  plots_.push_back(source(block("direction field: x, y, dx, dy", rows, 4)) +
+                   " using ($1-$3/2):($2-$4/2):3:4 with vectors head filled size screen 0.006,18 lc rgb "
+                   "'#b4b4b4' lw 0.8");
+}
+
+/// What is drawn of a curve: x, y and the ends of its bars. A row of NaN ends a line.
+std::vector<std::array<double, 4>> Writer::rows_of(const Curve& curve, const Panel& panel, const Place& place,
+                                                   const Extent& extent) const {
+  std::vector<std::array<double, 4>> rows;
+  const bool bars = !curve.low.empty();
+  // A line without markers needs no two points nearer than a quarter of a pixel.
+  const auto pixel = [&](const std::array<double, 4>& row) {
+    return std::pair(fraction(row[0], panel.x, extent.x) * (place.right - place.left),
+                     fraction(row[1], panel.y, extent.y) * panel_height_);
+  };
+  std::pair last(0.0, 0.0);
+  for (std::size_t i = 0; i < curve.x.size(); ++i) {
+    if (!drawable(curve.x[i], panel.x) || !drawable(curve.y[i], panel.y)) continue;
+    const double low = bars && drawable(curve.low[i], panel.y) ? curve.low[i] : curve.y[i];
+    const double high = bars && drawable(curve.high[i], panel.y) ? curve.high[i] : curve.y[i];
+    const std::array<double, 4> row{curve.x[i], curve.y[i], low, high};
+    const auto here = pixel(row);
+    if (curve.strokes && i % 2 == 0 && !rows.empty()) rows.push_back({NAN, NAN, NAN, NAN});
+    const bool hidden = !curve.strokes && curve.style.marker == 0 && !rows.empty() &&
+                        i + 1 < curve.x.size() &&
+                        std::hypot(here.first - last.first, here.second - last.second) < 0.25;
+    if (hidden) continue;
+    // A line across a lost run would show a result that is not there.
+    const bool lost_between = !rows.empty() && std::ranges::any_of(curve.lost, [&](double lost) {
+      return std::min(rows.back()[0], row[0]) < lost && lost < std::max(rows.back()[0], row[0]);
+    });
+    if (lost_between) rows.push_back({NAN, NAN, NAN, NAN});
+    rows.push_back(row);
+    last = here;
   }
-  if (!panel.arrows.x.empty()) {
-    std::vector<std::array<double, 4>> rows;
-    for (std::size_t i = 0; i < panel.arrows.x.size(); ++i)
-      rows.push_back({panel.arrows.x[i], panel.arrows.y[i], panel.arrows.dx[i], panel.arrows.dy[i]});
-    drawn.push_back(source(block("direction field: x, y, dx, dy", rows, 4)) +
-                    " using ($1-$3/2):($2-$4/2):3:4 with vectors head filled size screen 0.006,18 lc rgb "
-                    "'#b4b4b4' lw 0.8");
-  }
-  for (const Curve& curve : panel.curves) {
-    std::vector<std::array<double, 4>> rows;
-    const bool bars = !curve.low.empty();
-    // A line without markers needs no two points nearer than a quarter of a pixel.
-    const auto pixel = [&](const std::array<double, 4>& row) {
-      return std::pair(fraction(row[0], panel.x, extent.x) * (right - left),
-                       fraction(row[1], panel.y, extent.y) * panel_height_);
-    };
-    std::pair last(0.0, 0.0);
-    for (std::size_t i = 0; i < curve.x.size(); ++i) {
-      if (!drawable(curve.x[i], panel.x) || !drawable(curve.y[i], panel.y)) continue;
-      const double low = bars && drawable(curve.low[i], panel.y) ? curve.low[i] : curve.y[i];
-      const double high = bars && drawable(curve.high[i], panel.y) ? curve.high[i] : curve.y[i];
-      const std::array<double, 4> row{curve.x[i], curve.y[i], low, high};
-      const auto here = pixel(row);
-      if (curve.strokes && i % 2 == 0 && !rows.empty()) rows.push_back({NAN, NAN, NAN, NAN});
-      const bool hidden = !curve.strokes && curve.style.marker == 0 && !rows.empty() &&
-                          i + 1 < curve.x.size() &&
-                          std::hypot(here.first - last.first, here.second - last.second) < 0.25;
-      if (hidden) continue;
-      // A line across a lost run would show a result that is not there.
-      const bool lost_between = !rows.empty() && std::ranges::any_of(curve.lost, [&](double lost) {
-        return std::min(rows.back()[0], row[0]) < lost && lost < std::max(rows.back()[0], row[0]);
-      });
-      if (lost_between) rows.push_back({NAN, NAN, NAN, NAN});
-      rows.push_back(row);
-      last = here;
-    }
-    if (rows.empty()) continue;
-    const std::string from = source(block(fmt::format("{} | {} | {}: {}, {}", panel.title, curve.label,
-                                                      panel.x.label, panel.y.label, bars ? "low, high" : ""),
-                                          rows, bars ? 4 : 2));
-    if (bars)
-      drawn.push_back(from + " using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '" + colour_of(curve.style) +
-                      std::string("'"));
-    if (curve.line) drawn.push_back(from + " using 1:2 with lines " + line_of(curve.style));
-    if (curve.style.marker != 0) drawn.push_back(from + " using 1:2 with points " + point_of(curve.style));
-  }
-  for (const Mark& mark : panel.marks) {
-    if (!drawable(mark.x, panel.x) || !drawable(mark.y, panel.y)) continue;
-    const std::string from = source(block(mark.label, {{mark.x, mark.y, 0, 0}}, 2));
-    // A white rim keeps the mark apart from the curves under it.
-    drawn.push_back(from + " using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff'");
-    drawn.push_back(from + " using 1:2 with points lw 1.6 " + point_of(mark.style, 1.15));
-  }
-  if (index + 1 == figure_.panels.size()) key();
-  script_ += "plot ";
-  if (drawn.empty()) drawn.push_back("NaN");
-  for (std::size_t i = 0; i < drawn.size(); ++i)
-    script_ += (i == 0 ? "" : ", \\\n     ") + drawn[i] + " notitle";
-  script_ += "\n";
+  return rows;
+}
+
+void Writer::plot(const Curve& curve, const Panel& panel, const Place& place, const Extent& extent) {
+  const std::vector<std::array<double, 4>> rows = rows_of(curve, panel, place, extent);
+  if (rows.empty()) return;
+  const bool bars = !curve.low.empty();
+  const std::string from = source(block(fmt::format("{} | {} | {}: {}, {}", panel.title, curve.label,
+                                                    panel.x.label, panel.y.label, bars ? "low, high" : ""),
+                                        rows, bars ? 4 : 2));
+  if (bars)
+    plots_.push_back(
+        fmt::format("{} using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '{}'", from, colour_of(curve.style)));
+  if (curve.line) plots_.push_back(from + " using 1:2 with lines " + line_of(curve.style));
+  if (curve.style.marker != 0) plots_.push_back(from + " using 1:2 with points " + point_of(curve.style));
+}
+
+void Writer::plot(const Mark& mark, const Panel& panel) {
+  if (!drawable(mark.x, panel.x) || !drawable(mark.y, panel.y)) return;
+  const std::string from = source(block(mark.label, {{mark.x, mark.y, 0, 0}}, 2));
+  // A white rim keeps the mark apart from the curves under it.
+  plots_.push_back(from + " using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff'");
+  plots_.push_back(from + " using 1:2 with points lw 1.6 " + point_of(mark.style, 1.15));
 }
 
 /// The key under the panels: every entry a sample of the line with its marker, filled down the columns.

@@ -213,6 +213,39 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
   conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, problem, near);
 }
 
+/// From all modes, one by one.
+void predict_by_modes(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+  const Amplification& amplification = *method.amplification;
+  const bool of_oscillations = static_cast<bool>(amplification.of_oscillation);
+  std::vector<Mode> modes;
+  if (of_oscillations)
+    for (const MechanicalMode& oscillation : near.spectrum.mechanical) modes.push_back(mode_of(oscillation));
+  else
+    modes = modes_of(near.spectrum);
+  const std::vector<Complex> lambda = lambda_of(modes);
+  std::vector<Eigenmode> told(lambda.begin(), lambda.end());
+  if (!of_oscillations) {
+    const double radius = radius_told(method, problem, near);
+    for (Eigenmode& mode : told) mode.radius = radius;
+    if (method.needs_split) {
+      const auto parts = stiff_parts(near, lambda);
+      if (!parts) {
+        row.note = without_common_modes;
+        return;
+      }
+      for (std::size_t i = 0; i < told.size(); ++i) told[i].stiff = (*parts)[i];
+    }
+  }
+  // Both eigenvalues of an oscillation share its limit.
+  const StepLimit limit = of_oscillations ? largest_stable_step(amplification, near.spectrum.mechanical)
+                                          : largest_stable_step(amplification, told);
+  for (std::size_t i = 0; i < modes.size(); ++i) row.modes.push_back({modes[i], limit.of_modes[i], told[i]});
+  if (limit.growing.empty()) return conclude(row, limit.h_max, modes[limit.limiting], method, problem, near);
+  const std::size_t first = limit.growing.front();
+  is_of_growing_model(row, of_oscillations ? growing_of(near.spectrum.mechanical[first]) : modes[first],
+                      problem, near);
+}
+
 }  // namespace
 
 Prediction predict(const Method& method, const Problem& problem, const Linearised& near) {
@@ -231,61 +264,21 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   row.note = obstacle(method, near);
   if (!row.note.empty()) return row;
 
-  const Amplification& amplification = *method.amplification;
-  if (near.curve) {
-    if (method.needs_split && !is_all_stiff(near))
-      row.note = without_common_modes;
-    else if (amplification.motion && !amplification.motion->lumped.empty() && near.curve->beta != 0)
-      row.note =
-          "the method solves for a part of the damping alone, which couples the modes of this model; take "
-          "explicit_newmark, which solves for all of it, a smaller mesh, or alpha in place of beta";
-    else
-      predict_on_curve(row, method, problem, near);
-    return row;
-  }
-  if (amplification.motion && couples_modes(*amplification.motion, *near.model.mechanical)) {
+  const std::optional<MotionMap>& motion = method.amplification->motion;
+  if (near.curve && method.needs_split && !is_all_stiff(near))
+    row.note = without_common_modes;
+  else if (near.curve && motion && !motion->lumped.empty() && near.curve->beta != 0)
+    row.note =
+        "the method solves for a part of the damping alone, which couples the modes of this model; take "
+        "explicit_newmark, which solves for all of it, a smaller mesh, or alpha in place of beta";
+  else if (near.curve)
+    predict_on_curve(row, method, problem, near);
+  else if (motion && couples_modes(*motion, *near.model.mechanical))
     predict_coupled(row, method, problem, near);
-    return row;
-  }
-  if (near.range) {
+  else if (near.range)
     predict_in_range(row, method, problem, near);
-    return row;
-  }
-  StepLimit limit;
-  std::vector<Mode> modes;
-  std::vector<Eigenmode> told;
-  if (method.amplification->of_oscillation) {
-    // Both eigenvalues of an oscillation share its limit.
-    limit = largest_stable_step(*method.amplification, near.spectrum.mechanical);
-    for (const MechanicalMode& oscillation : near.spectrum.mechanical) modes.push_back(mode_of(oscillation));
-    const std::vector<Complex> lambda = lambda_of(modes);
-    told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
-  } else {
-    modes = modes_of(near.spectrum);
-    const std::vector<Complex> lambda = lambda_of(modes);
-    told = std::vector<Eigenmode>(lambda.begin(), lambda.end());
-    const double radius = radius_told(method, problem, near);
-    for (Eigenmode& mode : told) mode.radius = radius;
-    if (method.needs_split) {
-      const auto parts = stiff_parts(near, lambda);
-      if (!parts) {
-        row.note = without_common_modes;
-        return row;
-      }
-      for (std::size_t i = 0; i < told.size(); ++i) told[i].stiff = (*parts)[i];
-    }
-    limit = largest_stable_step(*method.amplification, told);
-  }
-  for (std::size_t i = 0; i < modes.size(); ++i) row.modes.push_back({modes[i], limit.of_modes[i], told[i]});
-
-  if (!limit.growing.empty()) {
-    const std::size_t first = limit.growing.front();
-    is_of_growing_model(
-        row,
-        method.amplification->of_oscillation ? growing_of(near.spectrum.mechanical[first]) : modes[first],
-        problem, near);
-  } else
-    conclude(row, limit.h_max, modes[limit.limiting], method, problem, near);
+  else
+    predict_by_modes(row, method, problem, near);
   return row;
 }
 

@@ -12,6 +12,7 @@
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/dynamics/growth.hpp"
 #include "bench/catalogue/measured_amplification.hpp"
+#include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/mode_start.hpp"
 #include "bench/models/planar.hpp"
 #include "bench/models/tissue_problem.hpp"
@@ -301,105 +302,142 @@ std::vector<double> steps_without_limit(const Problem& problem, double farthest)
   return steps;
 }
 
+/// Why runs are not worth their time, or would show something else; empty where they are.
+std::string why_not_verified(const Method& method, const Problem& problem, const Problem& free,
+                             const Linearised& near) {
+  // Of the motion that the force makes every state is kept, to be taken off.
+  constexpr Eigen::Index most_driven_states = 20;
+  const Eigen::Index states = near.model.y.size();
+  if (is_driven(free) && states > most_driven_states)
+    return fmt::format("not verified: a force moves the {} states of the model during the runs", states);
+  if (problem.body && !near.at_equilibrium)
+    return near.status.empty()
+               ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
+               : "not verified: no equilibrium was found, so that the body moves away from this state; a smaller "
+                 "load, like --set g=0, can be verified";
+  if (is_too_slow(method, states))
+    return fmt::format("not verified: {} factors a dense matrix of {} rows in every step", method.engine,
+                       states);
+  return {};
+}
+
+/// The slowest and the fastest of the modes of a row, by |lambda| [1/s].
+struct Rates {
+  double slowest = infinity, fastest = 0;
+};
+Rates rates_of(const Prediction& row) {
+  Rates rates;
+  for (const ModeMargin& margin : row.modes) {
+    const double rate = std::abs(margin.mode.lambda);
+    if (rate > 0) rates.slowest = std::min(rates.slowest, rate);
+    rates.fastest = std::max(rates.fastest, rate);
+  }
+  return rates;
+}
+
+/// What runs have shown, and the words for it where they do not agree with the prediction.
+struct Finding {
+  Observation seen;
+  std::string contradiction, excuse;
+};
+
+/// Runs of a method that is unstable at no step, at the steps that users take and far beyond.
+Finding watch_without_limit(Prediction& row, const Problem& problem, const ModeStart& start,
+                            const ShowSteps& run, const Outcome& outcome) {
+  Finding finding;
+  Observation& seen = finding.seen;
+  // Of a large structure: where a step carries what velocities there are too far, it is not linear.
+  const double farthest = (start.mode_alone ? 1e3 : 1e6) / rates_of(row).slowest;
+  seen.agrees = true;
+  for (const double h : steps_without_limit(problem, farthest)) {
+    seen.steps = h < farthest ? 100 : start.mode_alone ? 512 : 4096;
+    seen.agrees = !grows_at(run, start.distance, h, seen.steps);
+    if (seen.agrees) continue;
+    if (outcome == Outcome::newton_failed) {
+      row.bound = Bound::newton;
+      finding.excuse = fmt::format(
+          "no step is unstable, but Newton's method does not solve the equations of a step of {} s{}: it limits "
+          "the step",
+          to_text(h), h < farthest ? "" : ", far beyond the slowest time scale");
+    }
+    finding.contradiction = fmt::format(
+        "no step is unstable by the analysis, but runs of {} steps of {} s grow", seen.steps, to_text(h));
+    break;
+  }
+  seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
+  seen.gap = std::numeric_limits<double>::quiet_NaN();
+  return finding;
+}
+
+/// Runs on both sides of a limit.
+Finding watch_limit(const Prediction& row, const Method& method, const Linearised& near,
+                    const ModeStart& start, const ShowSteps& run) {
+  const ObservedLimit limit = observe(method, row, near, start, run);
+  return {.seen = {.h_max = limit.h,
+                   .gap = limit.h / *row.h_max - 1,
+                   .steps = limit.steps,
+                   .agrees = limit.below_decays && limit.above_grows},
+          .contradiction =
+              limit.below_decays
+                  ? fmt::format("integration does not show this limit: {} steps of 1.001 of it do not grow",
+                                limit.steps)
+                  : fmt::format("integration does not show this limit: {} steps of 0.999 of it grow",
+                                limit.steps),
+          .excuse = {}};
+}
+
+/// Puts into the row what was seen and why it does not agree.
+void conclude(Prediction& row, const Method& method, Finding finding) {
+  Observation& seen = finding.seen;
+  seen.excused = !seen.agrees && !finding.excuse.empty();
+  if (!seen.agrees) row.note = seen.excused ? finding.excuse : finding.contradiction;
+  seen.step_defect = step_defect(method);
+  if (!seen.has_steps_of_analysis())
+    row.note += fmt::format("{}its steps are not those of its analysis, they differ by {}",
+                            row.note.empty() ? "" : "; ", to_text(seen.step_defect));
+  row.observed = seen;
+}
+
 }  // namespace
 
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (!method.fixed_step || row.unstable_from ||
-      (row.bound != Bound::stability && row.bound != Bound::accuracy && row.bound != Bound::newton))
-    return;
-  if (!std::ranges::any_of(row.modes, [](const ModeMargin& margin) { return margin.mode.lambda != 0.0; }))
-    return;
-  // Of the motion that the force makes every state is kept, to be taken off.
-  constexpr Eigen::Index most_driven_states = 20;
+  const bool has_claim =
+      row.bound == Bound::stability || row.bound == Bound::accuracy || row.bound == Bound::newton;
+  if (!method.fixed_step || row.unstable_from || !has_claim) return;
+  if (rates_of(row).fastest == 0) return;  // nothing moves
   Problem free = after_ramps(problem);
-  if (is_driven(free) && near.model.y.size() > most_driven_states) {
-    row.note = fmt::format("not verified: a force moves the {} states of the model during the runs",
-                           near.model.y.size());
-    return;
-  }
-  if (problem.body && !near.at_equilibrium) {
-    row.note =
-        near.status.empty()
-            ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
-            : "not verified: no equilibrium was found, so that the body moves away from this state; a smaller "
-              "load, like --set g=0, can be verified";
-    return;
-  }
-  if (is_too_slow(method, near.model.y.size())) {
-    row.note = fmt::format("not verified: {} factors a dense matrix of {} rows in every step", method.engine,
-                           near.model.y.size());
+  if (std::string why = why_not_verified(method, problem, free, near); !why.empty()) {
+    row.note = std::move(why);
     return;
   }
   // The limiting mode, or the slowest.
   const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
   Eigen::VectorXd rest = near.model.y;
   take_off_drive(free, rest);
-  double slowest = infinity, fastest = 0;
-  for (const ModeMargin& margin : row.modes) {
-    if (margin.mode.lambda != 0.0) slowest = std::min(slowest, std::abs(margin.mode.lambda));
-    fastest = std::max(fastest, std::abs(margin.mode.lambda));
-  }
   const ModeStart start =
       row.coupled && row.bound == Bound::stability
           ? start_from_shape(*near.model.mechanical, rest, row.coupled->displacement, *row.h_max)
-          : start_from_mode(near, rest, wanted, fastest);
+          : start_from_mode(near, rest, wanted, rates_of(row).fastest);
   // Where a mode is watched alone little is seen that is not its own.
   const double most_change = start.mode_alone ? 1e-7 : 1e-4;
   const double size =
       is_linear(problem) ? 1 : small_displacement(problem, near, start.displacement, most_change);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
-  Observation seen;
-  std::string contradiction, excuse;
-  if (row.bound != Bound::stability) {
-    // Of a large structure: where a step carries what velocities there are too far, it is not linear.
-    const double farthest = (start.mode_alone ? 1e3 : 1e6) / slowest;
-    seen.agrees = true;
-    for (const double h : steps_without_limit(problem, farthest)) {
-      seen.steps = h < farthest ? 100 : start.mode_alone ? 512 : 4096;
-      seen.agrees = !grows_at(run, start.distance, h, seen.steps);
-      if (seen.agrees) continue;
-      if (*outcome == Outcome::newton_failed) {
-        row.bound = Bound::newton;
-        excuse = fmt::format(
-            "no step is unstable, but Newton's method does not solve the equations of a step of {} s{}: it limits "
-            "the step",
-            to_text(h), h < farthest ? "" : ", far beyond the slowest time scale");
-      }
-      contradiction = fmt::format("no step is unstable by the analysis, but runs of {} steps of {} s grow",
-                                  seen.steps, to_text(h));
-      break;
-    }
-    seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
-    seen.gap = std::numeric_limits<double>::quiet_NaN();
-  } else {
-    const ObservedLimit limit = observe(method, row, near, start, run);
-    seen = {.h_max = limit.h,
-            .gap = limit.h / *row.h_max - 1,
-            .steps = limit.steps,
-            .agrees = limit.below_decays && limit.above_grows};
-    contradiction =
-        limit.below_decays
-            ? fmt::format("integration does not show this limit: {} steps of 1.001 of it do not grow",
-                          limit.steps)
-            : fmt::format("integration does not show this limit: {} steps of 0.999 of it grow", limit.steps);
-  }
+  Finding finding = row.bound == Bound::stability ? watch_limit(row, method, near, start, run)
+                                                  : watch_without_limit(row, problem, start, run, *outcome);
+  const Observation& seen = finding.seen;
   if (!seen.agrees && seen.steps >= most_observed_steps)
-    excuse = fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
+    finding.excuse =
+        fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
   if (!is_linear(problem) && is_driven(free) && !seen.agrees) {
-    excuse =
+    finding.excuse =
         "the force moves the model away from this state, so that the runs show the limit of other states; the limit "
         "along the motion says more";
     // Limits of different states are no prediction and observation of one.
-    seen.gap = std::numeric_limits<double>::quiet_NaN();
+    finding.seen.gap = std::numeric_limits<double>::quiet_NaN();
   }
-  seen.excused = !seen.agrees && !excuse.empty();
-  if (!seen.agrees) row.note = seen.excused ? excuse : contradiction;
-  seen.step_defect = step_defect(method);
-  if (!seen.has_steps_of_analysis())
-    row.note += fmt::format("{}its steps are not those of its analysis, they differ by {}",
-                            row.note.empty() ? "" : "; ", to_text(seen.step_defect));
-  row.observed = seen;
+  conclude(row, method, std::move(finding));
 }
 
 }  // namespace hmax

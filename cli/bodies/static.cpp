@@ -243,43 +243,47 @@ void refuse_ignored(const StaticOptions& options) {
   }
 }
 
-void solve(const StaticOptions& options, Console& console) {
-  options.picture.check();
-  refuse_ignored(options);
-  Problem problem = options.problem.make();
+/// What a command with these options cannot do with a body.
+void refuse_unsuited(const StaticOptions& options, const Problem& problem) {
   if (!problem.body)
     throw InputError(fmt::format(
         "{} is no body on a mesh, and hmax static is for those; name one with --mesh", problem.id));
-  const double t = equilibrium_time(*problem.body);
-  if (problem.body->steady_from() != t)
+  if (problem.body->steady_from() != equilibrium_time(*problem.body))
     throw InputError("this load changes with time; take gravity, press, pull or tool");
   const bool has_tool = !problem.body->settings().tools.empty();
-  if (has_tool && (options.load_scale || !options.per_frame.empty() || !options.frames.empty() ||
-                   !options.compare.empty()))
+  const bool frames = !options.per_frame.empty() || !options.frames.empty();
+  if (has_tool && (options.load_scale || frames || !options.compare.empty()))
     throw InputError(
         "--load-scale, --compare, --pseudo-dynamic and --frames are for loads that are forces, and a tool moves; leave "
         "them out, or choose its depth with --set depth=");
   if (has_tool && options.solver == "linear")
     throw InputError("--solver linear knows no contact, which a tool makes on its way; take newton");
-  const double scale = options.load_scale.value_or(1);
-  if (!std::isfinite(scale))
-    throw InputError(fmt::format("--load-scale is {} but must be a finite number", scale));
-  const StaticModel model = static_model(problem, scale);
-  const StaticSettings settings = settings_of(options);
+  if (!std::isfinite(options.load_scale.value_or(1)))
+    throw InputError(fmt::format("--load-scale is {} but must be a finite number", *options.load_scale));
   if (!options.output.empty()) {
     form_of(options.output, {{".csv", "the history of residuals"}});
     check_writable(options.output);
   }
   if (options.picture.wanted()) options.picture.check(*problem.body);
-  remark_unusual(console, problem);
-  const bool frames = !options.per_frame.empty() || !options.frames.empty();
   if ((frames || !options.compare.empty()) && options.picture.wanted())
     throw InputError("a picture shows one equilibrium; leave --pseudo-dynamic, --frames and --compare out");
-  if (!options.compare.empty()) return print_comparison(options, problem, model, settings, console);
-  if (frames) return print_frames(options, problem, model, settings, console);
+}
 
+/// The outcome of the command without --compare and --frames.
+struct StaticAnswer {
+  const Problem& problem;
+  const StaticSettings& settings;
+  StaticSolution solution;
+  double load_scale, seconds;
+  std::string outcome, status;
+  double least_volume, energy;
+  std::optional<ToolReport> tool;
+};
+
+StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const StaticSettings& settings,
+                       double scale, Console& console) {
   const double start = thread_cpu_seconds();
-  const StaticSolution solution = [&] {
+  StaticSolution solution = [&] {
     Progress progress(console, "static");
     StaticSettings shown = settings;
     shown.seen = [&](const StaticIterate& iterate) {
@@ -291,78 +295,117 @@ void solve(const StaticOptions& options, Console& console) {
     };
     return found_equilibrium(problem, scale, shown, thread_cpu_seconds);
   }();
-  const double seconds = thread_cpu_seconds() - start;
-  const double volume = problem.body->least_volume(t, solution.q).first;
-  const std::string outcome(outcome_of(problem, solution)), status = status_of(problem, solution);
-  if (outcome != "converged") console.exit_code = Exit::failed;
+  const double seconds = thread_cpu_seconds() - start, t = equilibrium_time(*problem.body);
+  StaticAnswer answer{.problem = problem,
+                      .settings = settings,
+                      .solution = std::move(solution),
+                      .load_scale = scale,
+                      .seconds = seconds,
+                      .outcome = {},
+                      .status = {},
+                      .least_volume = 0,
+                      .energy = 0,
+                      .tool = {}};
+  answer.outcome = outcome_of(problem, answer.solution);
+  answer.status = status_of(problem, answer.solution);
+  answer.least_volume = problem.body->least_volume(t, answer.solution.q).first;
+  answer.energy = model.energy(answer.solution.q);
+  answer.tool = tool_report(problem, t, answer.solution.q);
+  return answer;
+}
 
-  if (!options.output.empty()) {
-    Table table;
-    table.notes = {{"problem", problem.id},
-                   {"parameters", describe_acting(problem)},
-                   {"solver", std::string(name_of(settings.method))},
-                   {"linear", std::string(name_of(settings.inner))}};
-    table.columns = {"iteration", "load step", "residual", "time [s]", "inner iterations"};
-    table.values.resize(table.columns.size());
-    for (std::size_t i = 0; i < solution.history.size(); ++i) {
-      const StaticIterate& row = solution.history[i];
-      const double values[]{static_cast<double>(i), static_cast<double>(row.load_step), row.residual,
-                            row.seconds, static_cast<double>(row.inner)};
-      for (std::size_t k = 0; k < table.columns.size(); ++k) table.values[k].push_back(values[k]);
-    }
-    write_csv(options.output, table);
+Table history_of(const StaticAnswer& answer) {
+  Table table;
+  table.notes = {{"problem", answer.problem.id},
+                 {"parameters", describe_acting(answer.problem)},
+                 {"solver", std::string(name_of(answer.settings.method))},
+                 {"linear", std::string(name_of(answer.settings.inner))}};
+  table.columns = {"iteration", "load step", "residual", "time [s]", "inner iterations"};
+  table.values.resize(table.columns.size());
+  for (std::size_t i = 0; i < answer.solution.history.size(); ++i) {
+    const StaticIterate& row = answer.solution.history[i];
+    const double values[]{static_cast<double>(i), static_cast<double>(row.load_step), row.residual,
+                          row.seconds, static_cast<double>(row.inner)};
+    for (std::size_t k = 0; k < table.columns.size(); ++k) table.values[k].push_back(values[k]);
   }
+  return table;
+}
 
-  if (options.picture.wanted())
-    options.picture.write(picture_of(options, problem, settings, solution, outcome));
-
-  const double energy = model.energy(solution.q);
-  const std::optional<ToolReport> tool = tool_report(problem, t, solution.q);
-  if (solution.converged) warn_of_tool(console, problem, t, solution.q);
-  if (console.json) {
-    Json residuals = Json::array(), times = Json::array();
-    for (const StaticIterate& row : solution.history) {
-      residuals.push_back(row.residual);
-      times.push_back(row.seconds);
-    }
-    Json parameters = Json::object();
-    for (const auto& [name, value] : problem.parameters) parameters[name] = value;
-    Json document{{"problem", problem.id},
-                  {"material", problem.material.empty() ? Json() : Json(problem.material)},
-                  {"parameters", parameters},
-                  {"load_scale", scale},
-                  {"solver", name_of(settings.method)},
-                  {"linear", name_of(settings.inner)},
-                  {"outcome", outcome},
-                  {"status", status},
-                  {"iterations", solution.iterations},
-                  {"residuals", residuals},
-                  {"times", times},
-                  {"seconds", seconds},
-                  {"max_displacement", largest_displacement(solution.q)},
-                  {"energy", energy},
-                  {"least_volume", volume},
-                  {"body", body_json(problem)},
-                  {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()}};
-    if (tool) document["tool"] = tool->json();
-    return console.print_json(document);
+Json json_of(const StaticAnswer& answer, const std::string& picture) {
+  const Problem& problem = answer.problem;
+  Json residuals = Json::array(), times = Json::array();
+  for (const StaticIterate& row : answer.solution.history) {
+    residuals.push_back(row.residual);
+    times.push_back(row.seconds);
   }
+  Json parameters = Json::object();
+  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
+  Json document{{"problem", problem.id},
+                {"material", problem.material.empty() ? Json() : Json(problem.material)},
+                {"parameters", parameters},
+                {"load_scale", answer.load_scale},
+                {"solver", name_of(answer.settings.method)},
+                {"linear", name_of(answer.settings.inner)},
+                {"outcome", answer.outcome},
+                {"status", answer.status},
+                {"iterations", answer.solution.iterations},
+                {"residuals", residuals},
+                {"times", times},
+                {"seconds", answer.seconds},
+                {"max_displacement", largest_displacement(answer.solution.q)},
+                {"energy", answer.energy},
+                {"least_volume", answer.least_volume},
+                {"body", body_json(problem)},
+                {"picture", picture.empty() ? Json() : Json(picture)}};
+  if (answer.tool) document["tool"] = answer.tool->json();
+  return document;
+}
+
+std::string words_of(const StaticAnswer& answer, const Console& console) {
+  constexpr std::size_t all = 40, ends = 10;  // of a long history the first and the last rows are shown
+  const std::vector<StaticIterate>& history = answer.solution.history;
   TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
-  for (std::size_t i = 0; i < solution.history.size(); ++i) {
-    const StaticIterate& row = solution.history[i];
-    if (solution.history.size() > 40 && i > 10 && i + 10 < solution.history.size()) {
-      if (i == 11) table.add({"...", "", "", "", ""});
+  for (std::size_t i = 0; i < history.size(); ++i) {
+    const StaticIterate& row = history[i];
+    if (history.size() > all && i > ends && i + ends < history.size()) {
+      if (i == ends + 1) table.add({"...", "", "", "", ""});
       continue;
     }
     table.add({std::to_string(i), std::to_string(row.load_step), short_number(row.residual, 3),
                fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
   }
-  console.print(
-      fmt::format("{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}",
-                  problem.id, describe_acting(problem), body_in_words(problem), name_of(settings.method),
-                  name_of(settings.inner), table.text(console), outcome, status.empty() ? "" : ": " + status,
-                  short_number(1000 * largest_displacement(solution.q), 5), short_number(energy, 5),
-                  tool ? "tool: " + tool->words() + "\n" : ""));
+  return fmt::format(
+      "{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}",
+      answer.problem.id, describe_acting(answer.problem), body_in_words(answer.problem),
+      name_of(answer.settings.method), name_of(answer.settings.inner), table.text(console), answer.outcome,
+      answer.status.empty() ? "" : ": " + answer.status,
+      short_number(1000 * largest_displacement(answer.solution.q), 5), short_number(answer.energy, 5),
+      answer.tool ? "tool: " + answer.tool->words() + "\n" : "");
+}
+
+void solve(const StaticOptions& options, Console& console) {
+  options.picture.check();
+  refuse_ignored(options);
+  const Problem problem = options.problem.make();
+  refuse_unsuited(options, problem);
+  const double scale = options.load_scale.value_or(1);
+  const StaticModel model = static_model(problem, scale);
+  const StaticSettings settings = settings_of(options);
+  remark_unusual(console, problem);
+  if (!options.compare.empty()) return print_comparison(options, problem, model, settings, console);
+  if (!options.per_frame.empty() || !options.frames.empty())
+    return print_frames(options, problem, model, settings, console);
+
+  const StaticAnswer answer = answer_of(problem, model, settings, scale, console);
+  if (answer.outcome != "converged") console.exit_code = Exit::failed;
+  if (!options.output.empty()) write_csv(options.output, history_of(answer));
+  if (options.picture.wanted())
+    options.picture.write(picture_of(options, problem, settings, answer.solution, answer.outcome));
+  if (answer.solution.converged)
+    warn_of_tool(console, problem, equilibrium_time(*problem.body), answer.solution.q);
+  if (console.json)
+    return console.print_json(json_of(answer, options.picture.wanted() ? options.picture.file : ""));
+  console.print(words_of(answer, console));
 }
 
 }  // namespace

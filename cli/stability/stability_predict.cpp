@@ -440,8 +440,164 @@ std::string words_of_strides(const std::vector<PredictedRow>& rows) {
       short_number(100 * longest, 2));
 }
 
+/// The rows of one call of the command, problem by problem, and what is said of them.
+class PredictedRows {
+ public:
+  PredictedRows(const PredictOptions& options, std::vector<ProblemChoice> choices,
+                std::vector<Problem> problems, std::vector<Method> methods, Console& console)
+      : options_(options),
+        choices_(std::move(choices)),
+        problems_(std::move(problems)),
+        methods_(std::move(methods)),
+        console_(console) {}
+
+  /// Every problem with every method; ends early when the user interrupts, with what is finished.
+  void compute() {
+    Progress progress(console_, "predict");
+    progress_ = &progress;
+    for (std::size_t which = 0; which < problems_.size() && !interrupted_; ++which) {
+      try {
+        add(which);
+      } catch (const Interrupted&) {
+        break;  // the flag stays set: what is finished is printed
+      }
+    }
+    progress_ = nullptr;
+  }
+
+  void print() {
+    if (console_.json) {
+      Json list = Json::array();
+      for (const PredictedRow& row : rows_) list.push_back(to_json(row, options_));
+      return console_.print_json({{"rows", std::move(list)}, {"models", std::move(models_)}});
+    }
+    console_.print(for_people(rows_, options_, console_));
+    console_.print(states_ + words_of_paths() + words_of_strides(rows_) + words_of_notes(rows_));
+  }
+
+ private:
+  [[nodiscard]] double share(std::size_t rows) const {
+    return static_cast<double>(rows) / static_cast<double>(problems_.size() * methods_.size());
+  }
+
+  Watcher watch(const Problem& problem, std::string_view what) {
+    return [this, task = task_along(options_, problem, what)] {
+      leave_when_interrupted();
+      progress_->update(share(rows_.size()), task);
+    };
+  }
+
+  /// The motion that limits are looked for along; nothing where there is none and nobody asked for it.
+  std::optional<Path> motion_of(const Problem& problem) {
+    if (options_.along.empty()) return std::nullopt;
+    try {
+      return path_of(options_, problem, watch(problem, "finding"));
+    } catch (const InputError& error) {
+      if (!options_.along_by_default) throw;
+      console_.remark(without_motion(problem, error));
+      return std::nullopt;
+    }
+  }
+
+  void add(std::size_t which) {
+    const Problem& problem = problems_[which];
+    const std::optional<Path> path = motion_of(problem);
+    const OperatingPoint at = options_.at.of(problem);
+    announce_equilibrium(console_, problem, at);
+    const Linearised near = [&] {
+      LinearisationProgress shown(*progress_);
+      return linearised(problem, at, shown.watcher());
+    }();
+    tell_of_state(which, near, path.has_value());
+    const std::size_t before = rows_.size();
+    predict_all(which, near, words_of_state(problem, near, path.has_value()));
+    for (const PredictedRow& row : std::span(rows_).subspan(before))
+      if (const auto& seen = row.prediction.observed; seen && seen->contradicts())
+        console_.exit_code = Exit::failed;
+    if (!path || interrupted_) return;
+    const std::span<PredictedRow> own = std::span(rows_).last(methods_.size());
+    try {
+      look_along(options_, problem, *path, methods_, own, watch(problem, "limits along"));
+    } catch (const InputError& error) {
+      if (!options_.along_by_default) throw;
+      console_.remark(without_motion(problem, error));
+      for (PredictedRow& row : own) row.state_status = words_of_state(problem, near, false);
+    }
+  }
+
+  void tell_of_state(std::size_t which, const Linearised& near, bool along) {
+    const Problem& problem = problems_[which];
+    if (console_.json) models_.push_back(model_json(problem, near));
+    if (near.at_equilibrium) warn_of_tool(console_, problem, near.model.t, near.model.y);
+    const std::string status = words_of_state(problem, near, along);
+    if (has_moving_load(problem) && !status.empty()) console_.remark(status);
+    if (states_.empty()) states_ = "\n";
+    if (problems_.size() > 1) states_ += problem.material + ", ";
+    states_ += words_of_model(options_, problem, near, along);
+    if (which == 0 && problem.body && !console_.json)
+      states_ += body_in_words(problem) + "\n" + fastest_mode_in_words(problem, near);
+  }
+
+  void predict_all(std::size_t which, const Linearised& near, const std::string& status) {
+    const Problem& problem = problems_[which];
+    const std::size_t before = rows_.size();
+    rows_.resize(before + methods_.size());
+    // Formulas have one workspace; bodies are shared.
+    const Problem of_second = problem.body ? problem : choices_[which].make();
+    in_two_threads(
+        methods_.size(),
+        [&](std::size_t i, std::size_t worker) {
+          const Method& method = methods_[i];
+          const Problem& own = worker == 0 ? problem : of_second;
+          PredictedRow row{predict(method, own, near), status, {}, {}, {}};
+          if (row.prediction.bound == Bound::newton && method.bind)  // formulas step nothing
+            row.prediction.newton_step = largest_newton_step(method, own);
+          if (options_.verify) verify(row.prediction, method, own, near);
+          rows_[before + i] = std::move(row);
+        },
+        [&](std::size_t done) { progress_->update(share(before + done), problem.material); },
+        [&] { return interrupted_.load(); });
+    if (interrupted_)
+      std::erase_if(rows_, [](const PredictedRow& row) { return row.prediction.method.empty(); });
+  }
+
+  /// What is to be said of limits along motions, once of neighbours that say the same.
+  [[nodiscard]] std::string words_of_paths() const {
+    std::string remarks, said;
+    for (const PredictedRow& each : rows_) {
+      std::string words = each.along ? words_of_growth(*each.along, options_.along_load()) : "";
+      if (!words.empty()) words += "\n";
+      if (!each.path_note.empty()) words += each.path_note + "\n";
+      if (words.empty() || words == said) continue;
+      remarks += each.prediction.material.empty() ? words : each.prediction.material + ": " + words;
+      said = words;
+    }
+    return remarks;
+  }
+
+  const PredictOptions& options_;
+  std::vector<ProblemChoice> choices_;
+  std::vector<Problem> problems_;
+  std::vector<Method> methods_;
+  Console& console_;
+  const std::remove_reference_t<decltype(interrupt_flag())>& interrupted_ = interrupt_flag();
+  Progress* progress_ = nullptr;
+  std::vector<PredictedRow> rows_;
+  Json models_ = Json::array();
+  std::string states_;
+};
+
+/// @throws InputError  where --verify names a formula without code
+void require_code(const std::vector<Method>& methods) {
+  for (const Method& method : methods)
+    if (!method.bind)
+      throw InputError(fmt::format(
+          "{} is a formula that nothing in hmax steps with, so there are no runs to verify it by; "
+          "leave out --verify, or name methods of `hmax list methods`",
+          method.id));
+}
+
 void predict_rows(const PredictOptions& asked, Console& console) {
-  const auto& interrupted = interrupt_flag();
   std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(asked)) {
@@ -450,112 +606,14 @@ void predict_rows(const PredictOptions& asked, Console& console) {
     problems.push_back(choices.back().make());
   }
   const PredictOptions options = with_path(asked, problems.front());
-  const std::vector<Method> chosen = options.methods.methods(problems);
-  if (options.verify)
-    for (const Method& method : chosen)
-      if (!method.bind)
-        throw InputError(fmt::format(
-            "{} is a formula that nothing in hmax steps with, so there are no runs to verify it by; "
-            "leave out --verify, or name methods of `hmax list methods`",
-            method.id));
-  std::ranges::for_each(problems, [&](const Problem& problem) { remark_unusual(console, problem); });
+  std::vector<Method> methods = options.methods.methods(problems);
+  if (options.verify) require_code(methods);
+  for (const Problem& problem : problems) remark_unusual(console, problem);
   asked.problem.remark_idle(console, problems.front());
-  std::vector<PredictedRow> rows;
-  Json models = Json::array();
-  std::string states;
-  {
-    Progress progress(console, "predict");
-    const auto total = static_cast<double>(problems.size() * chosen.size());
-    for (std::size_t which = 0; which < problems.size() && !interrupted; ++which) {
-      const Problem& problem = problems[which];
-      std::optional<Path> path;
-      const auto watch = [&](std::string_view what) -> Watcher {
-        const std::string task = task_along(options, problem, what);
-        return [&, task] {
-          leave_when_interrupted();
-          progress.update(static_cast<double>(rows.size()) / total, task);
-        };
-      };
-      try {
-        if (!options.along.empty()) path = path_of(options, problem, watch("finding"));
-      } catch (const Interrupted&) {
-        break;  // the flag stays set: what is finished is printed
-      } catch (const InputError& error) {
-        if (!options.along_by_default) throw;
-        console.remark(without_motion(problem, error));
-      }
-      const OperatingPoint at = options.at.of(problem);
-      announce_equilibrium(console, problem, at);
-      const Linearised near = [&] {
-        LinearisationProgress shown(progress);
-        return linearised(problem, at, shown.watcher());
-      }();
-      if (console.json) models.push_back(model_json(problem, near));
-      if (near.at_equilibrium) warn_of_tool(console, problem, near.model.t, near.model.y);
-      const std::string status = words_of_state(problem, near, path.has_value());
-      if (has_moving_load(problem) && !status.empty()) console.remark(status);
-      if (states.empty()) states = "\n";
-      if (problems.size() > 1) states += problem.material + ", ";
-      states += words_of_model(options, problem, near, path.has_value());
-      if (which == 0 && problem.body && !console.json)
-        states += body_in_words(problem) + "\n" + fastest_mode_in_words(problem, near);
-      const std::size_t before = rows.size();
-      rows.resize(before + chosen.size());
-      // Formulas have one workspace; bodies are shared.
-      const Problem of_second = problem.body ? problem : choices[which].make();
-      in_two_threads(
-          chosen.size(),
-          [&](std::size_t i, std::size_t worker) {
-            const Problem& own = worker == 0 ? problem : of_second;
-            PredictedRow row{predict(chosen[i], own, near), status, {}, {}, {}};
-            if (row.prediction.bound == Bound::newton && chosen[i].bind)  // formulas step nothing
-              row.prediction.newton_step = largest_newton_step(chosen[i], own);
-            if (options.verify) verify(row.prediction, chosen[i], own, near);
-            rows[before + i] = std::move(row);
-          },
-          [&](std::size_t done) {
-            progress.update(static_cast<double>(before + done) / total, problem.material);
-          },
-          [&] { return interrupted.load(); });
-      if (interrupted)
-        std::erase_if(rows, [](const PredictedRow& row) { return row.prediction.method.empty(); });
-      for (const PredictedRow& row : std::span(rows).subspan(before))
-        if (const auto& seen = row.prediction.observed; seen && seen->contradicts())
-          console.exit_code = Exit::failed;
-      if (!path || interrupted) continue;
-      try {
-        look_along(options, problem, *path, chosen, std::span(rows).last(chosen.size()),
-                   watch("limits along"));
-      } catch (const Interrupted&) {
-        break;
-      } catch (const InputError& error) {
-        if (!options.along_by_default) throw;
-        console.remark(without_motion(problem, error));
-        for (PredictedRow& row : std::span(rows).last(chosen.size()))
-          row.state_status = words_of_state(problem, near, false);
-      }
-    }
-  }
-  if (console.json) {
-    Json list = Json::array();
-    for (const PredictedRow& row : rows) list.push_back(to_json(row, options));
-    console.print_json({{"rows", std::move(list)}, {"models", std::move(models)}});
-    if (interrupted) throw Interrupted{};
-    return;
-  }
-  console.print(for_people(rows, options, console));
-  std::string remarks = states;
-  std::string said;
-  for (const PredictedRow& each : rows) {
-    std::string words = each.along ? words_of_growth(*each.along, options.along_load()) : "";
-    if (!words.empty()) words += "\n";
-    if (!each.path_note.empty()) words += each.path_note + "\n";
-    if (words.empty() || words == said) continue;
-    remarks += each.prediction.material.empty() ? words : each.prediction.material + ": " + words;
-    said = words;
-  }
-  console.print(remarks + words_of_strides(rows) + words_of_notes(rows));
-  if (interrupted) throw Interrupted{};
+  PredictedRows rows(options, std::move(choices), std::move(problems), std::move(methods), console);
+  rows.compute();
+  rows.print();
+  if (interrupt_flag()) throw Interrupted{};
 }
 
 }  // namespace
