@@ -99,6 +99,12 @@ PhasePlane phase_plane_of(const LiverFamilyMember& member, const std::vector<Eig
   return plane;
 }
 
+/// The family with the damping c = 2 zeta sqrt(k1 m) of each member's linear part.
+LiverFamily damped_as_at_rest(LiverFamily family, double zeta) {
+  for (auto& [label, p] : family.members) p.c = 2 * zeta * std::sqrt(p.k1 * p.m);
+  return family;
+}
+
 /// The first `seconds` of a curve.
 LabelledTable beginning(const LabelledTable& curve, double seconds) {
   LabelledTable first = curve;
@@ -171,7 +177,8 @@ class Study {
     timing();
     table_2();
     linear_families();
-    phase_planes();
+    phase_planes_of_stiffness();
+    phase_planes_of_damping();
     forced();
     benchmark_liver();
     return write_report("The liver oscillator study, done again",
@@ -300,28 +307,41 @@ class Study {
     }
   }
 
-  void phase_planes() {
+  void phase_planes_of_stiffness() {
     progress_("figure 5");
-    const LiverFamily &critical = liver_family("linear_critical"), &over = liver_family("linear_overdamped");
-    const Window near_rest{{-1, -1}, {1, 1}};
+    const Window near_rest{{-0.6, -1.2}, {1, 1.2}};
     std::vector<PhasePlane> planes;
-    for (const LiverFamily* family : {&critical, &over})
-      planes.push_back(
-          {.title = family == &critical ? "critically damped" : "over-damped", .orbits = curves_of(*family)});
+    std::string text =
+        "Case 2: cubic, without force. The damping is that of the linear part at rest, c = 2 zeta "
+        "sqrt(k1 m): critical with zeta = 1, over-damped with zeta = 2.\n\n";
+    for (const std::string_view id : {"cubic_stiffness", "cubic_hardening"})
+      for (const double zeta : {1.0, 2.0}) {
+        const LiverFamily family = damped_as_at_rest(liver_family(id), zeta);
+        const std::string title = fmt::format("{} varied, {}", id == "cubic_stiffness" ? "k1" : "k3",
+                                              zeta == 1 ? "critically damped" : "over-damped");
+        planes.push_back(phase_plane_of(family.members[1], {}, family.t_end, near_rest));
+        planes.back().title = title + ", field of the middle one";
+        planes.back().nullclines = {};
+        planes.back().rest_points = {};
+        planes.back().orbits = curves_of(family);
+        text += title + ":\n\n" + equilibria_table(family, near_rest) + "\n";
+      }
     sections_.push_back(
         {.title = "Figure 5: phase plane, stiffness varied, critically and over-damped",
-         .text = "Critically damped:\n\n" + equilibria_table(critical, near_rest) + "\nOver-damped:\n\n" +
-                 equilibria_table(over, near_rest),
-         .figures = {drawn(phase_figure("Without oscillation the liver returns straight to rest", planes),
-                           "figure_5_phase_plane", curve_footer(critical))},
+         .text = text,
+         .figures = {drawn(phase_figure("Without oscillation the liver returns to rest", planes),
+                           "figure_5_phase_plane",
+                           fmt::format("{}, rtol = atol = {:g}", curve_method, curve_tolerance))},
          .printed =
-             "Phase plane with direction field of the cubic model (case 2) for several stiffnesses, critically "
-             "and over-damped.",
+             "Phase plane with direction field of case 2 for several stiffnesses, critically (red) and over-damped "
+             "(blue): both converge to 0, clockwise.",
          .differs =
-             "Ours is the linear part, whose dampings have these names: of the cubic model they change with "
-             "the amplitude. The dampings are not published: " +
-             std::string(critical.note) + "; " + std::string(over.note) + "."});
+             fmt::format("Which stiffnesses and dampings were drawn is not published. {}; {}. Away from rest "
+                         "the cubic spring is stiffer, so that what is critical at rest is below it there.",
+                         liver_family("cubic_stiffness").note, liver_family("cubic_hardening").note)});
+  }
 
+  void phase_planes_of_damping() {
     progress_("figure 6");
     const LiverFamily& damping = liver_family("cubic_damping");
     const Window window{{-2, -2}, {2, 2}};
