@@ -5,8 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/verification.hpp"
-#include "bench/two_threads.hpp"
+#include "core/parallel_for.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/oscillator/liver_problems.hpp"
 
@@ -25,7 +26,7 @@ Problem problem_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, dou
   return problem;
 }
 
-/// work(which, method) of every method on every case of the kind that suits it, cases first, in two threads.
+/// work(which, method) of every method on every case of the kind that suits it, cases first, on all cores.
 /// After an interruption the rows that are finished.
 template <class Row, class Work>
 std::vector<Row> over_pairs(const std::vector<LimitCase>& cases, bool linear,
@@ -38,7 +39,7 @@ std::vector<Row> over_pairs(const std::vector<LimitCase>& cases, bool linear,
       if (cases[i].linear == linear && suits(method, cases[i].problem)) pairs.emplace_back(i, &method);
 
   std::vector<std::optional<Row>> rows(pairs.size());
-  in_two_threads(
+  parallel_for(
       pairs.size(), [&](std::size_t i, std::size_t) { rows[i] = work(pairs[i].first, *pairs[i].second); },
       [&](std::size_t done) { progress(static_cast<double>(done) / static_cast<double>(pairs.size())); },
       interrupted);

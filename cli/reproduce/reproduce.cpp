@@ -215,6 +215,7 @@ void add_reproduce(CLI::App& app, Console& console) {
   stability.add_option("--output", *limits_folder, "Folder of the report")->capture_default_str();
   add_force(stability);
   add_figure_style(stability);
+  add_jobs(stability);
   stability.callback([&console, limits_folder] { stability_study(*limits_folder, console); });
 
   CLI::App& tissue = add_command(

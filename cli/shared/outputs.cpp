@@ -8,6 +8,7 @@
 
 #include "cli/shared/console.hpp"
 #include "core/own_files.hpp"
+#include "core/parallel_for.hpp"
 #include "plots/figure.hpp"
 #include "results/errors.hpp"
 
@@ -16,6 +17,21 @@ namespace hmax {
 void add_force(CLI::App& command) {
   command.add_flag_callback(
       "--force", [] { allow_replacing(Replacing::forced); }, "Replace a file that hmax did not write");
+}
+
+void add_jobs(CLI::App& command) {
+  command
+      .add_option_function<std::string>(
+          "--jobs",
+          [](const std::string& count) {
+            constexpr std::int64_t most = 1024;
+            const std::int64_t threads = parse_count("--jobs", count, 1);
+            if (threads > most)
+              throw InputError(fmt::format("--jobs is {}; give a number of threads up to {}", threads, most));
+            set_jobs(static_cast<std::size_t>(threads));
+          },
+          "Threads; by default as many as there are cores. Results do not depend on it")
+      ->type_name("NUMBER");
 }
 
 void add_figure_style(CLI::App& command) {

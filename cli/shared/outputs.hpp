@@ -14,6 +14,9 @@ namespace hmax {
 /// The flag --force of a command that writes files: it may then replace those that hmax did not write.
 void add_force(CLI::App& command);
 
+/// The option --jobs of a command that works on all cores: how many threads, with the same results.
+void add_jobs(CLI::App& command);
+
 /// The option --style of a command that draws figures: for a page or for a slide.
 void add_figure_style(CLI::App& command);
 

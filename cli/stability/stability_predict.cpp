@@ -14,13 +14,14 @@
 #include "bench/limits/verification.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
-#include "bench/two_threads.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/tool_report.hpp"
 #include "cli/shared/choices.hpp"
+#include "cli/shared/outputs.hpp"
 #include "cli/stability/fastest_mode_words.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/parallel_for.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -542,17 +543,18 @@ class PredictedRows {
     const Problem& problem = problems_[which];
     const std::size_t before = rows_.size();
     rows_.resize(before + methods_.size());
-    // Formulas have one workspace; bodies are shared.
-    const Problem of_second = problem.body ? problem : choices_[which].make();
-    in_two_threads(
+    // Formulas have one workspace each; bodies are shared.
+    std::vector<Problem> own(1, problem);
+    while (own.size() < std::min(jobs(), methods_.size()))
+      own.push_back(problem.body ? problem : choices_[which].make());
+    parallel_for(
         methods_.size(),
         [&](std::size_t i, std::size_t worker) {
           const Method& method = methods_[i];
-          const Problem& own = worker == 0 ? problem : of_second;
-          PredictedRow row{predict(method, own, near), status, {}, {}, {}};
+          PredictedRow row{predict(method, own[worker], near), status, {}, {}, {}};
           if (row.prediction.bound == Bound::newton && method.bind)  // formulas step nothing
-            row.prediction.newton_step = largest_newton_step(method, own);
-          if (options_.verify) verify(row.prediction, method, own, near);
+            row.prediction.newton_step = largest_newton_step(method, own[worker]);
+          if (options_.verify) verify(row.prediction, method, own[worker], near);
           rows_[before + i] = std::move(row);
         },
         [&](std::size_t done) { progress_->update(share(before + done), problem.material); },
@@ -651,6 +653,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       ->default_str(std::string(path_names[0]));
   add_number(command, "--t-end", options->t_end,
              "End of that motion [s]; by default the problem's own, and at least a period of its load");
+  add_jobs(command);
   command.callback([options, &console] { predict_rows(*options, console); });
 }
 

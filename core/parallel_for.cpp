@@ -1,0 +1,66 @@
+#include "core/parallel_for.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <sched.h>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+namespace hmax {
+
+namespace {
+
+std::atomic<std::size_t> chosen = 0;  // 0: nobody has chosen
+
+std::size_t usable_cores() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof set, &set) == 0)
+    return static_cast<std::size_t>(std::max(1, CPU_COUNT(&set)));
+  return std::max(1U, std::thread::hardware_concurrency());
+}
+
+}  // namespace
+
+std::size_t jobs() {
+  const std::size_t count = chosen;
+  return count > 0 ? count : usable_cores();
+}
+
+void set_jobs(std::size_t count) { chosen = count; }
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
+                  const std::function<void(std::size_t)>& progress,
+                  const std::function<bool()>& interrupted) {
+  const std::size_t workers = std::max<std::size_t>(1, std::min(jobs(), count));
+  std::atomic<std::size_t> next = 0, done = 0;
+  std::vector<std::exception_ptr> failures(workers);
+  const auto labour = [&](std::size_t who) {
+    try {
+      for (std::size_t i = next++; i < count && !interrupted(); i = next++) {
+        work(i, who);
+        ++done;
+        if (who == 0) progress(done);
+      }
+    } catch (...) {
+      failures[who] = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    others.reserve(workers - 1);
+    try {
+      for (std::size_t who = 1; who < workers; ++who) others.emplace_back(labour, who);
+    } catch (const std::system_error&) {
+      // Those that run do all of it.
+    }
+    labour(0);
+  }
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace hmax

@@ -1,0 +1,25 @@
+/// Independent pieces of work, shared by all cores.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace hmax {
+
+/// How many threads parallel_for() uses: the cores that this process may run on, unless set_jobs() has said
+/// otherwise.
+std::size_t jobs();
+
+/// From now on. A program says so once, at its start or by an option. @param count  at least 1
+void set_jobs(std::size_t count);
+
+/// work(i, worker) for i = 0 .. count - 1, begun in this order, none after interrupted() has become true;
+/// worker < jobs(), so that each may have what others must not share, such as users' formulas. What a piece
+/// computes must not depend on the worker: results are the same for any number of threads. What one of them
+/// throws is thrown when all have ended. Where the system allows no further thread, or has no memory for its
+/// stack, those that are there do the work, at least the calling one. Not for anything that is timed.
+/// @param progress  called by the calling thread with the number of pieces that are done
+void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
+                  const std::function<void(std::size_t)>& progress, const std::function<bool()>& interrupted);
+
+}  // namespace hmax
