@@ -53,10 +53,11 @@ void list_problems(Console& console) {
   }
   if (console.json) return console.print_json(document);
   console.print(table.text(console));
-  console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/cli.md.\n");
+  console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/reference/cli.md.\n");
 }
 
-/// What the other columns do not tell. The first four are one method without damping (docs/facts.md).
+/// What the other columns do not tell. The first four are one method without damping
+/// (docs/reference/facts.md).
 constexpr std::string_view zero_estimate =
     "its error estimate is zero where f depends on time alone, f(0) + f(h) - f(0) - f(h)";
 constexpr std::array<std::pair<std::string_view, std::string_view>, 6> method_notes{
@@ -109,21 +110,22 @@ void list_methods(Console& console) {
   for (const auto& [id, note] : method_notes)
     if (std::ranges::find(methods(), id, &Method::id) != methods().end())
       console.print(fmt::format("{}: {}\n", id, note));
-  console.print("A method of your own: --tableau FILE.toml, see docs/cli.md.\n");
+  console.print("A method of your own: --tableau FILE.toml, see docs/reference/cli.md.\n");
 }
 
 void list_materials(Console& console) {
   Json document = Json::array();
   TextTable table({"material", "k1 [N/m]", "c [N s/m]", "m low [kg]", "m high [kg]", "m middle [kg]"});
   for (const LiverMaterial& material : liver_materials()) {
-    document.push_back({{"id", material.id},
-                        {"parameters",
-                         {{"k1", material.stiffness},
-                          {"c", material.damping},
-                          {"m", material.mass_middle()},
-                          {"m_low", material.mass_low},
-                          {"m_high", material.mass_high}}},
-                        {"source", "benchmark table of the liver oscillator study, docs/facts.md"}});
+    document.push_back(
+        {{"id", material.id},
+         {"parameters",
+          {{"k1", material.stiffness},
+           {"c", material.damping},
+           {"m", material.mass_middle()},
+           {"m_low", material.mass_low},
+           {"m_high", material.mass_high}}},
+         {"source", "benchmark table of the liver oscillator study, docs/reference/facts.md"}});
     table.add({std::string(material.id), short_number(material.stiffness), short_number(material.damping),
                short_number(material.mass_low), short_number(material.mass_high),
                short_number(material.mass_middle())});
@@ -133,7 +135,7 @@ void list_materials(Console& console) {
   console.print(
       "\nThe middle of the mass range is used; ':light' and ':heavy' after the id take its ends.\n"
       "The study prints the stiffness in kPa and the damping in N/m^2 and computes with the bare numbers; "
-      "docs/facts.md\nsays why no claim is made that these are a liver's.\n");
+      "docs/reference/facts.md\nsays why no claim is made that these are a liver's.\n");
 }
 
 }  // namespace

@@ -248,7 +248,8 @@ void add_sweep(CLI::App& app, Console& console) {
   const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
     command.add_option(flag, value, description)->type_name(type);
   };
-  text("file", options->file, "A sweep in a file, see docs/sweep.md; flags go before it", "FILE.toml");
+  text("file", options->file, "A sweep in a file, see docs/reference/sweep.md; flags go before it",
+       "FILE.toml");
   text("--problem,--problems", options->problems, "Ids of `hmax list problems`, or files of formulas", "A,B");
   options->body.add_to(command);
   text("--materials,--material", options->materials, "Ids of `hmax list materials`, or all", "A,B");

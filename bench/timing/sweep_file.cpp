@@ -166,9 +166,9 @@ SweepRequest sweep_from(const TomlDocument& document) {
   reject_unknown_keys(document, "", tables);
   reject_unknown_keys(document, "/sweep", keys);
   if (std::ranges::all_of(document.root, [](const Json& table) { return table.empty(); }))
-    throw InputError(
-        fmt::format("{} asks for nothing; name problems, methods and h under [sweep], as docs/sweep.md shows",
-                    document.name));
+    throw InputError(fmt::format(
+        "{} asks for nothing; name problems, methods and h under [sweep], as docs/reference/sweep.md shows",
+        document.name));
   const Reader read(document);
   SweepRequest request;
   request.problems = read.words("problems");

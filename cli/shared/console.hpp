@@ -18,7 +18,7 @@ class Option;
 
 namespace hmax {
 
-/// Exit codes of the program; docs/cli.md is the contract.
+/// Exit codes of the program; docs/reference/cli.md is the contract.
 enum class Exit { done = 0, failed = 1, usage = 2, internal = 3, interrupted = 130 };
 
 /// The terminal or pipe a subcommand talks to. Results go to standard output, everything else to standard

@@ -29,8 +29,8 @@ struct ImplicitEuler {
       .a = {{{}, {0, 1}}}, .b = {0, 1}, .b_err = {-1 / 2.0L, 1 / 2.0L}, .c = {0, 1}};
 };
 
-/// The trapezoidal rule, MATLAB's ode23t: |R(iy)| = 1 and R(-infinity) = -1, so it damps nothing, and what is
-/// tiny and stiff rings on: it does not reach the end of Robertson's problem (docs/facts.md). Cubic Hermite
+/// The trapezoidal rule, MATLAB's ode23t: |R(iy)| = 1 and R(-infinity) = -1. It does not damp stiff
+/// components and does not reach the end of Robertson's problem (docs/reference/facts.md). Cubic Hermite
 /// interpolation between its ends is free; there it is a quadratic, and the jump of its second derivative
 /// from step to step tells the third. [shampine1999solving]
 struct Trapezoidal {

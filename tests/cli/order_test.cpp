@@ -8,8 +8,8 @@ namespace {
 using Json = nlohmann::json;
 
 /// On a linear problem without a force a method may do better than its order: then another problem must show
-/// it. Foreign engines are peers with defects of their own (docs/facts.md); two problems must show what they
-/// claim.
+/// it. Foreign engines are peers with defects of their own (docs/reference/facts.md); two problems must show
+/// what they claim.
 TEST(OrderCommand, EveryMethodShowsItsOrderOnThreeProblemsAndFallsShortOfItOnNone) {
   const Shell shell;
   for (const Json& method : shell.hmax("list methods --json").json()) {

@@ -14,7 +14,7 @@ TEST(Run, AgreesWithTheEndStateOfAnotherEngine) {
   const Told told =
       Shell().hmax("run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10 --json");
   ASSERT_EQ(told.exit_code, 0) << told.err;
-  // docs/facts.md: a Taylor series in arithmetic of 128 bits.
+  // docs/reference/facts.md: a Taylor series in arithmetic of 128 bits.
   EXPECT_NEAR(told.json().at("y")[0].get<double>(), -3.3690941329057441755e-01, 1e-11);
   EXPECT_NEAR(told.json().at("y")[1].get<double>(), 1.5203434594206605961e-01, 1e-11);
 }

@@ -13,7 +13,8 @@ struct PublishedLimit {
   double real, imaginary, weak = NAN;
 };
 
-/// First exits from the origin in 128-bit arithmetic, docs/facts.md section 4; digits truncated.
+/// First exits from the origin in 128-bit arithmetic, "Stability limits" of docs/reference/facts.md; digits
+/// truncated.
 inline constexpr PublishedLimit published_limits[]{
     {"explicit_euler", 2, 0, 0.00141421},
     {"rk2_heun", 2, 0, 0.05318297},

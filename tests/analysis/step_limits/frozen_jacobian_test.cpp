@@ -68,7 +68,8 @@ TEST(FrozenJacobian, StepsAsTheCodeDoesOnAnyPairOfMatrices) {
 }
 
 TEST(FrozenJacobian, ToleratesTheRatiosOfTheFacts) {
-  // docs/facts.md: 2 for linearly implicit Euler, 4 / (2 + sqrt 2) for ode23s, decay and spring alike.
+  // docs/reference/facts.md: 2 for linearly implicit Euler, 4 / (2 + sqrt 2) for ode23s, decay and spring
+  // alike.
   const double of_pair = 4 / (2 + std::sqrt(2.0));
   EXPECT_NEAR(decay_of<tableaux::LinearlyImplicitEuler>().most, 2, 1e-9);
   EXPECT_NEAR(decay_of<tableaux::Rosenbrock23>().most, of_pair, 1e-9);

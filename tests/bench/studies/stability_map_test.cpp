@@ -47,7 +47,7 @@ TEST(StabilityMap, OfExplicitEulerIsItsClosedForm) {
   for (std::size_t row = 0; row < y.values.size(); ++row)
     for (std::size_t column = 0; column < x.values.size(); ++column) {
       const double c = x.values[column], k = y.values[row], gap = c * c - 4 * k * m;
-      // docs/facts.md
+      // docs/reference/facts.md
       const double euler = gap < 0 ? c / k : 4 * m / (c + std::sqrt(gap));
       const double symplectic = (std::sqrt(c * c + 4 * k * m) - c) / k;
       EXPECT_NEAR(maps[0].at(column, row), euler, 1e-9 * euler) << c << " " << k;

@@ -151,7 +151,7 @@ TEST(Sweep, TheErrorOfFixedStepsFallsByTwoToTheOrder) {
 }
 
 TEST(Sweep, AnErrorAtTheEndIsThatOfThePublishedEndState) {
-  // Taylor series in 128 bits, docs/facts.md.
+  // Taylor series in 128 bits, docs/reference/facts.md.
   constexpr double x = -3.3690941329057441755e-01, v = 1.5203434594206605961e-01;
   SweepSpec spec = quick();
   spec.methods = {"rk4"};
