@@ -71,11 +71,11 @@ TEST(Folders, AHeaderThatItsReadmeDoesNotNameIsFound) {
   EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/dynamics/phase_plane.hpp"), 0);
 }
 
-TEST(Folders, NoSourceFileIsLongerThanSixHundredLines) {
+TEST(Folders, NoSourceFileIsLongerThanSevenHundredLines) {
   for (const auto& [folder, targets] : allowed_arrows)
     for (const std::string& file : files_under(folder, {".hpp", ".cpp"})) {
       const std::string text = read_text(source_dir() / file);
-      EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 600) << file;
+      EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 700) << file;
     }
 }
 
