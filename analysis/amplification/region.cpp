@@ -79,6 +79,92 @@ class Grid {
   std::vector<std::uint8_t> stable_;
 };
 
+/// The edges of a grid that curves cross. An edge is named by its lower left node and its direction, and
+/// holds one point of a curve. Every square links the edges that a curve enters and leaves it by, the stable
+/// side to the left.
+class CrossedEdges {
+ public:
+  explicit CrossedEdges(const Grid& grid) : grid_(grid) {
+    for (int j = -1; j <= grid.rows(); ++j)
+      for (int i = -1; i <= grid.columns(); ++i) link_in_square(i, j);
+  }
+
+  /// The curves, each edge taken once.
+  std::vector<RegionCurve> curves() {
+    std::vector<RegionCurve> curves;
+    for (const std::size_t start : starts_) {
+      if (!edges_.contains(start)) continue;
+      RegionCurve curve = follow(start);
+      if (curve.points.size() > 2) curves.push_back(std::move(curve));
+    }
+    return curves;
+  }
+
+ private:
+  struct Edge {
+    std::size_t next;
+    int i, j, i2, j2;  // of its two nodes
+  };
+
+  [[nodiscard]] std::size_t horizontal(int i, int j) const { return 2 * grid_.index(i, j); }
+  [[nodiscard]] std::size_t vertical(int i, int j) const { return 2 * grid_.index(i, j) + 1; }
+
+  /// Links the edges of a square by which a curve enters and leaves.
+  void link_in_square(int i, int j) {
+    const std::array<bool, 4> corner{grid_.stable(i, j), grid_.stable(i + 1, j), grid_.stable(i + 1, j + 1),
+                                     grid_.stable(i, j + 1)};
+    const int count = corner[0] + corner[1] + corner[2] + corner[3];
+    if (count == 0 || count == 4) return;
+    // Edge e runs from corner e to corner e + 1. With the stable side to its left a curve enters where the
+    // corners go from stable to unstable and leaves where they go back.
+    std::array<int, 2> entries{}, exits{};
+    int entered = 0, left = 0;
+    for (int e = 0; e < 4; ++e) {
+      const bool a = corner[static_cast<std::size_t>(e)], b = corner[static_cast<std::size_t>((e + 1) % 4)];
+      if (a && !b) entries[static_cast<std::size_t>(entered++)] = e;
+      if (!a && b) exits[static_cast<std::size_t>(left++)] = e;
+    }
+    if (entered == 1) return link(i, j, entries[0], exits[0]);
+    // Two opposite corners: the middle says whether the stable ones are joined.
+    const bool joined = grid_.centre_is_stable(i, j);
+    // Around a lone stable corner the curve leaves by the edge before, around an unstable one by the next.
+    for (const int entry : entries) link(i, j, entry, joined ? (entry + 1) % 4 : (entry + 3) % 4);
+  }
+
+  /// Edges of a square are counted anticlockwise from the lower one.
+  void link(int i, int j, int from, int to) {
+    const std::array<std::size_t, 4> names{horizontal(i, j), vertical(i + 1, j), horizontal(i, j + 1),
+                                           vertical(i, j)};
+    const std::array<std::array<int, 4>, 4> ends{
+        {{i, j, i + 1, j}, {i + 1, j, i + 1, j + 1}, {i, j + 1, i + 1, j + 1}, {i, j, i, j + 1}}};
+    const auto f = static_cast<std::size_t>(from);
+    edges_[names[f]] = {names[static_cast<std::size_t>(to)], ends[f][0], ends[f][1], ends[f][2], ends[f][3]};
+    starts_.push_back(names[f]);
+  }
+
+  /// From edge to edge until the curve comes back; these are no longer there then.
+  RegionCurve follow(std::size_t start) {
+    RegionCurve curve;
+    for (std::size_t name = start; edges_.contains(name);) {
+      const Edge edge = edges_[name];
+      edges_.erase(name);
+      const Complex a = grid_.node(edge.i, edge.j), b = grid_.node(edge.i2, edge.j2);
+      Complex point = a;
+      if (grid_.outside(edge.i, edge.j) || grid_.outside(edge.i2, edge.j2))
+        curve.clipped = true;  // both nodes are the same point of the edge, or its corner
+      else
+        point = grid_.stable(edge.i, edge.j) ? grid_.crossing(a, b) : grid_.crossing(b, a);
+      if (curve.points.empty() || point != curve.points.back()) curve.points.push_back(point);
+      name = edge.next;
+    }
+    return curve;
+  }
+
+  const Grid& grid_;
+  std::unordered_map<std::size_t, Edge> edges_;
+  std::vector<std::size_t> starts_;
+};
+
 }  // namespace
 
 std::vector<RegionCurve> region_boundary(const StableAt& is_stable, const PlaneWindow& window, int cells) {
@@ -92,80 +178,7 @@ std::vector<RegionCurve> region_boundary(const StableAt& is_stable, const PlaneW
   const int columns = std::max(2, static_cast<int>(std::lround(width / side)));
   const int rows = std::max(2, 2 * static_cast<int>(std::lround(height / side / 2)));
   const Grid grid(is_stable, window, columns, rows);
-
-  // An edge of the grid is named by its lower left node and its direction, and holds one point of a curve.
-  // Every square links the edges that a curve enters and leaves it by, the stable side to the left.
-  const auto horizontal = [&](int i, int j) { return 2 * grid.index(i, j); };
-  const auto vertical = [&](int i, int j) { return 2 * grid.index(i, j) + 1; };
-  struct Edge {
-    std::size_t next;
-    int i, j, i2, j2;  // of its two nodes
-  };
-  std::unordered_map<std::size_t, Edge> edges;
-  const auto link = [&](int i, int j, int from, int to) {
-    // Edges of a square, anticlockwise from the lower one.
-    const std::array<std::size_t, 4> names{horizontal(i, j), vertical(i + 1, j), horizontal(i, j + 1),
-                                           vertical(i, j)};
-    const std::array<std::array<int, 4>, 4> ends{
-        {{i, j, i + 1, j}, {i + 1, j, i + 1, j + 1}, {i, j + 1, i + 1, j + 1}, {i, j, i, j + 1}}};
-    const auto f = static_cast<std::size_t>(from);
-    edges[names[f]] = {names[static_cast<std::size_t>(to)], ends[f][0], ends[f][1], ends[f][2], ends[f][3]};
-  };
-  std::vector<std::size_t> starts;
-  for (int j = -1; j <= rows; ++j)
-    for (int i = -1; i <= columns; ++i) {
-      const std::array<bool, 4> corner{grid.stable(i, j), grid.stable(i + 1, j), grid.stable(i + 1, j + 1),
-                                       grid.stable(i, j + 1)};
-      const int count = corner[0] + corner[1] + corner[2] + corner[3];
-      if (count == 0 || count == 4) continue;
-      // Edge e runs from corner e to corner e + 1. With the stable side to its left a curve enters where the
-      // corners go from stable to unstable and leaves where they go back.
-      std::array<int, 2> entries{}, exits{};
-      int entered = 0, left = 0;
-      for (int e = 0; e < 4; ++e) {
-        const bool a = corner[static_cast<std::size_t>(e)], b = corner[static_cast<std::size_t>((e + 1) % 4)];
-        if (a && !b) entries[static_cast<std::size_t>(entered++)] = e;
-        if (!a && b) exits[static_cast<std::size_t>(left++)] = e;
-      }
-      const auto start = [&](int e) {
-        const std::array<std::size_t, 4> names{horizontal(i, j), vertical(i + 1, j), horizontal(i, j + 1),
-                                               vertical(i, j)};
-        starts.push_back(names[static_cast<std::size_t>(e)]);
-      };
-      if (entered == 1) {
-        link(i, j, entries[0], exits[0]);
-        start(entries[0]);
-        continue;
-      }
-      // Two opposite corners: the middle says whether the stable ones are joined.
-      const bool joined = grid.centre_is_stable(i, j);
-      for (int n = 0; n < 2; ++n) {
-        const int entry = entries[static_cast<std::size_t>(n)];
-        // Around a lone stable corner the curve leaves by the edge before, around an unstable one by the
-        // next.
-        link(i, j, entry, joined ? (entry + 1) % 4 : (entry + 3) % 4);
-        start(entry);
-      }
-    }
-
-  std::vector<RegionCurve> curves;
-  for (const std::size_t start : starts) {
-    if (!edges.contains(start)) continue;
-    RegionCurve curve;
-    for (std::size_t name = start; edges.contains(name);) {
-      const Edge edge = edges[name];
-      edges.erase(name);
-      const Complex a = grid.node(edge.i, edge.j), b = grid.node(edge.i2, edge.j2);
-      Complex point = a;
-      if (grid.outside(edge.i, edge.j) || grid.outside(edge.i2, edge.j2))
-        curve.clipped = true;  // both nodes are the same point of the edge, or its corner
-      else
-        point = grid.stable(edge.i, edge.j) ? grid.crossing(a, b) : grid.crossing(b, a);
-      if (curve.points.empty() || point != curve.points.back()) curve.points.push_back(point);
-      name = edge.next;
-    }
-    if (curve.points.size() > 2) curves.push_back(std::move(curve));
-  }
+  std::vector<RegionCurve> curves = CrossedEdges(grid).curves();
   std::ranges::sort(curves, [](const RegionCurve& a, const RegionCurve& b) {
     return std::abs(a.area()) > std::abs(b.area());
   });

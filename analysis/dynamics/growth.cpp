@@ -52,6 +52,32 @@ std::int64_t steps_to_see(const ExpectedGrowth& expected) {
   return static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
 }
 
+namespace {
+
+/// The step at which growth begins, between one that decays and one that grows.
+/// @param excess  growth over a threshold at a step, at_low and at_high at both ends
+template <class Excess>
+double onset_between(const Excess& excess, double low, double high, double at_low, double at_high,
+                     double resolution) {
+  // Growth is nearly a straight line between close steps: by secants, a hair beyond where they cross so that
+  // both ends close in, and by halves where that does not get on.
+  for (int runs = 0; high - low > resolution * high; ++runs) {
+    double next = (low + high) / 2;
+    if (runs < 6 && std::isfinite(at_low) && std::isfinite(at_high)) {
+      const double crossing = low + (high - low) * at_low / (at_low - at_high);
+      const double hair = 0.4 * resolution * high, margin = 0.05 * (high - low);
+      next = std::clamp(crossing + (crossing - low < high - crossing ? hair : -hair), low + margin,
+                        high - margin);
+    }
+    const double at_next = excess(next);
+    (at_next > 0 ? high : low) = next;
+    (at_next > 0 ? at_high : at_low) = at_next;
+  }
+  return (low + high) / 2;
+}
+
+}  // namespace
+
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
   const double threshold = threshold_of(expected);
@@ -96,22 +122,7 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
       return limit;
     }
   }
-  // Growth is nearly a straight line between close steps: by secants, a hair beyond where they cross so that
-  // both ends close in, and by halves where that does not get on.
-  const double resolution = expected.resolution;
-  for (int runs = 0; high - low > resolution * high; ++runs) {
-    double next = (low + high) / 2;
-    if (runs < 6 && std::isfinite(at_low) && std::isfinite(at_high)) {
-      const double crossing = low + (high - low) * at_low / (at_low - at_high);
-      const double hair = 0.4 * resolution * high, margin = 0.05 * (high - low);
-      next = std::clamp(crossing + (crossing - low < high - crossing ? hair : -hair), low + margin,
-                        high - margin);
-    }
-    const double at_next = excess(next);
-    (at_next > 0 ? high : low) = next;
-    (at_next > 0 ? at_high : at_low) = at_next;
-  }
-  limit.h = (low + high) / 2;
+  limit.h = onset_between(excess, low, high, at_low, at_high, expected.resolution);
   return limit;
 }
 

@@ -212,80 +212,111 @@ Table direction_field(const PlanarField& field, const Window& window, const std:
   return table;
 }
 
+namespace {
+
+/// One component of a field at the nodes of a grid, and where it changes its sign between them. A crossing is
+/// named by the grid edge it lies on: 2 (i nodes + j) for the edge to (i + 1, j), odd for the one to (i, j +
+/// 1).
+class Crossings {
+ public:
+  Crossings(const PlanarField& field, int component, const Window& window, int cells)
+      : window_(window), cells_(cells), nodes_(cells + 1), value_(nodes_, nodes_) {
+    for (int i = 0; i < nodes_; ++i)
+      for (int j = 0; j < nodes_; ++j) value_(i, j) = field.rhs(node(i, j))(component);
+    for (int i = 0; i < cells; ++i)
+      for (int j = 0; j < cells; ++j) connect_in_cell(i, j);
+  }
+
+  /// Open pieces from their ends first, then the closed ones.
+  std::vector<Polyline> curves() {
+    std::vector<Polyline> curves;
+    const auto add = [&](int start) {
+      Polyline curve = walk(start);
+      if (curve.size() > 1) curves.push_back(std::move(curve));
+    };
+    for (const auto& [edge, next] : neighbours_)
+      if (next.size() == 1 && !visited_[edge]) add(edge);
+    for (const auto& [edge, next] : neighbours_)
+      if (!visited_[edge]) add(edge);
+    return curves;
+  }
+
+ private:
+  [[nodiscard]] Vector2d node(int i, int j) const {
+    return at(window_, double(i) / cells_, double(j) / cells_);
+  }
+  [[nodiscard]] int edge_from(int i, int j, bool upward) const {
+    return 2 * (i * nodes_ + j) + (upward ? 1 : 0);
+  }
+  /// Zero counts as positive, so a node on the curve is not lost.
+  static bool inside(double f) { return f >= 0; }
+
+  void connect(int a, int b) {
+    neighbours_[a].push_back(b);
+    neighbours_[b].push_back(a);
+  }
+
+  /// Joins the crossings on the sides of a cell.
+  void connect_in_cell(int i, int j) {
+    // Corners counter-clockwise from the lower left; side k joins corner k and k + 1.
+    const std::array<double, 4> f{value_(i, j), value_(i + 1, j), value_(i + 1, j + 1), value_(i, j + 1)};
+    if (!std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); })) return;
+    const std::array<int, 4> side{edge_from(i, j, false), edge_from(i + 1, j, true),
+                                  edge_from(i, j + 1, false), edge_from(i, j, true)};
+    std::vector<std::size_t> crossed;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (inside(f[k]) != inside(f[(k + 1) % 4])) crossed.push_back(k);
+    if (crossed.size() == 2) connect(side[crossed[0]], side[crossed[1]]);
+    if (crossed.size() == 4) {
+      // Two branches in one cell: the sign at the centre tells which pair of opposite corners is joined.
+      const bool joined = inside((f[0] + f[1] + f[2] + f[3]) / 4) == inside(f[0]);
+      connect(side[0], side[joined ? 1 : 3]);
+      connect(side[2], side[joined ? 3 : 1]);
+    }
+  }
+
+  [[nodiscard]] Vector2d crossing(int edge) const {
+    const int i = edge / 2 / nodes_, j = edge / 2 % nodes_;
+    const bool upward = edge % 2 == 1;
+    const double f0 = value_(i, j), f1 = upward ? value_(i, j + 1) : value_(i + 1, j);
+    const Vector2d from = node(i, j), to = upward ? node(i, j + 1) : node(i + 1, j);
+    return from + 1 / (1 - f1 / f0) * (to - from);  // f0 / (f0 - f1), without overflow, and 0 for f0 = 0 > f1
+  }
+
+  /// From crossing to crossing while there are new ones.
+  Polyline walk(int start) {
+    Polyline curve;
+    for (int edge = start;;) {
+      visited_[edge] = true;
+      const Vector2d point = crossing(edge);
+      if (curve.empty() || curve.back() != point) curve.push_back(point);
+      const auto& next = neighbours_[edge];
+      const auto onward = std::find_if(next.begin(), next.end(), [&](int e) { return !visited_[e]; });
+      if (onward == next.end()) {
+        const bool closed = edge != start && next.size() == 2 && (next[0] == start || next[1] == start) &&
+                            neighbours_[start].size() == 2;
+        if (closed && curve.size() > 2) curve.push_back(curve.front());
+        return curve;
+      }
+      edge = *onward;
+    }
+  }
+
+  Window window_;
+  int cells_, nodes_;
+  Eigen::MatrixXd value_;
+  std::map<int, std::vector<int>> neighbours_;
+  std::map<int, bool> visited_;
+};
+
+}  // namespace
+
 std::vector<Polyline> nullcline(const PlanarField& field, int component, const Window& window, int cells) {
   require_valid(window);
   if (component != 0 && component != 1)
     throw std::invalid_argument("a planar field has the components 0 and 1");
   if (cells < 1) throw std::invalid_argument("a nullcline needs at least one cell");
-
-  const int nodes = cells + 1;
-  Eigen::MatrixXd value(nodes, nodes);
-  const auto node = [&](int i, int j) { return at(window, double(i) / cells, double(j) / cells); };
-  for (int i = 0; i < nodes; ++i)
-    for (int j = 0; j < nodes; ++j) value(i, j) = field.rhs(node(i, j))(component);
-
-  // A crossing is named by the grid edge it lies on: 2 (i nodes + j) for the edge to (i + 1, j), odd for the
-  // one to (i, j + 1).
-  const auto edge_between = [&](int i, int j, bool upward) { return 2 * (i * nodes + j) + (upward ? 1 : 0); };
-  const auto inside = [](double f) {
-    return f >= 0;
-  };  // zero counts as positive, so a node on the curve is not lost
-  std::map<int, std::vector<int>> neighbours;
-  const auto connect = [&](int a, int b) {
-    neighbours[a].push_back(b);
-    neighbours[b].push_back(a);
-  };
-  for (int i = 0; i < cells; ++i)
-    for (int j = 0; j < cells; ++j) {
-      // Corners counter-clockwise from the lower left; side k joins corner k and k + 1.
-      const std::array<double, 4> f{value(i, j), value(i + 1, j), value(i + 1, j + 1), value(i, j + 1)};
-      if (!std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); })) continue;
-      const std::array<int, 4> side{edge_between(i, j, false), edge_between(i + 1, j, true),
-                                    edge_between(i, j + 1, false), edge_between(i, j, true)};
-      std::vector<std::size_t> crossed;
-      for (std::size_t k = 0; k < 4; ++k)
-        if (inside(f[k]) != inside(f[(k + 1) % 4])) crossed.push_back(k);
-      if (crossed.size() == 2) connect(side[crossed[0]], side[crossed[1]]);
-      if (crossed.size() == 4) {
-        // Two branches in one cell: the sign at the centre tells which pair of opposite corners is joined.
-        const bool joined = inside((f[0] + f[1] + f[2] + f[3]) / 4) == inside(f[0]);
-        connect(side[0], side[joined ? 1 : 3]);
-        connect(side[2], side[joined ? 3 : 1]);
-      }
-    }
-
-  const auto crossing = [&](int edge) -> Vector2d {
-    const int i = edge / 2 / nodes, j = edge / 2 % nodes;
-    const bool upward = edge % 2 == 1;
-    const double f0 = value(i, j), f1 = upward ? value(i, j + 1) : value(i + 1, j);
-    const Vector2d from = node(i, j), to = upward ? node(i, j + 1) : node(i + 1, j);
-    return from + 1 / (1 - f1 / f0) * (to - from);  // f0 / (f0 - f1), without overflow, and 0 for f0 = 0 > f1
-  };
-  std::vector<Polyline> curves;
-  std::map<int, bool> visited;
-  const auto walk = [&](int start) {
-    Polyline curve;
-    for (int edge = start;;) {
-      visited[edge] = true;
-      const Vector2d point = crossing(edge);
-      if (curve.empty() || curve.back() != point) curve.push_back(point);
-      const auto& next = neighbours[edge];
-      const auto onward = std::find_if(next.begin(), next.end(), [&](int e) { return !visited[e]; });
-      if (onward == next.end()) {
-        const bool closed = edge != start && next.size() == 2 && (next[0] == start || next[1] == start) &&
-                            neighbours[start].size() == 2;
-        if (closed && curve.size() > 2) curve.push_back(curve.front());
-        break;
-      }
-      edge = *onward;
-    }
-    if (curve.size() > 1) curves.push_back(std::move(curve));
-  };
-  for (const auto& [edge, next] : neighbours)  // open pieces from their ends first, then the closed ones
-    if (next.size() == 1 && !visited[edge]) walk(edge);
-  for (const auto& [edge, next] : neighbours)
-    if (!visited[edge]) walk(edge);
-  return curves;
+  return Crossings(field, component, window, cells).curves();
 }
 
 }  // namespace hmax

@@ -215,6 +215,28 @@ AnyMatrix jacobian_by_differences(const S& system, real_of<typename S::State> t,
   }
   return pattern;
 }
+
+/// Fills in mass, K and C by the code of the system. The matrices are made where they stay.
+template <class S>
+void mechanical_of_code(const S& system, real_of<typename S::State> at, const typename S::State& y,
+                        MechanicalPart& part) {
+  using DofMatrix = typename S::DofMatrix;
+  const Eigen::Index n = dofs_of(system);
+  const typename S::Dofs q = y.head(n), v = y.tail(n);
+  part.mass = typename S::Dofs(system.mass()).template cast<double>();
+  const auto make = [&](AnyMatrix& made, const auto& write) {
+    if constexpr (std::is_same_v<DofMatrix, AnyMatrix>) {
+      write(made);
+    } else {
+      DofMatrix own = room_for<DofMatrix>(n);
+      write(own);
+      made = any_matrix(std::move(own));
+    }
+  };
+  make(part.K, [&](DofMatrix& K) { system.stiffness(at, q, v, K); });
+  make(part.C, [&](DofMatrix& C) { system.damping(at, q, v, C); });
+  classify(part);
+}
 }  // namespace detail
 
 /// The system near (t, y), with t frozen.
@@ -237,25 +259,8 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
 
   const bool analytic = from == JacobianFrom::analytic_if_any && has_jacobian(system);
   if constexpr (SecondOrderSystem<S>)
-    if (const Eigen::Index n = detail::dofs_of(system); n > 0 && analytic) {
-      using DofMatrix = typename S::DofMatrix;
-      const typename S::Dofs q = y.head(n), v = y.tail(n);
-      MechanicalPart& part = model.mechanical.emplace();
-      part.mass = typename S::Dofs(system.mass()).template cast<double>();
-      // Made where they stay.
-      const auto make = [&](AnyMatrix& made, const auto& write) {
-        if constexpr (std::is_same_v<DofMatrix, AnyMatrix>) {
-          write(made);
-        } else {
-          DofMatrix own = detail::room_for<DofMatrix>(n);
-          write(own);
-          made = detail::any_matrix(std::move(own));
-        }
-      };
-      make(part.K, [&](DofMatrix& K) { system.stiffness(at, q, v, K); });
-      make(part.C, [&](DofMatrix& C) { system.damping(at, q, v, C); });
-      classify(part);
-    }
+    if (detail::dofs_of(system) > 0 && analytic)
+      detail::mechanical_of_code(system, at, y, model.mechanical.emplace());
   const bool on_demand = model.mechanical && is_sparse(model.mechanical->K);
   const auto keep = [on_demand](const auto& make, std::string_view what, double when) {
     if (on_demand) return std::function<AnyMatrix()>(make);

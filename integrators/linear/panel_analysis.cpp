@@ -191,161 +191,237 @@ double squares(double from, double to) {
   return up_to(to) - up_to(from);
 }
 
-}  // namespace
+/// The vertices of a graph in the order of their elimination.
+struct Elimination {
+  Indices order;   ///< group of each vertex
+  Indices parent;  ///< in the elimination tree
+  Graph graph;
+  Indices size;  ///< unknowns of each vertex
 
-PanelAnalysis::PanelAnalysis(std::span<const Index> outer, std::span<const Index> inner) {
-  const Groups groups(outer, inner);
-  Indices order = minimum_degree(groups.graph);
-  Graph graph = renamed(groups.graph, order);
-  Indices parent = elimination_tree(graph);
-  {
+  explicit Elimination(const Groups& groups) : order(minimum_degree(groups.graph)) {
+    const Graph by_degree = renamed(groups.graph, order);
+    const Indices tree = elimination_tree(by_degree);
     // A tree of any order is that of its postorder, renamed.
-    const Indices after = postorder(parent);
-    Indices name(after.size()), before = std::move(order);
+    const Indices after = postorder(tree);
+    Indices name(after.size());
+    const Indices before = std::move(order);
     for (std::size_t k = 0; k < after.size(); ++k) name[after[k]] = static_cast<Index>(k);
     order.clear();
-    Indices above;
     for (const Index v : after) {
       order.push_back(before[v]);
-      above.push_back(parent[v] < 0 ? -1 : name[parent[v]]);
+      parent.push_back(tree[v] < 0 ? -1 : name[tree[v]]);
+      size.push_back(groups.size(before[v]));
     }
-    parent = std::move(above);
-    graph = renamed(graph, after);
+    graph = renamed(by_degree, after);
   }
-  const Index n = graph.size();
-  Indices size(n);
-  for (Index v = 0; v < n; ++v) size[v] = groups.size(order[v]);
-  Merging merging(graph, parent, size);
+  [[nodiscard]] Index count() const { return graph.size(); }
+};
 
-  // Panels, in the order of their last vertices, which is a postorder again.
-  Indices number(n, -1), panel(n), members_first{0}, members;
+/// Fills a plan, by steps that need those before them.
+class Planner {
+ public:
+  Planner(PanelAnalysis& plan, std::span<const Index> outer, std::span<const Index> inner)
+      : plan_(plan), outer_(outer), inner_(inner), groups_(outer, inner), vertices_(groups_) {}
+
+  void gather_panels();
+  void number_unknowns();
+  void find_rows();
+  void place_values();
+  void place_updates();
+  void join_rows();
+  void place_entries();
+
+ private:
+  [[nodiscard]] Index count() const { return static_cast<Index>(plan_.panels.size()); }
+  [[nodiscard]] std::span<const Index> members_of(Index p) const {
+    return std::span(members_).subspan(members_first_[p], members_first_[p + 1] - members_first_[p]);
+  }
+  void join_rows_of(PanelAnalysis::Panel& here);
+  void place_entries_of(Index p, const Indices& row_at);
+
+  PanelAnalysis& plan_;
+  std::span<const Index> outer_, inner_;
+  Groups groups_;
+  Elimination vertices_;
+  Indices panel_;                    ///< of each vertex
+  Indices members_first_, members_;  ///< vertices of each panel
+  Indices first_;                    ///< unknown of each vertex in L
+};
+
+/// Panels, in the order of their last vertices, which is a postorder again.
+void Planner::gather_panels() {
+  const Index n = vertices_.count();
+  Merging merging(vertices_.graph, vertices_.parent, vertices_.size);
+  Indices number(n, -1);
   for (Index v = 0; v < n; ++v)
     if (merging.panel_of(v) == v) {
-      number[v] = static_cast<Index>(panels.size());
-      panels.push_back({});
+      number[v] = count();
+      plan_.panels.push_back({});
     }
-  const auto count = static_cast<Index>(panels.size());
-  members_first.assign(count + 1, 0);
+  panel_.resize(n);
+  members_first_.assign(count() + 1, 0);
   for (Index v = 0; v < n; ++v) {
-    panel[v] = number[merging.panel_of(v)];
-    ++members_first[panel[v] + 1];
+    panel_[v] = number[merging.panel_of(v)];
+    ++members_first_[panel_[v] + 1];
   }
-  std::partial_sum(members_first.begin(), members_first.end(), members_first.begin());
-  members.resize(n);
-  {
-    Indices next(members_first.begin(), members_first.end() - 1);
-    for (Index v = 0; v < n; ++v) members[next[panel[v]]++] = v;
-  }
-  const auto members_of = [&](Index p) {
-    return std::span(members).subspan(members_first[p], members_first[p + 1] - members_first[p]);
-  };
-  to.resize(groups.of.size());
-  Indices first(n);  // unknown of each vertex in L
-  Index unknowns = 0;
-  for (Index p = 0; p < count; ++p) {
-    panels[p].first = unknowns;
-    for (const Index v : members_of(p)) {
-      first[v] = unknowns;
-      for (Index k = 0; k < size[v]; ++k) to[groups.first[order[v]] + k] = unknowns++;
-    }
-    panels[p].width = unknowns - panels[p].first;
-    const Index above = parent[members_of(p).back()];
-    panels[p].parent = above < 0 ? -1 : panel[above];
-  }
+  std::partial_sum(members_first_.begin(), members_first_.end(), members_first_.begin());
+  members_.resize(n);
+  Indices next(members_first_.begin(), members_first_.end() - 1);
+  for (Index v = 0; v < n; ++v) members_[next[panel_[v]]++] = v;
+}
 
-  // Rows: the later neighbours of its own unknowns, and the rows of its children. By groups first.
-  std::vector<Indices> touched(count);
-  for (Index p = 0; p < count; ++p) {
+/// Unknowns of L panel after panel, and the tree of the panels.
+void Planner::number_unknowns() {
+  plan_.to.resize(groups_.of.size());
+  first_.resize(vertices_.count());
+  Index unknowns = 0;
+  for (Index p = 0; p < count(); ++p) {
+    PanelAnalysis::Panel& here = plan_.panels[p];
+    here.first = unknowns;
+    for (const Index v : members_of(p)) {
+      first_[v] = unknowns;
+      for (Index k = 0; k < vertices_.size[v]; ++k)
+        plan_.to[groups_.first[vertices_.order[v]] + k] = unknowns++;
+    }
+    here.width = unknowns - here.first;
+    const Index above = vertices_.parent[members_of(p).back()];
+    here.parent = above < 0 ? -1 : panel_[above];
+  }
+}
+
+/// Rows: the later neighbours of its own unknowns, and the rows of its children. By groups first.
+void Planner::find_rows() {
+  std::vector<Indices> touched(count());
+  for (Index p = 0; p < count(); ++p) {
     Indices& mine = touched[p];
     for (const Index v : members_of(p))
-      for (const Index u : graph.of(v))
-        if (panel[u] > p) mine.push_back(u);
-    std::ranges::sort(mine, {}, [&](Index v) { return first[v]; });
+      for (const Index u : vertices_.graph.of(v))
+        if (panel_[u] > p) mine.push_back(u);
+    std::ranges::sort(mine, {}, [&](Index v) { return first_[v]; });
     mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
-    Panel& here = panels[p];
-    here.rows = rows.size();
+    PanelAnalysis::Panel& here = plan_.panels[p];
+    here.rows = plan_.rows.size();
     for (const Index v : mine)
-      for (Index k = 0; k < size[v]; ++k) rows.push_back(first[v] + k);
-    here.height = static_cast<Index>(rows.size() - here.rows);
+      for (Index k = 0; k < vertices_.size[v]; ++k) plan_.rows.push_back(first_[v] + k);
+    here.height = static_cast<Index>(plan_.rows.size() - here.rows);
     if (here.parent >= 0)
       for (const Index v : mine)
-        if (panel[v] > here.parent) touched[here.parent].push_back(v);
+        if (panel_[v] > here.parent) touched[here.parent].push_back(v);
     mine = {};
   }
+}
 
-  // Where panels and updates stand, and rows in parents.
-  Indices depth(count, 0), row_at(unknowns, 0);
-  for (Index p = count; p-- > 0;)
-    if (panels[p].parent >= 0) depth[p] = depth[panels[p].parent] + 1;
-  std::size_t top[2] = {};
-  std::vector<std::size_t> base(count);
-  Indices eldest(count, -1);
-  for (Index p = 0; p < count; ++p) {
-    Panel& here = panels[p];
+/// Where the numbers of each panel stand, and what all of them cost.
+void Planner::place_values() {
+  for (PanelAnalysis::Panel& here : plan_.panels) {
     const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
     const auto wide = static_cast<std::size_t>(PanelShape::padded(here.width));
-    here.values = values;
-    values += (tall + wide) * static_cast<std::size_t>(here.width);
-    tallest = std::max(tallest, here.height);
-    widest = std::max(widest, here.width);
-    work += squares(here.height, here.height + here.width);
+    here.values = plan_.values;
+    plan_.values += (tall + wide) * static_cast<std::size_t>(here.width);
+    plan_.tallest = std::max(plan_.tallest, here.height);
+    plan_.widest = std::max(plan_.widest, here.width);
+    plan_.work += squares(here.height, here.height + here.width);
+  }
+}
+
+/// Where updates lie: on the two stacks by turns, down the tree.
+void Planner::place_updates() {
+  std::vector<PanelAnalysis::Panel>& panels = plan_.panels;
+  Indices depth(count(), 0), eldest(count(), -1);
+  for (Index p = count(); p-- > 0;)
+    if (panels[p].parent >= 0) depth[p] = depth[panels[p].parent] + 1;
+  std::size_t top[2] = {};
+  for (Index p = 0; p < count(); ++p) {
+    PanelAnalysis::Panel& here = panels[p];
+    const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
     here.stack = depth[p] % 2;
     here.update = top[here.stack];
     top[here.stack] += tall * static_cast<std::size_t>(here.height);
-    stacks[here.stack] = std::max(stacks[here.stack], top[here.stack]);
+    plan_.stacks[here.stack] = std::max(plan_.stacks[here.stack], top[here.stack]);
     if (eldest[p] >= 0) top[1 - here.stack] = panels[eldest[p]].update;
     if (here.parent >= 0 && eldest[here.parent] < 0) eldest[here.parent] = p;
   }
-  for (Panel& here : panels) {
-    here.joins[0] = here.joins[1] = here.joins[2] = joins.size();
-    if (here.parent < 0) continue;
-    const Panel& above = panels[here.parent];
-    const Index end = above.first + above.width;
-    std::size_t at = above.rows;
-    bool inside = true;
-    for (Index k = 0; k < here.height; ++k) {
-      const Index row = rows[here.rows + k];
-      if (inside && row >= end) {
-        inside = false;
-        here.joins[1] = joins.size();
-      }
-      if (!inside)
-        while (rows[at] != row) ++at;
-      const std::size_t place = inside ? static_cast<std::size_t>(row - above.first) : at - above.rows;
-      const bool begins = joins.size() == here.joins[inside ? 0 : 1];
-      if (!begins && joins.back().to + joins.back().length == place)
-        ++joins.back().length;
-      else
-        joins.push_back({k, 1, place});
-    }
-    here.joins[2] = joins.size();
-    if (inside) here.joins[1] = here.joins[2];
-  }
+}
 
-  // Entries of A: each column of an unknown, at the unknown itself and those eliminated later.
-  for (Index p = 0; p < count; ++p) {
-    Panel& here = panels[p];
-    here.entries = entries.size();
-    for (Index k = 0; k < here.height; ++k) row_at[rows[here.rows + k]] = k;
-    const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
-    const auto wide = static_cast<std::size_t>(PanelShape::padded(here.width));
-    const std::size_t below = here.values + wide * static_cast<std::size_t>(here.width);
-    for (const Index v : members_of(p))
-      for (Index k = 0; k < size[v]; ++k) {
-        const Index j = groups.first[order[v]] + k;
-        const auto column = static_cast<std::size_t>(to[j] - here.first);
-        for (Index from = outer[j]; from < outer[j + 1];) {
-          const Index group = groups.of[inner[from]], length = groups.size(group);
-          const Index row = to[groups.first[group]];
-          if (row >= here.first + here.width)
-            entries.push_back({from, length, below + column * tall + static_cast<std::size_t>(row_at[row])});
-          else if (row >= first[v])
-            entries.push_back(
-                {from, length, here.values + column * wide + static_cast<std::size_t>(row - here.first)});
-          from += length;
-        }
-      }
+/// Where rows stand in parents.
+void Planner::join_rows() {
+  for (PanelAnalysis::Panel& here : plan_.panels) {
+    here.joins[0] = here.joins[1] = here.joins[2] = plan_.joins.size();
+    if (here.parent >= 0) join_rows_of(here);
   }
+}
+
+void Planner::join_rows_of(PanelAnalysis::Panel& here) {
+  const Indices& rows = plan_.rows;
+  std::vector<PanelAnalysis::Run>& joins = plan_.joins;
+  const PanelAnalysis::Panel& above = plan_.panels[here.parent];
+  const Index end = above.first + above.width;
+  std::size_t at = above.rows;
+  bool inside = true;
+  for (Index k = 0; k < here.height; ++k) {
+    const Index row = rows[here.rows + k];
+    if (inside && row >= end) {
+      inside = false;
+      here.joins[1] = joins.size();
+    }
+    if (!inside)
+      while (rows[at] != row) ++at;
+    const std::size_t place = inside ? static_cast<std::size_t>(row - above.first) : at - above.rows;
+    const bool begins = joins.size() == here.joins[inside ? 0 : 1];
+    if (!begins && joins.back().to + joins.back().length == place)
+      ++joins.back().length;
+    else
+      joins.push_back({k, 1, place});
+  }
+  here.joins[2] = joins.size();
+  if (inside) here.joins[1] = here.joins[2];
+}
+
+/// Entries of A: each column of an unknown, at the unknown itself and those eliminated later.
+void Planner::place_entries() {
+  Indices row_at(plan_.to.size(), 0);  // of each unknown of L among the rows of the panel at hand
+  for (Index p = 0; p < count(); ++p) {
+    PanelAnalysis::Panel& here = plan_.panels[p];
+    here.entries = plan_.entries.size();
+    for (Index k = 0; k < here.height; ++k) row_at[plan_.rows[here.rows + k]] = k;
+    place_entries_of(p, row_at);
+  }
+}
+
+void Planner::place_entries_of(Index p, const Indices& row_at) {
+  const PanelAnalysis::Panel& here = plan_.panels[p];
+  const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
+  const auto wide = static_cast<std::size_t>(PanelShape::padded(here.width));
+  const std::size_t below = here.values + wide * static_cast<std::size_t>(here.width);
+  for (const Index v : members_of(p))
+    for (Index k = 0; k < vertices_.size[v]; ++k) {
+      const Index j = groups_.first[vertices_.order[v]] + k;
+      const auto column = static_cast<std::size_t>(plan_.to[j] - here.first);
+      for (Index from = outer_[j]; from < outer_[j + 1];) {
+        const Index group = groups_.of[inner_[from]], length = groups_.size(group);
+        const Index row = plan_.to[groups_.first[group]];
+        if (row >= here.first + here.width)
+          plan_.entries.push_back(
+              {from, length, below + column * tall + static_cast<std::size_t>(row_at[row])});
+        else if (row >= first_[v])
+          plan_.entries.push_back(
+              {from, length, here.values + column * wide + static_cast<std::size_t>(row - here.first)});
+        from += length;
+      }
+    }
+}
+
+}  // namespace
+
+PanelAnalysis::PanelAnalysis(std::span<const Index> outer, std::span<const Index> inner) {
+  Planner planner(*this, outer, inner);
+  planner.gather_panels();
+  planner.number_unknowns();
+  planner.find_rows();
+  planner.place_values();
+  planner.place_updates();
+  planner.join_rows();
+  planner.place_entries();
 }
 
 }  // namespace hmax

@@ -119,35 +119,41 @@ TetMesh cube_mesh(double edge, int n) {
   return box_mesh({edge, edge, edge}, {n, n, n});
 }
 
-TetMesh ball_mesh(double radius, int n) {
-  require_size("radius", radius);
-  require_resolution(20 * std::pow(n, 3), n);
-  const auto corners = icosahedron();
-  const auto faces = icosahedron_faces(corners);
-  const auto shell_points = [](Eigen::Index k) { return 10 * k * k + 2; };
-  Eigen::Index points = 1;
-  for (int k = 1; k <= n; ++k) points += shell_points(k);
+namespace {
 
-  TetMesh mesh;
-  mesh.points.resize(3, points);
-  mesh.points.col(0).setZero();
-  mesh.tetrahedra.resize(4, static_cast<Eigen::Index>(faces.size()) * n * n * n);
-  // A point of shell k has whole weights at corners of the icosahedron that sum up to k: neighbouring
-  // tetrahedra find it by them.
-  std::map<std::array<std::array<int, 2>, 3>, Index> known;
-  Index next = 1;
-  Eigen::Index column = 0;
-  const auto lattice_size = static_cast<std::size_t>(n) + 1;
-  std::vector<Index> lattice(lattice_size * lattice_size * lattice_size);
-  const auto at = [&](const Eigen::Vector3i& s) -> Index& {
-    return lattice[(static_cast<std::size_t>(s(0)) * lattice_size + static_cast<std::size_t>(s(1))) *
-                       lattice_size +
-                   static_cast<std::size_t>(s(2))];
-  };
-  for (const auto& face : faces) {
-    // n >= s0 >= s1 >= s2 >= 0 with the weights n - s0, s0 - s1, s1 - s2, s2 of the centre and the face. The
-    // corners have one order in all tetrahedra, hence neighbours cut their common face alike.
-    for (int a = 0; a <= n; ++a)
+/// A ball in the making: tetrahedra of the centre and a face of the icosahedron, each cut by a lattice of n +
+/// 1 shells.
+class BallMesher {
+ public:
+  BallMesher(double radius, int n) : radius_(radius), n_(n), corners_(icosahedron()) {
+    const auto faces = icosahedron_faces(corners_);
+    const auto shell_points = [](Eigen::Index k) { return 10 * k * k + 2; };
+    Eigen::Index points = 1;
+    for (int k = 1; k <= n; ++k) points += shell_points(k);
+    mesh_.points.resize(3, points);
+    mesh_.points.col(0).setZero();
+    mesh_.tetrahedra.resize(4, static_cast<Eigen::Index>(faces.size()) * n * n * n);
+    const auto size = static_cast<std::size_t>(n) + 1;
+    lattice_.resize(size * size * size);
+    for (const auto& face : faces) {
+      add_points(face);
+      add_tetrahedra();
+    }
+  }
+  [[nodiscard]] TetMesh mesh() && { return std::move(mesh_); }
+
+ private:
+  /// The point at n >= s0 >= s1 >= s2 >= 0 with the weights n - s0, s0 - s1, s1 - s2, s2 of the centre and
+  /// the face. The corners have one order in all tetrahedra, hence neighbours cut their common face alike.
+  Index& at(const Eigen::Vector3i& s) {
+    const auto size = static_cast<std::size_t>(n_) + 1;
+    return lattice_[(static_cast<std::size_t>(s(0)) * size + static_cast<std::size_t>(s(1))) * size +
+                    static_cast<std::size_t>(s(2))];
+  }
+
+  /// Fills the lattice of a face with points that are there already, and new ones.
+  void add_points(const std::array<int, 3>& face) {
+    for (int a = 0; a <= n_; ++a)
       for (int b = 0; b <= a; ++b)
         for (int c = 0; c <= b; ++c) {
           const std::array<int, 3> weights{a - b, b - c, c};
@@ -160,29 +166,51 @@ TetMesh ball_mesh(double radius, int n) {
             point = 0;
             continue;
           }
-          const auto [entry, fresh] = known.try_emplace(key, next);
+          const auto [entry, fresh] = known_.try_emplace(key, next_);
           point = entry->second;
           if (!fresh) continue;
-          ++next;
+          ++next_;
           Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-          for (std::size_t i = 0; i < 3; ++i) direction += weights[i] * corners.col(face[i]);
-          mesh.points.col(point) = radius * a / n * direction.normalized();
+          for (std::size_t i = 0; i < 3; ++i) direction += weights[i] * corners_.col(face[i]);
+          mesh_.points.col(point) = radius_ * a / n_ * direction.normalized();
         }
-    for (int a = 0; a < n; ++a)
+  }
+
+  /// Those between the points of the lattice.
+  void add_tetrahedra() {
+    for (int a = 0; a < n_; ++a)
       for (int b = 0; b <= a; ++b)
         for (int c = 0; c <= b; ++c)
           for (const auto& order : orders) {
             const auto way = walk({a, b, c}, order);
             const bool inside = std::ranges::all_of(
-                way, [&](const Eigen::Vector3i& s) { return n >= s(0) && s(0) >= s(1) && s(1) >= s(2); });
+                way, [&](const Eigen::Vector3i& s) { return n_ >= s(0) && s(0) >= s(1) && s(1) >= s(2); });
             if (!inside) continue;
-            for (int i = 0; i < 4; ++i) mesh.tetrahedra(i, column) = at(way[static_cast<std::size_t>(i)]);
-            if (signed_volume(corners_of(mesh, column)) < 0)
-              std::swap(mesh.tetrahedra(1, column), mesh.tetrahedra(2, column));
-            ++column;
+            for (int i = 0; i < 4; ++i) mesh_.tetrahedra(i, column_) = at(way[static_cast<std::size_t>(i)]);
+            if (signed_volume(corners_of(mesh_, column_)) < 0)
+              std::swap(mesh_.tetrahedra(1, column_), mesh_.tetrahedra(2, column_));
+            ++column_;
           }
   }
-  return mesh;
+
+  double radius_;
+  int n_;
+  Eigen::Matrix<double, 3, 12> corners_;
+  TetMesh mesh_;
+  // A point of shell k has whole weights at corners of the icosahedron that sum up to k: neighbouring
+  // tetrahedra find it by them.
+  std::map<std::array<std::array<int, 2>, 3>, Index> known_;
+  Index next_ = 1;
+  Eigen::Index column_ = 0;
+  std::vector<Index> lattice_;
+};
+
+}  // namespace
+
+TetMesh ball_mesh(double radius, int n) {
+  require_size("radius", radius);
+  require_resolution(20 * std::pow(n, 3), n);
+  return BallMesher(radius, n).mesh();
 }
 
 }  // namespace hmax

@@ -77,6 +77,20 @@ Real step_size(const Real (*coefficients)[2], int order) {
   return radius_fraction * radius;
 }
 
+/// The piece at the left end of each of equal cells of [0, end], two for each piece.
+/// @param starts  of each piece, and the end of the last one
+std::vector<std::uint32_t> cells_over(const std::vector<Real>& starts, Real end) {
+  const std::size_t pieces = starts.size() - 1;
+  std::vector<std::uint32_t> cells(2 * pieces + 1);
+  std::uint32_t piece = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Real left = end * static_cast<Real>(i) / static_cast<Real>(2 * pieces);
+    while (piece + 1 < pieces && starts[piece + 1] <= left) ++piece;
+    cells[i] = piece;
+  }
+  return cells;
+}
+
 }  // namespace
 
 OscillatorReference::OscillatorReference(const OscillatorParameters& parameters, const Eigen::Vector2d& y0,
@@ -132,13 +146,7 @@ OscillatorReference::OscillatorReference(const OscillatorParameters& parameters,
   valid_until_ = static_cast<double>(t);
   if (valid_until_ > t) valid_until_ = std::nextafter(valid_until_, 0.0);
 
-  cells_.resize(2 * pieces_.size() + 1);
-  std::uint32_t piece = 0;
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const Real left = t * static_cast<Real>(i) / static_cast<Real>(2 * pieces_.size());
-    while (piece + 1 < pieces_.size() && starts_[piece + 1] <= left) ++piece;
-    cells_[i] = piece;
-  }
+  cells_ = cells_over(starts_, t);
 }
 
 /// Bisection between the pieces at both ends of the cell of t: one or two candidates, unless the steps vary
