@@ -62,46 +62,45 @@ int order_on(const Method& method, const Problem& problem) {
   return method.order_undamped > 0 && is_undamped(problem) ? method.order_undamped : method.order;
 }
 
-void check(const RunSpec& spec, const Method& method, const Problem& problem) {
-  auto positive = [](double value, std::string_view what, std::string_view remedy) {
-    if (!(value > 0) || !std::isfinite(value))
-      throw InputError(
-          fmt::format("{} is {} but must be a positive finite number; {}", what, to_text(value), remedy));
-  };
-  if (spec.t_end < 0)
+namespace {
+
+void expect_positive(double value, std::string_view what, std::string_view remedy) {
+  if (!(value > 0) || !std::isfinite(value))
     throw InputError(
-        fmt::format("the end time {} lies before the start t = 0; give --t-end a positive number of "
-                    "seconds",
-                    to_text(spec.t_end)));
-  positive(spec.t_end, "the end time", "give --t-end in seconds, for instance 100");
-  if (spec.adaptive) {
-    positive(spec.rtol, "the relative tolerance", "give --rtol, for instance 1e-6");
-    positive(spec.atol, "the absolute tolerance", "give --atol, for instance 1e-6");
-    if (spec.rtol < 1e-16)
-      throw InputError(
-          fmt::format("the relative tolerance {} is below the rounding of double; give --rtol at "
-                      "least 1e-15",
-                      to_text(spec.rtol)));
-    if (!method.adaptive())
-      throw InputError(
-          fmt::format("{} has no error estimate and runs only at fixed steps; give --h instead of "
-                      "--rtol, or choose a method whose error_order in `hmax list methods` is not 0",
-                      method.id));
-  } else {
-    if (!method.fixed_step)
-      throw InputError(
-          fmt::format("{} chooses its steps itself; give --rtol and --atol instead of --h", method.id));
-    positive(spec.h, "the step", "give --h in seconds, for instance 0.01");
-    if (spec.h > spec.t_end)
-      throw InputError(
-          fmt::format("the step of {} s is longer than the whole run of {} s; take a smaller step",
-                      to_text(spec.h), to_text(spec.t_end)));
-    if (spec.t_end / spec.h > static_cast<double>(spec.max_steps))
-      throw InputError(
-          fmt::format("a step of {} s to t = {} s would take {:.3g} steps, more than the limit of {}; "
-                      "take a larger step or raise --max-steps",
-                      to_text(spec.h), to_text(spec.t_end), spec.t_end / spec.h, spec.max_steps));
-  }
+        fmt::format("{} is {} but must be a positive finite number; {}", what, to_text(value), remedy));
+}
+
+void check_tolerances(const RunSpec& spec, const Method& method) {
+  expect_positive(spec.rtol, "the relative tolerance", "give --rtol, for instance 1e-6");
+  expect_positive(spec.atol, "the absolute tolerance", "give --atol, for instance 1e-6");
+  if (spec.rtol < 1e-16)
+    throw InputError(
+        fmt::format("the relative tolerance {} is below the rounding of double; give --rtol at "
+                    "least 1e-15",
+                    to_text(spec.rtol)));
+  if (!method.adaptive())
+    throw InputError(
+        fmt::format("{} has no error estimate and runs only at fixed steps; give --h instead of "
+                    "--rtol, or choose a method whose error_order in `hmax list methods` is not 0",
+                    method.id));
+}
+
+void check_step(const RunSpec& spec, const Method& method) {
+  if (!method.fixed_step)
+    throw InputError(
+        fmt::format("{} chooses its steps itself; give --rtol and --atol instead of --h", method.id));
+  expect_positive(spec.h, "the step", "give --h in seconds, for instance 0.01");
+  if (spec.h > spec.t_end)
+    throw InputError(fmt::format("the step of {} s is longer than the whole run of {} s; take a smaller step",
+                                 to_text(spec.h), to_text(spec.t_end)));
+  if (spec.t_end / spec.h > static_cast<double>(spec.max_steps))
+    throw InputError(
+        fmt::format("a step of {} s to t = {} s would take {:.3g} steps, more than the limit of {}; "
+                    "take a larger step or raise --max-steps",
+                    to_text(spec.h), to_text(spec.t_end), spec.t_end / spec.h, spec.max_steps));
+}
+
+void check_output_interval(const RunSpec& spec) {
   if (spec.every < 0 || !std::isfinite(spec.every))
     throw InputError(
         fmt::format("the output interval is {} but must be a positive number of seconds; correct --every",
@@ -111,6 +110,10 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
         fmt::format("an output interval of {} s to t = {} s would make {:.3g} points, more than the limit "
                     "of {}; take a larger interval or raise --max-steps",
                     to_text(spec.every), to_text(spec.t_end), spec.t_end / spec.every, spec.max_steps));
+}
+
+/// Throws unless the problem has the structure that the method needs.
+void check_structure(const Method& method, const Problem& problem) {
   if (method.needs_second_order && !is_second_order(problem))
     throw InputError(fmt::format(
         "{} steps positions and velocities, which {} does not have; choose another method, or a problem like "
@@ -121,6 +124,10 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
         fmt::format("{} needs a problem that declares a stiff part, which {} does not; choose another "
                     "method, or a problem like liver_forced or spring_chain",
                     method.id, problem.id));
+}
+
+/// Throws unless the right-hand side is finite at the start.
+void check_start(const Problem& problem) {
   std::visit(
       [&](const auto& system) {
         typename std::remove_cvref_t<decltype(system)>::State y = problem.y0, dydt = problem.y0;
@@ -138,6 +145,24 @@ void check(const RunSpec& spec, const Method& method, const Problem& problem) {
           }
       },
       problem.system);
+}
+
+}  // namespace
+
+void check(const RunSpec& spec, const Method& method, const Problem& problem) {
+  if (spec.t_end < 0)
+    throw InputError(
+        fmt::format("the end time {} lies before the start t = 0; give --t-end a positive number of "
+                    "seconds",
+                    to_text(spec.t_end)));
+  expect_positive(spec.t_end, "the end time", "give --t-end in seconds, for instance 100");
+  if (spec.adaptive)
+    check_tolerances(spec, method);
+  else
+    check_step(spec, method);
+  check_output_interval(spec);
+  check_structure(method, problem);
+  check_start(problem);
 }
 
 std::string describe(const std::vector<std::pair<std::string, double>>& parameters) {

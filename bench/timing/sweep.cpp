@@ -95,6 +95,35 @@ struct Candidate {
   bool agrees = true;  // of every timed run with the counted one
 };
 
+/// Whether a reference is known up to the end of the runs of a block.
+bool reaches_end(const Reference& reference, const SweepBlock& block) {
+  return reference.valid_until >= block.run.t_end * (1 - 1e-12);
+}
+
+/// Puts the errors of a counted run into its row, or why it has none.
+void judge(const SweepBlock& block, Candidate& candidate, const RunRecord& record, const Reference& reference,
+           ErrorMeter& meter) {
+  Row& row = candidate.row;
+  if (record.outcome == Outcome::too_many_steps) {
+    candidate.timed = false;
+    row.status = fmt::format("The run was given up at t = {} s after {} attempts and was not timed.",
+                             to_text(record.t), block.run.max_steps);
+  } else if (record.outcome != Outcome::reached_end) {
+    row.status = fmt::format("The run ended at t = {} s ({}): it has no error at {} s.", to_text(record.t),
+                             row.outcome, to_text(block.run.t_end));
+  } else if (!reaches_end(reference, block)) {
+    candidate.timed = false;
+    row.status = fmt::format(
+        "The reference ends at t = {} s: the error is unknown, and a time without its error is not stored.",
+        to_text(reference.valid_until));
+  } else {
+    row.error_end = (record.y - reference.at(block.run.t_end)).cwiseAbs().maxCoeff();
+    meter.take(block.run.t_end, row.error_end);
+    row.error_global = meter.largest();
+    row.error_l2 = meter.root_mean_square();
+  }
+}
+
 /// Measures one block after the other; knows the reference of the problem at hand.
 class Sweeper {
  public:
@@ -108,6 +137,8 @@ class Sweeper {
   std::vector<std::size_t> missing(const SweepBlock& block) const;
   void measure(const SweepBlock& block, const std::vector<std::size_t>& methods);
   Candidate count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter);
+  RunRecord watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
+                        std::optional<ErrorMeter>& meter);
   void time(const SweepBlock& block, std::vector<Candidate>& candidates);
   const Reference& reference(const SweepBlock& block);
   void begin_session();
@@ -180,15 +211,13 @@ void Sweeper::tell(const SweepBlock& block, double share) const {
                                                                   : block.run.h))});
 }
 
-Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter) {
-  const Problem& problem = plan_.problems[block.problem];
-  const Reference& reference = this->reference(block);
-  const bool has_reference = reference.valid_until >= block.run.t_end * (1 - 1e-12);
-  Candidate candidate;
-  candidate.runner = plan_.methods[method].bind(problem);
-  candidate.row.key = row_key(plan_, block, method);
-  Row& row = candidate.row;
-
+/// Runs a candidate once, or twice where it has output points besides its steps: counts subnormal numbers,
+/// and shows every point to the meter where there is a reference. Throws OverBudget.
+RunRecord Sweeper::watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
+                               std::optional<ErrorMeter>& meter) {
+  using State = Eigen::Ref<const Eigen::VectorXd>;
+  const Eigen::Index dim = plan_.problems[block.problem].y0.size();
+  const bool has_reference = reaches_end(reference, block);
   std::int64_t seen = 0;
   double started = thread_cpu_seconds();
   const auto look_at_the_clock = [&] {
@@ -197,82 +226,63 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
     stop_if_asked();
     if (thread_cpu_seconds() - started > plan_.spec.budget_s) throw OverBudget{};
   };
-  const auto notice = [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const auto notice = [&](const State& y) {
     look_at_the_clock();
-    for (const double value : y) row.subnormals += std::fpclassify(value) == FP_SUBNORMAL;
+    for (const double value : y) candidate.row.subnormals += std::fpclassify(value) == FP_SUBNORMAL;
   };
-  const auto compare = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const auto compare = [&](double t, const State& y) {
     if (has_reference) meter->look(t, y);
   };
-  RunRecord record;
-  const auto run = [&] {
-    if (block.mode == "fixed") {
-      if (!meter)
-        meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.h) + 1, true);
-      meter->start();
-      record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        notice(y);
-        compare(t, y);
-      });
-    } else {
-      // Accepted steps and output points are not the same here: one run looks at the steps, one at the
-      // points.
-      RunSpec steps_only = block.run;
-      steps_only.every = 0;
-      record = candidate.runner.run(steps_only,
-                                    [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) { notice(y); });
-      if (block.mode == "adaptive")
-        meter.emplace(reference, problem.y0.size(), record.stats.steps + 1, false);
-      else if (!meter)
-        meter.emplace(reference, problem.y0.size(), fixed_step_count(block.run.t_end, block.run.every) + 1,
-                      true);
-      meter->start();
-      started = thread_cpu_seconds();
-      record = candidate.runner.run(block.run, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        look_at_the_clock();
-        compare(t, y);
-      });
-    }
-  };
+  if (block.mode == "fixed") {
+    if (!meter) meter.emplace(reference, dim, fixed_step_count(block.run.t_end, block.run.h) + 1, true);
+    meter->start();
+    return candidate.runner.run(block.run, [&](double t, const State& y) {
+      notice(y);
+      compare(t, y);
+    });
+  }
+  // Accepted steps and output points are not the same here: one run looks at the steps, one at the points.
+  RunSpec steps_only = block.run;
+  steps_only.every = 0;
+  const RunRecord record = candidate.runner.run(steps_only, [&](double, const State& y) { notice(y); });
+  if (block.mode == "adaptive")
+    meter.emplace(reference, dim, record.stats.steps + 1, false);
+  else if (!meter)
+    meter.emplace(reference, dim, fixed_step_count(block.run.t_end, block.run.every) + 1, true);
+  meter->start();
+  started = thread_cpu_seconds();
+  return candidate.runner.run(block.run, [&](double t, const State& y) {
+    look_at_the_clock();
+    compare(t, y);
+  });
+}
+
+Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter) {
+  const Reference& reference = this->reference(block);
+  Candidate candidate;
+  candidate.runner = plan_.methods[method].bind(plan_.problems[block.problem]);
+  candidate.row.key = row_key(plan_, block, method);
+  Row& row = candidate.row;
   row.error_end = row.error_global = row.error_l2 = nan;
+  row.reference = reference.name;
+  row.reference_error = reference.error_bound;
+  RunRecord record;
   try {
-    run();
+    record = watched_run(block, candidate, reference, meter);
   } catch (const OverBudget&) {
     row.outcome = "over_budget";
-    row.reference = reference.name;
-    row.reference_error = reference.error_bound;
     row.status = fmt::format("The run was given up after {} s of CPU time and was not timed.",
                              to_text(plan_.spec.budget_s));
     candidate.timed = false;
     return candidate;
   }
-
   candidate.end = record.y;
   row.outcome = to_string(record.outcome);
   row.t_reached = record.t;
   row.steps = record.stats.steps;
   row.rejected = record.stats.rejected;
   row.rhs = record.stats.rhs;
-  row.reference = reference.name;
-  row.reference_error = reference.error_bound;
-  if (record.outcome == Outcome::too_many_steps) {
-    candidate.timed = false;
-    row.status = fmt::format("The run was given up at t = {} s after {} attempts and was not timed.",
-                             to_text(record.t), block.run.max_steps);
-  } else if (record.outcome != Outcome::reached_end) {
-    row.status = fmt::format("The run ended at t = {} s ({}): it has no error at {} s.", to_text(record.t),
-                             row.outcome, to_text(block.run.t_end));
-  } else if (!has_reference) {
-    candidate.timed = false;
-    row.status = fmt::format(
-        "The reference ends at t = {} s: the error is unknown, and a time without its error is not stored.",
-        to_text(reference.valid_until));
-  } else {
-    row.error_end = (record.y - reference.at(block.run.t_end)).cwiseAbs().maxCoeff();
-    meter->take(block.run.t_end, row.error_end);
-    row.error_global = meter->largest();
-    row.error_l2 = meter->root_mean_square();
-  }
+  judge(block, candidate, record, reference, *meter);
   return candidate;
 }
 
