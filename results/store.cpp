@@ -275,6 +275,91 @@ std::string describe(const RowKey& key) {
                      to_text(key.h), to_text(key.rtol));
 }
 
+/// Throws where there is something else than a store, or nothing and none is to be made; makes its folder.
+void prepare_place(const fs::path& file, const fs::path& absolute, bool create) {
+  const std::string path = file.string();
+  std::error_code error;
+  const fs::file_status status = fs::status(absolute, error);
+  if (fs::is_directory(status)) {
+    throw InputError(fmt::format("'{}' is a folder, not a store: name a file inside it.", path));
+  }
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw InputError(fmt::format("'{}' is not a regular file: name another file for the store.", path));
+  }
+  // SQLite takes a file shorter than its header for an empty database, and would write over it.
+  if (constexpr std::uintmax_t header = 100; fs::exists(status)) {
+    const std::uintmax_t size = fs::file_size(absolute, error);
+    if (!error && size > 0 && size < header) throw translated({SQLITE_NOTADB, 0, "too short"}, file);
+  }
+  if (!fs::exists(status)) {
+    if (!create)
+      throw InputError(
+          fmt::format("There is no store '{}': check the path, or make it with `hmax sweep`.", path));
+    fs::create_directories(absolute.parent_path(), error);
+    if (error) {
+      throw InputError(
+          fmt::format("Cannot make the folder of the store '{}' ({}): choose a folder that can be written.",
+                      path, error.message()));
+    }
+  }
+}
+
+Identity identity_now(const Database& opened) {
+  sqlite::execute(opened.get(), "BEGIN");
+  const Identity found = identity(opened.get());
+  sqlite::execute(opened.get(), "COMMIT");
+  return found;
+}
+
+/// A file that can be read, and written if `create`.
+std::pair<Database, Identity> connected(const fs::path& absolute, bool create) {
+  Database database = connect(absolute.string(), SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0));
+  Identity id{};
+  try {
+    id = identity_now(database);
+  } catch (const sqlite::Failure& failure) {
+    const int code = failure.code & 0xff;
+    std::error_code error;
+    fs::path log = absolute;
+    log += "-wal";
+    const bool log_left = fs::exists(log, error) && fs::file_size(log, error) > 0;
+    if (create || log_left || (code != SQLITE_CANTOPEN && code != SQLITE_READONLY)) throw;
+    database = connect_immutable(absolute);
+    id = identity_now(database);
+  }
+  if (create && sqlite3_db_readonly(database.get(), "main") == 1) {
+    throw sqlite::Failure(SQLITE_READONLY, 0, "read-only");
+  }
+  return {std::move(database), id};
+}
+
+/// Lays out an empty file if `create`, and brings an older store up to date; throws where no store of this
+/// schema results.
+void settle(const Database& database, Identity id, const std::string& path, bool create) {
+  if (create && is_empty(id)) {
+    lay_out(database.get());
+    id = identity_now(database);
+  }
+  if (is_empty(id)) {
+    throw InputError(fmt::format("'{}' is empty, not a store: make one with `hmax sweep`.", path));
+  }
+  if (id.application != store_application_id) {
+    throw InputError(fmt::format(
+        "'{}' is an SQLite file but not a store of hmax, left untouched: choose another file.", path));
+  }
+  if (id.version == 1 && sqlite3_db_readonly(database.get(), "main") == 0) {
+    bring_up_to_date(database.get());
+    id = identity_now(database);
+  }
+  if (id.version != Store::schema_version) {
+    throw InputError(
+        fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
+                    "{}choose another file, or export it with the hmax that made it.",
+                    path, id.version, Store::schema_version,
+                    id.version == 1 ? "make it writable, so that it can be brought up to date, " : ""));
+  }
+}
+
 }  // namespace
 
 void set_patience(Patience with) { patience = with; }
@@ -304,78 +389,12 @@ struct Store::Impl {
 };
 
 std::unique_ptr<Store::Impl> Store::Impl::open(const fs::path& file, bool create) {
-  const std::string path = file.string();
   std::error_code error;
   const fs::path absolute = fs::absolute(file, error);
-  const fs::file_status status = fs::status(absolute, error);
-  if (fs::is_directory(status)) {
-    throw InputError(fmt::format("'{}' is a folder, not a store: name a file inside it.", path));
-  }
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw InputError(fmt::format("'{}' is not a regular file: name another file for the store.", path));
-  }
-  // SQLite takes a file shorter than its header for an empty database, and would write over it.
-  if (constexpr std::uintmax_t header = 100; fs::exists(status)) {
-    const std::uintmax_t size = fs::file_size(absolute, error);
-    if (!error && size > 0 && size < header) throw translated({SQLITE_NOTADB, 0, "too short"}, file);
-  }
-  if (!fs::exists(status)) {
-    if (!create)
-      throw InputError(
-          fmt::format("There is no store '{}': check the path, or make it with `hmax sweep`.", path));
-    fs::create_directories(absolute.parent_path(), error);
-    if (error) {
-      throw InputError(
-          fmt::format("Cannot make the folder of the store '{}' ({}): choose a folder that can be written.",
-                      path, error.message()));
-    }
-  }
-
+  prepare_place(file, absolute, create);
   return reporting(file, [&] {
-    const auto identify = [](const Database& opened) {
-      sqlite::execute(opened.get(), "BEGIN");
-      const Identity found = identity(opened.get());
-      sqlite::execute(opened.get(), "COMMIT");
-      return found;
-    };
-    Database database = connect(absolute.string(), SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0));
-    Identity id{};
-    try {
-      id = identify(database);
-    } catch (const sqlite::Failure& failure) {
-      const int code = failure.code & 0xff;
-      fs::path log = absolute;
-      log += "-wal";
-      const bool log_left = fs::exists(log, error) && fs::file_size(log, error) > 0;
-      if (create || log_left || (code != SQLITE_CANTOPEN && code != SQLITE_READONLY)) throw;
-      database = connect_immutable(absolute);
-      id = identify(database);
-    }
-    if (create && sqlite3_db_readonly(database.get(), "main") == 1) {
-      throw sqlite::Failure(SQLITE_READONLY, 0, "read-only");
-    }
-    if (create && is_empty(id)) {
-      lay_out(database.get());
-      id = identify(database);
-    }
-    if (is_empty(id)) {
-      throw InputError(fmt::format("'{}' is empty, not a store: make one with `hmax sweep`.", path));
-    }
-    if (id.application != store_application_id) {
-      throw InputError(fmt::format(
-          "'{}' is an SQLite file but not a store of hmax, left untouched: choose another file.", path));
-    }
-    if (id.version == 1 && sqlite3_db_readonly(database.get(), "main") == 0) {
-      bring_up_to_date(database.get());
-      id = identify(database);
-    }
-    if (id.version != schema_version) {
-      throw InputError(
-          fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
-                      "{}choose another file, or export it with the hmax that made it.",
-                      path, id.version, schema_version,
-                      id.version == 1 ? "make it writable, so that it can be brought up to date, " : ""));
-    }
+    auto [database, id] = connected(absolute, create);
+    settle(database, id, file.string(), create);
     sqlite::execute(database.get(), "PRAGMA synchronous = NORMAL");
     return std::make_unique<Impl>(file, std::move(database));
   });

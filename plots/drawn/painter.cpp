@@ -144,14 +144,56 @@ bool Painter::near_ball(const std::array<SpacePoint, 3>& seen) const {
   });
 }
 
+/// Cuts a triangle that looks this way into n^2 pieces, each of one colour.
+void Painter::add_pieces(const PaintedSurface& surface, std::size_t t, const std::array<SpacePoint, 3>& x,
+                         const std::array<SpacePoint, 3>& normals, int n) {
+  const TriangleCorners& corners = surface.triangles[t];
+  const auto share_at = [&](double u, double v, double w) -> double {
+    if (surface.shares.empty()) return NAN;
+    if (!surface.smooth) return surface.shares[t];
+    return u * at(surface.shares, corners[0]) + v * at(surface.shares, corners[1]) +
+           w * at(surface.shares, corners[2]);
+  };
+  const auto piece = [&](std::array<int, 2> p, std::array<int, 2> q, std::array<int, 2> r) {
+    const auto point = [&](std::array<int, 2> k) {
+      const double v = double(k[0]) / n, w = double(k[1]) / n;
+      return (1 - v - w) * x[0] + v * x[1] + w * x[2];
+    };
+    const double v = (p[0] + q[0] + r[0]) / (3.0 * n), w = (p[1] + q[1] + r[1]) / (3.0 * n), u = 1 - v - w;
+    const SpacePoint normal = unit(u * normals[0] + v * normals[1] + w * normals[2]);
+    const double share = share_at(u, v, w);
+    add_face({point(p), point(q), point(r)},
+             lit(std::isnan(share) ? grey : surface.map.at(share), normal, 0.07));
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      piece({i, j}, {i + 1, j}, {i, j + 1});
+      if (i + j + 1 < n) piece({i + 1, j}, {i + 1, j + 1}, {i, j + 1});
+    }
+}
+
+/// The outline, between a triangle that looks this way and one that does not, and if `wired` the other edges
+/// too.
+void Painter::add_sides(std::vector<Side> sides, const std::vector<SpacePoint>& seen, bool wired,
+                        double size) {
+  std::ranges::sort(sides);
+  for (std::size_t i = 0; i < sides.size();) {
+    std::size_t end = i;
+    int front = 0, back = 0;
+    for (; end < sides.size() && sides[end].a == sides[i].a && sides[end].b == sides[i].b; ++end)
+      ++(sides[end].front ? front : back);
+    const SpacePoint &p = at(seen, sides[i].a), &q = at(seen, sides[i].b);
+    if (front == 1 && back == 1)
+      add_line(p, q, Kind::outline, size);
+    else if (front > 1 && wired)
+      add_line(p, q, Kind::edge, size);
+    i = end;
+  }
+}
+
 void Painter::add_surface(const PaintedSurface& surface, double size) {
   const std::vector<SpacePoint> seen = seen_by(camera_, surface.points);
   const auto normals = corner_normals(seen, surface.triangles);
-  struct Side {
-    std::int32_t a, b;
-    bool front;
-    auto operator<=>(const Side&) const = default;
-  };
   std::vector<Side> sides;
   double drawn_length = 0, drawn = 0;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -171,45 +213,10 @@ void Painter::add_surface(const PaintedSurface& surface, double size) {
     drawn_length += longest;
     ++drawn;
     const double fine = near_ball(x) ? std::min(size, beside_ball) : size;
-    const int n = std::clamp(static_cast<int>(std::lround(longest / fine)), 1, 90);
-    const auto share_at = [&](double u, double v, double w) -> double {
-      if (surface.shares.empty()) return NAN;
-      if (!surface.smooth) return surface.shares[t];
-      return u * at(surface.shares, corners[0]) + v * at(surface.shares, corners[1]) +
-             w * at(surface.shares, corners[2]);
-    };
-    const auto piece = [&](std::array<int, 2> p, std::array<int, 2> q, std::array<int, 2> r) {
-      const auto point = [&](std::array<int, 2> k) {
-        const double v = double(k[0]) / n, w = double(k[1]) / n;
-        return (1 - v - w) * x[0] + v * x[1] + w * x[2];
-      };
-      const double v = (p[0] + q[0] + r[0]) / (3.0 * n), w = (p[1] + q[1] + r[1]) / (3.0 * n), u = 1 - v - w;
-      const SpacePoint normal = unit(u * normals[t][0] + v * normals[t][1] + w * normals[t][2]);
-      const double share = share_at(u, v, w);
-      add_face({point(p), point(q), point(r)},
-               lit(std::isnan(share) ? grey : surface.map.at(share), normal, 0.07));
-    };
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; i + j < n; ++j) {
-        piece({i, j}, {i + 1, j}, {i, j + 1});
-        if (i + j + 1 < n) piece({i + 1, j}, {i + 1, j + 1}, {i, j + 1});
-      }
+    add_pieces(surface, t, x, normals[t], std::clamp(static_cast<int>(std::lround(longest / fine)), 1, 90));
   }
   constexpr double told_apart = 13;  // pixels
-  const bool wired = drawn > 0 && drawn_length / drawn > told_apart;
-  std::ranges::sort(sides);
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i;
-    int front = 0, back = 0;
-    for (; end < sides.size() && sides[end].a == sides[i].a && sides[end].b == sides[i].b; ++end)
-      ++(sides[end].front ? front : back);
-    const SpacePoint &p = at(seen, sides[i].a), &q = at(seen, sides[i].b);
-    if (front == 1 && back == 1)
-      add_line(p, q, Kind::outline, size);
-    else if (front > 1 && wired)
-      add_line(p, q, Kind::edge, size);
-    i = end;
-  }
+  add_sides(std::move(sides), seen, drawn > 0 && drawn_length / drawn > told_apart, size);
 }
 
 /// Quadrilaterals between rings of points, which go round an axis, in metal.

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -77,8 +79,16 @@ class Painter {
     SpacePoint seen;
     double radius;
   };
+  struct Side {
+    std::int32_t a, b;  ///< points, a < b
+    bool front;         ///< of a triangle that looks this way
+    auto operator<=>(const Side&) const = default;
+  };
   [[nodiscard]] bool near_ball(const std::array<SpacePoint, 3>& seen) const;
   void add_face(const std::array<SpacePoint, 3>& seen, const OkLab& colour);
+  void add_pieces(const PaintedSurface& surface, std::size_t t, const std::array<SpacePoint, 3>& x,
+                  const std::array<SpacePoint, 3>& normals, int n);
+  void add_sides(std::vector<Side> sides, const std::vector<SpacePoint>& seen, bool wired, double size);
   void add_line(const SpacePoint& from, const SpacePoint& to, Kind kind, double size);
   void add_round(const std::vector<std::vector<SpacePoint>>& rings, const SpacePoint& centre,
                  const SpacePoint& axis);

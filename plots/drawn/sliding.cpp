@@ -130,63 +130,74 @@ double SlidingSpectrum::largest_step() const {
   return least;
 }
 
-std::string sliding_svg(const SlidingPicture& picture) {
-  constexpr double top = 48, plane_height = 420, bar = top + plane_height + 64;
-  const View view(50, top, 590, plane_height, picture.re, picture.im);
-  const double still = 0.4 * picture.end;
-  std::string svg = opening(bar + 44, picture.title) + plane(picture, view, "plane", 9);
-  svg += svg_text(view.left + view.width / 2, top + plane_height + 34, "Re hλ", "text-anchor=\"middle\"");
-  svg += fmt::format(
-      "<text transform=\"translate(16 {:.1f}) rotate(-90)\" text-anchor=\"middle\">Im hλ</text>\n",
-      top + plane_height / 2);
-  svg += "<g clip-path=\"url(#plane)\">\n";
+namespace {
+
+constexpr double plane_top = 48, plane_height = 420, bar_top = plane_top + plane_height + 64;
+constexpr double still = 0.4;  // of the largest step, which a viewer without animations shows
+
+/// The eigenvalues, which go along their rays and turn red where the step is no longer stable.
+std::string moving_eigenvalues(const SlidingPicture& picture, const View& view) {
+  const double still_h = still * picture.end;
   const std::string times = fmt::format("0;{:g};1", moving);
+  std::string svg = "<g clip-path=\"url(#plane)\">\n";
   for (std::size_t k = 0; k < picture.spectra.size(); ++k)
     for (const SlidingPoint& p : picture.spectra[k].points) {
       const double x = view.x(picture.end * p.re), y = view.y(picture.end * p.im);
-      svg += circle(view.x(still * p.re), view.y(still * p.im), 6, colour_at(k), still > p.exit,
+      svg += circle(view.x(still_h * p.re), view.y(still_h * p.im), 6, colour_at(k), still_h > p.exit,
                     animation("cx", fmt::format("{:.1f};{:.1f};{:.1f}", view.x(0), x, x), times, false) +
                         animation("cy", fmt::format("{:.1f};{:.1f};{:.1f}", view.y(0), y, y), times, false) +
                         change(picture, "fill", colour_at(k), red, p.exit) +
                         change(picture, "stroke", "#ffffff", "#000000", p.exit));
     }
-  svg += "</g>\n";
+  return svg + "</g>\n";
+}
 
-  // The models and their largest stable steps, red from there on.
-  const double right = view.left + view.width + 24;
-  svg += svg_text(right, top + 12, "largest stable step", "fill=\"#606060\"");
+/// The models and their largest stable steps, red from there on.
+std::string largest_steps(const SlidingPicture& picture, double left) {
+  const double still_h = still * picture.end;
+  std::string svg = svg_text(left, plane_top + 12, "largest stable step", "fill=\"#606060\"");
   for (std::size_t k = 0; k < picture.spectra.size(); ++k) {
     const SlidingSpectrum& spectrum = picture.spectra[k];
-    const double y = top + 40 + 26 * static_cast<double>(k), exit = spectrum.largest_step();
-    svg += circle(right + 7, y - 4, 6, colour_at(k), still > exit,
+    const double y = plane_top + 40 + 26 * static_cast<double>(k), exit = spectrum.largest_step();
+    svg += circle(left + 7, y - 4, 6, colour_at(k), still_h > exit,
                   change(picture, "fill", colour_at(k), red, exit) +
                       change(picture, "stroke", "#ffffff", "#000000", exit));
-    svg += svg_text(right + 22, y, spectrum.label);
+    svg += svg_text(left + 22, y, spectrum.label);
     svg += svg_text(width - 20, y, std::isfinite(exit) ? seconds_text(exit) : "unbounded",
                     "text-anchor=\"end\"");
   }
-  const double below = top + 40 + 26 * static_cast<double>(picture.spectra.size()) + 10;
-  svg += circle(right + 7, below - 4, 6, red, true) +
-         svg_text(right + 22, below, "outside: the step amplifies it", "fill=\"#606060\"");
+  const double below = plane_top + 40 + 26 * static_cast<double>(picture.spectra.size()) + 10;
+  return svg + circle(left + 7, below - 4, 6, red, true) +
+         svg_text(left + 22, below, "outside: the step amplifies it", "fill=\"#606060\"");
+}
 
-  // The step as a bar that fills.
+/// The step as a bar that fills, with the largest stable steps of the models on it.
+std::string step_bar(const SlidingPicture& picture, const View& view) {
   const double length = view.width;
-  svg += fmt::format("<rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"6\" fill=\"{3}\"/>\n",
-                     view.left, bar, length, colour_name(7, 0.3));
+  std::string svg =
+      fmt::format("<rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"6\" fill=\"{3}\"/>\n",
+                  view.left, bar_top, length, colour_name(7, 0.3));
   svg += fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"6\" fill=\"#404040\">{}</rect>\n", view.left,
-      bar, 0.4 * length, animation("width", fmt::format("0;{0:.1f};{0:.1f}", length), times, false));
+      bar_top, still * length,
+      animation("width", fmt::format("0;{0:.1f};{0:.1f}", length), fmt::format("0;{:g};1", moving), false));
   for (std::size_t k = 0; k < picture.spectra.size(); ++k) {
     const double exit = picture.spectra[k].largest_step();
     if (exit < picture.end)
       svg += fmt::format("<path stroke=\"{}\" stroke-width=\"3\" d=\"M{:.1f} {:.1f}v14\"/>\n", colour_at(k),
-                         view.left + length * exit / picture.end, bar - 4);
+                         view.left + length * exit / picture.end, bar_top - 4);
   }
   const double step = tick_of({0, picture.end}, 8);
   for (double at = 0; at * step <= picture.end; ++at)
-    svg += svg_text(view.left + length * at * step / picture.end, bar + 26, fmt::format("{:g}", at * step),
-                    "text-anchor=\"middle\" class=\"tick\"");
+    svg += svg_text(view.left + length * at * step / picture.end, bar_top + 26,
+                    fmt::format("{:g}", at * step), "text-anchor=\"middle\" class=\"tick\"");
+  return svg;
+}
+
+/// The step as a number: one text for each of many steps, of which one is visible at a time.
+std::string step_number(const SlidingPicture& picture, double left) {
   constexpr int shown = 48;
+  std::string svg;
   for (int i = 0; i <= shown; ++i) {
     const double h = picture.end * i / shown;
     const double from = moving * i / shown, to = i == shown ? 1 : moving * (i + 1) / shown;
@@ -196,12 +207,27 @@ std::string sliding_svg(const SlidingPicture& picture) {
     const std::string when = i == 0       ? fmt::format("0;{:.4f}", to)
                              : i == shown ? fmt::format("0;{:.4f}", from)
                                           : fmt::format("0;{:.4f};{:.4f}", from, to);
-    const bool is_still = i == static_cast<int>(std::lround(0.4 * shown));
+    const bool is_still = i == static_cast<int>(std::lround(still * shown));
     svg += fmt::format(
-        "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"20\" visibility=\"{}\">h = {:.2f} s{}</text>\n", right,
-        bar + 10, is_still ? "visible" : "hidden", h, animation("visibility", values, when, true));
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"20\" visibility=\"{}\">h = {:.2f} s{}</text>\n", left,
+        bar_top + 10, is_still ? "visible" : "hidden", h, animation("visibility", values, when, true));
   }
-  return svg + "</svg>\n";
+  return svg;
+}
+
+}  // namespace
+
+std::string sliding_svg(const SlidingPicture& picture) {
+  const View view(50, plane_top, 590, plane_height, picture.re, picture.im);
+  const double right = view.left + view.width + 24;
+  return opening(bar_top + 44, picture.title) + plane(picture, view, "plane", 9) +
+         svg_text(view.left + view.width / 2, plane_top + plane_height + 34, "Re hλ",
+                  "text-anchor=\"middle\"") +
+         fmt::format(
+             "<text transform=\"translate(16 {:.1f}) rotate(-90)\" text-anchor=\"middle\">Im hλ</text>\n",
+             plane_top + plane_height / 2) +
+         moving_eigenvalues(picture, view) + largest_steps(picture, right) + step_bar(picture, view) +
+         step_number(picture, right) + "</svg>\n";
 }
 
 std::string sliding_frames_svg(const SlidingPicture& picture, const std::vector<double>& steps) {
