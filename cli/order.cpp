@@ -51,13 +51,29 @@ void report_variable_order(const Problem& problem, const Method& method, Console
   console.print(status + "\n");
 }
 
-void order(const OrderOptions& options, Console& console) {
-  const Problem problem = options.problem.make();
-  const Method method = options.method.make();
-  options.problem.remark_idle(console, problem);
-  if (method.has_variable_order()) return report_variable_order(problem, method, console);
-  const std::vector<double> times = options.t_end ? std::vector{*options.t_end} : end_times(problem.t_end);
-  check({.t_end = times.back(), .h = times.back()}, method, problem);
+/// What was measured, and how.
+struct OrderReport {
+  OrderObservation seen;
+  int expected = 0;
+  double tolerance = 0;
+  bool extended = false;  ///< in long double
+  std::string reference;
+
+  [[nodiscard]] bool shown() const {
+    return seen.observed && std::abs(*seen.observed - expected) <= tolerance;
+  }
+  /// Why the order is not shown; empty where it is.
+  [[nodiscard]] std::string status() const {
+    if (!seen.observed) return "too few errors lie above rounding to fit a slope; try another --t-end";
+    if (shown()) return "";
+    return fmt::format("the slope is not within {} of the order {}; try another --t-end", tolerance,
+                       expected);
+  }
+};
+
+/// Errors over the step at a few end times [s], and the slope that they show.
+OrderReport measured(const Method& method, const Problem& problem, const std::vector<double>& times,
+                     Console& console) {
   const Reference reference = make_reference(problem, times.back());
   if (reference.valid_until < times.back())
     throw InputError(
@@ -88,46 +104,64 @@ void order(const OrderOptions& options, Console& console) {
     progress.update(at / static_cast<double>(times.size()));
     return static_cast<double>((end_state(h, t_end) - exact(t_end)).cwiseAbs().maxCoeff());
   };
-  const OrderObservation seen = observe_order(error_of, times, floor);
+  return {.seen = observe_order(error_of, times, floor),
+          .expected = order_on(method, problem),
+          .tolerance = method.order_tolerance(),
+          .extended = extended,
+          .reference = reference.name};
+}
 
-  const double tolerance = method.order_tolerance();
-  const int expected = order_on(method, problem);
-  const bool shown = seen.observed && std::abs(*seen.observed - expected) <= tolerance;
-  const std::string status =
-      !seen.observed ? "too few errors lie above rounding to fit a slope; try another --t-end"
-      : shown        ? ""
-              : fmt::format("the slope is not within {} of the order {}; try another --t-end", tolerance,
-                            expected);
-  if (!shown) console.exit_code = Exit::failed;
-  if (console.json)
-    return console.print_json(Json{{"problem", problem.id},
-                                   {"method", method.id},
-                                   {"expected", expected},
-                                   {"observed", seen.observed ? Json(*seen.observed) : Json()},
-                                   {"h", seen.h},
-                                   {"error", seen.error},
-                                   {"tolerance", tolerance},
-                                   {"status", status},
-                                   {"t_end", seen.t_end},
-                                   {"parameters", describe(problem.parameters)},
-                                   {"y0", describe(problem.y0)},
-                                   {"precision", extended ? "long double" : "double"},
-                                   {"reference", reference.name}});
+Json to_json(const OrderReport& report, const Method& method, const Problem& problem) {
+  const OrderObservation& seen = report.seen;
+  return {{"problem", problem.id},
+          {"method", method.id},
+          {"expected", report.expected},
+          {"observed", seen.observed ? Json(*seen.observed) : Json()},
+          {"h", seen.h},
+          {"error", seen.error},
+          {"tolerance", report.tolerance},
+          {"status", report.status()},
+          {"t_end", seen.t_end},
+          {"parameters", describe(problem.parameters)},
+          {"y0", describe(problem.y0)},
+          {"precision", report.extended ? "long double" : "double"},
+          {"reference", report.reference}};
+}
+
+std::string in_words(const OrderReport& report, const Method& method, const Problem& problem,
+                     const Console& console) {
+  const OrderObservation& seen = report.seen;
+  std::string text;
   if (seen.observed)
-    console.print(fmt::format("{} on {}, error at t = {} s in {}\n\n", method.id, problem.id,
-                              to_text(seen.t_end), extended ? "long double" : "double"));
+    text += fmt::format("{} on {}, error at t = {} s in {}\n\n", method.id, problem.id, to_text(seen.t_end),
+                        report.extended ? "long double" : "double");
   TextTable table({"h [s]", "error", "slope"});
   for (std::size_t i = 0; i < seen.h.size(); ++i)
     table.add({short_number(seen.h[i]), short_number(seen.error[i], 4),
                i == 0 ? ""
                       : fmt::format("{:.3f}", std::log(seen.error[i - 1] / seen.error[i]) /
                                                   std::log(seen.h[i - 1] / seen.h[i]))});
-  if (!seen.h.empty()) console.print(table.text(console) + "\n");
+  if (!seen.h.empty()) text += table.text(console) + "\n";
   const std::string verdict =
-      seen.observed ? fmt::format("observed order {:.3f}, expected {}{}", *seen.observed, expected,
-                                  expected == method.order ? "" : " where forces do not depend on velocities")
-                    : "no order observed";
-  console.print(shown ? console.strong(verdict) + "\n" : console.alarming(verdict) + ": " + status + "\n");
+      seen.observed
+          ? fmt::format("observed order {:.3f}, expected {}{}", *seen.observed, report.expected,
+                        report.expected == method.order ? "" : " where forces do not depend on velocities")
+          : "no order observed";
+  return text + (report.shown() ? console.strong(verdict) + "\n"
+                                : console.alarming(verdict) + ": " + report.status() + "\n");
+}
+
+void order(const OrderOptions& options, Console& console) {
+  const Problem problem = options.problem.make();
+  const Method method = options.method.make();
+  options.problem.remark_idle(console, problem);
+  if (method.has_variable_order()) return report_variable_order(problem, method, console);
+  const std::vector<double> times = options.t_end ? std::vector{*options.t_end} : end_times(problem.t_end);
+  check({.t_end = times.back(), .h = times.back()}, method, problem);
+  const OrderReport report = measured(method, problem, times, console);
+  if (!report.shown()) console.exit_code = Exit::failed;
+  if (console.json) return console.print_json(to_json(report, method, problem));
+  console.print(in_words(report, method, problem, console));
 }
 
 }  // namespace

@@ -433,12 +433,8 @@ double sizes_moved(const TissueBody& body, const Eigen::VectorXd& y) {
          (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
-void run(const RunOptions& options, Console& console) {
-  options.picture.check();
-  const Problem problem = options.problem.make();
-  const Method method = options.method.make();
-  const RunSpec spec = spec_of(options, problem);
-  check(spec, method, problem);
+/// Throws where an option has nothing to act on.
+void check_choices(const RunOptions& options, const Problem& problem, const Method& method, bool json) {
   if (!options.control.empty() && method.own_control)
     throw InputError(fmt::format("{} steers its steps by rules of its own; leave --control out", method.id));
   if (!options.jacobian.empty() && !method.needs_jacobian)
@@ -460,51 +456,80 @@ void run(const RunOptions& options, Console& console) {
         "{} does not solve its equations by Newton's method of hmax; leave --newton-tolerance and "
         "--newton-iterations out",
         method.id));
-  if (options.full && !(console.json && problem.body))
+  if (options.full && !(json && problem.body))
     throw InputError(fmt::format(
         "--full puts the whole state of a body on a mesh into JSON; {}",
         problem.body ? "add --json, or leave it out" : "others always stand there whole, leave it out"));
-  check_output(options, spec, problem);
-  if (options.picture.wanted() && !problem.body)
+}
+
+/// Throws unless the picture that is asked for can be drawn and written.
+void check_picture(const RunOptions& options, const Problem& problem) {
+  if (!options.picture.wanted()) return;
+  if (!problem.body)
     throw InputError(fmt::format(
         "{} is no body on a mesh, so there is nothing to draw; leave --picture out, or name a mesh with --mesh",
         problem.id));
-  if (options.picture.wanted()) options.picture.check(*problem.body);
+  options.picture.check(*problem.body);
+}
+
+/// @returns whether the picture that is asked for is drawn
+bool draw_picture(const RunOptions& options, const Problem& problem, const Method& method,
+                  const RunSpec& spec, const RunRecord& record, Console& console) {
+  if (!options.picture.wanted()) return false;
+  if (record.outcome == Outcome::diverged) {
+    console.remark(fmt::format(
+        "the picture {} is not drawn, since what has diverged has no shape; {}", options.picture.file,
+        spec.adaptive ? "end the run before that with --t-end"
+                      : "take a smaller --h, `hmax stability predict` says how small"));
+    return false;
+  }
+  options.picture.write(picture_of(options, problem, method, spec, record));
+  return true;
+}
+
+/// Remarks on a body at the end of its run. A step that is not stable may reach the end of a short run all
+/// the same.
+void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& record, Console& console) {
+  constexpr double far = 10;
+  if (!problem.body) return;
+  if (const double moved = sizes_moved(*problem.body, record.y); moved > far)
+    console.remark(fmt::format(
+        "the body has moved {} times its own size; either nothing holds it, or the motion is on its way to diverge{}",
+        short_number(moved, 3),
+        spec.adaptive ? "" : " and wants a smaller --h, `hmax stability predict` says how small"));
+  if (const BodyEnd end = end_of(*problem.body, record.t, record.y); !(end.least_volume > 0))
+    console.remark(fmt::format(
+        "tetrahedron {} has ended inside out, with {} of its volume at rest: the body cannot bear this load, or "
+        "the step is too long for it; `hmax static` tells of the load",
+        tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
+}
+
+void run(const RunOptions& options, Console& console) {
+  options.picture.check();
+  const Problem problem = options.problem.make();
+  const Method method = options.method.make();
+  const RunSpec spec = spec_of(options, problem);
+  check(spec, method, problem);
+  check_choices(options, problem, method, console.json);
+  check_output(options, spec, problem);
+  check_picture(options, problem);
 
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
+  const bool reached_end = result.record.outcome == Outcome::reached_end;
   std::optional<std::size_t> points;
   if (!options.output.empty())
     points = is_series(options) ? write_series(options, spec, problem, runner)
                                 : write_points(options, spec, problem, method, runner);
-
-  const bool drawn = options.picture.wanted() && result.record.outcome != Outcome::diverged;
-  if (drawn) options.picture.write(picture_of(options, problem, method, spec, result.record));
-  if (options.picture.wanted() && !drawn)
-    console.remark(fmt::format(
-        "the picture {} is not drawn, since what has diverged has no shape; {}", options.picture.file,
-        spec.adaptive ? "end the run before that with --t-end"
-                      : "take a smaller --h, `hmax stability predict` says how small"));
-
-  // A step that is not stable may reach the end of a short run all the same.
-  constexpr double far = 10;
-  if (problem.body && result.record.outcome == Outcome::reached_end)
-    if (const double moved = sizes_moved(*problem.body, result.record.y); moved > far)
-      console.remark(fmt::format(
-          "the body has moved {} times its own size; either nothing holds it, or the motion is on its way to diverge{}",
-          short_number(moved, 3),
-          spec.adaptive ? "" : " and wants a smaller --h, `hmax stability predict` says how small"));
-  if (problem.body && result.record.outcome == Outcome::reached_end)
-    if (const BodyEnd end = end_of(*problem.body, result.record.t, result.record.y); !(end.least_volume > 0))
-      console.remark(fmt::format(
-          "tetrahedron {} has ended inside out, with {} of its volume at rest: the body cannot bear this load, or "
-          "the step is too long for it; `hmax static` tells of the load",
-          tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
-
-  if (result.record.outcome == Outcome::reached_end)
+  const bool drawn = draw_picture(options, problem, method, spec, result.record, console);
+  if (reached_end) {
+    remark_end(problem, spec, result.record, console);
     warn_of_tool(console, problem, result.record.t, result.record.y);
+  } else {
+    console.exit_code = Exit::failed;
+  }
 
   if (console.json) {
     Json document = to_json(problem, method, spec, result, options.full);
@@ -513,12 +538,10 @@ void run(const RunOptions& options, Console& console) {
       document["output"] = options.output;
       document["points"] = *points;
     }
-    console.print_json(document);
-  } else {
-    console.print(for_people(problem, method, spec, result, !options.method.tableau.empty(), console));
-    if (points) console.print(fmt::format("{} points in {}\n", *points, options.output));
+    return console.print_json(document);
   }
-  if (result.record.outcome != Outcome::reached_end) console.exit_code = Exit::failed;
+  console.print(for_people(problem, method, spec, result, !options.method.tableau.empty(), console));
+  if (points) console.print(fmt::format("{} points in {}\n", *points, options.output));
 }
 
 }  // namespace

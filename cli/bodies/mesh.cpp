@@ -43,8 +43,10 @@ std::string unit_in_words(const OpenedMesh& opened, const std::optional<double>&
 Json vector_json(const Eigen::Vector3d& v) { return {v(0), v(1), v(2)}; }
 
 /// Tetrahedra and volume of each region.
-std::map<TetMesh::Index, std::pair<Eigen::Index, double>> regions_of(const TetMesh& mesh) {
-  std::map<TetMesh::Index, std::pair<Eigen::Index, double>> regions;
+using Regions = std::map<TetMesh::Index, std::pair<Eigen::Index, double>>;
+
+Regions regions_of(const TetMesh& mesh) {
+  Regions regions;
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
     auto& [count, volume] = regions[mesh.region(t)];
     ++count;
@@ -78,9 +80,7 @@ Json groups_json(const MeshFile& file) {
 }
 
 /// What --set E:NAME and --support call by name or number.
-std::string regions_in_words(const MeshFile& file,
-                             const std::map<TetMesh::Index, std::pair<Eigen::Index, double>>& regions,
-                             const Console& console) {
+std::string regions_in_words(const MeshFile& file, const Regions& regions, const Console& console) {
   std::string text;
   if (regions.size() > 1 || !file.names.empty()) {
     TextTable table({"region", "name", "tetrahedra", "volume [m³]"});
@@ -101,71 +101,92 @@ std::string regions_in_words(const MeshFile& file,
   return text + "\n" + table.text(console);
 }
 
-void info(const MeshCommand& options, Console& console) {
-  options.picture.check();
-  OpenedMesh opened = open_mesh(options.mesh);
-  const std::optional<double> unit = unit_of(opened, options);
-  TetMesh& mesh = opened.file.mesh;
-  mesh.points *= unit.value_or(1);
-  const MeshTopology topology = topology_of(mesh);
-  const MeshQuality quality = quality_of(mesh);
-  const MeshDefects defects = defects_of(mesh);
-  const auto regions = regions_of(mesh);
-  if (options.picture.wanted())
-    options.picture.write(
-        {.title = title_of(options.mesh),
-         .caption =
-             fmt::format("{} points, {} tetrahedra, {} triangles on the surface, {} cm³; mean ratio {} at "
-                         "worst, {} on average: 1 for the regular tetrahedron, 0 for a flat one.{}",
-                         topology.points, topology.tetrahedra, topology.surface_triangles,
-                         short_number(1e6 * quality.volume, 4), short_number(quality.min_mean_ratio, 3),
-                         short_number(quality.average_mean_ratio, 3),
-                         unit ? "" : " The unit of the file is not stated, and taken as metres."),
-         .colours = mesh_quality_colours(),
-         .views = {mesh_view(mesh)}});
+/// What is known of a mesh.
+struct MeshReport {
+  OpenedMesh opened;
+  std::optional<double> unit;  ///< [m]
+  MeshTopology topology;
+  MeshQuality quality;
+  MeshDefects defects;
+  Regions regions;
 
-  if (console.json) {
-    Json list = Json::array();
-    for (const auto& [region, content] : regions)
-      list.push_back({{"region", region},
-                      {"name", name_json(opened.file, region)},
-                      {"tetrahedra", content.first},
-                      {"volume", content.second}});
-    return console.print_json(
-        Json{{"mesh", options.mesh},
-             {"format", opened.file.format},
-             {"unit", unit ? Json(*unit) : Json()},
-             {"status", unit ? Json() : Json("the unit is not stated; lengths are in that of the file")},
-             {"points", topology.points},
-             {"edges", topology.edges},
-             {"faces", topology.faces},
-             {"tetrahedra", topology.tetrahedra},
-             {"surface_points", topology.surface_points},
-             {"surface_edges", topology.surface_edges},
-             {"surface_triangles", topology.surface_triangles},
-             {"volume", quality.volume},
-             {"components", topology.components},
-             {"unused_points", topology.unused_points},
-             {"inverted", defects.inverted.size()},
-             {"degenerate", defects.degenerate.size()},
-             {"duplicates", defects.duplicates.size()},
-             {"crowded_faces", topology.crowded_faces},
-             {"euler", topology.euler()},
-             {"quality",
-              {{"min", quality.min_mean_ratio},
-               {"mean", quality.average_mean_ratio},
-               {"measure", "mean_ratio"},
-               {"worst", opened.file.numbers[static_cast<std::size_t>(quality.worst)]}}},
-             {"smallest_angle_degrees", quality.smallest_angle * degrees},
-             {"largest_angle_degrees", quality.largest_angle * degrees},
-             {"shortest_edge", quality.shortest_edge},
-             {"longest_edge", quality.longest_edge},
-             {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
-             {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
-             {"second_order", opened.file.second_order},
-             {"regions", list},
-             {"groups", groups_json(opened.file)}});
-  }
+  /// Number in its file of the tetrahedron of the worst shape.
+  [[nodiscard]] auto worst() const { return opened.file.numbers[static_cast<std::size_t>(quality.worst)]; }
+};
+
+MeshReport report_of(const MeshCommand& options) {
+  MeshReport report;
+  report.opened = open_mesh(options.mesh);
+  report.unit = unit_of(report.opened, options);
+  TetMesh& mesh = report.opened.file.mesh;
+  mesh.points *= report.unit.value_or(1);
+  report.topology = topology_of(mesh);
+  report.quality = quality_of(mesh);
+  report.defects = defects_of(mesh);
+  report.regions = regions_of(mesh);
+  return report;
+}
+
+void write_picture(const MeshReport& report, const MeshCommand& options) {
+  const MeshTopology& topology = report.topology;
+  options.picture.write(
+      {.title = title_of(options.mesh),
+       .caption = fmt::format(
+           "{} points, {} tetrahedra, {} triangles on the surface, {} cm³; mean ratio {} at "
+           "worst, {} on average: 1 for the regular tetrahedron, 0 for a flat one.{}",
+           topology.points, topology.tetrahedra, topology.surface_triangles,
+           short_number(1e6 * report.quality.volume, 4), short_number(report.quality.min_mean_ratio, 3),
+           short_number(report.quality.average_mean_ratio, 3),
+           report.unit ? "" : " The unit of the file is not stated, and taken as metres."),
+       .colours = mesh_quality_colours(),
+       .views = {mesh_view(report.opened.file.mesh)}});
+}
+
+Json to_json(const MeshReport& report, const MeshCommand& options) {
+  const auto& [opened, unit, topology, quality, defects, regions] = report;
+  Json list = Json::array();
+  for (const auto& [region, content] : regions)
+    list.push_back({{"region", region},
+                    {"name", name_json(opened.file, region)},
+                    {"tetrahedra", content.first},
+                    {"volume", content.second}});
+  return {{"mesh", options.mesh},
+          {"format", opened.file.format},
+          {"unit", unit ? Json(*unit) : Json()},
+          {"status", unit ? Json() : Json("the unit is not stated; lengths are in that of the file")},
+          {"points", topology.points},
+          {"edges", topology.edges},
+          {"faces", topology.faces},
+          {"tetrahedra", topology.tetrahedra},
+          {"surface_points", topology.surface_points},
+          {"surface_edges", topology.surface_edges},
+          {"surface_triangles", topology.surface_triangles},
+          {"volume", quality.volume},
+          {"components", topology.components},
+          {"unused_points", topology.unused_points},
+          {"inverted", defects.inverted.size()},
+          {"degenerate", defects.degenerate.size()},
+          {"duplicates", defects.duplicates.size()},
+          {"crowded_faces", topology.crowded_faces},
+          {"euler", topology.euler()},
+          {"quality",
+           {{"min", quality.min_mean_ratio},
+            {"mean", quality.average_mean_ratio},
+            {"measure", "mean_ratio"},
+            {"worst", report.worst()}}},
+          {"smallest_angle_degrees", quality.smallest_angle * degrees},
+          {"largest_angle_degrees", quality.largest_angle * degrees},
+          {"shortest_edge", quality.shortest_edge},
+          {"longest_edge", quality.longest_edge},
+          {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
+          {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
+          {"second_order", opened.file.second_order},
+          {"regions", list},
+          {"groups", groups_json(opened.file)}};
+}
+
+std::string in_words(const MeshReport& report, const MeshCommand& options, const Console& console) {
+  const auto& [opened, unit, topology, quality, defects, regions] = report;
   std::string text =
       fmt::format("{}, {}\nunit: {}\n\n", options.mesh, opened.file.format, unit_in_words(opened, unit));
   TextTable counts({"", "in all", "on the surface"});
@@ -177,14 +198,13 @@ void info(const MeshCommand& options, Console& console) {
   const auto line = [&](const char* name, const std::string& value) {
     text += fmt::format("{:<16} {}\n", name, value);
   };
-  line("box", box_in_words(mesh) + " m");
+  line("box", box_in_words(opened.file.mesh) + " m");
   line("volume", fmt::format("{} m³", short_number(quality.volume)));
   line("edges", fmt::format("{} to {} m", short_number(quality.shortest_edge, 4),
                             short_number(quality.longest_edge, 4)));
   line("mean ratio",
        fmt::format("{} at worst (tetrahedron {}), {} on average", short_number(quality.min_mean_ratio, 4),
-                   opened.file.numbers[static_cast<std::size_t>(quality.worst)],
-                   short_number(quality.average_mean_ratio, 4)));
+                   report.worst(), short_number(quality.average_mean_ratio, 4)));
   line("dihedral angles", fmt::format("{} to {} degrees", short_number(quality.smallest_angle * degrees, 4),
                                       short_number(quality.largest_angle * degrees, 4)));
   line("parts", fmt::format("{}, unused points {}", topology.components, topology.unused_points));
@@ -192,7 +212,15 @@ void info(const MeshCommand& options, Console& console) {
   text += regions_in_words(opened.file, regions, console);
   if (!defects.none())
     text += console.alarming("\nModels cannot use it: `hmax mesh check` names what is wrong.") + "\n";
-  console.print(text);
+  return text;
+}
+
+void info(const MeshCommand& options, Console& console) {
+  options.picture.check();
+  const MeshReport report = report_of(options);
+  if (options.picture.wanted()) write_picture(report, options);
+  if (console.json) return console.print_json(to_json(report, options));
+  console.print(in_words(report, options, console));
 }
 
 /// At most some of the things that are wrong, one a line.
@@ -262,82 +290,106 @@ std::string hinges_in_words(const MeshFile& file, const MeshPart& part) {
   return fmt::format("{} on {} points and no face", hang, part.hinges.size());
 }
 
-void check_mesh(const MeshCommand& options, Console& console) {
-  const OpenedMesh opened = open_mesh(options.mesh);
-  const MeshFile& file = opened.file;
-  const double angle = parse_number("--slivers", options.slivers);
-  if (!(angle >= 0 && angle < 70))
-    throw InputError(fmt::format(
-        "--slivers is {}; give a dihedral angle from 0 up to 70 degrees, since no tetrahedron has all above 70.53",
-        options.slivers));
-  const MeshDefects defects = defects_of(file.mesh);
-  std::vector<Sliver> slivers = slivers_of(file.mesh, angle / degrees);
-  // What has no volume is named for that already.
-  std::erase_if(slivers, [&](const Sliver& s) {
-    return std::ranges::binary_search(defects.degenerate, static_cast<TetMesh::Index>(s.tetrahedron));
-  });
-  const MeshTopology topology = topology_of(file.mesh);
-  const std::vector<MeshPart> parts = parts_of(file.mesh);
-  const bool hinged = std::ranges::any_of(parts, [](const MeshPart& part) { return !part.hinges.empty(); });
-  const std::vector<std::vector<TetMesh::Index>> loose = loose_parts_of(options, opened);
-  const bool good = defects.none() && slivers.empty() && !hinged && loose.empty();
-  if (!good) console.exit_code = Exit::failed;
-  const auto number = [&](Eigen::Index t) { return file.numbers[static_cast<std::size_t>(t)]; };
+/// What is wrong with a mesh.
+struct MeshFindings {
+  MeshDefects defects;
+  std::vector<Sliver> slivers;
+  MeshTopology topology;
+  std::vector<MeshPart> parts;
+  std::vector<std::vector<TetMesh::Index>> loose;
 
-  if (console.json) {
-    const auto numbers = [&](const std::vector<TetMesh::Index>& list) {
-      Json all = Json::array();
-      for (const TetMesh::Index t : list) all.push_back(number(t));
-      return all;
-    };
-    Json pairs = Json::array(), flat = Json::array();
-    for (const auto& [again, first] : defects.duplicates) pairs.push_back({number(again), number(first)});
-    for (const Sliver& sliver : slivers)
-      flat.push_back({{"tetrahedron", number(sliver.tetrahedron)},
-                      {"angle_degrees", sliver.smallest_angle * degrees},
-                      {"mean_ratio", sliver.mean_ratio}});
-    return console.print_json(Json{{"mesh", options.mesh},
-                                   {"good", good},
-                                   {"inverted", numbers(defects.inverted)},
-                                   {"degenerate", numbers(defects.degenerate)},
-                                   {"duplicates", pairs},
-                                   {"crowded", numbers(defects.crowded)},
-                                   {"slivers", flat},
-                                   {"parts", parts_json(file, parts)},
-                                   {"loose", loose_json(file, loose)},
-                                   {"components", topology.components},
-                                   {"unused_points", topology.unused_points}});
+  [[nodiscard]] bool good() const {
+    const bool hinged = std::ranges::any_of(parts, [](const MeshPart& part) { return !part.hinges.empty(); });
+    return defects.none() && slivers.empty() && !hinged && loose.empty();
   }
-  std::string text;
+};
+
+/// @param angle  dihedral angle below which a tetrahedron is a sliver [degrees]
+MeshFindings findings_of(const OpenedMesh& opened, double angle, const MeshCommand& options) {
+  const TetMesh& mesh = opened.file.mesh;
+  MeshFindings found;
+  found.defects = defects_of(mesh);
+  found.slivers = slivers_of(mesh, angle / degrees);
+  // What has no volume is named for that already.
+  std::erase_if(found.slivers, [&](const Sliver& s) {
+    return std::ranges::binary_search(found.defects.degenerate, static_cast<TetMesh::Index>(s.tetrahedron));
+  });
+  found.topology = topology_of(mesh);
+  found.parts = parts_of(mesh);
+  found.loose = loose_parts_of(options, opened);
+  return found;
+}
+
+Json to_json(const MeshFindings& found, const MeshFile& file, const MeshCommand& options) {
+  const auto number = [&](Eigen::Index t) { return file.numbers[static_cast<std::size_t>(t)]; };
+  Json pairs = Json::array(), flat = Json::array();
+  for (const auto& [again, first] : found.defects.duplicates) pairs.push_back({number(again), number(first)});
+  for (const Sliver& sliver : found.slivers)
+    flat.push_back({{"tetrahedron", number(sliver.tetrahedron)},
+                    {"angle_degrees", sliver.smallest_angle * degrees},
+                    {"mean_ratio", sliver.mean_ratio}});
+  return {{"mesh", options.mesh},
+          {"good", found.good()},
+          {"inverted", numbers_json(file, found.defects.inverted)},
+          {"degenerate", numbers_json(file, found.defects.degenerate)},
+          {"duplicates", pairs},
+          {"crowded", numbers_json(file, found.defects.crowded)},
+          {"slivers", flat},
+          {"parts", parts_json(file, found.parts)},
+          {"loose", loose_json(file, found.loose)},
+          {"components", found.topology.components},
+          {"unused_points", found.topology.unused_points}};
+}
+
+std::string in_words(const MeshFindings& found, const OpenedMesh& opened) {
+  const MeshFile& file = opened.file;
+  const auto number = [&](Eigen::Index t) { return file.numbers[static_cast<std::size_t>(t)]; };
   const auto where = [&](Eigen::Index t) {
     return opened.from_file && file.places[static_cast<std::size_t>(t)] > 0
                ? file.where(t)
                : fmt::format("tetrahedron {}", number(t));
   };
+  std::string text;
+  const MeshDefects& defects = found.defects;
   add_findings(text, defects.inverted, [&](auto t) { return where(t) + " is inverted"; });
   add_findings(text, defects.degenerate, [&](auto t) { return where(t) + " has no volume"; });
   add_findings(text, defects.duplicates, [&](const auto& pair) {
     return fmt::format("{} has the corners of tetrahedron {}", where(pair.first), number(pair.second));
   });
   add_findings(text, defects.crowded, [&](auto t) { return where(t) + " shares a face with two others"; });
-  add_findings(text, slivers, [&](const Sliver& sliver) {
+  add_findings(text, found.slivers, [&](const Sliver& sliver) {
     return fmt::format("{} is a sliver: dihedral angle {} degrees, mean ratio {}", where(sliver.tetrahedron),
                        short_number(sliver.smallest_angle * degrees, 3), short_number(sliver.mean_ratio, 3));
   });
+  const MeshTopology& topology = found.topology;
   if (topology.unused_points > 0)
     text += fmt::format("{} points are in no tetrahedron; models leave them out\n", topology.unused_points);
   if (topology.components > 1) text += fmt::format("the mesh has {} separate parts\n", topology.components);
   // The largest part is the body, from which the others hang.
-  for (const MeshPart& part : parts | std::views::drop(1))
+  for (const MeshPart& part : found.parts | std::views::drop(1))
     text += fmt::format("{} {}\n", numbers_in_words(file, part.tetrahedra), hinges_in_words(file, part));
-  for (const std::vector<TetMesh::Index>& part : loose)
+  for (const std::vector<TetMesh::Index>& part : found.loose)
     text += fmt::format("{}: no support holds {}\n", numbers_in_words(file, part),
                         part.size() == 1 ? "it" : "them");
   if (!defects.inverted.empty()) text += "`hmax mesh convert FILE OUTPUT --fix` turns what is inverted\n";
-  text += good ? fmt::format("{}: {} tetrahedra, none is wrong or flatter than {} degrees\n", options.mesh,
-                             topology.tetrahedra, short_number(angle))
-               : console.alarming(fmt::format("{} is not good", options.mesh)) + "\n";
-  console.print(text);
+  return text;
+}
+
+void check_mesh(const MeshCommand& options, Console& console) {
+  const OpenedMesh opened = open_mesh(options.mesh);
+  const double angle = parse_number("--slivers", options.slivers);
+  if (!(angle >= 0 && angle < 70))
+    throw InputError(fmt::format(
+        "--slivers is {}; give a dihedral angle from 0 up to 70 degrees, since no tetrahedron has all above 70.53",
+        options.slivers));
+  const MeshFindings found = findings_of(opened, angle, options);
+  const bool good = found.good();
+  if (!good) console.exit_code = Exit::failed;
+  if (console.json) return console.print_json(to_json(found, opened.file, options));
+  console.print(in_words(found, opened) +
+                (good ? fmt::format("{}: {} tetrahedra, none is wrong or flatter than {} degrees\n",
+                                    options.mesh, found.topology.tetrahedra, short_number(angle))
+                      : console.alarming(fmt::format("{} is not good", options.mesh)) + "\n"));
 }
 
 }  // namespace

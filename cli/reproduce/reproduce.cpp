@@ -166,13 +166,30 @@ void tissue_study(const std::filesystem::path& folder, TissueOptions options, Co
       study.report.string()));
 }
 
-}  // namespace
+void oscillator_study(const std::filesystem::path& output, Console& console) {
+  StudyRows rows;
+  std::int64_t count = 0;
+  rows.self_exciting = measured(self_exciting_sweep(), output / "damping_minus_2.sqlite",
+                                "timing the model with c = -2", console, rows.machine, count);
+  rows.published_model = measured(SweepSpec{}, output / "step_sweep.sqlite", "timing the step sweep", console,
+                                  rows.machine, count);
+  std::filesystem::path report;
+  {
+    Progress progress(console, "drawing");
+    double drawn = 0;
+    report = reproduce_oscillators(rows, output, [&](const std::string& section) {
+      progress.update(drawn / 9, section);
+      ++drawn;
+    });
+  }
+  if (console.json)
+    console.print_json({{"report", report.string()}, {"measured", count}});
+  else
+    console.print(
+        fmt::format("{} rows measured, the others were there already.\nOpen {}\n", count, report.string()));
+}
 
-void add_reproduce(CLI::App& app, Console& console) {
-  CLI::App& reproduce =
-      add_command(app, console, "reproduce", "Do a published study again, figure by figure",
-                  {"hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
-  reproduce.require_subcommand(1);
+void add_oscillator_study(CLI::App& reproduce, Console& console) {
   CLI::App& oscillators = add_command(reproduce, console, "oscillators",
                                       "Every figure and table of the liver oscillator study, in one folder",
                                       {"hmax reproduce oscillators --output results/runs/oscillators"});
@@ -183,48 +200,30 @@ void add_reproduce(CLI::App& app, Console& console) {
                      "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
   add_force(oscillators);
   add_figure_style(oscillators);
-  oscillators.callback([&console, folder] {
-    const std::filesystem::path output = *folder;
-    StudyRows rows;
-    std::int64_t count = 0;
-    rows.self_exciting = measured(self_exciting_sweep(), output / "damping_minus_2.sqlite",
-                                  "timing the model with c = -2", console, rows.machine, count);
-    rows.published_model = measured(SweepSpec{}, output / "step_sweep.sqlite", "timing the step sweep",
-                                    console, rows.machine, count);
-    std::filesystem::path report;
-    {
-      Progress progress(console, "drawing");
-      double drawn = 0;
-      report = reproduce_oscillators(rows, output, [&](const std::string& section) {
-        progress.update(drawn / 9, section);
-        ++drawn;
-      });
-    }
-    if (console.json)
-      console.print_json({{"report", report.string()}, {"measured", count}});
-    else
-      console.print(
-          fmt::format("{} rows measured, the others were there already.\nOpen {}\n", count, report.string()));
-  });
+  oscillators.callback([&console, folder] { oscillator_study(*folder, console); });
+}
 
+void add_stability_study(CLI::App& reproduce, Console& console) {
   CLI::App& stability =
       add_command(reproduce, console, "stability",
                   "The step limits of every method on every model of the study, predicted and observed",
                   {"hmax reproduce stability --output results/runs/stability"});
-  auto limits_folder = std::make_shared<std::string>("results/runs/stability");
-  stability.add_option("--output", *limits_folder, "Folder of the report")->capture_default_str();
+  auto folder = std::make_shared<std::string>("results/runs/stability");
+  stability.add_option("--output", *folder, "Folder of the report")->capture_default_str();
   add_force(stability);
   add_figure_style(stability);
   add_jobs(stability);
-  stability.callback([&console, limits_folder] { stability_study(*limits_folder, console); });
+  stability.callback([&console, folder] { stability_study(*folder, console); });
+}
 
+void add_tissue_study(CLI::App& reproduce, Console& console) {
   CLI::App& tissue = add_command(
       reproduce, console, "tissue",
       "Springs and finite elements on the phantom and the liver: pictures, solvers, costs, modes, a tool, limits of "
       "the step",
       {"hmax reproduce tissue --output results/runs/tissue"});
-  auto tissue_folder = std::make_shared<std::string>("results/runs/tissue");
-  tissue.add_option("--output", *tissue_folder, "Folder of the report")->capture_default_str();
+  auto folder = std::make_shared<std::string>("results/runs/tissue");
+  tissue.add_option("--output", *folder, "Folder of the report")->capture_default_str();
   auto options = std::make_shared<TissueOptions>();
   tissue.add_flag(
       "--quick", options->quick,
@@ -233,7 +232,19 @@ void add_reproduce(CLI::App& app, Console& console) {
                   "Also what meshes of a thousand to a million tetrahedra cost: some minutes and gigabytes");
   add_force(tissue);
   add_figure_style(tissue);
-  tissue.callback([&console, tissue_folder, options] { tissue_study(*tissue_folder, *options, console); });
+  tissue.callback([&console, folder, options] { tissue_study(*folder, *options, console); });
+}
+
+}  // namespace
+
+void add_reproduce(CLI::App& app, Console& console) {
+  CLI::App& reproduce =
+      add_command(app, console, "reproduce", "Do a published study again, figure by figure",
+                  {"hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
+  reproduce.require_subcommand(1);
+  add_oscillator_study(reproduce, console);
+  add_stability_study(reproduce, console);
+  add_tissue_study(reproduce, console);
 }
 
 }  // namespace hmax

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -186,42 +188,78 @@ Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options,
 
 // ---- the subcommand
 
-std::string words_of(double h) { return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h); }
+/// Maps of some methods over the same axes.
+struct MapStudy {
+  MapAxis x, y;
+  Problem bare;  ///< where the axes vary nothing
+  std::vector<StabilityMap> maps;
+  std::optional<FigureFiles> figure;
+};
 
-void map(const MapOptions& options, Console& console) {
-  if (!options.output.empty()) check_figure_files(options.output, "map");
+/// The axes, which have to be given and to fit together.
+std::pair<MapAxis, MapAxis> axes_of(const MapOptions& options) {
   for (const auto& [name, text, example] :
        {std::tuple{"--x", &options.x, options.rayleigh ? "alpha=0:2:41" : "c=0:10:81"},
         {"--y", &options.y, options.rayleigh ? "beta=0:0.5:41" : "k1=0.1:10:61"}})
     if (text->empty())
       throw InputError(
           fmt::format("{} is missing; give its values, for instance {} {}", name, name, example));
-  const MapAxis x = map_axis("--x", options.x, options.log_x), y = map_axis("--y", options.y, options.log_y);
+  MapAxis x = map_axis("--x", options.x, options.log_x), y = map_axis("--y", options.y, options.log_y);
   if (options.rayleigh && (x.name != "alpha" || y.name != "beta"))
     throw InputError(
         fmt::format("with --rayleigh x is alpha and y is beta, but they are called {} and {}; write --x "
                     "alpha=0:2:41 --y beta=0:0.5:41",
                     x.name, y.name));
-  const Problem bare = options.problem.make();
+  return {std::move(x), std::move(y)};
+}
+
+MapStudy study_of(const MapOptions& options, const Console& console) {
+  auto [x, y] = axes_of(options);
+  MapStudy study{
+      .x = std::move(x), .y = std::move(y), .bare = options.problem.make(), .maps = {}, .figure = {}};
   const ProblemSettings settings = options.problem.settings();
-  const ProblemAt problem_at = options.rayleigh ? over_rayleigh(options.problem.id(), settings)
-                                                : over_parameters(options.problem.id(), settings, x, y);
-  const std::vector<Method> methods = options.methods.methods({bare});
+  const ProblemAt problem_at = options.rayleigh
+                                   ? over_rayleigh(options.problem.id(), settings)
+                                   : over_parameters(options.problem.id(), settings, study.x, study.y);
+  const std::vector<Method> methods = options.methods.methods({study.bare});
   const auto& interrupted = interrupt_flag();
-  std::vector<StabilityMap> maps;
-  {
-    Progress progress(console, "map");
-    maps = stability_maps(methods, problem_at, x, y, [&](double share) {
-      if (interrupted) throw Interrupted{};
-      progress.update(share);
-    });
-  }
+  Progress progress(console, "map");
+  study.maps = stability_maps(methods, problem_at, study.x, study.y, [&](double share) {
+    if (interrupted) throw Interrupted{};
+    progress.update(share);
+  });
+  return study;
+}
+
+FigureFiles drawn(const MapStudy& study, const MapOptions& options) {
+  // What the axes vary is no constant.
+  Parameters fixed = study.bare.parameters;
+  std::erase_if(fixed, [&](const auto& entry) {
+    return entry.first == study.x.name || entry.first == study.y.name ||
+           (options.rayleigh && entry.first == "c");
+  });
+  return draw(picture(study.maps, options, study.bare, fmt::format("{}: {}", study.bare.id, describe(fixed))),
+              options.output, "map");
+}
+
+Json to_json(const MapStudy& study) {
   Json documents = Json::array();
-  TextTable table(
-      {"method", "smallest h [s]", "largest h [s]", "falls along " + x.name, "falls along " + y.name});
+  for (const StabilityMap& each : study.maps) {
+    Json document = to_json(each);
+    if (study.figure)
+      document["figure"] = study.figure->drawn() ? Json(study.figure->base.string() + ".svg") : Json();
+    documents.push_back(std::move(document));
+  }
+  return documents.size() == 1 ? documents.front() : documents;
+}
+
+std::string words_of(double h) { return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h); }
+
+std::string in_words(const MapStudy& study, const Console& console) {
+  TextTable table({"method", "smallest h [s]", "largest h [s]", "falls along " + study.x.name,
+                   "falls along " + study.y.name});
   std::string remarks;
-  for (const StabilityMap& each : maps) {
-    documents.push_back(to_json(each));
+  for (const StabilityMap& each : study.maps) {
     double least = std::numeric_limits<double>::quiet_NaN(), most = least;
     for (const double h : each.h_max) {
       least = std::fmin(least, h);
@@ -235,25 +273,20 @@ void map(const MapOptions& options, Console& console) {
                      fmt::format(
                          "\n{} x {} points of {}. falls: between that share of neighbours the largest "
                          "stable step gets smaller.\n",
-                         x.values.size(), y.values.size(), bare.id) +
+                         study.x.values.size(), study.y.values.size(), study.bare.id) +
                      remarks;
-  if (!options.output.empty()) {
-    // What the axes vary is no constant.
-    Parameters fixed = bare.parameters;
-    std::erase_if(fixed, [&](const auto& entry) {
-      return entry.first == x.name || entry.first == y.name || (options.rayleigh && entry.first == "c");
-    });
-    const FigureFiles files = draw(
-        picture(maps, options, bare, fmt::format("{}: {}", bare.id, describe(fixed))), options.output, "map");
-    for (Json& document : documents)
-      document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
-    if (files.drawn())
-      text += fmt::format("The figure: {}.svg\n", files.base.string());
-    else
-      console.remark(files.problem);
-  }
-  if (console.json) return console.print_json(maps.size() == 1 ? documents.front() : documents);
-  console.print(text);
+  if (study.figure && study.figure->drawn())
+    text += fmt::format("The figure: {}.svg\n", study.figure->base.string());
+  return text;
+}
+
+void map(const MapOptions& options, Console& console) {
+  if (!options.output.empty()) check_figure_files(options.output, "map");
+  MapStudy study = study_of(options, console);
+  if (!options.output.empty()) study.figure = drawn(study, options);
+  if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
+  if (console.json) return console.print_json(to_json(study));
+  console.print(in_words(study, console));
 }
 
 }  // namespace

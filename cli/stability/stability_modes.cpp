@@ -49,17 +49,122 @@ double stiffest_point(const MechanicalPart& part) {
   return diagonal.cwiseQuotient(part.mass).cwiseAbs().maxCoeff();
 }
 
+/// Throws unless the shapes that are asked for can be written.
+void check_output(const ModesOptions& options) {
+  if (options.output.empty()) return;
+  if (std::filesystem::path(options.output).extension() != ".vtu")
+    throw InputError(
+        fmt::format("shapes are written as .vtu and not as '{}'; change the extension", options.output));
+  check_writable(options.output);
+}
+
+/// A mode of free motion and where it lives.
+struct ModeReport {
+  double kappa;  ///< [1/s^2]
+  bool strains;  ///< false: the body moves as one, but for rounding
+  double omega;  ///< [rad/s]
+  double zeta;
+  ModeOwner owner;
+  NamedElement element;
+  Eigen::VectorXd shape;
+
+  [[nodiscard]] double frequency() const { return omega / (2 * std::numbers::pi); }
+};
+
+std::vector<ModeReport> reports_of(const Problem& problem, const MechanicalPart& part,
+                                   const ExtremeStiffnesses& found) {
+  const TissueBody& body = *problem.body;
+  const ElementSum elements = elements_of(body);
+  // Modes that strain nothing but for rounding have no frequency, and no element has a share of them.
+  const double rigid = 1e-10 * stiffest_point(part);
+  Eigen::VectorXd mass(body.dofs() / 3);
+  for (Eigen::Index i = 0; i < mass.size(); ++i) mass[i] = body.mass()[3 * i];
+  std::vector<ModeReport> modes;
+  for (std::size_t i = 0; i < found.kappa.size(); ++i) {
+    const Eigen::VectorXd u = found.shapes.col(static_cast<Eigen::Index>(i));
+    const bool strains = std::abs(found.kappa[i]) > rigid;
+    const double omega = strains ? std::sqrt(std::max(found.kappa[i], 0.0)) : 0;
+    const double gamma = u.dot(Eigen::VectorXd(std::get<Eigen::SparseMatrix<double>>(part.C) * u));
+    const ModeOwner owner = owner_of(elements, mass, u);
+    modes.push_back({.kappa = found.kappa[i],
+                     .strains = strains,
+                     .omega = omega,
+                     .zeta = omega > 0 ? gamma / (2 * omega) : 0,
+                     .owner = owner,
+                     .element = named_element(problem, owner.element),
+                     .shape = u});
+  }
+  return modes;
+}
+
+Json to_json(const ModeReport& mode) {
+  return {{"kappa", mode.kappa},
+          {"omega", mode.omega},
+          {"frequency", mode.frequency()},
+          {"zeta", mode.zeta},
+          {"moving_points", mode.owner.moving_points},
+          {"element", mode.strains ? Json(mode.element.number) : Json()},
+          {"element_kind", mode.strains ? Json(mode.element.kind) : Json()},
+          {"element_share", mode.strains ? Json(mode.owner.share) : Json()},
+          {"status", mode.strains ? "" : "the body moves as one, which strains no element"}};
+}
+
+std::string table_of(const std::vector<ModeReport>& modes, const Console& console) {
+  TextTable table(
+      {"mode", "frequency [Hz]", "omega [rad/s]", "zeta", "moving points", "element with most energy"});
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const ModeReport& mode = modes[i];
+    table.add({std::to_string(i + 1), short_number(mode.frequency()), short_number(mode.omega),
+               short_number(mode.zeta, 4), short_number(mode.owner.moving_points, 3),
+               mode.strains ? fmt::format("{} {} with {} %", mode.element.kind, mode.element.number,
+                                          short_number(100 * mode.owner.share, 3))
+                            : "none: it moves as one"});
+  }
+  return table.text(console);
+}
+
+void write_shapes(const std::string& file, const TissueBody& body, const std::vector<ModeReport>& modes) {
+  MeshFields fields;
+  for (std::size_t i = 0; i < modes.size(); ++i)
+    fields.points.push_back(
+        {fmt::format("mode_{}", i + 1), body.origin()->on_points(on_points(body, modes[i].shape))});
+  write_file(file, vtu_text(body.origin()->file, fields));
+}
+
+Json to_json(const ModesOptions& options, const Problem& problem, const Linearised& near,
+             const std::vector<ModeReport>& modes) {
+  const std::string status =
+      near.status + (near.status.empty() || near.missing.empty() ? "" : "; ") + near.missing;
+  Json list = Json::array();
+  for (const ModeReport& mode : modes) list.push_back(to_json(mode));
+  return {{"problem", problem.id},
+          {"material", problem.material.empty() ? Json() : Json(problem.material)},
+          {"dofs", problem.body->dofs()},
+          {"state_kind", near.state_kind},
+          {"status", status.empty() ? Json() : Json(status)},
+          {"end", options.fastest ? "fastest" : "slowest"},
+          {"modes", list},
+          {"output", options.output.empty() ? Json() : Json(options.output)}};
+}
+
+std::string in_words(const Problem& problem, const Linearised& near, const std::vector<ModeReport>& modes,
+                     const Console& console) {
+  std::string text = fmt::format("{}{}: {} degrees of freedom\n\n{}", problem.id,
+                                 problem.material.empty() ? "" : ", " + problem.material,
+                                 problem.body->dofs(), table_of(modes, console));
+  if (!near.status.empty()) text += "\n" + near.state + "\n";
+  if (!near.missing.empty()) text += "\n" + near.missing + "\n";
+  return text +
+         "\nTetrahedra have the numbers of their file, or count from 1. Moving points: 1 over the sum of squares of "
+         "the\npoints' shares of kinetic energy.\n";
+}
+
 void modes(const ModesOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   if (!problem.body)
     throw InputError(fmt::format("{} is no body on a mesh, so its modes have no shapes; name one with --mesh",
                                  problem.id));
-  if (!options.output.empty()) {
-    if (std::filesystem::path(options.output).extension() != ".vtu")
-      throw InputError(
-          fmt::format("shapes are written as .vtu and not as '{}'; change the extension", options.output));
-    check_writable(options.output);
-  }
+  check_output(options);
   const TissueBody& body = *problem.body;
   const auto count = static_cast<Eigen::Index>(
       std::min<std::int64_t>(parse_count("--count", options.count, 1), body.dofs()));
@@ -78,61 +183,10 @@ void modes(const ModesOptions& options, Console& console) {
   if (!found.converged)
     throw InputError(
         fmt::format("the modes of {} degrees of freedom did not converge; ask for fewer", body.dofs()));
-
-  const ElementSum elements = elements_of(body);
-  // Modes that strain nothing but for rounding have no frequency, and no element has a share of them.
-  const double rigid = 1e-10 * stiffest_point(part);
-  Eigen::VectorXd mass(body.dofs() / 3);
-  for (Eigen::Index i = 0; i < mass.size(); ++i) mass[i] = body.mass()[3 * i];
-  Json list = Json::array();
-  TextTable table(
-      {"mode", "frequency [Hz]", "omega [rad/s]", "zeta", "moving points", "element with most energy"});
-  MeshFields fields;
-  for (std::size_t i = 0; i < found.kappa.size(); ++i) {
-    const Eigen::VectorXd u = found.shapes.col(static_cast<Eigen::Index>(i));
-    const bool strains = std::abs(found.kappa[i]) > rigid;
-    const double omega = strains ? std::sqrt(std::max(found.kappa[i], 0.0)) : 0;
-    const double gamma = u.dot(Eigen::VectorXd(std::get<Eigen::SparseMatrix<double>>(part.C) * u));
-    const double zeta = omega > 0 ? gamma / (2 * omega) : 0;
-    const ModeOwner owner = owner_of(elements, mass, u);
-    const NamedElement element = named_element(problem, owner.element);
-    list.push_back({{"kappa", found.kappa[i]},
-                    {"omega", omega},
-                    {"frequency", omega / (2 * std::numbers::pi)},
-                    {"zeta", zeta},
-                    {"moving_points", owner.moving_points},
-                    {"element", strains ? Json(element.number) : Json()},
-                    {"element_kind", strains ? Json(element.kind) : Json()},
-                    {"element_share", strains ? Json(owner.share) : Json()},
-                    {"status", strains ? "" : "the body moves as one, which strains no element"}});
-    table.add({std::to_string(i + 1), short_number(omega / (2 * std::numbers::pi)), short_number(omega),
-               short_number(zeta, 4), short_number(owner.moving_points, 3),
-               strains ? fmt::format("{} {} with {} %", element.kind, element.number,
-                                     short_number(100 * owner.share, 3))
-                       : "none: it moves as one"});
-    fields.points.push_back(
-        {fmt::format("mode_{}", i + 1), problem.body->origin()->on_points(on_points(body, u))});
-  }
-  if (!options.output.empty()) write_file(options.output, vtu_text(problem.body->origin()->file, fields));
-  const std::string status =
-      near.status + (near.status.empty() || near.missing.empty() ? "" : "; ") + near.missing;
-  if (console.json)
-    return console.print_json({{"problem", problem.id},
-                               {"material", problem.material.empty() ? Json() : Json(problem.material)},
-                               {"dofs", body.dofs()},
-                               {"state_kind", near.state_kind},
-                               {"status", status.empty() ? Json() : Json(status)},
-                               {"end", options.fastest ? "fastest" : "slowest"},
-                               {"modes", list},
-                               {"output", options.output.empty() ? Json() : Json(options.output)}});
-  console.print(fmt::format("{}{}: {} degrees of freedom\n\n{}", problem.id,
-                            problem.material.empty() ? "" : ", " + problem.material, body.dofs(),
-                            table.text(console)));
-  if (!near.status.empty()) console.print("\n" + near.state + "\n");
-  if (!near.missing.empty()) console.print("\n" + near.missing + "\n");
-  console.print(
-      "\nTetrahedra have the numbers of their file, or count from 1. Moving points: 1 over the sum of squares of "
-      "the\npoints' shares of kinetic energy.\n");
+  const std::vector<ModeReport> reports = reports_of(problem, part, found);
+  if (!options.output.empty()) write_shapes(options.output, body, reports);
+  if (console.json) return console.print_json(to_json(options, problem, near, reports));
+  console.print(in_words(problem, near, reports, console));
 }
 
 }  // namespace

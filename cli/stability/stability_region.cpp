@@ -64,66 +64,116 @@ std::vector<PartRegion> parts_of(const std::vector<Formula>& formulas, const Reg
   return part_regions(formulas.front(), options.parts);
 }
 
-void region(const RegionOptions& options, Console& console) {
-  const PlaneLook look = look_of(options);
-  const std::vector<Formula> chosen = options.methods.formulas();
-  const std::vector<PartRegion> parts = parts_of(chosen, options);
-  std::vector<Formula> formulas = chosen;
-  std::optional<PlaneWindow> window_of_parts;
-  if (!parts.empty()) {
-    formulas.clear();
+/// One formula, or one method told one number.
+struct DrawnRegion {
+  Formula formula;
+  PlaneWindow window;
+  std::vector<RegionCurve> curves;
+};
+
+struct RegionStudy {
+  std::vector<Formula> chosen;
+  std::vector<PartRegion> parts;  ///< of the one method, where it is told numbers
+  std::vector<DrawnRegion> regions;
+  std::optional<FigureFiles> figure;
+
+  [[nodiscard]] std::vector<Formula> formulas() const {
+    std::vector<Formula> formulas;
     for (const PartRegion& part : parts) formulas.push_back(part.formula);
-    window_of_parts = window_of(parts, look);
+    return parts.empty() ? chosen : formulas;
   }
+};
+
+RegionStudy study_of(const RegionOptions& options, const PlaneLook& look) {
+  RegionStudy study;
+  study.chosen = options.methods.formulas();
+  study.parts = parts_of(study.chosen, options);
+  std::optional<PlaneWindow> window_of_parts;
+  if (!study.parts.empty()) window_of_parts = window_of(study.parts, look);
+  const std::vector<Formula> formulas = study.formulas();
   for (const Formula& formula : formulas) expect_look(formula, look);
-  Json documents = Json::array();
-  std::string csv(csv_header), text;
-  for (std::size_t which = 0; which < formulas.size(); ++which) {
-    const Formula& formula = formulas[which];
+  for (const Formula& formula : formulas) {
     const PlaneWindow window = window_of_parts ? *window_of_parts : window_of(formula, look);
-    const std::vector<RegionCurve> curves = curves_of(formula, look, window);
-    Json list = Json::array(), about = Json::array();
-    text += fmt::format("{}: {} closed curve{} in [{}, {}] x i [{}, {}]\n", formula.id, curves.size(),
-                        curves.size() == 1 ? "" : "s", short_number(window.re_from, 4),
-                        short_number(window.re_to, 4), short_number(window.im_from, 4),
-                        short_number(window.im_to, 4));
-    for (std::size_t i = 0; i < curves.size(); ++i) {
-      Json points = Json::array();
-      for (const Complex z : curves[i].points) {
-        points.push_back({z.real(), z.imag()});
-        csv += fmt::format("{},{},{},{}\n", formula.id, i, to_text(z.real()), to_text(z.imag()));
-      }
-      points.push_back(points.front());
-      list.push_back(std::move(points));
-      const double area = curves[i].area();
-      about.push_back({{"area", area}, {"hole", area < 0}, {"clipped", curves[i].clipped}});
-      text += fmt::format("  {} of area {}, {} points{}\n", area < 0 ? "hole" : "outline",
-                          short_number(std::abs(area)), curves[i].points.size(),
-                          curves[i].clipped ? ", closed along the edge of the window" : "");
-    }
-    Json document{{"method", parts.empty() ? formula.id : chosen.front().id},
-                  {"window", {window.re_from, window.re_to, window.im_from, window.im_to}},
-                  {"curves", std::move(list)},
-                  {"about", std::move(about)}};
-    if (!options.parts.fast.empty()) document["fast"] = {parts[which].fast.real(), parts[which].fast.imag()};
-    if (!options.parts.ratios.empty()) document["ratio"] = parts[which].ratio;
+    study.regions.push_back({formula, window, curves_of(formula, look, window)});
+  }
+  return study;
+}
+
+FigureFiles drawn(const RegionStudy& study, const RegionOptions& options, const PlaneLook& look) {
+  const NamedFigure picture = study.parts.empty() ? picture_of(study.chosen, look)
+                                                  : picture_of(study.chosen.front(), study.parts, look);
+  return draw(picture.figure, options.output, picture.name);
+}
+
+std::string csv_of(const RegionStudy& study) {
+  std::string csv(csv_header);
+  for (const DrawnRegion& region : study.regions)
+    for (std::size_t i = 0; i < region.curves.size(); ++i)
+      for (const Complex z : region.curves[i].points)
+        csv += fmt::format("{},{},{},{}\n", region.formula.id, i, to_text(z.real()), to_text(z.imag()));
+  return csv;
+}
+
+Json to_json(const DrawnRegion& region, const std::string& method) {
+  Json list = Json::array(), about = Json::array();
+  for (const RegionCurve& curve : region.curves) {
+    Json points = Json::array();
+    for (const Complex z : curve.points) points.push_back({z.real(), z.imag()});
+    points.push_back(points.front());
+    list.push_back(std::move(points));
+    const double area = curve.area();
+    about.push_back({{"area", area}, {"hole", area < 0}, {"clipped", curve.clipped}});
+  }
+  const PlaneWindow& window = region.window;
+  return {{"method", method},
+          {"window", {window.re_from, window.re_to, window.im_from, window.im_to}},
+          {"curves", std::move(list)},
+          {"about", std::move(about)}};
+}
+
+Json to_json(const RegionStudy& study, const RegionOptions& options) {
+  Json documents = Json::array();
+  for (std::size_t i = 0; i < study.regions.size(); ++i) {
+    const DrawnRegion& region = study.regions[i];
+    Json document = to_json(region, study.parts.empty() ? region.formula.id : study.chosen.front().id);
+    if (!options.parts.fast.empty())
+      document["fast"] = {study.parts[i].fast.real(), study.parts[i].fast.imag()};
+    if (!options.parts.ratios.empty()) document["ratio"] = study.parts[i].ratio;
+    if (study.figure)
+      document["figure"] = study.figure->drawn() ? Json(study.figure->base.string() + ".svg") : Json();
     documents.push_back(std::move(document));
   }
-  if (options.wants_figure()) {
-    const NamedFigure picture =
-        parts.empty() ? picture_of(formulas, look) : picture_of(chosen.front(), parts, look);
-    const FigureFiles files = draw(picture.figure, options.output, picture.name);
-    for (Json& document : documents)
-      document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
-    if (files.drawn())
-      text += fmt::format("The figure: {}.svg\n", files.base.string());
-    else
-      console.remark(files.problem);
-  } else if (!options.output.empty()) {
-    write_file(options.output, csv, csv_header);
-    text += fmt::format("The points: {}\n", options.output);
+  return documents.size() == 1 ? documents.front() : documents;
+}
+
+std::string in_words(const DrawnRegion& region) {
+  const PlaneWindow& window = region.window;
+  std::string text = fmt::format("{}: {} closed curve{} in [{}, {}] x i [{}, {}]\n", region.formula.id,
+                                 region.curves.size(), region.curves.size() == 1 ? "" : "s",
+                                 short_number(window.re_from, 4), short_number(window.re_to, 4),
+                                 short_number(window.im_from, 4), short_number(window.im_to, 4));
+  for (const RegionCurve& curve : region.curves) {
+    const double area = curve.area();
+    text += fmt::format("  {} of area {}, {} points{}\n", area < 0 ? "hole" : "outline",
+                        short_number(std::abs(area)), curve.points.size(),
+                        curve.clipped ? ", closed along the edge of the window" : "");
   }
-  if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);
+  return text;
+}
+
+void region(const RegionOptions& options, Console& console) {
+  const PlaneLook look = look_of(options);
+  RegionStudy study = study_of(options, look);
+  const bool wants_points = !options.output.empty() && !options.wants_figure();
+  if (options.wants_figure()) study.figure = drawn(study, options, look);
+  if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
+  if (wants_points) write_file(options.output, csv_of(study), csv_header);
+  if (console.json) return console.print_json(to_json(study, options));
+  std::string text;
+  for (const DrawnRegion& each : study.regions) text += in_words(each);
+  if (study.figure && study.figure->drawn())
+    text += fmt::format("The figure: {}.svg\n", study.figure->base.string());
+  if (wants_points) text += fmt::format("The points: {}\n", options.output);
   console.print(text);
 }
 
