@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/architecture/functions.hpp"
 #include "tests/architecture/include_arrows.hpp"
 #include "tests/architecture/source_tree.hpp"
 
@@ -65,7 +67,8 @@ TEST(Folders, NoneHasMoreThanThirtyEntries) {
 }
 
 TEST(Folders, AHeaderThatItsReadmeDoesNotNameIsFound) {
-  const std::string readme = "order: `basins_of_rows.hpp`, `phase_plane.*`";  // a word in prose does not count
+  // A word in prose does not count.
+  const std::string readme = "order: `basins_of_rows.hpp`, `phase_plane.*`";
   const auto unnamed = unnamed_headers("analysis/dynamics", readme);
   EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/dynamics/basins.hpp"), 1);
   EXPECT_EQ(std::count(unnamed.begin(), unnamed.end(), "analysis/dynamics/phase_plane.hpp"), 0);
@@ -77,6 +80,46 @@ TEST(Folders, NoSourceFileIsLongerThanSevenHundredLines) {
       const std::string text = read_text(source_dir() / file);
       EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 700) << file;
     }
+}
+
+/// The most lines of a function of a file.
+int longest_function(const std::string& file) {
+  // One loop drives all steppers, and the compiler has to see it in one piece.
+  return file == "integrators/integrate.hpp" ? 72 : 60;
+}
+
+TEST(Functions, NoneIsLongerThanSixtyLines) {
+  std::size_t seen = 0;
+  for (const auto& [folder, targets] : allowed_arrows)
+    for (const std::string& file : files_under(folder, {".hpp", ".cpp"}))
+      for (const FunctionLines& function : functions_of(read_text(source_dir() / file))) {
+        ++seen;
+        EXPECT_LE(function.lines, longest_function(file))
+            << file << ":" << function.line << ": " << function.head
+            << "\nGive its steps functions of their own.";
+      }
+  EXPECT_GT(seen, 3000U);
+}
+
+TEST(Functions, ALongOneIsFound) {
+  const auto body = [&](int lines) {
+    std::string text;
+    for (int i = 0; i < lines; ++i) text += "  ++n;\n";
+    return text;
+  };
+  const std::string before = "#pragma once\nnamespace a {\nint n = 0;\nstruct B {\n" + body(99) +
+                             "};\n\nconst int table[] = {1,\n" + body(99) +
+                             "};\nvoid declared(int,\n  int);\n"
+                             "int f() { return n; }\n";
+  const auto found = functions_of(before + "void g() {\n" + body(58) +
+                                  "}\n\ntemplate <class T>\nT B::h(T a,\n"
+                                  "       T b) {\n  if (a) {\n" +
+                                  body(55) + "  }\n}\n\n}  // namespace a\n");
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].head, "void g() {");
+  EXPECT_EQ(found[0].lines, 60);
+  EXPECT_EQ(found[1].head, "template <class T>");
+  EXPECT_EQ(found[1].lines, 61);
 }
 
 }  // namespace

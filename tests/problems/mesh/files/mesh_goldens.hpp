@@ -202,11 +202,10 @@ inline std::string vtu_lz4_raw() {
 
 }  // namespace goldens
 
-inline std::vector<GoldenMesh> golden_meshes() {
+/// Files of Gmsh.
+inline std::vector<GoldenMesh> gmsh_goldens() {
   using namespace goldens;
-  const std::string binary = "format=\"binary\">\n";
-  const std::string ascii = "format=\"ascii\">\n";
-  std::vector<GoldenMesh> all{
+  return {
       {"v1.msh",
        "$NOD\n" + gmsh_nodes +
            "$ENDNOD\n$ELM\n4\n1 15 0 1 1 2\n2 2 3 1 3 2 6 4\n3 4 7 1 4 2 4 6 8\n4 4 9 1 4 4 6 8 10\n$ENDELM\n",
@@ -223,7 +222,15 @@ inline std::vector<GoldenMesh> golden_meshes() {
        "$Nodes\n2 5 1 9\n0 1 0 1\n1\n0 0 0\n3 1 0 4\n3\n5\n7\n9\n0.5 0 0\n0 0.5 0\n0 0 0.5\n0.5 0.5 0.5\n$EndNodes\n"
        "$Elements\n3 3 1 3\n2 1 2 1\n1 1 5 3\n3 1 4 1\n2 1 3 5 7\n3 2 4 1\n3 3 5 7 9\n$EndElements\n",
        "", ""},
-      {"v41_binary.msh", gmsh_4_binary(), "", ""},
+      {"v41_binary.msh", gmsh_4_binary(), "", ""}};
+}
+
+/// Files of VTK that need no library to decompress.
+inline std::vector<GoldenMesh> vtk_goldens() {
+  using namespace goldens;
+  const std::string binary = "format=\"binary\">\n";
+  const std::string ascii = "format=\"ascii\">\n";
+  return {
       {"old.vtk",
        "# vtk DataFile Version 2.0\ntwo\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n0 0 0 0.5 0 0 0 0.5 0\n0 0 0.5 0.5 0.5 0.5\n"
        "CELLS 3 14\n3 0 2 1\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 3\n5 10 10\nCELL_DATA 3\nSCALARS region int 1\nLOOKUP_TABLE default\n1 7 9\n",
@@ -247,7 +254,12 @@ inline std::vector<GoldenMesh> golden_meshes() {
            ""),
        "", ""},
       {"appended_raw.vtu", vtu_appended_raw(), "", ""},
-      {"appended_base64.vtu", vtu_appended_base64(), "", ""},
+      {"appended_base64.vtu", vtu_appended_base64(), "", ""}};
+}
+
+/// Files of TetGen, Medit and Vega.
+inline std::vector<GoldenMesh> text_goldens() {
+  return {
       {"zero.node",
        "# by hand\n5 3 0 1\n0 0 0 0 1\n1 0.5 0 0 1\n2 0 0.5 0 1 # a remark\n3 0 0 0.5 1\n4 0.5 0.5 0.5 1\n",
        "zero.ele", "2 4 1\n0 0 1 2 3 7\n1 1 2 3 4 9\n"},
@@ -261,8 +273,14 @@ inline std::vector<GoldenMesh> golden_meshes() {
        "# by hand\n*VERTICES\n5 3 0 0\n1 0 0 0\n2 0.5 0 0\n3 0 0.5 0\n4 0 0 0.5\n5 0.5 0.5 0.5\n\n*ELEMENTS\nTET\n2 4 0\n"
        "1 1 2 3 4\n2 2 3 4 5\n\n*MATERIAL soft\nENU, 1000, 5000, 0.45\n*SET lobe\n1,2\n*SET tip\n2\n"
        "*REGION\nlobe, soft\n*REGION\ntip, soft\n",
-       "", "", false},
-  };
+       "", "", false}};
+}
+
+inline std::vector<GoldenMesh> golden_meshes() {
+  using namespace goldens;
+  std::vector<GoldenMesh> all = gmsh_goldens();
+  for (const std::vector<GoldenMesh>& some : {vtk_goldens(), text_goldens()})
+    all.insert(all.end(), some.begin(), some.end());
   if (block_compressor("vtkZLibDataCompressor")->decompress) all.push_back({"zlib.vtu", vtu_zlib(), "", ""});
   if (block_compressor("vtkLZ4DataCompressor")->decompress) all.push_back({"lz4.vtu", vtu_lz4_raw(), "", ""});
   return all;
