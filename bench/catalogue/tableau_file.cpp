@@ -12,15 +12,14 @@
 
 #include <fmt/format.h>
 
+#include "integrators/explicit/user_tableau.hpp"
+
 namespace hmax {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_stages = 40;
-constexpr int highest_order = 10;
-// Loose enough for coefficients given with 16 digits, far below any real defect.
-constexpr long double tolerance = 1e-12L;
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
@@ -146,7 +145,7 @@ std::vector<long double> weights(const TomlDocument& document, const char* key, 
 
 void check_sum(const TomlDocument& document, const char* key, const std::vector<long double>& b) {
   const long double sum = std::accumulate(b.begin(), b.end(), 0.0L);
-  if (!(std::fabs(sum - 1) <= tolerance))
+  if (!(std::fabs(sum - 1) <= tableau_tolerance))
     document.fail(
         std::string("/") + key,
         fmt::format("the weights {} sum to {:.15g} and not to 1, so the method is not consistent; correct "
@@ -165,45 +164,33 @@ RuntimeTableau tableau_from(const TomlDocument& document) {
   if (std::max(b.size(), rows.size()) > most_stages)
     document.fail("/b", fmt::format("more than {} stages; such a method is refused", most_stages));
 
-  RuntimeTableau tableau;
-  tableau.name = name_of(document);
-  tableau.b = coefficients(document, "/b", b);
-  const std::size_t s = tableau.b.size();
-  check_sum(document, "b", tableau.b);
-  tableau.a = matrix(document, rows, s);
+  std::string name = name_of(document);
+  std::vector<long double> weights_b = coefficients(document, "/b", b);
+  const std::size_t s = weights_b.size();
+  check_sum(document, "b", weights_b);
+  std::vector<long double> a = matrix(document, rows, s);
 
-  if (const auto c = document.root.find("c"); c != document.root.end()) {
-    tableau.c = weights(document, "c", *c, s);
-    const auto [row, defect] = largest_row_defect(tableau.a, tableau.c);
-    if (!(defect <= tolerance)) {
-      const auto first = tableau.a.begin() + static_cast<std::ptrdiff_t>(row * s);
+  if (const auto given = document.root.find("c"); given != document.root.end()) {
+    const std::vector<long double> c = weights(document, "c", *given, s);
+    const auto [row, defect] = largest_row_defect(a, c);
+    if (!(defect <= tableau_tolerance)) {
+      const auto first = a.begin() + static_cast<std::ptrdiff_t>(row * s);
       const long double sum = std::accumulate(first, first + static_cast<std::ptrdiff_t>(s), 0.0L);
       document.fail(
           fmt::format("/a/{}", row),
           fmt::format("row {0} of a sums to {1:.15g} but entry {0} of c is {2:.15g}; correct one of them, or "
                       "leave c out",
-                      row + 1, sum, tableau.c[row]));
+                      row + 1, sum, c[row]));
     }
   }
-  // c as the sums themselves, also where it was given with fewer digits: then the stages meet their nodes
-  // exactly.
-  tableau.c.assign(s, 0);
-  for (std::size_t i = 0; i < s; ++i)
-    for (std::size_t j = 0; j < i; ++j) tableau.c[i] += tableau.a[i * s + j];
-
-  tableau.computed_order = order_of(tableau.a, tableau.b, highest_order, tolerance);
-  tableau.b_err.assign(s, 0);
+  std::vector<long double> b_hat;
   if (const auto given = document.root.find("b_hat"); given != document.root.end()) {
-    const auto b_hat = weights(document, "b_hat", *given, s);
+    b_hat = weights(document, "b_hat", *given, s);
     check_sum(document, "b_hat", b_hat);
-    if (b_hat == tableau.b)
+    if (b_hat == weights_b)
       document.fail("/b_hat", "b_hat equals b, which makes every error estimate zero; leave b_hat out");
-    for (std::size_t i = 0; i < s; ++i) tableau.b_err[i] = tableau.b[i] - b_hat[i];
-    tableau.embedded_order = order_of(tableau.a, b_hat, highest_order, tolerance);
   }
-  const auto last = tableau.a.end() - static_cast<std::ptrdiff_t>(s);
-  tableau.fsal = s > 1 && tableau.b.back() == 0 && std::equal(tableau.b.begin(), tableau.b.end(), last);
-  return tableau;
+  return completed_tableau(std::move(name), std::move(a), std::move(weights_b), b_hat);
 }
 
 RuntimeTableau read_tableau(const std::filesystem::path& path) { return tableau_from(read_toml(path)); }

@@ -1,0 +1,117 @@
+#include "integrators/explicit/user_tableau.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace hmax {
+namespace {
+
+constexpr int highest_order = 10;
+
+template <class... Parts>
+[[noreturn]] void refuse(const TableauRows& rows, const Parts&... parts) {
+  std::ostringstream sentence;
+  sentence.precision(15);
+  sentence << "the tableau '" << rows.name << "': ";
+  (sentence << ... << parts);
+  throw std::invalid_argument(sentence.str());
+}
+
+void require_finite(const TableauRows& rows, const std::vector<long double>& values, const char* what) {
+  // Also finite as doubles: 1e4000 is a long double.
+  for (const long double value : values)
+    if (!std::isfinite(static_cast<double>(value)))
+      refuse(rows, what, " holds a coefficient that is not finite; correct it");
+}
+
+void require_weights(const TableauRows& rows, const std::vector<long double>& weights, const char* what) {
+  if (weights.size() != rows.b.size())
+    refuse(rows, what, " has ", weights.size(), " entries but b has ", rows.b.size(),
+           "; give one for each stage");
+  require_finite(rows, weights, what);
+}
+
+void require_consistent(const TableauRows& rows, const std::vector<long double>& weights, const char* what) {
+  require_weights(rows, weights, what);
+  const long double sum = std::accumulate(weights.begin(), weights.end(), 0.0L);
+  if (!(std::fabs(sum - 1) <= tableau_tolerance))
+    refuse(rows, "the weights ", what, " sum to ", sum,
+           " and not to 1, so the method is not consistent; correct them, with fractions such as 1 / 3.0L "
+           "where decimals were cut short");
+}
+
+/// a as one row-major matrix, strictly lower triangular.
+std::vector<long double> matrix_of(const TableauRows& rows) {
+  const std::size_t s = rows.b.size();
+  if (rows.a.size() != s)
+    refuse(rows, "a has ", rows.a.size(), " rows but b has ", s,
+           " weights; each stage needs its row, the first one is {}");
+  std::vector<long double> a(s * s, 0);
+  for (std::size_t i = 0; i < s; ++i) {
+    const std::vector<long double>& row = rows.a[i];
+    require_finite(rows, row, "a");
+    if (row.size() > s)
+      refuse(rows, "row ", i + 1, " of a has ", row.size(), " entries but the method has ", s,
+             " stages; take the rest out");
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      if (j >= i && row[j] != 0)
+        refuse(rows, "row ", i + 1, " of a has a nonzero entry in column ", j + 1,
+               ", on or above the diagonal; only explicit methods are accepted");
+      a[i * s + j] = row[j];
+    }
+  }
+  return a;
+}
+
+void require_nodes(const TableauRows& rows, const std::vector<long double>& a) {
+  require_weights(rows, rows.c, "c");
+  const auto [row, defect] = largest_row_defect(a, rows.c);
+  if (defect <= tableau_tolerance) return;
+  const long double sum = std::accumulate(rows.a[row].begin(), rows.a[row].end(), 0.0L);
+  refuse(rows, "row ", row + 1, " of a sums to ", sum, " but entry ", row + 1, " of c is ", rows.c[row],
+         "; correct one of them, or leave c out");
+}
+
+}  // namespace
+
+RuntimeTableau completed_tableau(std::string name, std::vector<long double> a, std::vector<long double> b,
+                                 const std::vector<long double>& b_hat) {
+  RuntimeTableau tableau;
+  tableau.name = std::move(name);
+  tableau.a = std::move(a);
+  tableau.b = std::move(b);
+  const std::size_t s = tableau.b.size();
+  // c as the sums themselves, also where it was given with fewer digits: then the stages meet their nodes
+  // exactly.
+  tableau.c.assign(s, 0);
+  for (std::size_t i = 0; i < s; ++i)
+    for (std::size_t j = 0; j < i; ++j) tableau.c[i] += tableau.a[i * s + j];
+  tableau.computed_order = order_of(tableau.a, tableau.b, highest_order, tableau_tolerance);
+  tableau.b_err.assign(s, 0);
+  if (!b_hat.empty()) {
+    for (std::size_t i = 0; i < s; ++i) tableau.b_err[i] = tableau.b[i] - b_hat[i];
+    tableau.embedded_order = order_of(tableau.a, b_hat, highest_order, tableau_tolerance);
+  }
+  const auto last = tableau.a.end() - static_cast<std::ptrdiff_t>(s);
+  tableau.fsal = s > 1 && tableau.b.back() == 0 && std::equal(tableau.b.begin(), tableau.b.end(), last);
+  return tableau;
+}
+
+RuntimeTableau runtime_tableau(const TableauRows& rows) {
+  if (rows.b.empty()) refuse(rows, "b is empty; a method has at least one stage");
+  require_consistent(rows, rows.b, "b");
+  std::vector<long double> a = matrix_of(rows);
+  if (!rows.c.empty()) require_nodes(rows, a);
+  if (!rows.b_hat.empty()) {
+    require_consistent(rows, rows.b_hat, "b_hat");
+    if (rows.b_hat == rows.b)
+      refuse(rows, "b_hat equals b, which makes every error estimate zero; leave b_hat out");
+  }
+  return completed_tableau(rows.name, std::move(a), rows.b, rows.b_hat);
+}
+
+}  // namespace hmax

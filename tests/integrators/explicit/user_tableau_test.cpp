@@ -1,0 +1,73 @@
+/// Tableaux of users are checked when they are made.
+#include "integrators/explicit/user_tableau.hpp"
+
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "integrators/explicit/tableaux.hpp"
+
+namespace hmax {
+namespace {
+
+TableauRows heun() {
+  return {.name = "heun", .a = {{}, {1}}, .b = {1 / 2.0L, 1 / 2.0L}, .b_hat = {1, 0}, .c = {0, 1}};
+}
+
+std::string complaint(const TableauRows& rows) {
+  try {
+    runtime_tableau(rows);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+TEST(UserTableau, ComputesOrdersAndNodes) {
+  const RuntimeTableau tableau = runtime_tableau(heun());
+  EXPECT_EQ(tableau.computed_order, 2);
+  EXPECT_EQ(tableau.embedded_order, 1);
+  EXPECT_EQ(tableau.c, (std::vector<long double>{0, 1}));
+  EXPECT_FALSE(tableau.fsal);
+}
+
+TEST(UserTableau, IsTheSameMethodAsTheTableauOfTheCompiler) {
+  using Known = tableaux::DormandPrince54;
+  const RuntimeTableau tableau = runtime_tableau<Known>();
+  EXPECT_EQ(tableau.name, Known::id);
+  EXPECT_EQ(tableau.computed_order, Known::order);
+  EXPECT_EQ(tableau.embedded_order, Known::embedded_order);
+  EXPECT_TRUE(tableau.fsal);
+  for (std::size_t i = 0; i < Known::tableau.stages; ++i) EXPECT_EQ(tableau.b[i], Known::tableau.b[i]);
+}
+
+TEST(UserTableau, RefusesCoefficientsThatMakeNoMethodInOneSentence) {
+  TableauRows rows = heun();
+  rows.b = {0.5L, 0.6L};
+  EXPECT_NE(complaint(rows).find("the weights b sum to 1.1 and not to 1"), std::string::npos)
+      << complaint(rows);
+  rows = heun();
+  rows.a[0] = {0, 0.25L};
+  EXPECT_NE(complaint(rows).find("row 1 of a has a nonzero entry in column 2"), std::string::npos);
+  rows = heun();
+  rows.c[1] = 0.5L;
+  EXPECT_NE(complaint(rows).find("row 2 of a sums to 1 but entry 2 of c is 0.5"), std::string::npos);
+  rows = heun();
+  rows.a.pop_back();
+  EXPECT_NE(complaint(rows).find("a has 1 rows but b has 2"), std::string::npos);
+  rows = heun();
+  rows.b_hat = {1};
+  EXPECT_NE(complaint(rows).find("b_hat has 1 entries but b has 2"), std::string::npos);
+  rows = heun();
+  rows.b_hat = rows.b;
+  EXPECT_NE(complaint(rows).find("b_hat equals b"), std::string::npos);
+  rows = heun();
+  rows.a[1][0] = std::numeric_limits<long double>::quiet_NaN();
+  EXPECT_NE(complaint(rows).find("not finite"), std::string::npos);
+  EXPECT_NE(complaint({.name = "none", .a = {}, .b = {}}).find("b is empty"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hmax
