@@ -1,0 +1,30 @@
+/// Adaptive steps in one word: the order of the error estimate is that of the method.
+#pragma once
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "integrators/control.hpp"
+#include "integrators/explicit/user_tableau.hpp"
+
+namespace hmax {
+
+/// Steps steered by the error estimate of a method: adaptive<tableaux::DormandPrince54>({1e-8, 1e-8}).
+/// @tparam Method  a struct with error_order, as those of the tableaux
+template <class Method, template <class> class Controller = PiController, class Real = double>
+Adaptive<Real, Controller> adaptive(Tolerances<Real> tolerances) {
+  static_assert(Method::error_order > 0, "the method has no error estimate: run it with FixedStep");
+  return {tolerances, Method::error_order};
+}
+
+/// The same of a tableau that is known only at run time.
+/// @throws std::invalid_argument  where it has no error estimate
+template <template <class> class Controller = PiController, class Real = double>
+Adaptive<Real, Controller> adaptive(const RuntimeTableau& tableau, Tolerances<Real> tolerances) {
+  if (!tableau.has_error())
+    throw std::invalid_argument("the tableau '" + tableau.name +
+                                "' has no error estimate; give it b_hat, or run it with FixedStep");
+  return {tolerances, std::min(tableau.computed_order, tableau.embedded_order) + 1};
+}
+
+}  // namespace hmax
