@@ -1,0 +1,198 @@
+#include "problems/linear_structure.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "problems/digits.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// Calls visit(i, j, value) for every entry that is stored.
+template <class Visit>
+void each_entry(const MatrixXd& matrix, const Visit& visit) {
+  for (Index j = 0; j < matrix.cols(); ++j)
+    for (Index i = 0; i < matrix.rows(); ++i) visit(i, j, matrix(i, j));
+}
+template <class Visit>
+void each_entry(const Sparse& matrix, const Visit& visit) {
+  for (Index j = 0; j < matrix.outerSize(); ++j)
+    for (Sparse::InnerIterator entry(matrix, j); entry; ++entry) visit(entry.row(), j, entry.value());
+}
+
+std::string shape_of(Index rows, Index columns) {
+  return std::to_string(rows) + " x " + std::to_string(columns);
+}
+
+/// What serves as K, C or M: square, of n rows, finite, and not one triangle of a symmetric matrix.
+template <class Matrix>
+void require_whole(const Matrix& matrix, std::string_view name, Index n) {
+  if (matrix.rows() != n || matrix.cols() != n)
+    throw std::invalid_argument(std::string(name) + " has the shape " +
+                                shape_of(matrix.rows(), matrix.cols()) + " but must have " + shape_of(n, n) +
+                                ", a row and a column for each degree of freedom of K");
+  bool above = false, below = false;
+  each_entry(matrix, [&](Index i, Index j, double value) {
+    if (!std::isfinite(value))
+      throw std::invalid_argument(std::string(name) + " has " + shortest_digits(value) + " at row " +
+                                  std::to_string(i + 1) + ", column " + std::to_string(j + 1) +
+                                  " (counted from 1); every entry must be finite");
+    above = above || (i < j && value != 0);
+    below = below || (i > j && value != 0);
+  });
+  if (above != below)
+    throw std::invalid_argument(std::string(name) +
+                                " has entries on one side of its diagonal only; store "
+                                "both triangles of a symmetric matrix");
+}
+
+void require_masses(const VectorXd& mass, Index n) {
+  if (mass.size() != n)
+    throw std::invalid_argument("there are " + std::to_string(mass.size()) + " masses, but K has " +
+                                std::to_string(n) + " rows; give one mass for each degree of freedom");
+  for (Index i = 0; i < n; ++i)
+    if (!(mass[i] > 0 && std::isfinite(mass[i])))
+      throw std::invalid_argument("the mass of degree of freedom " + std::to_string(i + 1) + " is " +
+                                  shortest_digits(mass[i]) +
+                                  " but must be positive and finite; give it a mass in kg, or take the "
+                                  "degree of freedom out of the matrices");
+}
+
+Index rows_of(const StructureMatrix& matrix) {
+  return std::visit([](const auto& held) { return held.rows(); }, matrix);
+}
+Index columns_of(const StructureMatrix& matrix) {
+  return std::visit([](const auto& held) { return held.cols(); }, matrix);
+}
+MatrixXd dense_of(const StructureMatrix& matrix) {
+  return std::visit([](const auto& held) { return MatrixXd(held); }, matrix);
+}
+
+/// The masses of a vector or of a diagonal matrix; empty for one that couples degrees of freedom.
+VectorXd lumped_masses(const StructureMatrix& M) {
+  if (columns_of(M) == 1) return dense_of(M);
+  bool diagonal = true;
+  std::visit(
+      [&](const auto& held) {
+        each_entry(held,
+                   [&](Index i, Index j, double value) { diagonal = diagonal && (i == j || value == 0); });
+      },
+      M);
+  if (!diagonal) return {};
+  return std::visit([](const auto& held) { return VectorXd(held.diagonal()); }, M);
+}
+
+/// M = L L^T.
+Eigen::LLT<MatrixXd> factor_of(const StructureMatrix& M) {
+  const Index n = rows_of(M);
+  if (n > most_coupled_masses)
+    throw std::invalid_argument("M couples degrees of freedom and has " + std::to_string(n) +
+                                " rows; such a mass matrix is taken up to " +
+                                std::to_string(most_coupled_masses) +
+                                " rows, so give lumped masses, for example the sums of its rows");
+  const MatrixXd full = dense_of(M);
+  if (!((full - full.transpose()).cwiseAbs().maxCoeff() <= 1e-10 * full.cwiseAbs().maxCoeff()))
+    throw std::invalid_argument("M is not symmetric; give a symmetric mass matrix, or a vector of masses");
+  Eigen::LLT<MatrixXd> factor(full);
+  if (factor.info() != Eigen::Success)
+    throw std::invalid_argument(
+        "M is not positive definite; every motion needs mass, so check the elements without density");
+  return factor;
+}
+
+/// L^-1 A L^-T, which has the eigenvalues of M^-1 A.
+MatrixXd scaled_by(const Eigen::LLT<MatrixXd>& factor, const StructureMatrix& A) {
+  MatrixXd scaled = factor.matrixL().solve(dense_of(A));
+  scaled.transposeInPlace();
+  factor.matrixL().solveInPlace(scaled);
+  scaled.transposeInPlace();
+  return scaled;
+}
+
+template <class Matrix>
+bool has_entries(const Matrix& matrix) {
+  bool found = false;
+  each_entry(matrix, [&](Index, Index, double value) { found = found || value != 0; });
+  return found;
+}
+
+}  // namespace
+
+template <class MatrixT>
+LinearStructure<MatrixT>::LinearStructure(MatrixT K, VectorXd mass, MatrixT C) {
+  if (K.rows() == 0)
+    throw std::invalid_argument("K has no rows; a structure has at least one degree of freedom");
+  if (K.rows() != K.cols())
+    throw std::invalid_argument("K has the shape " + shape_of(K.rows(), K.cols()) +
+                                " but must be square, a row and a column for each degree of freedom");
+  require_whole(K, "K", K.rows());
+  require_masses(mass, K.rows());
+  require_whole(C, "C", K.rows());
+  auto parts = std::make_shared<Parts>();
+  parts->damped = has_entries(C);
+  parts->K.swap(K);
+  parts->mass.swap(mass);
+  parts->C.swap(C);
+  parts_ = std::move(parts);
+}
+
+template <class MatrixT>
+void LinearStructure<MatrixT>::jacobian(double, const State&, Jacobian& J) const {
+  const Index n = dofs();
+  const VectorXd& mass = parts_->mass;
+  // (0, I; -M^-1 K, -M^-1 C).
+  const auto write = [&](const auto& add) {
+    for (Index i = 0; i < n; ++i) add(i, n + i, 1);
+    each_entry(parts_->K, [&](Index i, Index j, double value) { add(n + i, j, -value / mass[i]); });
+    each_entry(parts_->C, [&](Index i, Index j, double value) { add(n + i, n + j, -value / mass[i]); });
+  };
+  if constexpr (std::is_same_v<MatrixT, MatrixXd>) {
+    J.setZero(2 * n, 2 * n);
+    write([&](Index i, Index j, double value) { J(i, j) = value; });
+  } else {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(n + parts_->K.nonZeros() + parts_->C.nonZeros()));
+    write([&](Index i, Index j, double value) {
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+    });
+    J.resize(2 * n, 2 * n);
+    J.setFromTriplets(entries.begin(), entries.end());
+  }
+}
+
+template class LinearStructure<MatrixXd>;
+template class LinearStructure<Sparse>;
+
+namespace detail {
+
+AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix C, bool damped) {
+  const Index n = rows_of(K);
+  if (!damped) C = Sparse(n, n);
+  VectorXd mass = lumped_masses(M);
+  if (mass.size() == 0 && rows_of(M) > 0) {
+    // Shapes are told of the matrices as they were given.
+    for (const auto& [matrix, name] : {std::pair{&K, "K"}, {&M, "M"}, {&C, "C"}})
+      std::visit([&, name = name](const auto& held) { require_whole(held, name, n); }, *matrix);
+    const Eigen::LLT<MatrixXd> factor = factor_of(M);
+    return AnySystem(
+        LinearStructure<MatrixXd>(scaled_by(factor, K), VectorXd::Ones(n), scaled_by(factor, C)));
+  }
+  auto* const sparse_K = std::get_if<Sparse>(&K);
+  auto* const sparse_C = std::get_if<Sparse>(&C);
+  if (sparse_K != nullptr && sparse_C != nullptr)
+    return AnySystem(LinearStructure<Sparse>(std::move(*sparse_K), std::move(mass), std::move(*sparse_C)));
+  return AnySystem(LinearStructure<MatrixXd>(dense_of(K), std::move(mass), dense_of(C)));
+}
+
+}  // namespace detail
+}  // namespace hmax

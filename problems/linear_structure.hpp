@@ -1,0 +1,128 @@
+/// M q'' + C q' + K q = 0 of the user's own matrices: a system that every method steps.
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "problems/any_system.hpp"
+
+namespace hmax {
+
+/// A linear structure with lumped masses, y = (q, v), shape (2 n). Copies share the matrices.
+/// @tparam MatrixT  Eigen::MatrixXd or Eigen::SparseMatrix<double>
+template <class MatrixT>
+class LinearStructure {
+ public:
+  using State = Eigen::VectorXd;
+  using Dofs = Eigen::VectorXd;
+  using DofMatrix = MatrixT;
+  using Jacobian = MatrixT;
+  static constexpr bool autonomous = true;
+
+  /// @param K     stiffness, shape (n, n) [N/m]
+  /// @param mass  the diagonal of M, shape (n) [kg], all positive
+  /// @param C     damping, shape (n, n) [N s/m]
+  /// @throws std::invalid_argument  for other shapes, numbers that are not finite, masses that are not
+  /// positive, and matrices of which only one triangle is stored
+  LinearStructure(MatrixT K, Eigen::VectorXd mass, MatrixT C);
+
+  [[nodiscard]] Eigen::Index dofs() const { return parts_->mass.size(); }
+  [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
+  void rhs(double /*t*/, const State& y, State& dydt) const {
+    const Eigen::Index n = dofs();
+    dydt.head(n) = y.tail(n);
+    dydt.tail(n).noalias() = parts_->K * y.head(n);
+    if (parts_->damped) dydt.tail(n).noalias() += parts_->C * y.tail(n);
+    dydt.tail(n).array() /= -parts_->mass.array();
+  }
+  void jacobian(double, const State&, Jacobian& J) const;
+  [[nodiscard]] Dofs mass() const { return parts_->mass; }
+  void force(double /*t*/, const Dofs& q, const Dofs& v, Dofs& f) const {
+    f.noalias() = parts_->K * q;
+    if (parts_->damped) f.noalias() += parts_->C * v;
+    f = -f;
+  }
+  void stiffness(double, const Dofs&, const Dofs&, DofMatrix& K) const { K = parts_->K; }
+  void damping(double, const Dofs&, const Dofs&, DofMatrix& C) const { C = parts_->C; }
+
+ private:
+  struct Parts {
+    MatrixT K;
+    Eigen::VectorXd mass;
+    MatrixT C;
+    bool damped = false;
+  };
+  std::shared_ptr<const Parts> parts_;
+};
+
+extern template class LinearStructure<Eigen::MatrixXd>;
+extern template class LinearStructure<Eigen::SparseMatrix<double>>;
+
+/// Rows up to which a mass matrix may couple degrees of freedom.
+inline constexpr Eigen::Index most_coupled_masses = 1500;
+
+/// A square matrix as it was given.
+using StructureMatrix = std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>>;
+
+namespace detail {
+template <class T>
+concept RealMatrix = std::is_base_of_v<Eigen::EigenBase<T>, T> &&
+    std::is_arithmetic_v<typename Eigen::internal::traits<T>::Scalar>;
+
+template <class T>
+inline constexpr bool is_diagonal_matrix = std::is_base_of_v<Eigen::DiagonalBase<T>, T>;
+
+/// A copy in the types that hmax computes with.
+template <RealMatrix T>
+StructureMatrix structure_matrix(const T& given) {
+  if constexpr (is_diagonal_matrix<T>) {
+    return Eigen::MatrixXd(given.toDenseMatrix().template cast<double>());
+  } else if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<T>, T>) {
+    Eigen::SparseMatrix<double> copy = given.template cast<double>();
+    copy.makeCompressed();
+    return copy;
+  } else {
+    return Eigen::MatrixXd(given.template cast<double>());
+  }
+}
+
+/// The same of masses: a vector of them is one column.
+template <RealMatrix T>
+StructureMatrix mass_matrix(const T& given) {
+  if constexpr (is_diagonal_matrix<T>)
+    return Eigen::MatrixXd(given.diagonal().template cast<double>());
+  else if constexpr (T::RowsAtCompileTime == 1 && T::ColsAtCompileTime != 1)
+    return structure_matrix(given.transpose().eval());
+  else
+    return structure_matrix(given);
+}
+
+AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix C, bool damped);
+}  // namespace detail
+
+/// The system M q'' + C q' + K q = 0, y = (q, v), of any Eigen matrices, dense or sparse.
+/// @param K  stiffness, shape (n, n) [N/m]
+/// @param M  masses [kg]: a vector of n, or a matrix of shape (n, n). One that couples degrees of freedom
+///           (a consistent mass matrix M = L L^T, of at most most_coupled_masses rows) leaves its eigenvalues
+///           and therefore every limit as they are: the states are then L^T q and L^T v, with unit masses.
+///           Only a method that takes the diagonal of C apart (central_difference) takes that of L^-1 C L^-T.
+/// @param C  damping, shape (n, n) [N s/m]
+/// @throws std::invalid_argument  for other shapes, numbers that are not finite, masses that are not
+/// positive, mass matrices that are not symmetric, and matrices of which only one triangle is stored
+template <detail::RealMatrix KType, detail::RealMatrix MType, detail::RealMatrix CType>
+AnySystem linear_structure(const KType& K, const MType& M, const CType& C) {
+  return detail::structure_system(detail::structure_matrix(K), detail::mass_matrix(M),
+                                  detail::structure_matrix(C), true);
+}
+/// The same without damping.
+template <detail::RealMatrix KType, detail::RealMatrix MType>
+AnySystem linear_structure(const KType& K, const MType& M) {
+  return detail::structure_system(detail::structure_matrix(K), detail::mass_matrix(M), {}, false);
+}
+
+}  // namespace hmax
