@@ -1,13 +1,16 @@
 # install: the program, one library and one header folder per folder of the house, and what find_package(hmax) reads.
+# Headers include each other from include/hmax; users write <hmax/...>, from include.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/hmax")
 set_target_properties(hmax_flags PROPERTIES EXPORT_NAME flags)
-install(TARGETS hmax_flags hmax_core hmax_integrators hmax_problems hmax_results hmax_analysis hmax_bench hmax_plots
+install(TARGETS hmax_flags hmax_core hmax_integrators hmax_problems hmax_results hmax_analysis hmax_bench hmax_plots hmax_umbrella
         EXPORT hmax_targets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-        FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
+        FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax"
+        INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(FILES "${PROJECT_SOURCE_DIR}/bench/hmax.hpp" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
 foreach(optional elementary integrators_sundials integrators_odeint)
   if(TARGET hmax_${optional})
     install(TARGETS hmax_${optional} EXPORT hmax_targets

@@ -2,6 +2,7 @@
 /// itself.
 #include <cstdio>
 
+#include "integrators/explicit/adaptive.hpp"
 #include "integrators/implicit/dirk.hpp"
 #include "integrators/implicit/dirk_tableaux.hpp"
 #include "integrators/integrate.hpp"
@@ -28,7 +29,7 @@ int main() {
   Stats counts;
   const Counted system(Capsule{}, counts);
   const auto end = integrate(Dirk<Method, Capsule::State>{}, system, Span<double>{0, 20}, y,
-                             Adaptive<double, DeadbandController>({1e-6, 1e-9}, Method::error_order));
+                             adaptive<Method, DeadbandController>({1e-6, 1e-9}));
   std::printf("%s: x = %.6f m after %d steps, %d Jacobians, %d factorisations\n",
               to_string(end.outcome).data(), y[0], static_cast<int>(end.stats.steps),
               static_cast<int>(counts.jacobian), static_cast<int>(end.stats.factorisations));

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "integrators/explicit/adaptive.hpp"
 #include "integrators/explicit/explicit_rk.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/observers.hpp"
@@ -25,6 +26,6 @@ int main() {
   SampleEvery samples(span, 0.1, y,
                       [](double t, const auto& at) { std::printf("%.1f s  %7.4f m\n", t, at[0]); });
   const auto end = integrate(Rk<Method, TissueStrip::State>{}, TissueStrip{}, span, y,
-                             Adaptive<double, PiController>({1e-8, 1e-8}, Method::error_order), samples);
+                             adaptive<Method>({1e-8, 1e-8}), samples);
   std::printf("%s after %d steps\n", to_string(end.outcome).data(), static_cast<int>(end.stats.steps));
 }

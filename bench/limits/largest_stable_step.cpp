@@ -67,7 +67,7 @@ std::string words_of(const Mode& mode) {
     return fmt::format("the overdamped mode of the rates {:.6g} and {:.6g} 1/s", (*mode.rates)[0],
                        (*mode.rates)[1]);
   if (mode.omega && mode.zeta)
-    return fmt::format("the mode omega = {:.6g} rad/s, zeta = {:.6g}", *mode.omega, *mode.zeta);
+    return fmt::format("the mode omega = {:.6g} rad/s, zeta = {:.6g}", *mode.omega, *mode.zeta + 0.0);
   if (mode.lambda.imag() == 0)
     return fmt::format("the mode of the eigenvalue {:.6g} 1/s", mode.lambda.real());
   return fmt::format("the mode of the eigenvalue {:.6g} {:+.6g}i 1/s", mode.lambda.real(),

@@ -1,4 +1,4 @@
-/// The README quotes an example word for word, so that what it shows is what the tests run.
+/// The README and docs/library.md quote examples word for word, so that what they show is what the tests run.
 #include <gtest/gtest.h>
 
 #include "tests/architecture/source_tree.hpp"
@@ -6,12 +6,21 @@
 namespace hmax::architecture {
 namespace {
 
-TEST(Examples, TheReadmeQuotesAWholeProgram) {
-  const std::string readme = read_text(source_dir() / "README.md");
-  const std::string program = read_text(source_dir() / "examples/own_struct.cpp");
+void expect_quoted(const std::string& page, const std::string& example) {
+  const std::string text = read_text(source_dir() / page), program = read_text(source_dir() / example);
   ASSERT_FALSE(program.empty());
-  EXPECT_NE(readme.find("```cpp\n" + program + "```\n"), std::string::npos)
-      << "README.md does not quote examples/own_struct.cpp as it is";
+  EXPECT_NE(text.find("```cpp\n" + program + "```\n"), std::string::npos)
+      << page << " does not quote " << example << " as it is";
+}
+
+TEST(Examples, PagesQuoteWholePrograms) {
+  expect_quoted("README.md", "examples/own_struct.cpp");
+  expect_quoted("docs/library.md", "examples/own_limit.cpp");
+}
+
+TEST(Examples, NoneNeedsWhatIsNotMeantForUsers) {
+  for (const std::string& file : files_under("examples", {".cpp"}))
+    EXPECT_EQ(read_text(source_dir() / file).find("detail::"), std::string::npos) << file;
 }
 
 TEST(Examples, EachIsNamedInTheirReadme) {

@@ -14,6 +14,7 @@ run("${CMAKE_COMMAND}" -S "${CMAKE_CURRENT_LIST_DIR}" -B "${WORK_DIR}/build" -G 
     "-DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix" -DCMAKE_BUILD_TYPE=Release)
 run("${CMAKE_COMMAND}" --build "${WORK_DIR}/build")
 execute_process(COMMAND "${WORK_DIR}/build/consumer" COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND "${WORK_DIR}/build/limit" COMMAND_ERROR_IS_FATAL ANY)
 if(NM)
   run("${CMAKE_COMMAND}" "-DNM=${NM}" "-DLIBM=${LIBM}" "-DPROGRAM=${WORK_DIR}/build/consumer"
       -P "${CMAKE_CURRENT_LIST_DIR}/../own_elementary_functions.cmake")
