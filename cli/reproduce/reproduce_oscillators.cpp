@@ -310,28 +310,35 @@ class Study {
   void phase_planes_of_stiffness() {
     progress_("figure 5");
     const Window near_rest{{-0.6, -1.2}, {1, 1.2}};
-    std::vector<PhasePlane> planes;
+    const std::string foot =
+        fmt::format("{}, rtol = atol = {:g}; arrows: the field of the curve in the middle", curve_method,
+                    curve_tolerance);
+    std::vector<FigureFiles> figures;
     std::string text =
         "Case 2: cubic, without force. The damping is that of the linear part at rest, c = 2 zeta "
         "sqrt(k1 m): critical with zeta = 1, over-damped with zeta = 2.\n\n";
-    for (const std::string_view id : {"cubic_stiffness", "cubic_hardening"})
+    for (const std::string_view id : {"cubic_stiffness", "cubic_hardening"}) {
+      const bool stiffness = id == "cubic_stiffness";
+      std::vector<PhasePlane> planes;
       for (const double zeta : {1.0, 2.0}) {
         const LiverFamily family = damped_as_at_rest(liver_family(id), zeta);
-        const std::string title = fmt::format("{} varied, {}", id == "cubic_stiffness" ? "k1" : "k3",
-                                              zeta == 1 ? "critically damped" : "over-damped");
         planes.push_back(phase_plane_of(family.members[1], {}, family.t_end, near_rest));
-        planes.back().title = title + ", field of the middle one";
+        planes.back().title = zeta == 1 ? "critically damped" : "over-damped";
         planes.back().nullclines = {};
         planes.back().rest_points = {};
         planes.back().orbits = curves_of(family);
-        text += title + ":\n\n" + equilibria_table(family, near_rest) + "\n";
+        text += fmt::format("{} varied, {}:\n\n{}\n", stiffness ? "k1" : "k3", planes.back().title,
+                            equilibria_table(family, near_rest));
       }
+      figures.push_back(drawn(phase_figure(stiffness ? "Without oscillation the liver returns to rest"
+                                                     : "So it does whatever the cubic spring",
+                                           planes),
+                              stiffness ? "figure_5_phase_plane" : "figure_5_hardening", foot));
+    }
     sections_.push_back(
         {.title = "Figure 5: phase plane, stiffness varied, critically and over-damped",
          .text = text,
-         .figures = {drawn(phase_figure("Without oscillation the liver returns to rest", planes),
-                           "figure_5_phase_plane",
-                           fmt::format("{}, rtol = atol = {:g}", curve_method, curve_tolerance))},
+         .figures = std::move(figures),
          .printed =
              "Phase plane with direction field of case 2 for several stiffnesses, critically (red) and over-damped "
              "(blue): both converge to 0, clockwise.",
