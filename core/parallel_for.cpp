@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <new>
 #include <sched.h>
 #include <system_error>
 #include <thread>
@@ -36,16 +37,21 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
                   const std::function<bool()>& interrupted) {
   const std::size_t workers = std::max<std::size_t>(1, std::min(jobs(), count));
   std::atomic<std::size_t> next = 0, done = 0;
-  std::vector<std::exception_ptr> failures(workers);
+  struct Failure {
+    std::size_t piece = 0;
+    std::exception_ptr error = nullptr;
+  };
+  std::vector<Failure> failures(workers);
   const auto labour = [&](std::size_t who) {
+    std::size_t i = 0;
     try {
-      for (std::size_t i = next++; i < count && !interrupted(); i = next++) {
+      for (i = next++; i < count && !interrupted(); i = next++) {
         work(i, who);
         ++done;
         if (who == 0) progress(done);
       }
     } catch (...) {
-      failures[who] = std::current_exception();
+      failures[who] = {i, std::current_exception()};
       next = count;
     }
   };
@@ -56,11 +62,14 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
       for (std::size_t who = 1; who < workers; ++who) others.emplace_back(labour, who);
     } catch (const std::system_error&) {
       // Those that run do all of it.
+    } catch (const std::bad_alloc&) {
     }
     labour(0);
   }
-  for (const std::exception_ptr& failure : failures)
-    if (failure) std::rethrow_exception(failure);
+  const Failure* first = nullptr;
+  for (const Failure& failure : failures)
+    if (failure.error && (first == nullptr || failure.piece < first->piece)) first = &failure;
+  if (first != nullptr) std::rethrow_exception(first->error);
 }
 
 }  // namespace hmax

@@ -15,9 +15,10 @@ void set_jobs(std::size_t count);
 
 /// work(i, worker) for i = 0 .. count - 1, begun in this order, none after interrupted() has become true;
 /// worker < jobs(), so that each may have what others must not share, such as users' formulas. What a piece
-/// computes must not depend on the worker: results are the same for any number of threads. What one of them
-/// throws is thrown when all have ended. Where the system allows no further thread, or has no memory for its
-/// stack, those that are there do the work, at least the calling one. Not for anything that is timed.
+/// computes must not depend on the worker: results are the same for any number of threads. What a piece
+/// throws is thrown when all have ended, of several that of the earliest piece. Where the system allows no
+/// further thread, or has no memory for its stack, those that are there do the work, at least the calling
+/// one. Not for anything that is timed.
 /// @param progress  called by the calling thread with the number of pieces that are done
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress, const std::function<bool()>& interrupted);
