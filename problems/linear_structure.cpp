@@ -81,6 +81,7 @@ MatrixXd dense_of(const StructureMatrix& matrix) {
 /// The masses of a vector or of a diagonal matrix; empty for one that couples degrees of freedom.
 VectorXd lumped_masses(const StructureMatrix& M) {
   if (columns_of(M) == 1) return dense_of(M);
+  if (rows_of(M) != columns_of(M)) return {};  // told by require_whole
   bool diagonal = true;
   std::visit(
       [&](const auto& held) {
@@ -111,11 +112,14 @@ Eigen::LLT<MatrixXd> factor_of(const StructureMatrix& M) {
 }
 
 /// L^-1 A L^-T, which has the eigenvalues of M^-1 A.
+/// L^-1 A L^-T, symmetric to the last bit where A is: rounding must not pass for a triangle.
 MatrixXd scaled_by(const Eigen::LLT<MatrixXd>& factor, const StructureMatrix& A) {
-  MatrixXd scaled = factor.matrixL().solve(dense_of(A));
+  const MatrixXd whole = dense_of(A);
+  MatrixXd scaled = factor.matrixL().solve(whole);
   scaled.transposeInPlace();
   factor.matrixL().solveInPlace(scaled);
   scaled.transposeInPlace();
+  if (whole == whole.transpose()) scaled = (0.5 * (scaled + scaled.transpose())).eval();
   return scaled;
 }
 

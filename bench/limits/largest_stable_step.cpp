@@ -54,7 +54,7 @@ StepAnswer answer_of(const MethodChoice& choice, const Problem& problem, const L
   };
   say(row.note);
   if (!verified) return answer;
-  if (row.observed)
+  if (row.observed && !std::isnan(row.observed->h_max))
     answer.observed = row.observed->h_max;
   else if (row.note.empty())
     say("not verified: no run shows this");
@@ -105,12 +105,20 @@ StepAnswer largest_stable_step(const MethodChoice& method, const AnySystem& syst
           "verify is without find_equilibrium, but runs show the limit of an equilibrium only; set both");
     return answer_of(method, problem, linearised(problem, options.t, y), false);
   }
+  if (options.verify && options.t != 0 && !system.is_autonomous())
+    throw std::invalid_argument(fmt::format(
+        "verify is for the instant 0, at which its runs begin, but t is {:.6g} s; leave verify out, or "
+        "ask for a system that does not depend on time",
+        options.t));
   const EquilibriumSearch search = find_equilibrium(system, options.t, y);
   Linearised near = linearised(problem, options.t, search.found() ? search.state : y);
   near.at_equilibrium = search.found();
   near.state_kind = search.found() ? "equilibrium" : "initial";
   if (!search.found()) near.status = search.message;
-  return answer_of(method, problem, near, options.verify);
+  StepAnswer answer = answer_of(method, problem, near, options.verify && search.found());
+  // Runs from a state that is no equilibrium leave it, whatever the step.
+  if (options.verify && !search.found()) answer.status += "; not verified: this state is no equilibrium";
+  return answer;
 }
 
 namespace detail {

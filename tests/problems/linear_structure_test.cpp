@@ -63,5 +63,22 @@ TEST(LinearStructure, OfACoupledMassMovesInScaledCoordinates) {
   EXPECT_NEAR(A.determinant(), B.determinant(), 1e-13);
 }
 
+TEST(LinearStructure, TakesRoundingOfScaledMatricesForNoTriangle) {
+  // Damping in proportion to a mass that couples: scaled it is a multiple of the identity, but for rounding.
+  for (int k = 0; k < 40; ++k) {
+    const double a = 1 + 0.37 * k, b = 0.11 * (k + 1), c = 2 + 0.53 * k;
+    Eigen::Matrix2d M;
+    M << a, b, b, c;
+    const Eigen::Matrix2d K = 100 * Eigen::Matrix2d::Identity(), C = 0.3 * M;
+    EXPECT_NO_THROW(linear_structure(K, M, C)) << k;
+  }
+}
+
+TEST(LinearStructure, RefusesAMassMatrixThatIsNotSquare) {
+  const Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(3, 5);
+  EXPECT_THROW(linear_structure(K, M), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace hmax

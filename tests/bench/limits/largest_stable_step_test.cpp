@@ -278,5 +278,21 @@ TEST(LargestStableStep, RefusesWrongInputInOneSentence) {
   for (const auto& [said, part] : cases) EXPECT_NE(said.find(part), std::string::npos) << said;
 }
 
+/// x' = 1 + x^2, which rests nowhere.
+struct Restless {
+  using State = Eigen::Matrix<double, 1, 1>;
+  static constexpr Eigen::Index dim() { return 1; }
+  void rhs(double /*t*/, const State& y, State& dydt) const { dydt[0] = 1 + y[0] * y[0]; }
+};
+
+TEST(LargestStableStep, IsNotVerifiedWhereThereIsNoEquilibrium) {
+  const StepAnswer answer = largest_stable_step("rk4", Restless{}, Eigen::Matrix<double, 1, 1>(-1.0),
+                                                {.find_equilibrium = true, .verify = true});
+  EXPECT_EQ(answer.state_kind, "initial");
+  EXPECT_FALSE(answer.observed);
+  EXPECT_NE(answer.status.find("not verified"), std::string::npos) << answer.status;
+  EXPECT_EQ(answer.status.find("does not show"), std::string::npos) << answer.status;
+}
+
 }  // namespace
 }  // namespace hmax
