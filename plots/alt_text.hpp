@@ -8,7 +8,7 @@
 
 namespace hmax {
 
-/// Title, axes of each panel, and what the key lists: "Title. Error [m] over h [s], logarithmic. Shown: rk4,
+/// Title, axes of each panel, and what the key lists: "Title. Error [m] (logarithmic) over h [s]. Shown: rk4,
 /// ode45." On one line; of many panels and of a long key the first are named and the others counted.
 std::string alt_text(const Figure& figure);
 

@@ -352,11 +352,12 @@ void settle(const Database& database, Identity id, const std::string& path, bool
     id = identity_now(database);
   }
   if (id.version != Store::schema_version) {
-    throw InputError(
-        fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
-                    "{}choose another file, or export it with the hmax that made it.",
-                    path, id.version, Store::schema_version,
-                    id.version == 1 ? "make it writable, so that it can be brought up to date, " : ""));
+    throw InputError(fmt::format(
+        "The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
+        "{}choose another file, or export it with the hmax that made it.",
+        path, id.version, Store::schema_version,
+        id.version == 1 ? "make the file and its folder writable, so that it can be brought up to date, "
+                        : ""));
   }
 }
 

@@ -34,7 +34,8 @@ struct Session {
 class Store {
  public:
   /// The number of the table layout in results/schema.hpp. A file with a lower one is brought to it when it
-  /// is opened, in one transaction; one with a higher number is refused and left untouched.
+  /// is opened, in one transaction, which needs to write; one with a higher number is refused and left
+  /// untouched.
   static constexpr int schema_version = 2;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.

@@ -36,8 +36,9 @@ bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
 }
 
-/// Largest error over the points of a run: all of them, or every k-th of more than most_points. Reference
-/// states are kept from one run to the next when all runs have their points at the same times.
+/// Largest error, and its mean square over time from t = 0, over the points of a run: all of them, or every
+/// k-th of more than most_points. Reference states are kept from one run to the next when all runs have their
+/// points at the same times.
 class ErrorMeter {
  public:
   /// @param points      of each run, the initial one included
