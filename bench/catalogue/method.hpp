@@ -57,8 +57,9 @@ struct Problem {
   /// The same system in long double, where it is written in it: tissue is not.
   std::optional<ExtendedSystem> extended = std::nullopt;
   std::shared_ptr<const TissueBody> body = nullptr;  ///< of tissue, whose states have no names
-  std::vector<std::int64_t> tetrahedron_numbers{};   ///< of it, as users know them (bench/body_balance.hpp)
-  std::vector<std::string> idle{};                   ///< names of `parameters` that change nothing here
+  std::vector<std::int64_t>
+      tetrahedron_numbers{};        ///< of it, as users know them (bench/models/body_balance.hpp)
+  std::vector<std::string> idle{};  ///< names of `parameters` that change nothing here
 };
 
 /// What a user may change of a problem.
@@ -69,7 +70,7 @@ struct ProblemSettings {
   std::optional<double> unit = std::nullopt;               ///< of a mesh file: metres in one of its units
 };
 
-struct Amplification;  // analysis/amplification.hpp
+struct Amplification;  // analysis/amplification/amplification.hpp
 
 /// Numbers by name, in a fixed order.
 using Parameters = std::vector<std::pair<std::string, double>>;

@@ -74,15 +74,15 @@ struct StepOptions {
   /// of the Jacobian at y, and `state_kind` "motion".
   bool find_equilibrium = false;
   /// Also integrate on both sides of the limit, which takes some thousand steps; of a system together with
-  /// find_equilibrium, since runs leave any other state.
+  /// find_equilibrium, since runs leave any other state, and where it depends on time only at t = 0.
   bool verify = false;
 };
 
 /// Of any system near (t, y).
 /// @throws InputError             for numbers that are not finite, and more unknowns than dense methods take
 ///                                where the model has no sparse second-order form
-/// @throws std::invalid_argument  for a state of another size than the system's, and verify without
-///                                find_equilibrium
+/// @throws std::invalid_argument  for a state of another size than the system's, verify without
+///                                find_equilibrium, and verify at t != 0 of a system that depends on time
 StepAnswer largest_stable_step(const MethodChoice& method, const AnySystem& system, const Eigen::VectorXd& y,
                                const StepOptions& options = {});
 

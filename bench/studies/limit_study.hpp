@@ -27,7 +27,7 @@ struct LimitRow {
   Prediction prediction;
 };
 
-/// Every method on every linear case, verified; two threads.
+/// Every method on every linear case, verified, on all cores.
 /// @param progress  told the share that is done; from the calling thread
 /// @param interrupted  asked between rows; what is finished is returned
 std::vector<LimitRow> predicted_and_observed(const std::vector<LimitCase>& cases,

@@ -24,7 +24,7 @@
 
 namespace hmax {
 
-struct MeshOrigin;  // problems/tissue/mesh_import.hpp
+struct MeshOrigin;  // problems/mesh/files/mesh_import.hpp
 
 /// A tetrahedral mesh with one elastic model, damping, supports and loads.
 ///

@@ -12,7 +12,7 @@
 
 namespace hmax {
 
-struct MeshFile;  // problems/tissue/mesh_file.hpp
+struct MeshFile;  // problems/mesh/files/mesh_file.hpp
 
 MeshFile read_gmsh(const std::string& name, std::string_view text);
 MeshFile read_gmsh_4(MeshText& text, bool binary, bool swapped);
