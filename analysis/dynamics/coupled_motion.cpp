@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "analysis/amplification/structural_amplification.hpp"
+#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 

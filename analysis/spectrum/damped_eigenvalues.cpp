@@ -5,8 +5,8 @@
 #include <limits>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 
+#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 

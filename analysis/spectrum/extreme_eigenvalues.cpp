@@ -5,7 +5,6 @@
 #include <numeric>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
 
@@ -15,6 +14,7 @@
 #endif
 
 #include "analysis/spectrum/block_product.hpp"
+#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/spectrum.hpp"
 #include "integrators/linear/panel_factor.hpp"

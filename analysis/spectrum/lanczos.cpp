@@ -6,7 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
+#include "analysis/spectrum/eigen_solvers.hpp"
+
 
 namespace hmax {
 namespace {

@@ -8,11 +8,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <fmt/format.h>
 
+#include "analysis/spectrum/eigen_solvers.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

@@ -7,7 +7,8 @@
 #include <queue>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include "analysis/spectrum/eigen_solvers.hpp"
+
 
 namespace hmax {
 namespace {

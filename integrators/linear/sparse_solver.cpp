@@ -3,6 +3,18 @@
 namespace hmax {
 
 template class SparseSolver<double>;
+template class SparseSolver<long double>;
 template void SparseSolver<double>::solve(Eigen::VectorXd&);
 
 }  // namespace hmax
+
+namespace Eigen {
+template void SparseLU<SparseMatrix<double>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<double>&);
+template void SparseLU<SparseMatrix<double>, COLAMDOrdering<int>>::factorize(const SparseMatrix<double>&);
+template void SparseLU<SparseMatrix<long double>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<long double>&);
+template void SparseLU<SparseMatrix<long double>, COLAMDOrdering<int>>::factorize(const SparseMatrix<long double>&);
+template void SparseLU<SparseMatrix<std::complex<double>>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<std::complex<double>>&);
+template void SparseLU<SparseMatrix<std::complex<double>>, COLAMDOrdering<int>>::factorize(const SparseMatrix<std::complex<double>>&);
+template void SparseLU<SparseMatrix<std::complex<long double>>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<std::complex<long double>>&);
+template void SparseLU<SparseMatrix<std::complex<long double>>, COLAMDOrdering<int>>::factorize(const SparseMatrix<std::complex<long double>>&);
+}  // namespace Eigen

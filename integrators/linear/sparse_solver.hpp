@@ -253,8 +253,21 @@ class SparseSolver {
   Vector scratch_;
 };
 
-// Compiled once, in sparse_solver.cpp, for speed: what includes this may be compiled with less optimisation.
+// Compiled once, in sparse_solver.cpp: what includes this may be compiled with less optimisation, and is compiled
+// sooner.
 extern template class SparseSolver<double>;
+extern template class SparseSolver<long double>;
 extern template void SparseSolver<double>::solve(Eigen::VectorXd&);
 
 }  // namespace hmax
+
+namespace Eigen {
+extern template void SparseLU<SparseMatrix<double>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<double>&);
+extern template void SparseLU<SparseMatrix<double>, COLAMDOrdering<int>>::factorize(const SparseMatrix<double>&);
+extern template void SparseLU<SparseMatrix<long double>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<long double>&);
+extern template void SparseLU<SparseMatrix<long double>, COLAMDOrdering<int>>::factorize(const SparseMatrix<long double>&);
+extern template void SparseLU<SparseMatrix<std::complex<double>>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<std::complex<double>>&);
+extern template void SparseLU<SparseMatrix<std::complex<double>>, COLAMDOrdering<int>>::factorize(const SparseMatrix<std::complex<double>>&);
+extern template void SparseLU<SparseMatrix<std::complex<long double>>, COLAMDOrdering<int>>::analyzePattern(const SparseMatrix<std::complex<long double>>&);
+extern template void SparseLU<SparseMatrix<std::complex<long double>>, COLAMDOrdering<int>>::factorize(const SparseMatrix<std::complex<long double>>&);
+}  // namespace Eigen
