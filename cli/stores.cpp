@@ -1,16 +1,20 @@
 /// hmax export and hmax compare: measured rows out of their stores.
 #include <algorithm>
+#include <array>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bench/input/suggest.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/compare.hpp"
+#include "results/limits/compare_limits.hpp"
 #include "results/errors.hpp"
 #include "results/exports.hpp"
+#include "results/limits/limit_exports.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
 
@@ -40,34 +44,67 @@ Fingerprint last_fingerprint(const Store& store) {
   return sessions.empty() ? Fingerprint{} : sessions.back().fingerprint;
 }
 
-void export_rows(const std::string& name, const std::string& asked_format, const std::string& output,
-                 Console& console) {
+/// JSON lines as the objects of one array.
+Json array_of_lines(const std::string& lines) {
+  Json document = Json::array();
+  for (std::size_t begin = 0, end; (end = lines.find('\n', begin)) != std::string::npos; begin = end + 1)
+    document.push_back(Json::parse(lines.begin() + static_cast<std::ptrdiff_t>(begin),
+                                   lines.begin() + static_cast<std::ptrdiff_t>(end)));
+  return document;
+}
+
+/// What a store holds.
+constexpr std::array<std::string_view, 2> kinds{"runs", "limits"};
+
+struct ExportOptions {
+  std::string store, of{kinds[0]}, format{export_formats().front().name}, output;
+};
+
+/// What is written: a text, its opening, and how many rows it has.
+struct Exported {
+  std::string text;
+  std::string_view opening;
+  std::size_t rows;
+};
+
+Exported exported_runs(const Store& store, const ExportFormat& format) {
+  const std::vector<Row> rows = store.rows();
+  return {format.text(rows, last_fingerprint(store)), format.opening, rows.size()};
+}
+
+Exported exported_limits(const Store& store, std::string_view format) {
+  const std::vector<LimitRow> rows = store.limits();
+  if (format == "csv") return {limits_to_csv(rows), "problem,material,parameters,y0,model,", rows.size()};
+  if (format == "jsonl") return {limits_to_jsonl(rows), "{\"problem\":\"", rows.size()};
+  throw InputError(fmt::format("--format is '{}', but limits are written as csv or jsonl", format));
+}
+
+void export_rows(const ExportOptions& options, Console& console) {
+  const std::string& output = options.output;
   std::vector<std::string_view> names;
   for (const ExportFormat& each : export_formats()) names.push_back(each.name);
-  const std::string format = parse_choice("--format", asked_format, names);
+  const std::string format = parse_choice("--format", options.format, names);
+  const std::string kind = parse_choice("--of", options.of, kinds);
   const auto chosen = std::ranges::find(export_formats(), format, &ExportFormat::name);
-  if (!output.empty()) check_writable(output, chosen->opening);
-  const Store store = open_store(name);
-  const std::vector<Row> rows = store.rows();
-  const std::string text = chosen->text(rows, last_fingerprint(store));
+  const Store store = open_store(options.store);
+  const Exported out = kind == kinds[0] ? exported_runs(store, *chosen) : exported_limits(store, format);
   if (!output.empty()) {
-    write_file(output, text, chosen->opening);
+    write_file(output, out.text, out.opening);
     if (console.json)
       console.print_json(Json{
-          {"store", store.file().string()}, {"format", format}, {"rows", rows.size()}, {"output", output}});
+          {"store", store.file().string()}, {"format", format}, {"rows", out.rows}, {"output", output}});
     else
-      console.print(fmt::format("{} rows in {}\n", rows.size(), output));
+      console.print(fmt::format("{} rows in {}\n", out.rows, output));
   } else if (console.json && format != "gbench") {
-    // One document whatever the format: the objects of the lines in an array.
-    Json document = Json::array();
-    const std::string lines = rows_to_jsonl(rows);
-    for (std::size_t begin = 0, end; (end = lines.find('\n', begin)) != std::string::npos; begin = end + 1)
-      document.push_back(Json::parse(lines.begin() + static_cast<std::ptrdiff_t>(begin),
-                                     lines.begin() + static_cast<std::ptrdiff_t>(end)));
-    console.print_json(document);
+    // One document whatever the format.
+    console.print_json(array_of_lines(kind == kinds[0] ? rows_to_jsonl(store.rows())
+                                                       : limits_to_jsonl(store.limits())));
   } else {
-    console.print(text);
+    console.print(out.text);
   }
+  if (out.rows == 0)
+    console.remark(fmt::format("'{}' holds no {}; --of {} writes the others", store.file().string(), kind,
+                               kind == kinds[0] ? kinds[1] : kinds[0]));
 }
 
 Json to_json(const RowComparison& row) {
@@ -95,6 +132,30 @@ Json names(const std::vector<RowKey>& keys) {
   return list;
 }
 
+Json to_json(const LimitComparison& limits) {
+  Json changed = Json::array();
+  for (const LimitChange& each : limits.changed)
+    changed.push_back({{"limit", each.name}, {"changes", each.changes}});
+  return {{"compared", limits.compared},
+          {"changed", std::move(changed)},
+          {"only_in_a", limits.only_in_a},
+          {"only_in_b", limits.only_in_b}};
+}
+
+/// Empty where neither store has limits.
+std::string words_of(const LimitComparison& limits) {
+  const std::size_t alone = limits.only_in_a.size() + limits.only_in_b.size();
+  if (limits.compared + alone == 0) return {};
+  std::string text = fmt::format("{} limits in both: {} the same, {} changed\n", limits.compared,
+                                 limits.compared - limits.changed.size(), limits.changed.size());
+  for (const LimitChange& each : limits.changed)
+    text += fmt::format("  {}: {}\n", each.name, fmt::join(each.changes, "; "));
+  if (alone > 0)
+    text += fmt::format("limits only in A: {}, only in B: {}\n", limits.only_in_a.size(),
+                        limits.only_in_b.size());
+  return text;
+}
+
 void compare_stores(const std::string& a, const std::string& b, bool all, Console& console) {
   const Store store_a = open_store(a), store_b = open_store(b);
   const std::vector<Row> rows_a = store_a.rows(), rows_b = store_b.rows();
@@ -102,7 +163,8 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
   for (const std::string& difference : differences(last_fingerprint(store_a), last_fingerprint(store_b)))
     found.remarks.push_back("Measured under different conditions: " + difference + ".");
   const std::size_t outside = found.rows.size() - found.count(Verdict::same);
-  if (outside > 0) console.exit_code = Exit::failed;
+  const LimitComparison limits = compare_limits(store_a.limits(), store_b.limits());
+  if (outside > 0 || !limits.changed.empty()) console.exit_code = Exit::failed;
 
   if (console.json) {
     Json rows = Json::array();
@@ -119,7 +181,8 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
                                    {"remarks", found.remarks},
                                    {"only_in_a", names(found.only_in_a)},
                                    {"only_in_b", names(found.only_in_b)},
-                                   {"rows", rows}});
+                                   {"rows", rows},
+                                   {"limits", to_json(limits)}});
   }
   TextTable table({"row", "B is", "A [s]", "B [s]", "B/A", "p", "changes"});
   for (const RowComparison& row : found.rows) {
@@ -136,6 +199,7 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
   if (!found.only_in_a.empty() || !found.only_in_b.empty())
     console.print(
         fmt::format("only in A: {}, only in B: {}\n", found.only_in_a.size(), found.only_in_b.size()));
+  console.print(words_of(limits));
   for (const std::string& remark : found.remarks) console.print(remark + "\n");
 }
 
@@ -144,11 +208,9 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
 void add_export(CLI::App& app, Console& console) {
   CLI::App& command = add_command(app, console, "export", "Write the rows of a store for other programs",
                                   {"hmax export study --format csv --output study.csv",
+                                   "hmax export livers --of limits --format csv",
                                    "hmax export results/runs/study.sqlite --format gbench"});
-  struct Options {
-    std::string store, format{export_formats().front().name}, output;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   command.add_option("store", options->store, "Its file, or its name under results/runs")
       ->required()
       ->type_name("");
@@ -158,11 +220,15 @@ void add_export(CLI::App& app, Console& console) {
                            each.description.empty() ? "" : fmt::format(" ({})", each.description));
   command.add_option("--format", options->format, fmt::format("{}; {} by default", formats, options->format))
       ->type_name("NAME");
+  command
+      .add_option("--of", options->of,
+                  "runs, which `hmax sweep` measured; limits, which `hmax stability predict --out` computed; runs "
+                  "by default")
+      ->type_name("NAME");
   command.add_option("--output", options->output, "Write to a file instead of standard output")
       ->type_name("FILE");
   add_force(command);
-  command.callback(
-      [options, &console] { export_rows(options->store, options->format, options->output, console); });
+  command.callback([options, &console] { export_rows(*options, console); });
 }
 
 void add_compare(CLI::App& app, Console& console) {

@@ -10,6 +10,7 @@
 #include "bench/timing/sweep_file.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -67,15 +68,10 @@ SweepRequest flags_of(const SweepOptions& options) {
   return request;
 }
 
-/// `out` is a name under results/runs/, or the path of a file that ends in .sqlite.
-std::filesystem::path store_path(const SweepRequest& request, const std::string& sweep_file) {
+/// The store of a sweep, named after its file where nobody names it.
+std::filesystem::path sweep_store_path(const SweepRequest& request, const std::string& sweep_file) {
   const std::string plain = sweep_file.empty() ? "sweep" : std::filesystem::path(sweep_file).stem().string();
-  const std::string out = request.out.value_or(plain);
-  if (out.ends_with(".sqlite")) return out;
-  if (out.empty() || out == "." || out == ".." || out.find('/') != std::string::npos)
-    throw InputError(fmt::format(
-        "--out is '{}', but must be a plain name or the path of a file that ends in .sqlite", out));
-  return std::filesystem::path("results") / "runs" / (out + ".sqlite");
+  return store_path(request.out.value_or(plain));
 }
 
 /// Rows that belong to one sweep of one problem in one reading.
@@ -200,7 +196,7 @@ void sweep(const SweepOptions& options, Console& console) {
   // From here on Ctrl-C waits for the row at hand, also while the references are computed.
   const auto& interrupted = interrupt_flag();
   const SweepPlan plan = plan_sweep(spec_from(request));
-  const std::filesystem::path file = store_path(request, options.file);
+  const std::filesystem::path file = sweep_store_path(request, options.file);
   if (options.publish) require_publishable_build();
   Store store = open_sweep_store(plan, file, options.resume);
   if (options.publish) mark_published(store);

@@ -14,15 +14,19 @@
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 #include "results/patience.hpp"
-#include "results/schema.hpp"
-#include "results/sqlite.hpp"
+#include "results/sqlite/schema.hpp"
+#include "results/sqlite/sqlite.hpp"
+#include "results/sqlite/store_impl.hpp"
 
 namespace hmax {
 
 namespace {
 
 namespace fs = std::filesystem;
+using sqlite::bind_exact;
 using sqlite::Database;
+using sqlite::exact_number;
+using sqlite::is_special;
 using sqlite::Statement;
 
 Patience patience;
@@ -46,7 +50,8 @@ int on_busy(void* /*unused*/, int calls) {
   return 1;
 }
 
-/// What SQLite could not do, as a sentence with a remedy.
+}  // namespace
+
 InputError translated(const sqlite::Failure& failure, const fs::path& file) {
   const std::string path = file.string();
   const std::string cause =
@@ -83,15 +88,7 @@ InputError translated(const sqlite::Failure& failure, const fs::path& file) {
   }
 }
 
-/// Runs `action` and turns what SQLite throws into an InputError about `file`.
-template <class Action>
-decltype(auto) reporting(const fs::path& file, Action&& action) {
-  try {
-    return action();
-  } catch (const sqlite::Failure& failure) {
-    throw translated(failure, file);
-  }
-}
+namespace {
 
 Database connect(const std::string& name, int flags) {
   sqlite3* raw = nullptr;
@@ -149,6 +146,7 @@ void lay_out(sqlite3* database) {
   sqlite::Transaction transaction(database);
   if (!is_empty(identity(database))) return;
   sqlite::execute(database, store_schema);
+  sqlite::execute(database, limit_schema);
   sqlite::execute(database, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                         store_application_id, Store::schema_version)
                                 .c_str());
@@ -158,24 +156,13 @@ void lay_out(sqlite3* database) {
 /// Brings a store of an earlier hmax to today's layout. Another process may do the same at the same time.
 void bring_up_to_date(sqlite3* database) {
   sqlite::Transaction transaction(database);
-  if (identity(database).version == 1) sqlite::execute(database, store_schema_1_to_2);
-  transaction.commit();
-}
-
-bool is_special(double value) { return std::isnan(value) || (value == 0 && std::signbit(value)); }
-
-/// See store_schema: numbers that SQLite would change travel as text.
-void bind_exact(Statement& statement, int index, double value) {
-  if (is_special(value)) {
-    statement.bind(index, to_text(value));
-  } else {
-    statement.bind(index, value);
+  const std::int64_t version = identity(database).version;
+  if (version == 1) sqlite::execute(database, store_schema_1_to_2);
+  if (version == 1 || version == 2) {
+    sqlite::execute(database, limit_schema);
+    sqlite::execute(database, store_schema_2_to_3);
   }
-}
-
-double exact_number(const Statement& statement, int column) {
-  if (statement.type(column) == SQLITE_TEXT) return to_number(statement.text(column)).value_or(std::nan(""));
-  return statement.number(column);
+  transaction.commit();
 }
 
 std::string samples_to_json(const std::vector<double>& samples) {
@@ -347,7 +334,8 @@ void settle(const Database& database, Identity id, const std::string& path, bool
     throw InputError(fmt::format(
         "'{}' is an SQLite file but not a store of hmax, left untouched: choose another file.", path));
   }
-  if (id.version == 1 && sqlite3_db_readonly(database.get(), "main") == 0) {
+  const bool earlier = id.version > 0 && id.version < Store::schema_version;
+  if (earlier && sqlite3_db_readonly(database.get(), "main") == 0) {
     bring_up_to_date(database.get());
     id = identity_now(database);
   }
@@ -356,8 +344,8 @@ void settle(const Database& database, Identity id, const std::string& path, bool
         "The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
         "{}choose another file, or export it with the hmax that made it.",
         path, id.version, Store::schema_version,
-        id.version == 1 ? "make the file and its folder writable, so that it can be brought up to date, "
-                        : ""));
+        earlier ? "make the file and its folder writable, so that it can be brought up to date, "
+                : ""));
   }
 }
 
@@ -365,29 +353,15 @@ void settle(const Database& database, Identity id, const std::string& path, bool
 
 void set_patience(Patience with) { patience = with; }
 
-struct Store::Impl {
-  fs::path file;
-  Database database;
-  std::int64_t session = 0;                         ///< 0 before begin_session()
-  std::int64_t watermark = 0;                       ///< id of the newest row when the session began
-  mutable std::unique_ptr<Statement> insert, find;  ///< prepared once; gone before the database closes
-
-  Impl(fs::path path, Database opened) : file(std::move(path)), database(std::move(opened)) {}
-  sqlite3* db() const { return database.get(); }
-
-  /// Id of the row with this key, 0 when there is none.
-  std::int64_t id_of(const RowKey& key) const {
-    if (!find)
-      find = std::make_unique<Statement>(db(),
-                                         fmt::format("SELECT id FROM rows WHERE {}", key_condition).c_str());
-    bind_key(*find, key);
-    const std::int64_t id = find->step() ? find->integer(0) : 0;
-    find->reset();
-    return id;
-  }
-
-  static std::unique_ptr<Impl> open(const fs::path& file, bool create);
-};
+std::int64_t Store::Impl::id_of(const RowKey& key) const {
+  if (!find)
+    find = std::make_unique<Statement>(db(),
+                                       fmt::format("SELECT id FROM rows WHERE {}", key_condition).c_str());
+  bind_key(*find, key);
+  const std::int64_t id = find->step() ? find->integer(0) : 0;
+  find->reset();
+  return id;
+}
 
 std::unique_ptr<Store::Impl> Store::Impl::open(const fs::path& file, bool create) {
   std::error_code error;

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "results/fingerprint.hpp"
+#include "results/limits/limit_row.hpp"
 #include "results/row.hpp"
 
 namespace hmax {
@@ -22,7 +24,8 @@ struct Session {
   Fingerprint fingerprint;
 };
 
-/// A set of rows with unique keys, the sessions that measured them, and notes about the whole.
+/// A set of measured rows with unique keys, limits of the step with theirs, the sessions that they come from,
+/// and notes about the whole.
 ///
 /// Rows are committed before insert() returns (write-ahead log, synchronous NORMAL): SIGKILL loses nothing
 /// that was inserted and leaves nothing half done; a power cut may lose the last rows, never the store.
@@ -33,10 +36,10 @@ struct Session {
 /// another schema.
 class Store {
  public:
-  /// The number of the table layout in results/schema.hpp. A file with a lower one is brought to it when it
+  /// The number of the table layout in results/sqlite/schema.hpp. A file with a lower one is brought to it when it
   /// is opened, in one transaction, which needs to write; one with a higher number is refused and left
   /// untouched.
-  static constexpr int schema_version = 2;
+  static constexpr int schema_version = 3;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.
   static Store open_or_create(const std::filesystem::path& file);
@@ -63,7 +66,20 @@ class Store {
 
   bool contains(const RowKey& key) const;
 
-  /// Number of rows.
+  /// An operating point and limits near it, in one transaction; what was stored of the same keys before is
+  /// replaced. LimitRow::point of `rows` is not read.
+  /// @throws std::logic_error       without begin_session()
+  /// @throws std::invalid_argument  when t_end is not finite
+  void insert_limits(const OperatingPointRow& point, std::span<const LimitRow> rows);
+
+  /// The operating point of this key, if it is there.
+  std::optional<OperatingPointRow> operating_point(const OperatingPointKey& key) const;
+  /// The limits near it, in the order in which they were inserted first.
+  std::vector<LimitRow> limits_at(const OperatingPointKey& key) const;
+  /// Every limit, ordered by the key of its operating point and by method.
+  std::vector<LimitRow> limits() const;
+
+  /// Number of measured rows.
   std::int64_t size() const;
 
   /// Every row, bit for bit as inserted, in an order that does not depend on the order of insertion: by

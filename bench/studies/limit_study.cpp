@@ -6,6 +6,10 @@
 #include <utility>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/limit_rows.hpp"
+#include "bench/limits/linearised_problem.hpp"
+#include "bench/limits/predict.hpp"
+#include "bench/limits/trajectory_limit.hpp"
 #include "bench/limits/verification.hpp"
 #include "core/parallel_for.hpp"
 #include "problems/oscillator/liver_materials.hpp"
@@ -26,36 +30,58 @@ Problem problem_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, dou
   return problem;
 }
 
-/// work(which, method) of every method on every case of the kind that suits it, cases first, on all cores.
-/// After an interruption the rows that are finished.
-template <class Row, class Work>
-std::vector<Row> over_pairs(const std::vector<LimitCase>& cases, bool linear,
-                            const std::vector<Method>& methods, const Work& work,
-                            const std::function<void(double)>& progress,
-                            const std::function<bool()>& interrupted) {
-  std::vector<std::pair<std::size_t, const Method*>> pairs;
-  for (std::size_t i = 0; i < cases.size(); ++i)
-    for (const Method& method : methods)
-      if (cases[i].linear == linear && suits(method, cases[i].problem)) pairs.emplace_back(i, &method);
-
-  std::vector<std::optional<Row>> rows(pairs.size());
-  parallel_for(
-      pairs.size(), [&](std::size_t i, std::size_t) { rows[i] = work(pairs[i].first, *pairs[i].second); },
-      [&](std::size_t done) { progress(static_cast<double>(done) / static_cast<double>(pairs.size())); },
-      interrupted);
-
-  std::vector<Row> finished;
-  for (std::optional<Row>& row : rows)
-    if (row) finished.push_back(std::move(*row));
-  return finished;
+/// The limit of a small motion about the equilibrium, verified; of a nonlinear case also the least along the
+/// motion from the published start, and the one that runs from there show.
+LimitRow limit_of(const LimitCase& each, const Linearised& near, const MotionSize& size, const Method& method) {
+  const Problem& problem = each.problem;
+  Prediction prediction = predict(method, problem, near);
+  verify(prediction, method, problem, near);
+  LimitRow row = limit_row(prediction);
+  if (row.verdict.empty()) row.verdict = "not_run";
+  row.details = "{}";
+  if (each.linear) return row;
+  const auto along = limit_along(method, problem, problem.t_end);
+  if (along) add_path(row, *along, "");
+  const bool guessed = along && along->least > 0 && std::isfinite(along->least);
+  if (const auto start = limit_from_start(method, problem, problem.t_end, guessed ? along->least : 1, size))
+    add_start(row, *start);
+  return row;
 }
 
-/// What every method is asked about, once for each case.
-std::vector<Linearised> linearised(const std::vector<LimitCase>& cases) {
-  std::vector<Linearised> near;
-  near.reserve(cases.size());
-  for (const LimitCase& each : cases) near.push_back(linearised(each.problem));
-  return near;
+/// What every method is asked about one case.
+struct AskedCase {
+  std::size_t which;
+  Linearised near;
+  MotionSize size;
+  OperatingPointKey key;
+};
+
+std::vector<AskedCase> asked_cases(const std::vector<LimitCase>& cases, CaseKind kind) {
+  std::vector<AskedCase> asked;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const bool linear = cases[i].linear;
+    if (linear != (kind == CaseKind::linear)) continue;
+    const Problem& problem = cases[i].problem;
+    asked.push_back({i, linearised(problem), linear ? MotionSize{} : size_of_motion(problem, problem.t_end),
+                     operating_point_key(problem, OperatingPoint::equilibrium, linear ? "" : "motion",
+                                         linear ? 0 : problem.t_end)});
+  }
+  return asked;
+}
+
+void keep(Store& store, const std::vector<AskedCase>& asked, const std::vector<StudyRow>& computed) {
+  if (computed.empty()) return;
+  store.begin_session(fingerprint());
+  for (const AskedCase& each : asked) {
+    OperatingPointRow point;
+    point.key = each.key;
+    point.words = each.near.state + "\n";
+    point.document = "{}";
+    std::vector<LimitRow> own;
+    for (const StudyRow& row : computed)
+      if (row.which == each.which) own.push_back(row.limit);
+    if (!own.empty()) store.insert_limits(point, own);
+  }
 }
 
 }  // namespace
@@ -83,43 +109,49 @@ std::vector<LimitCase> limit_cases() {
   return cases;
 }
 
-std::vector<LimitRow> predicted_and_observed(const std::vector<LimitCase>& cases,
-                                             const std::vector<Method>& methods,
-                                             const std::function<void(double)>& progress,
-                                             const std::function<bool()>& interrupted) {
-  const std::vector<Linearised> near = linearised(cases);
-  return over_pairs<LimitRow>(
-      cases, true, methods,
-      [&](std::size_t which, const Method& method) {
-        LimitRow row{which, predict(method, cases[which].problem, near[which])};
-        verify(row.prediction, method, cases[which].problem, near[which]);
-        return row;
+std::vector<StudyRow> limit_study(const std::vector<LimitCase>& cases, CaseKind kind,
+                                  const std::vector<Method>& methods, Store* store,
+                                  const std::function<void(double)>& progress,
+                                  const std::function<bool()>& interrupted) {
+  const std::vector<AskedCase> asked = asked_cases(cases, kind);
+  struct Pair {
+    const AskedCase* asked;
+    const Method* method;
+    std::optional<LimitRow> row;
+    bool computed = false;
+  };
+  std::vector<Pair> pairs;
+  std::vector<std::size_t> missing;
+  for (const AskedCase& each : asked) {
+    const std::vector<LimitRow> known = store ? stored_limits(*store, each.key) : std::vector<LimitRow>{};
+    for (const Method& method : methods) {
+      if (!suits(method, cases[each.which].problem)) continue;
+      const auto found = std::ranges::find(known, method.id, &LimitRow::method);
+      if (found == known.end()) missing.push_back(pairs.size());
+      pairs.push_back({&each, &method, found == known.end() ? std::nullopt : std::optional(*found)});
+    }
+  }
+  parallel_for(
+      missing.size(),
+      [&](std::size_t i, std::size_t) {
+        Pair& pair = pairs[missing[i]];
+        const AskedCase& each = *pair.asked;
+        LimitRow row = limit_of(cases[each.which], each.near, each.size, *pair.method);
+        row.point = each.key;
+        pair.row = std::move(row);
+        pair.computed = true;
       },
-      progress, interrupted);
-}
+      [&](std::size_t done) { progress(static_cast<double>(done) / static_cast<double>(missing.size())); },
+      interrupted);
 
-std::vector<NonlinearRow> nonlinear_limits(const std::vector<LimitCase>& cases,
-                                           const std::vector<Method>& methods,
-                                           const std::function<void(double)>& progress,
-                                           const std::function<bool()>& interrupted) {
-  const std::vector<Linearised> near = linearised(cases);
-  std::vector<MotionSize> sizes;
-  for (const LimitCase& each : cases)
-    sizes.push_back(each.linear ? MotionSize{} : size_of_motion(each.problem, each.problem.t_end));
-  return over_pairs<NonlinearRow>(
-      cases, false, methods,
-      [&](std::size_t which, const Method& method) {
-        const Problem& problem = cases[which].problem;
-        NonlinearRow row{which, method.id, predict(method, problem, near[which]), {}, {}};
-        verify(row.at_rest, method, problem, near[which]);
-        row.along = limit_along(method, problem, problem.t_end);
-        double guess = row.along ? row.along->least : 1;
-        if (!(guess > 0 && std::isfinite(guess))) guess = 1;
-        if (const auto start = limit_from_start(method, problem, problem.t_end, guess, sizes[which]))
-          row.from_start = start->h;
-        return row;
-      },
-      progress, interrupted);
+  std::vector<StudyRow> rows, computed;
+  for (const Pair& pair : pairs)
+    if (pair.row) {
+      rows.push_back({pair.asked->which, *pair.row});
+      if (pair.computed) computed.push_back(rows.back());
+    }
+  if (store) keep(*store, asked, computed);
+  return rows;
 }
 
 }  // namespace hmax

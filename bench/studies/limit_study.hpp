@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/limits/predict.hpp"
-#include "bench/limits/trajectory_limit.hpp"
+#include "bench/catalogue/method.hpp"
+#include "results/limits/limit_row.hpp"
+#include "results/store.hpp"
 
 namespace hmax {
 
@@ -22,31 +23,21 @@ struct LimitCase {
 /// numbers of its own.
 std::vector<LimitCase> limit_cases();
 
-struct LimitRow {
+struct StudyRow {
   std::size_t which;  ///< case
-  Prediction prediction;
+  LimitRow limit;     ///< verified; of cases that are not linear also along the motion and from its start
 };
 
-/// Every method on every linear case, verified, on all cores.
+/// Which cases a study takes.
+enum class CaseKind { linear, nonlinear };
+
+/// Every method on every case of a kind that suits it, cases first, on all cores.
+/// @param store  where rows are looked up and kept; nullptr for nowhere
 /// @param progress  told the share that is done; from the calling thread
-/// @param interrupted  asked between rows; what is finished is returned
-std::vector<LimitRow> predicted_and_observed(const std::vector<LimitCase>& cases,
-                                             const std::vector<Method>& methods,
-                                             const std::function<void(double)>& progress,
-                                             const std::function<bool()>& interrupted);
-
-/// A nonlinear or driven case: three predictions and two observations of one method.
-struct NonlinearRow {
-  std::size_t which;
-  std::string method;
-  Prediction at_rest;                    ///< and what small motions about rest show
-  std::optional<TrajectoryLimit> along;  ///< of the tangent along the motion from the published start
-  std::optional<double> from_start;      ///< observed from there
-};
-
-std::vector<NonlinearRow> nonlinear_limits(const std::vector<LimitCase>& cases,
-                                           const std::vector<Method>& methods,
-                                           const std::function<void(double)>& progress,
-                                           const std::function<bool()>& interrupted);
+/// @param interrupted  asked between rows; what is finished is kept and returned
+std::vector<StudyRow> limit_study(const std::vector<LimitCase>& cases, CaseKind kind,
+                                  const std::vector<Method>& methods, Store* store,
+                                  const std::function<void(double)>& progress,
+                                  const std::function<bool()>& interrupted);
 
 }  // namespace hmax

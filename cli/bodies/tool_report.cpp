@@ -54,12 +54,16 @@ std::optional<ToolReport> tool_report(const Problem& problem, double t, const Ei
                     .stiffness = body.settings().tools.front().stiffness};
 }
 
-void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y) {
+std::string warning_of_tool(const Problem& problem, double t, const Eigen::VectorXd& y) {
   // A press that has not ended is less deep than was asked.
   constexpr double rounding = 1e-9;
-  if (!problem.body || t < (1 - rounding) * problem.body->steady_from()) return;
+  if (!problem.body || t < (1 - rounding) * problem.body->steady_from()) return {};
   const auto report = tool_report(problem, t, y);
-  if (const std::string warning = report ? report->warning() : ""; !warning.empty()) console.remark(warning);
+  return report ? report->warning() : "";
+}
+
+void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y) {
+  if (const std::string warning = warning_of_tool(problem, t, y); !warning.empty()) console.remark(warning);
 }
 
 }  // namespace hmax

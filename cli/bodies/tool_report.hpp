@@ -28,7 +28,9 @@ struct ToolReport {
 /// @param y  the state, or the displacements alone
 std::optional<ToolReport> tool_report(const Problem& problem, double t, const Eigen::VectorXd& y);
 
-/// Prints the warning, if there is one, on standard error; nothing before the press has ended.
+/// The warning, if there is one; empty before the press has ended.
+std::string warning_of_tool(const Problem& problem, double t, const Eigen::VectorXd& y);
+/// Prints it on standard error.
 void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y);
 
 }  // namespace hmax

@@ -70,20 +70,16 @@ void stability_study(const std::filesystem::path& folder, Console& console) {
   const auto& interrupted = interrupt_flag();
   const auto stop = [&] { return interrupted.load(); };
   const std::vector<LimitCase> cases = limit_cases();
-  std::vector<LimitRow> rows;
-  std::vector<NonlinearRow> nonlinear;
-  {
-    Progress progress(console, "predicting and verifying");
-    rows = predicted_and_observed(
-        cases, methods(), [&](double share) { progress.update(share); }, stop);
-  }
-  {
-    std::vector<Method> chosen;
-    for (const char* id : nonlinear_methods) chosen.push_back(find_method(id));
-    Progress progress(console, "nonlinear models");
-    nonlinear = nonlinear_limits(
-        cases, chosen, [&](double share) { progress.update(share); }, stop);
-  }
+  Store store = Store::open_or_create(folder / "limits.sqlite");
+  const auto study = [&](const char* task, CaseKind kind, const std::vector<Method>& chosen) {
+    Progress progress(console, task);
+    return limit_study(
+        cases, kind, chosen, &store, [&](double share) { progress.update(share); }, stop);
+  };
+  const std::vector<StudyRow> rows = study("predicting and verifying", CaseKind::linear, methods());
+  std::vector<Method> chosen;
+  for (const char* id : nonlinear_methods) chosen.push_back(find_method(id));
+  const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
   if (interrupted) throw Interrupted{};
   const std::filesystem::path report =
       reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/prediction.hpp"
 #include "plots/draw.hpp"
 #include "plots/report.hpp"
 #include "results/numbers.hpp"
@@ -18,17 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool has_gap(const Prediction& row) { return row.observed && std::isfinite(row.observed->gap); }
+bool has_gap(const LimitRow& row) { return row.is_observed() && std::isfinite(row.gap); }
 
-std::string number(const std::optional<double>& value) {
-  if (!value || std::isnan(*value)) return "";
-  return std::isinf(*value) ? "unbounded" : to_text(*value);
+std::string number(double value) {
+  if (std::isnan(value)) return "";
+  return std::isinf(value) ? "unbounded" : to_text(value);
 }
 
-/// For people: six digits.
-std::string shown(const std::optional<double>& value) {
-  if (!value || std::isnan(*value)) return "-";
-  return std::isinf(*value) ? "unbounded" : fmt::format("{:.5g}", *value);
+/// For people: five digits.
+std::string shown(double value) {
+  if (std::isnan(value)) return "-";
+  return std::isinf(value) ? "unbounded" : fmt::format("{:.5g}", value);
 }
 
 constexpr std::string_view limits_header =
@@ -38,40 +39,31 @@ constexpr std::string_view nonlinear_header =
     "case,family,parameters,method,bound,at_rest_s,observed_small_s,along_least_s,along_t_s,along_growing,"
     "observed_from_start_s\n";
 
-std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows) {
+/// The first cells of a line: the case and the method.
+std::string case_cells(const LimitCase& each, const LimitRow& row) {
+  return fmt::format("{},{},{},{},{}", csv_cell(each.label), csv_cell(each.family), csv_cell(row.point.parameters),
+                     csv_cell(row.method), row.bound);
+}
+
+std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
   std::string text(limits_header);
-  for (const LimitRow& row : rows) {
-    const Prediction& p = row.prediction;
-    text +=
-        fmt::format("{},{},{},{},{},{}", csv_cell(cases[row.which].label), csv_cell(cases[row.which].family),
-                    csv_cell(describe(p.parameters)), csv_cell(p.method), name_of(p.bound), number(p.h_max));
-    if (p.observed)
-      text += fmt::format(",{},{},{},{}", number(p.observed->h_max), number(p.observed->gap),
-                          p.observed->steps, p.observed->confirms() ? "yes" : "no");
-    else
-      text += ",,,,";
-    if (p.limiting)
-      text +=
-          fmt::format(",{},{},{},{}", to_text(p.limiting->lambda.real()), to_text(p.limiting->lambda.imag()),
-                      number(p.limiting->omega), number(p.limiting->zeta));
-    else
-      text += ",,,,";
-    text += "," + csv_cell(p.state) + "\n";
-  }
+  for (const auto& [which, row] : rows)
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", case_cells(cases[which], row), number(row.h_max),
+                        number(row.observed), number(row.gap), number(row.steps_used),
+                        !row.is_observed()          ? ""
+                        : row.verdict == "confirmed" ? "yes"
+                                                     : "no",
+                        number(row.re), number(row.im), number(row.omega), number(row.zeta),
+                        csv_cell(row.state));
   return text;
 }
 
-std::string nonlinear_csv(const std::vector<LimitCase>& cases, const std::vector<NonlinearRow>& rows) {
+std::string nonlinear_csv(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
   std::string text(nonlinear_header);
-  for (const NonlinearRow& row : rows) {
-    const Prediction& p = row.at_rest;
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(cases[row.which].label),
-                    csv_cell(cases[row.which].family), csv_cell(describe(p.parameters)), csv_cell(row.method),
-                    name_of(p.bound), number(p.h_max), p.observed ? number(p.observed->h_max) : "",
-                    row.along ? number(row.along->least) : "", row.along ? to_text(row.along->t_least) : "",
-                    row.along ? to_text(row.along->growing) : "", number(row.from_start));
-  }
+  for (const auto& [which, row] : rows)
+    text += fmt::format("{},{},{},{},{},{},{}\n", case_cells(cases[which], row), number(row.h_max),
+                        number(row.observed), number(row.along_least), number(row.along_at),
+                        number(row.along_growing), number(row.from_start));
   return text;
 }
 
@@ -89,22 +81,21 @@ std::string_view group_of(const std::string& id) {
 /// for the others.
 constexpr double longest_shown = 100;
 
-Figure predicted_vs_observed(const std::vector<LimitRow>& rows, const std::string& machine) {
+Figure predicted_vs_observed(const std::vector<StudyRow>& rows, const std::string& machine) {
   constexpr std::array<std::string_view, 5> groups{"explicit Runge-Kutta", "Adams",
                                                    "positions and velocities", "stabilised", "peers"};
   constexpr std::array<int, 5> markers{6, 8, 4, 12, 10};
   std::map<std::string_view, Curve> limits, gaps;
   double low = INFINITY, high = 0;
-  for (const LimitRow& row : rows) {
-    const Prediction& p = row.prediction;
-    if (!has_gap(p) || *p.h_max > longest_shown) continue;
-    const std::string_view group = group_of(p.method);
-    limits[group].x.push_back(*p.h_max);
-    limits[group].y.push_back(p.observed->h_max);
-    gaps[group].x.push_back(*p.h_max);
-    gaps[group].y.push_back(100 * std::max(std::abs(p.observed->gap), 1e-7));
-    low = std::min(low, *p.h_max);
-    high = std::max(high, *p.h_max);
+  for (const auto& [which, row] : rows) {
+    if (!has_gap(row) || row.h_max > longest_shown) continue;
+    const std::string_view group = group_of(row.method);
+    limits[group].x.push_back(row.h_max);
+    limits[group].y.push_back(row.observed);
+    gaps[group].x.push_back(row.h_max);
+    gaps[group].y.push_back(100 * std::max(std::abs(row.gap), 1e-7));
+    low = std::min(low, row.h_max);
+    high = std::max(high, row.h_max);
   }
   Figure figure{.title = "The largest stable step, predicted and observed"};
   figure.footer = machine;
@@ -140,7 +131,7 @@ Figure predicted_vs_observed(const std::vector<LimitRow>& rows, const std::strin
 }
 
 /// One row a method, one column a material: what an engineer reads.
-std::string material_table(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows) {
+std::string material_table(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < cases.size(); ++i)
     if (cases[i].family == "benchmark liver") columns.push_back(i);
@@ -151,14 +142,14 @@ std::string material_table(const std::vector<LimitCase>& cases, const std::vecto
   }
   text += "\n" + rule + "\n";
   std::vector<std::string> order;
-  std::map<std::string, std::map<std::size_t, const Prediction*>> of;
-  for (const LimitRow& row : rows) {
-    if (!of.contains(row.prediction.method)) order.push_back(row.prediction.method);
-    of[row.prediction.method][row.which] = &row.prediction;
+  std::map<std::string, std::map<std::size_t, const LimitRow*>> of;
+  for (const auto& [which, row] : rows) {
+    if (!of.contains(row.method)) order.push_back(row.method);
+    of[row.method][which] = &row;
   }
   for (const std::string& method : order) {
     const bool bounded = std::ranges::any_of(columns, [&](std::size_t i) {
-      return of[method].contains(i) && of[method][i]->bound == Bound::stability;
+      return of[method].contains(i) && of[method][i]->bound == name_of(Bound::stability);
     });
     if (!bounded) continue;
     text += "| " + markdown_text(method) + " |";
@@ -169,48 +160,44 @@ std::string material_table(const std::vector<LimitCase>& cases, const std::vecto
   return text;
 }
 
-std::string nonlinear_table(const std::vector<LimitCase>& cases, const std::vector<NonlinearRow>& rows) {
+std::string nonlinear_table(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
   std::string text =
       "| case | method | at rest | small motion, observed | along the motion, least | at t | from the start, observed |\n"
       "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
-  for (const NonlinearRow& row : rows) {
-    const Prediction& p = row.at_rest;
-    const std::string at_rest = p.bound == Bound::model ? "the model grows" : shown(p.h_max);
-    text += fmt::format(
-        "| {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(cases[row.which].label),
-        markdown_text(row.method), at_rest, p.observed ? shown(p.observed->h_max) : "-",
-        row.along ? shown(row.along->least) : "-",
-        row.along && std::isfinite(row.along->least) ? fmt::format("{:.3g}", row.along->t_least) : "-",
-        shown(row.from_start));
+  for (const auto& [which, row] : rows) {
+    const std::string at_rest = row.bound == name_of(Bound::model) ? "the model grows" : shown(row.h_max);
+    text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(cases[which].label),
+                        markdown_text(row.method), at_rest, shown(row.observed), shown(row.along_least),
+                        std::isfinite(row.along_least) ? fmt::format("{:.3g}", row.along_at) : "-",
+                        shown(row.from_start));
   }
   return text;
 }
 
 }  // namespace
 
-LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows) {
+LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
   LimitSummary summary;
   summary.rows = rows.size();
-  for (const LimitRow& row : rows) {
-    const Prediction& p = row.prediction;
-    if (!p.observed) continue;
+  for (const auto& [which, row] : rows) {
+    if (!row.is_observed()) continue;
     ++summary.integrated;
-    if (!p.observed->confirms()) ++summary.disagreeing;
-    if (!has_gap(p)) {
+    if (row.verdict != "confirmed") ++summary.disagreeing;
+    if (!has_gap(row)) {
       ++summary.unbounded;
       continue;
     }
     ++summary.with_number;
-    if (std::abs(p.observed->gap) > summary.worst_gap) {
-      summary.worst_gap = std::abs(p.observed->gap);
-      summary.worst = fmt::format("{} on {}", p.method, cases[row.which].label);
+    if (std::abs(row.gap) > summary.worst_gap) {
+      summary.worst_gap = std::abs(row.gap);
+      summary.worst = fmt::format("{} on {}", row.method, cases[which].label);
     }
   }
   return summary;
 }
 
-fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows,
-                             const std::vector<NonlinearRow>& nonlinear, const std::string& machine,
+fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows,
+                             const std::vector<StudyRow>& nonlinear, const std::string& machine,
                              const fs::path& folder) {
   write_file(folder / "limits.csv", limits_csv(cases, rows), limits_header);
   write_file(folder / "nonlinear.csv", nonlinear_csv(cases, nonlinear), nonlinear_header);

@@ -16,15 +16,15 @@ struct LimitSummary {
   double worst_gap = 0;  ///< largest |gap| of the rows with a number on both sides
   std::string worst;     ///< which row that is
 };
-LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<LimitRow>& rows);
+LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows);
 
 /// Writes limits.csv, nonlinear.csv, the figure hmax_predicted_vs_observed and a README.md into `folder`.
 /// @param machine  one line: where it was done
 /// @returns the README.md
 /// @throws InputError when the folder cannot be written
 std::filesystem::path reproduce_stability(const std::vector<LimitCase>& cases,
-                                          const std::vector<LimitRow>& rows,
-                                          const std::vector<NonlinearRow>& nonlinear,
+                                          const std::vector<StudyRow>& rows,
+                                          const std::vector<StudyRow>& nonlinear,
                                           const std::string& machine, const std::filesystem::path& folder);
 
 }  // namespace hmax

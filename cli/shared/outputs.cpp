@@ -58,4 +58,12 @@ std::string_view form_of(const std::string& file, std::initializer_list<FileForm
   throw InputError(fmt::format("'{}' would not be what its name says; --output writes {}", file, known));
 }
 
+std::filesystem::path store_path(const std::string& out) {
+  if (out.ends_with(".sqlite")) return out;
+  if (out.empty() || out == "." || out == ".." || out.find('/') != std::string::npos)
+    throw InputError(fmt::format(
+        "--out is '{}', but must be a plain name or the path of a file that ends in .sqlite", out));
+  return std::filesystem::path("results") / "runs" / (out + ".sqlite");
+}
+
 }  // namespace hmax

@@ -1,6 +1,7 @@
 /// Files that are written: which may be replaced, and in which form, by the ending of their name.
 #pragma once
 
+#include <filesystem>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -29,5 +30,9 @@ struct FileForm {
 /// as those of pipes and devices.
 /// @throws InputError  naming the forms, when the name ends in another way
 std::string_view form_of(const std::string& file, std::initializer_list<FileForm> forms);
+
+/// The file of --out: a path that ends in .sqlite, or a plain name under results/runs/.
+/// @throws InputError  for anything else
+std::filesystem::path store_path(const std::string& out);
 
 }  // namespace hmax

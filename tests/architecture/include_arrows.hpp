@@ -46,8 +46,8 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^benchmark/", "^bench/micro/"},
     {"^muParser", "^problems/formula[a-z_]*\\.cpp$"},
     {"^toml", "\\.cpp$"},
-    {"^sqlite3", "^(results/sqlite\\.hpp|(results|tests)/.*\\.cpp)$"},
-    {"^results/sqlite\\.hpp$", "^(results|tests)/.*\\.cpp$"},  // the wrapper: SQLite stays behind the store
+    {"^sqlite3", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},
+    {"^results/sqlite/", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},  // the wrapper: SQLite stays behind the store
     {"^CLI/", "^cli/"},
     {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},

@@ -39,18 +39,29 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
        {"explicit_euler", "rk4", "abm_pece_3", "newmark", "central_difference", "implicit_euler"})
     chosen.push_back(find_method(id));
   const auto never = [] { return false; };
-  const auto rows = predicted_and_observed(
-      some, chosen, [](double) {}, never);
+  Store store = Store::open_or_create(scratch / "limits.sqlite");
+  const auto rows = limit_study(
+      some, CaseKind::linear, chosen, &store, [](double) {}, never);
   ASSERT_EQ(rows.size(), 18u);
   const LimitSummary summary = summary_of(some, rows);
   EXPECT_EQ(summary.with_number, 12u);
   EXPECT_EQ(summary.unbounded, 6u);
   EXPECT_EQ(summary.disagreeing, 0u) << summary.worst;
   EXPECT_LT(summary.worst_gap, 1e-3) << summary.worst;
-  const auto nonlinear = nonlinear_limits(
-      some, {find_method("rk4")}, [](double) {}, never);
+  const auto nonlinear = limit_study(
+      some, CaseKind::nonlinear, {find_method("rk4")}, &store, [](double) {}, never);
   ASSERT_EQ(nonlinear.size(), 2u);
-  EXPECT_TRUE(nonlinear[1].along);
+  EXPECT_GT(nonlinear[1].limit.along_least, 0);
+
+  // Every number of the report is a stored row, and is not computed twice.
+  EXPECT_EQ(store.limits().size(), 20u);
+  const auto again = limit_study(
+      some, CaseKind::linear, chosen, &store, [](double) { ADD_FAILURE() << "computed again"; }, never);
+  ASSERT_EQ(again.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(again[i].limit.method, rows[i].limit.method);
+    EXPECT_EQ(again[i].limit.observed, rows[i].limit.observed);
+  }
 
   const fs::path report = reproduce_stability(some, rows, nonlinear, "a machine", scratch / "report");
   EXPECT_NE(text_of(report).find("0 disagree"), std::string::npos);
@@ -64,11 +75,11 @@ TEST(StabilityReport, StopsWhenInterruptedAndKeepsWhatIsFinished) {
   cases.resize(1);
   const std::vector<Method> chosen = choose_methods({"explicit_runge_kutta"}, {cases.front().problem});
   std::atomic<int> asked = 0;
-  const auto rows = predicted_and_observed(
-      cases, chosen, [](double) {}, [&] { return ++asked > 3; });
+  const auto rows = limit_study(
+      cases, CaseKind::linear, chosen, nullptr, [](double) {}, [&] { return ++asked > 3; });
   EXPECT_EQ(rows.size(), 3u);
   EXPECT_GT(chosen.size(), 3u);
-  for (const LimitRow& row : rows) EXPECT_TRUE(row.prediction.observed->confirms());
+  for (const StudyRow& row : rows) EXPECT_EQ(row.limit.verdict, "confirmed");
 }
 
 }  // namespace

@@ -1,0 +1,14 @@
+/// Whether two problems of one name are the same model.
+#pragma once
+
+#include <string>
+
+#include "bench/catalogue/method.hpp"
+
+namespace hmax {
+
+/// 16 hexadecimal digits made of the bits of the right-hand side and of its stiff part, at the initial state and
+/// two states near it and at two times: a mesh or a file of formulas that has changed has another digest.
+std::string model_digest(const Problem& problem);
+
+}  // namespace hmax

@@ -1,0 +1,121 @@
+#include "cli/stability/limit_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/models/body_balance.hpp"
+#include "cli/stability/limit_words.hpp"
+#include "cli/stability/stability.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+/// A mode by the numbers of a row; NaN where there is none.
+Json mode_json(double re, double im, double omega, double zeta, double rate_fast, double rate_slow) {
+  const auto number = [](double value) { return std::isnan(value) ? Json() : Json(value); };
+  Json document{{"re", re}, {"im", im}, {"omega", number(omega)}, {"zeta", number(zeta)}};
+  const bool has_rates = !std::isnan(rate_fast);
+  if (has_rates) document["rates"] = {rate_fast, rate_slow};
+  if (std::isnan(omega))
+    document["status"] = has_rates ? "negative stiffness has no natural frequency"
+                                   : "a real eigenvalue without a known partner has no natural frequency";
+  else if (std::isnan(zeta))
+    document["status"] = "without stiffness there is no damping ratio";
+  return document;
+}
+
+Json mode_json(const Mode& mode) {
+  const auto rates = mode.rates.value_or(std::array{LimitRow::none, LimitRow::none});
+  return mode_json(mode.lambda.real(), mode.lambda.imag(), mode.omega.value_or(LimitRow::none),
+                   mode.zeta.value_or(LimitRow::none), rates[0], rates[1]);
+}
+
+/// "a; b", or the one of them that says something.
+std::string both(const std::string& a, const std::string& b) {
+  return a + (a.empty() || b.empty() ? "" : "; ") + b;
+}
+
+}  // namespace
+
+Json details_json(const Prediction& prediction) {
+  // Of large models those with the least margins.
+  constexpr std::size_t most_modes = 50;
+  std::vector<ModeMargin> shown = prediction.modes;
+  if (shown.size() > most_modes) {
+    std::ranges::stable_sort(shown, {}, &ModeMargin::h_max);
+    shown.resize(most_modes);
+  }
+  Json modes = Json::array();
+  for (const ModeMargin& margin : shown) {
+    Json mode = mode_json(margin.mode);
+    mode["h_max"] = number_or_word(margin.h_max);
+    modes.push_back(std::move(mode));
+  }
+  return {{"modes", std::move(modes)}};
+}
+
+Json path_json(const TrajectoryLimit& along, const LimitRow& row, bool of_body) {
+  Json path = Json::array();
+  for (std::size_t i = 0; i < along.t.size(); ++i)
+    path.push_back({along.t[i], number_or_word(along.h_max[i])});
+  Json document{{"h_min", number_or_word(along.least)},
+                {row.point.path == "load" ? "share" : "t", along.t_least}};
+  // The states of bodies are long.
+  const Eigen::VectorXd& y = along.y_least;
+  if (of_body)
+    document["max_displacement"] = largest_displacement(y.head(y.size() / 2));
+  else
+    document["y"] = std::vector<double>(y.begin(), y.end());
+  document["growing_share"] = along.growing;
+  document["path"] = std::move(path);
+  const std::string status = both(words_of_growth(row), row.path_note);
+  if (!status.empty()) document["status"] = status;
+  return document;
+}
+
+Json to_json(const LimitRow& row, const std::string& state_status,
+             const std::vector<std::pair<std::string, double>>& parameters) {
+  Json values = Json::object();
+  for (const auto& [name, value] : parameters) values[name] = value;
+  Json details = Json::parse(row.details);
+  const bool seen = row.is_observed();
+  Json document{
+      {"problem", row.point.problem},
+      {"material", row.point.material},
+      {"method", row.method},
+      {"h_max", number_or_word(row.h_max)},
+      {"h_unstable", number_or_word(row.h_unstable)},
+      {"bound", row.bound},
+      {"limiting", std::isnan(row.re)
+                       ? Json()
+                       : mode_json(row.re, row.im, row.omega, row.zeta, row.rate_fast, row.rate_slow)},
+      {"observed", number_or_word(row.observed)},
+      {"gap", number_or_null(row.gap)},
+      {"steps_used", seen ? Json(static_cast<std::int64_t>(row.steps_used)) : Json()},
+      {"agrees", seen ? Json(row.verdict == "confirmed") : Json()},
+      {"step_defect", seen ? number_or_word(row.step_defect) : Json()},
+      {"modes", std::move(details["modes"])},
+      {"state_kind", row.state_kind},
+      {"state", row.state},
+      {"parameters", std::move(values)}};
+  if (!row.newton.empty())
+    document["newton_step"] = {{"h", row.newton_h},
+                               {"is_limit", row.newton == "limit"},
+                               {"error_mm", number_or_null(1000 * row.newton_error)},
+                               {"error_bound_mm", number_or_null(1000 * row.newton_error_bound)}};
+  const std::string status = both(state_status, row.note);
+  if (!status.empty()) document["status"] = status;
+  if (details.contains("along")) document["along"] = std::move(details["along"]);
+  if (!std::isnan(row.from_start)) {
+    document["observed_from_start"] = number_or_word(row.from_start);
+    document["observed_from_start_stride"] = row.from_start_stride;
+  }
+  return document;
+}
+
+}  // namespace hmax

@@ -1,0 +1,27 @@
+/// Limits of the step for programs: the keys of `hmax stability predict --json`.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "bench/limits/prediction.hpp"
+#include "bench/limits/trajectory_limit.hpp"
+#include "cli/shared/console.hpp"
+#include "results/limits/limit_row.hpp"
+
+namespace hmax {
+
+/// LimitRow::details of a prediction: the margins of its modes, of many the least.
+nlohmann::ordered_json details_json(const Prediction& prediction);
+
+/// The key `along` of these details: the path with the limit at each state.
+/// @param row      with the limit along the path
+/// @param of_body  whether states are those of a body, which are long
+nlohmann::ordered_json path_json(const TrajectoryLimit& along, const LimitRow& row, bool of_body);
+
+/// A row.
+/// @param state_status  OperatingPointRow::status
+nlohmann::ordered_json to_json(const LimitRow& row, const std::string& state_status,
+                               const std::vector<std::pair<std::string, double>>& parameters);
+
+}  // namespace hmax

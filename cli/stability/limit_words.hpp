@@ -1,0 +1,36 @@
+/// Limits of the step for people, from their rows.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "cli/shared/console.hpp"
+#include "results/limits/limit_row.hpp"
+
+namespace hmax {
+
+/// Which columns a table of limits has.
+struct LimitColumns {
+  bool verified = false;    ///< what runs on both sides showed
+  bool from_start = false;  ///< what runs from the start showed
+  std::string path;         ///< motion | load: the least limit along it; empty for none
+};
+
+/// One line a row.
+std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& columns, const Console& console);
+
+/// The notes of rows, each once with all methods of which it is said.
+std::string words_of_notes(std::span<const LimitRow> rows);
+
+/// Where on the path of a row tangents grow, so that the limits there are those of no step; empty where none
+/// does.
+std::string words_of_growth(const LimitRow& row);
+
+/// What is to be said of limits along paths, once of neighbours that say the same.
+std::string words_of_paths(std::span<const LimitRow> rows);
+
+/// In which strides first failures of runs from the start were sought; empty where there were none.
+std::string words_of_strides(std::span<const LimitRow> rows);
+
+}  // namespace hmax

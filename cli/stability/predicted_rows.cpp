@@ -1,0 +1,366 @@
+#include "cli/stability/predicted_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "analysis/step_limits/non_normality.hpp"
+#include "bench/limits/limit_rows.hpp"
+#include "bench/limits/predict.hpp"
+#include "bench/limits/verification.hpp"
+#include "bench/models/body_balance.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "cli/bodies/body_words.hpp"
+#include "cli/bodies/tool_report.hpp"
+#include "cli/stability/fastest_mode_words.hpp"
+#include "cli/stability/limit_json.hpp"
+#include "cli/stability/limit_words.hpp"
+#include "cli/stability/stability.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Why the state is not the one that was asked for, and what of the load is not in the limits there.
+/// @param along  whether the motion is looked at
+std::string words_of_state(const Problem& problem, const Linearised& near, bool along) {
+  std::string missing = near.missing;
+  if (!missing.empty() && !along)
+    missing +=
+        near.state_kind == "rest" && near.status.empty() ? "; leave out --at rest" : "; add --along motion";
+  if (missing.empty() && has_moving_load(problem) && !along)
+    missing = fmt::format(
+        "the load of {} changes with time, and the limits are those of one state; look at the others with --along motion",
+        problem.id);
+  return near.status + (near.status.empty() || missing.empty() ? "" : "; ") + missing;
+}
+
+/// What is known of the model alone.
+Json model_json(const Problem& problem, const Linearised& near) {
+  Json eigenvalues = Json::array();
+  for (const Complex lambda : near.spectrum.lambda) eigenvalues.push_back({lambda.real(), lambda.imag()});
+  Json document{{"problem", problem.id},
+                {"material", problem.material},
+                {"state", near.state},
+                {"state_kind", near.state_kind},
+                {"at_equilibrium", near.at_equilibrium},
+                {"eigenvalues", std::move(eigenvalues)}};
+  if (near.curve)
+    document["status"] = near.slow_end
+                             ? "of the fastest mode; the slowest is not computed, because no limit needs it"
+                             : "of the slowest and the fastest mode; all others lie between them";
+  if (near.range) document["status"] = "of the fastest modes; damping couples all of them";
+  // Some ten operations with dense matrices of twice the size of the model.
+  constexpr Eigen::Index most_dense = 400;
+  if (near.model.y.size() <= most_dense) {
+    const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.model);
+    const NonNormality normal = non_normality(J);
+    document["departure_from_normality"] = normal.departure;
+    document["relative_departure"] = normal.relative_departure;
+    document["numerical_abscissa"] = normal.numerical_abscissa;
+    // Some hundred spectra of twice the size: of small models only.
+    constexpr Eigen::Index small = 12;
+    if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
+  }
+  if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
+  document["body"] = body_json(problem);
+  if (const auto tool = tool_report(problem, near.model.t, near.model.y)) document["tool"] = tool->json();
+  if (problem.body) document["fastest_mode"] = fastest_mode_json(problem, near);
+  return document;
+}
+
+/// Ends a long task after Ctrl-C.
+/// @throws Interrupted
+void leave_when_interrupted() {
+  if (interrupt_flag()) throw Interrupted{};
+}
+
+/// The path that limits are looked for along.
+/// @throws Interrupted  after Ctrl-C
+Path path_of(const LimitQuestion& question, const Problem& problem, const Watcher& watcher) {
+  if (question.path == "load") return load_path(problem, 40, watcher);
+  // Contact comes and goes faster than a body moves otherwise.
+  const int points = problem.body && problem.body->settings().tools.empty() ? 100 : 400;
+  return motion_path(problem, question.end_of(problem), points, watcher);
+}
+
+/// What goes on along a path, and how to go without where nobody asked for it.
+std::string task_along(const LimitQuestion& question, const Problem& problem, std::string_view what) {
+  return fmt::format("{} {}{}", what,
+                     question.path == "load"
+                         ? "the growing load"
+                         : fmt::format("the motion to t = {} s", short_number(question.end_of(problem))),
+                     question.path_by_default ? "; --along none goes without" : "");
+}
+
+/// Why the limits of one state do not tell of a motion.
+std::string_view why_along(const Problem& problem) {
+  return problem.body ? "the load changes with time" : "the model is not linear";
+}
+
+/// What is to be said where the motion that is looked at without being asked for has no limits.
+std::string without_motion(const Problem& problem, const InputError& error) {
+  return fmt::format("{}, but its motion is not in these limits: {}", why_along(problem), error.what());
+}
+
+/// Says where a motion is less than a period of its load; empty where it is not.
+std::string words_of_part(const Problem& problem, double t_end) {
+  const std::optional<double> period = period_of_load(problem);
+  if (!period || t_end >= (1 - 1e-5) * *period) return {};
+  return fmt::format("the motion ends at t = {} s, before one period of the load, {} s; take --t-end {}\n",
+                     short_number(t_end), short_number(*period), short_number(*period));
+}
+
+/// What the limits of a model hold for, and where it was linearised.
+std::string words_of_model(const LimitQuestion& question, const Problem& problem, const Linearised& near,
+                           bool has_path) {
+  std::string words = fmt::format("{}: {}\n", problem.id, near.state);
+  if (has_path && question.path_by_default)
+    words += fmt::format(
+        "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
+        "motion to t = {} s\n",
+        why_along(problem), short_number(question.end_of(problem)));
+  else if (problem.body && !has_path && near.state_kind == "equilibrium" && near.model.y.norm() > 0 &&
+           problem.body->settings().model != TissueModel::fem_cauchy)
+    words +=
+        "h_max is that of small motions about this state; a load that acts at once passes others, which --along looks "
+        "at\n";
+  if (has_path && question.path == "motion") words += words_of_part(problem, question.end_of(problem));
+  if (const auto tool = tool_report(problem, near.model.t, near.model.y); tool && near.at_equilibrium)
+    words += fmt::format("tool: {}\n", tool->words());
+  return words;
+}
+
+void add_line(std::string& lines, const std::string& line) {
+  if (!line.empty()) lines += line + "\n";
+}
+
+}  // namespace
+
+bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
+
+PredictedRows::PredictedRows(LimitQuestion question, std::vector<ProblemChoice> choices,
+                             std::vector<Problem> problems, std::vector<Method> methods, Store* store,
+                             bool looks_up, Console& console)
+    : question_(std::move(question)),
+      choices_(std::move(choices)),
+      problems_(std::move(problems)),
+      methods_(std::move(methods)),
+      store_(store),
+      looks_up_(looks_up),
+      console_(console) {}
+
+void PredictedRows::compute() {
+  Progress progress(console_, "predict");
+  progress_ = &progress;
+  for (std::size_t which = 0; which < problems_.size() && !interrupted_; ++which) add(which);
+  progress_ = nullptr;
+}
+
+double PredictedRows::share(std::size_t rows) const {
+  return static_cast<double>(rows) / static_cast<double>(problems_.size() * methods_.size());
+}
+
+Watcher PredictedRows::watch(const Problem& problem, std::string_view what) {
+  return [this, task = task_along(question_, problem, what)] {
+    leave_when_interrupted();
+    progress_->update(share(rows_.size()), task);
+  };
+}
+
+OperatingPointKey PredictedRows::key_of(const Problem& problem) const {
+  return operating_point_key(problem, question_.at.of(problem), question_.path,
+                             question_.path == "motion" ? question_.end_of(problem) : 0);
+}
+
+/// Whether a stored row has all that is asked.
+bool PredictedRows::answers(const LimitRow& row) const {
+  return (!question_.verify || !row.verdict.empty()) &&
+         (!question_.runs_from_start || !std::isnan(row.from_start_stride));
+}
+
+/// The stored rows that answer the question.
+std::vector<LimitRow> PredictedRows::stored_rows(const OperatingPointKey& key) const {
+  if (!store_ || !looks_up_) return {};
+  std::vector<LimitRow> rows = stored_limits(*store_, key);
+  std::erase_if(rows, [&](const LimitRow& row) { return !answers(row); });
+  return rows;
+}
+
+void PredictedRows::add(std::size_t which) {
+  Answer answer;
+  answer.point.key = key_of(problems_[which]);
+  std::vector<LimitRow> known = stored_rows(answer.point.key);
+  const auto find = [](std::vector<LimitRow>& rows, const std::string& id) {
+    return std::ranges::find(rows, id, &LimitRow::method);
+  };
+  std::vector<Method> missing;
+  for (const Method& method : methods_)
+    if (find(known, method.id) == known.end()) missing.push_back(method);
+  if (missing.empty())
+    answer.point = *store_->operating_point(answer.point.key);
+  else
+    compute(which, missing, answer);
+  // Ctrl-C may have left rows without what lies along the path.
+  if (!interrupted_ || question_.path.empty()) keep(answer);
+
+  for (const Method& method : methods_) {
+    auto& from = missing.empty() || find(known, method.id) != known.end() ? known : answer.rows;
+    const auto row = find(from, method.id);
+    if (row == from.end()) continue;  // interrupted before
+    looked_up_ += &from == &known ? 1 : 0;
+    if (question_.verify && row->verdict == "contradicted") console_.exit_code = Exit::failed;
+    rows_.push_back(std::move(*row));
+    row_problems_.push_back(which);
+  }
+  const std::string& remarks = answer.point.remarks;
+  for (std::size_t begin = 0, end; (end = remarks.find('\n', begin)) != std::string::npos; begin = end + 1)
+    console_.remark(std::string_view(remarks).substr(begin, end - begin));
+  points_.push_back(std::move(answer.point));
+}
+
+/// What is computed stays in `answer` also after Ctrl-C.
+void PredictedRows::compute(std::size_t which, const std::vector<Method>& methods, Answer& answer) {
+  const Problem& problem = problems_[which];
+  try {
+    std::optional<Path> path = motion_of(problem, answer.point.remarks);
+    const OperatingPoint at = question_.at.of(problem);
+    announce_equilibrium(console_, problem, at);
+    const Linearised near = [&] {
+      LinearisationProgress shown(*progress_);
+      return linearised(problem, at, shown.watcher());
+    }();
+    predict_all(which, near, methods, answer.rows);
+    for (LimitRow& row : answer.rows) row.point = answer.point.key;
+    if (path && !interrupted_) {
+      const std::vector<LimitRow> of_state = answer.rows;
+      try {
+        look_along(problem, *path, methods, answer.rows);
+      } catch (const InputError& error) {
+        if (!question_.path_by_default) throw;
+        add_line(answer.point.remarks, without_motion(problem, error));
+        answer.rows = of_state;
+        path.reset();
+      }
+    }
+    tell_of_state(which, near, path.has_value(), answer.point);
+  } catch (const Interrupted&) {
+    // The flag stays set: what is finished is printed.
+  }
+}
+
+void PredictedRows::keep(const Answer& answer) {
+  if (!store_ || answer.rows.empty() || answer.point.words.empty()) return;
+  if (!has_session_) store_->begin_session(fingerprint());
+  has_session_ = true;
+  store_->insert_limits(answer.point, answer.rows);
+}
+
+/// The motion that limits are looked for along; nothing where there is none and nobody asked for it.
+std::optional<Path> PredictedRows::motion_of(const Problem& problem, std::string& remarks) {
+  if (question_.path.empty()) return std::nullopt;
+  try {
+    return path_of(question_, problem, watch(problem, "finding"));
+  } catch (const InputError& error) {
+    if (!question_.path_by_default) throw;
+    add_line(remarks, without_motion(problem, error));
+    return std::nullopt;
+  }
+}
+
+void PredictedRows::predict_all(std::size_t which, const Linearised& near, const std::vector<Method>& methods,
+                                std::vector<LimitRow>& rows) {
+  const Problem& problem = problems_[which];
+  rows.resize(methods.size());
+  // Formulas have one workspace each; bodies are shared.
+  std::vector<Problem> own(1, problem);
+  while (own.size() < std::min(jobs(), methods.size()))
+    own.push_back(problem.body ? problem : choices_[which].make());
+  const std::size_t before = rows_.size();
+  parallel_for(
+      methods.size(),
+      [&](std::size_t i, std::size_t worker) {
+        const Method& method = methods[i];
+        Prediction prediction = predict(method, own[worker], near);
+        if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
+          prediction.newton_step = largest_newton_step(method, own[worker]);
+        if (question_.verify) verify(prediction, method, own[worker], near);
+        LimitRow row = limit_row(prediction);
+        if (question_.verify && row.verdict.empty()) row.verdict = "not_run";
+        row.details = details_json(prediction).dump();
+        rows[i] = std::move(row);
+      },
+      [&](std::size_t done) { progress_->update(share(before + done), problem.material); },
+      [&] { return interrupted_.load(); });
+  if (interrupted_) std::erase_if(rows, [](const LimitRow& row) { return row.method.empty(); });
+}
+
+/// Puts the limits along a path into the rows of one problem.
+/// @throws Interrupted  after Ctrl-C; what is in the rows by then is finished
+void PredictedRows::look_along(const Problem& problem, const Path& path, const std::vector<Method>& methods,
+                               std::vector<LimitRow>& rows) {
+  const Watcher watcher = watch(problem, "limits along");
+  const std::vector<std::optional<TrajectoryLimit>> limits = limits_along(methods, problem, path, watcher);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].path_note = path.note;
+    if (!limits[i]) continue;
+    add_path(rows[i], *limits[i], path.note);
+    Json details = Json::parse(rows[i].details);
+    details["along"] = path_json(*limits[i], rows[i], is_tissue_id(problem.id));
+    rows[i].details = details.dump();
+  }
+  if (!question_.runs_from_start) return;
+  const double t_end = question_.end_of(problem);
+  std::optional<MotionSize> size;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].from_start_stride = 0;
+    if (!limits[i] || !(limits[i]->least > 0) || !std::isfinite(limits[i]->least)) continue;
+    if (!size) size = size_of_motion(problem, t_end, watcher);
+    if (const auto limit =
+            limit_from_start(methods[i], problem, t_end, limits[i]->least, *size, watcher))
+      add_start(rows[i], *limit);
+  }
+}
+
+void PredictedRows::tell_of_state(std::size_t which, const Linearised& near, bool along,
+                                  OperatingPointRow& point) const {
+  const Problem& problem = problems_[which];
+  point.status = words_of_state(problem, near, along);
+  if (near.at_equilibrium) add_line(point.remarks, warning_of_tool(problem, near.model.t, near.model.y));
+  if (has_moving_load(problem)) add_line(point.remarks, point.status);
+  point.words = words_of_model(question_, problem, near, along);
+  if (console_.json || store_) point.document = model_json(problem, near).dump();
+  if (problem.body && (store_ || (which == 0 && !console_.json)))
+    point.body_words = body_in_words(problem) + "\n" + fastest_mode_in_words(problem, near);
+}
+
+Json PredictedRows::json() const {
+  Json rows = Json::array(), models = Json::array();
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    rows.push_back(
+        to_json(rows_[i], points_[row_problems_[i]].status, problems_[row_problems_[i]].parameters));
+  for (const OperatingPointRow& point : points_)
+    if (!point.document.empty()) models.push_back(Json::parse(point.document));
+  return {{"rows", std::move(rows)}, {"models", std::move(models)}};
+}
+
+std::string PredictedRows::words() const {
+  const LimitColumns columns{question_.verify, question_.runs_from_start, question_.path};
+  std::string text = limit_table(rows_, columns, console_);
+  if (!points_.empty()) text += "\n";
+  for (std::size_t which = 0; which < points_.size(); ++which) {
+    if (problems_.size() > 1 && !points_[which].words.empty()) text += problems_[which].material + ", ";
+    text += points_[which].words;
+    if (which == 0) text += points_[which].body_words;
+  }
+  return text + words_of_paths(rows_) + words_of_strides(rows_) + words_of_notes(rows_);
+}
+
+}  // namespace hmax

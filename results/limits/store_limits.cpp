@@ -1,0 +1,181 @@
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "results/limits/limit_columns.hpp"
+#include "results/sqlite/store_impl.hpp"
+
+namespace hmax {
+
+namespace {
+
+using sqlite::Statement;
+
+/// The names of some columns, each with `before` and `after`, joined by `between`.
+template <class... Columns>
+std::string joined(std::string_view before, std::string_view after, std::string_view between,
+                   const Columns&... lists) {
+  std::string text;
+  const auto add = [&](const auto& columns) {
+    for (const auto& column : columns)
+      text += fmt::format("{}{}{}{}", text.empty() ? "" : between, before, column.name, after);
+  };
+  (add(lists), ...);
+  return text;
+}
+
+std::string question_marks(std::size_t count) {
+  return fmt::format("{}", fmt::join(std::vector<char>(count, '?'), ", "));
+}
+
+/// "a = excluded.a, b = excluded.b": what replaces a row of the same key.
+std::string replacing(const std::string& names) {
+  std::string text = "session = excluded.session";
+  for (std::size_t begin = 0; begin < names.size();) {
+    const std::size_t end = std::min(names.find(", ", begin), names.size());
+    const std::string name = names.substr(begin, end - begin);
+    text += fmt::format(", {0} = excluded.{0}", name);
+    begin = end + 2;
+  }
+  return text;
+}
+
+template <class Owner, std::size_t n>
+void bind_texts(Statement& statement, int& index, const Owner& owner,
+                const std::array<Column<Owner, std::string>, n>& columns) {
+  for (const auto& column : columns) statement.bind(index++, std::string_view(owner.*column.member));
+}
+
+template <class Owner, std::size_t n>
+void read_texts(const Statement& query, int& index, Owner& owner,
+                const std::array<Column<Owner, std::string>, n>& columns) {
+  for (const auto& column : columns) owner.*column.member = query.text(index++);
+}
+
+void bind_key(Statement& statement, int& index, const OperatingPointKey& key) {
+  bind_texts(statement, index, key, point_key_texts);
+  statement.bind(index++, key.t_end);
+}
+
+OperatingPointKey read_key(const Statement& query, int& index) {
+  OperatingPointKey key;
+  read_texts(query, index, key, point_key_texts);
+  key.t_end = query.number(index++);
+  return key;
+}
+
+std::string key_names(std::string_view table = "") {
+  return joined(table, "", ", ", point_key_texts) + fmt::format(", {}t_end", table);
+}
+
+std::string key_condition() { return joined("", " = ?", " AND ", point_key_texts) + " AND t_end = ?"; }
+
+std::string insert_point() {
+  const std::string own = joined("", "", ", ", point_texts);
+  return fmt::format(
+      "INSERT INTO operating_points ({0}, {1}, session) VALUES ({2}) ON CONFLICT ({0}) DO UPDATE SET {3}",
+      key_names(), own, question_marks(point_key_texts.size() + 1 + point_texts.size() + 1), replacing(own));
+}
+
+std::string insert_limit() {
+  const std::string own = joined("", "", ", ", limit_texts, limit_numbers);
+  return fmt::format(
+      "INSERT INTO limits ({0}, session, point) VALUES ({1}) ON CONFLICT (point, method) DO UPDATE SET {2}", own,
+      question_marks(limit_texts.size() + limit_numbers.size() + 2), replacing(own));
+}
+
+std::string select_limits(const std::string& rest) {
+  return fmt::format(
+      "SELECT {}, {}, limits.session FROM limits JOIN operating_points ON limits.point = operating_points.id {}",
+      key_names("operating_points."), joined("limits.", "", ", ", limit_texts, limit_numbers), rest);
+}
+
+std::vector<LimitRow> read_limits(Statement& query) {
+  std::vector<LimitRow> rows;
+  while (query.step()) {
+    LimitRow row;
+    int index = 0;
+    row.point = read_key(query, index);
+    read_texts(query, index, row, limit_texts);
+    for (const auto& column : limit_numbers) row.*column.member = sqlite::exact_number(query, index++);
+    row.session = query.integer(index);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::int64_t id_of_point(sqlite3* database, const OperatingPointKey& key) {
+  Statement find(database, ("SELECT id FROM operating_points WHERE " + key_condition()).c_str());
+  int index = 0;
+  bind_key(find, index, key);
+  return find.step() ? find.integer(0) : 0;
+}
+
+}  // namespace
+
+void Store::insert_limits(const OperatingPointRow& point, std::span<const LimitRow> rows) {
+  if (impl_->session == 0) throw std::logic_error("Store::insert_limits needs begin_session() first.");
+  if (!std::isfinite(point.key.t_end)) throw std::invalid_argument("The end of a motion must be finite.");
+  reporting(impl_->file, [&] {
+    sqlite::Transaction transaction(impl_->db());
+    Statement add_point(impl_->db(), insert_point().c_str());
+    int index = 0;
+    bind_key(add_point, index, point.key);
+    bind_texts(add_point, index, point, point_texts);
+    add_point.bind(index, impl_->session);
+    add_point.run();
+    const std::int64_t id = id_of_point(impl_->db(), point.key);
+    Statement add(impl_->db(), insert_limit().c_str());
+    for (const LimitRow& row : rows) {
+      index = 0;
+      bind_texts(add, index, row, limit_texts);
+      for (const auto& column : limit_numbers) sqlite::bind_exact(add, index++, row.*column.member);
+      add.bind(index++, impl_->session);
+      add.bind(index++, id);
+      add.run();
+    }
+    transaction.commit();
+  });
+}
+
+std::optional<OperatingPointRow> Store::operating_point(const OperatingPointKey& key) const {
+  return reporting(impl_->file, [&]() -> std::optional<OperatingPointRow> {
+    Statement query(impl_->db(), fmt::format("SELECT {} FROM operating_points WHERE {}",
+                                             joined("", "", ", ", point_texts), key_condition())
+                                     .c_str());
+    int index = 0;
+    bind_key(query, index, key);
+    if (!query.step()) return std::nullopt;
+    OperatingPointRow row;
+    row.key = key;
+    index = 0;
+    read_texts(query, index, row, point_texts);
+    return row;
+  });
+}
+
+std::vector<LimitRow> Store::limits_at(const OperatingPointKey& key) const {
+  return reporting(impl_->file, [&] {
+    Statement query(impl_->db(),
+                    select_limits(fmt::format("WHERE {} ORDER BY limits.id",
+                                              joined("operating_points.", " = ?", " AND ", point_key_texts) +
+                                                  " AND operating_points.t_end = ?"))
+                        .c_str());
+    int index = 0;
+    bind_key(query, index, key);
+    return read_limits(query);
+  });
+}
+
+std::vector<LimitRow> Store::limits() const {
+  return reporting(impl_->file, [&] {
+    Statement query(impl_->db(), select_limits(fmt::format("ORDER BY {}, limits.method",
+                                                           key_names("operating_points.")))
+                                     .c_str());
+    return read_limits(query);
+  });
+}
+
+}  // namespace hmax

@@ -1,0 +1,67 @@
+/// What the parts of Store share; private to store.cpp and store_limits.cpp.
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+#include "results/sqlite/sqlite.hpp"
+#include "results/store.hpp"
+
+namespace hmax {
+
+/// What SQLite could not do, as a sentence with a remedy.
+InputError translated(const sqlite::Failure& failure, const std::filesystem::path& file);
+
+/// Runs `action` and turns what SQLite throws into an InputError about `file`.
+template <class Action>
+decltype(auto) reporting(const std::filesystem::path& file, Action&& action) {
+  try {
+    return action();
+  } catch (const sqlite::Failure& failure) {
+    throw translated(failure, file);
+  }
+}
+
+namespace sqlite {
+
+inline bool is_special(double value) { return std::isnan(value) || (value == 0 && std::signbit(value)); }
+
+/// See store_schema: numbers that SQLite would change travel as text.
+inline void bind_exact(Statement& statement, int index, double value) {
+  if (is_special(value)) {
+    statement.bind(index, to_text(value));
+  } else {
+    statement.bind(index, value);
+  }
+}
+
+inline double exact_number(const Statement& statement, int column) {
+  if (statement.type(column) == SQLITE_TEXT) return to_number(statement.text(column)).value_or(std::nan(""));
+  return statement.number(column);
+}
+
+}  // namespace sqlite
+
+struct Store::Impl {
+  std::filesystem::path file;
+  sqlite::Database database;
+  std::int64_t session = 0;    ///< 0 before begin_session()
+  std::int64_t watermark = 0;  ///< id of the newest row when the session began
+  /// Prepared once; gone before the database closes.
+  mutable std::unique_ptr<sqlite::Statement> insert, find;
+
+  Impl(std::filesystem::path path, sqlite::Database opened)
+      : file(std::move(path)), database(std::move(opened)) {}
+  [[nodiscard]] sqlite3* db() const { return database.get(); }
+
+  /// Id of the row with this key, 0 when there is none.
+  [[nodiscard]] std::int64_t id_of(const RowKey& key) const;
+
+  static std::unique_ptr<Impl> open(const std::filesystem::path& file, bool create);
+};
+
+}  // namespace hmax

@@ -1,0 +1,65 @@
+#include "bench/limits/limit_rows.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/linearised_problem.hpp"
+#include "bench/limits/predict.hpp"
+#include "bench/limits/verification.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
+  const Problem problem = make_problem("liver_benchmark", {.material = "male_slim", .parameters = {}, .y0 = {}});
+  const Method method = find_method("rk4");
+  const Linearised near = linearised(problem);
+  Prediction prediction = predict(method, problem, near);
+  EXPECT_EQ(limit_row(prediction).verdict, "");
+  verify(prediction, method, problem, near);
+  const LimitRow row = limit_row(prediction);
+  EXPECT_EQ(row.method, "rk4");
+  EXPECT_EQ(row.bound, "stability");
+  EXPECT_EQ(row.state_kind, "equilibrium");
+  EXPECT_EQ(row.h_max, *prediction.h_max);
+  EXPECT_EQ(row.re, prediction.limiting->lambda.real());
+  EXPECT_EQ(row.verdict, "confirmed");
+  EXPECT_EQ(row.observed, prediction.observed->h_max);
+  EXPECT_NEAR(row.gap, 0, 1e-3);
+  prediction.observed->agrees = false;
+  EXPECT_EQ(limit_row(prediction).verdict, "contradicted");
+  prediction.observed->excused = true;
+  EXPECT_EQ(limit_row(prediction).verdict, "excused");
+}
+
+TEST(LimitRows, SayFromWhereThePathGrows) {
+  LimitRow row;
+  add_path(row, {.t = {0, 1, 2}, .h_max = {0.1, LimitRow::none, 0.2}, .least = 0.1, .t_least = 0, .y_least = {}, .growing = 1.0 / 3},
+           "ends early");
+  EXPECT_EQ(row.along_least, 0.1);
+  EXPECT_EQ(row.along_grows_from, 1);
+  EXPECT_EQ(row.path_note, "ends early");
+}
+
+TEST(LimitRows, OfAnotherBuildAreNotLookedUp) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  OperatingPointRow point;
+  point.key = operating_point_key(make_problem("liver_forced", {}), OperatingPoint::equilibrium, "", 0);
+  EXPECT_EQ(point.key.asked, "equilibrium");
+  EXPECT_EQ(point.key.model.size(), 16U);
+  LimitRow row;
+  row.method = "rk4";
+  Fingerprint other = fingerprint();
+  other.git = "another";
+  store.begin_session(other);
+  store.insert_limits(point, std::span(&row, 1));
+  EXPECT_TRUE(stored_limits(store, point.key).empty());
+  store.begin_session(fingerprint());
+  store.insert_limits(point, std::span(&row, 1));
+  EXPECT_EQ(stored_limits(store, point.key).size(), 1U);
+}
+
+}  // namespace
+}  // namespace hmax

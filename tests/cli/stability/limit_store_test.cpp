@@ -1,0 +1,84 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+TEST(LimitStore, LooksUpWhatWasComputedBefore) {
+  const Shell shell;
+  const std::string command =
+      "stability predict --problem liver_benchmark --materials male_slim,female_fat --methods rk4,newmark --out livers";
+  const Json first = shell.hmax(command + " --json").json();
+  EXPECT_EQ(first.at("looked_up"), 0);
+  EXPECT_EQ(first.at("store"), "results/runs/livers.sqlite");
+  const Json second = shell.hmax(command + " --json").json();
+  EXPECT_EQ(second.at("looked_up"), 4);
+  EXPECT_EQ(second.at("rows"), first.at("rows"));
+  EXPECT_EQ(second.at("models"), first.at("models"));
+  const Told words = shell.hmax(command), without = shell.hmax(command.substr(0, command.find(" --out")));
+  EXPECT_EQ(words.out, without.out + "4 limits in results/runs/livers.sqlite: 0 computed, 4 looked up\n");
+
+  // Only what is missing is computed: another method, and runs that nobody asked for before.
+  const Json more = shell.hmax(command + " --methods rk4,newmark,rk2_heun --json").json();
+  EXPECT_EQ(more.at("looked_up"), 4);
+  EXPECT_EQ(more.at("rows").size(), 6U);
+  const Json verified = shell.hmax(command + " --verify --json").json();
+  EXPECT_EQ(verified.at("looked_up"), 0);
+  EXPECT_TRUE(verified.at("rows")[0].at("agrees").get<bool>());
+  EXPECT_EQ(shell.hmax(command + " --verify --json").json().at("looked_up"), 4);
+  EXPECT_EQ(shell.hmax("export livers --of limits --json").json().size(), 6U);
+}
+
+TEST(LimitStore, ComputesAgainWhereTheModelOrTheQuestionIsAnother) {
+  const Shell shell;
+  const auto write_spring = [&](const char* force) {
+    write_text(shell / "spring.toml",
+               fmt::format("[equations]\nx = \"v\"\nv = \"{}\"\n[initial]\nx = 1\nv = 0\n", force));
+  };
+  const auto looked_up = [&](const std::string& options) {
+    const Told told = shell.hmax("stability predict --methods rk4 --out s.sqlite --json " + options);
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    return told.json().at("looked_up").get<int>();
+  };
+  const std::string body = "--mesh cube:n=2 --model fem_green --load gravity";
+  EXPECT_EQ(looked_up(body), 0);
+  EXPECT_EQ(looked_up(body), 1);
+  EXPECT_EQ(looked_up(body + " --at rest"), 0);
+  EXPECT_EQ(looked_up(body + " --along load"), 0);
+  EXPECT_EQ(looked_up(body + " --along load"), 1);
+  EXPECT_EQ(looked_up(body + " --set E=4000"), 0);
+
+  write_spring("-100*x");
+  EXPECT_EQ(looked_up("--problem spring.toml"), 0);
+  EXPECT_EQ(looked_up("--problem spring.toml"), 1);
+  write_spring("-101*x");
+  EXPECT_EQ(looked_up("--problem spring.toml"), 0);
+}
+
+TEST(LimitStore, IsExportedAndCompared) {
+  const Shell shell;
+  const std::string predict = "stability predict --problem liver_forced --along none --methods rk4,newmark --out ";
+  ASSERT_EQ(shell.hmax(predict + "a").exit_code, 0);
+  ASSERT_EQ(shell.hmax(predict + "b").exit_code, 0);
+  const Told same = shell.hmax("compare a b");
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_NE(same.out.find("2 limits in both: 2 the same, 0 changed\n"), std::string::npos) << same.out;
+  const Told csv = shell.hmax("export a --of limits");
+  EXPECT_EQ(csv.exit_code, 0);
+  EXPECT_EQ(csv.out.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U) << csv.out;
+  EXPECT_EQ(std::count(csv.out.begin(), csv.out.end(), '\n'), 3);
+  expect_refused(shell.hmax("export a --of limits --format gbench"), "csv or jsonl");
+  expect_refused(shell.hmax("export a --of tables"), "known are runs, limits");
+  const Told runs = shell.hmax("export a");
+  EXPECT_EQ(runs.exit_code, 0);
+  EXPECT_NE(runs.err.find("holds no runs; --of limits"), std::string::npos) << runs.err;
+  expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --out a/b"), "--out is 'a/b'");
+}
+
+}  // namespace
+}  // namespace hmax

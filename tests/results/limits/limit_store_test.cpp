@@ -1,0 +1,135 @@
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "results/limits/limit_columns.hpp"
+#include "results/store.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+OperatingPointRow a_point(const std::string& material = "male_slim") {
+  OperatingPointRow point;
+  point.key = {.problem = "liver_benchmark",
+               .material = material,
+               .parameters = "m=1 c=2",
+               .y0 = "0.5,1",
+               .model = "0123456789abcdef",
+               .asked = "equilibrium",
+               .path = "motion",
+               .t_end = 30};
+  point.status = "a status";
+  point.words = "two\nlines\n";
+  point.body_words = "";
+  point.remarks = "a remark\n";
+  point.document = "{\"eigenvalues\": []}";
+  return point;
+}
+
+/// Every column with a value of its own, among them those that SQLite would change.
+LimitRow a_limit(const std::string& method) {
+  LimitRow row;
+  double value = 0.1;
+  for (const auto& column : limit_numbers) row.*column.member = value += 1.0 / 3;
+  for (const auto& column : limit_texts) row.*column.member = "text of " + std::string(column.name);
+  row.method = method;
+  row.h_max = INFINITY;
+  row.h_unstable = LimitRow::none;
+  row.re = -0.0;
+  return row;
+}
+
+bool same_bits(double a, double b) {
+  return (std::isnan(a) && std::isnan(b)) || std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+TEST(LimitStore, KeepsEveryColumnBitForBit) {
+  const Scratch scratch;
+  const LimitRow limit = a_limit("rk4");
+  {
+    Store store = Store::open_or_create(scratch / "s.sqlite");
+    store.begin_session({});
+    store.insert_limits(a_point(), std::span(&limit, 1));
+  }
+  const Store store = Store::open_existing(scratch / "s.sqlite");
+  const std::vector<LimitRow> rows = store.limits_at(a_point().key);
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].point, a_point().key);
+  EXPECT_EQ(rows[0].session, 1);
+  for (const auto& column : limit_texts) EXPECT_EQ(rows[0].*column.member, limit.*column.member) << column.name;
+  for (const auto& column : limit_numbers)
+    EXPECT_TRUE(same_bits(rows[0].*column.member, limit.*column.member)) << column.name;
+  const auto point = store.operating_point(a_point().key);
+  ASSERT_TRUE(point);
+  for (const auto& column : point_texts) EXPECT_EQ((*point).*column.member, a_point().*column.member) << column.name;
+  OperatingPointKey other = a_point().key;
+  other.model = "another";
+  EXPECT_FALSE(store.operating_point(other));
+  EXPECT_TRUE(store.limits_at(other).empty());
+}
+
+TEST(LimitStore, ReplacesALimitOfTheSameKeyAndKeepsTheOthers) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  store.begin_session({});
+  const std::vector<LimitRow> both{a_limit("rk4"), a_limit("newmark")};
+  store.insert_limits(a_point(), both);
+  store.begin_session({});
+  LimitRow changed = a_limit("rk4");
+  changed.observed = 7;
+  OperatingPointRow point = a_point();
+  point.words = "other words";
+  store.insert_limits(point, std::span(&changed, 1));
+  store.insert_limits(a_point("female_fat"), both);
+
+  const std::vector<LimitRow> rows = store.limits_at(point.key);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].method, "rk4");
+  EXPECT_EQ(rows[0].observed, 7);
+  EXPECT_EQ(rows[0].session, 2);
+  EXPECT_EQ(rows[1].session, 1);
+  EXPECT_EQ(store.operating_point(point.key)->words, "other words");
+  const std::vector<LimitRow> all = store.limits();
+  ASSERT_EQ(all.size(), 4U);
+  EXPECT_EQ(all[0].point.material, "female_fat");
+  EXPECT_EQ(all[0].method, "newmark");
+  EXPECT_EQ(store.size(), 0);  // measured rows
+}
+
+TEST(LimitStore, RefusesLimitsWithoutASessionAndEndlessMotions) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  const LimitRow limit = a_limit("rk4");
+  EXPECT_THROW(store.insert_limits(a_point(), std::span(&limit, 1)), std::logic_error);
+  store.begin_session({});
+  OperatingPointRow endless = a_point();
+  endless.key.t_end = INFINITY;
+  EXPECT_THROW(store.insert_limits(endless, std::span(&limit, 1)), std::invalid_argument);
+}
+
+TEST(LimitStore, BringsAStoreWithoutLimitsToTheLayout) {
+  const Scratch scratch;
+  const std::string file = (scratch / "s.sqlite").string();
+  Store::open_or_create(file);
+  // What layout 2 was.
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(database, "DROP TABLE limits; DROP TABLE operating_points; PRAGMA user_version = 2",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  Store store = Store::open_existing(file);
+  EXPECT_TRUE(store.limits().empty());
+  store.begin_session({});
+  const LimitRow limit = a_limit("rk4");
+  store.insert_limits(a_point(), std::span(&limit, 1));
+  EXPECT_EQ(store.limits().size(), 1U);
+}
+
+}  // namespace
+}  // namespace hmax
