@@ -1,6 +1,7 @@
 /// THE loop over time: the only one in the house.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -14,42 +15,57 @@
 
 namespace hmax {
 
+/// What every view of a step has: both ends, and the request to end the run.
+template <class State>
+class StepEnds {
+ public:
+  using Real = real_of<State>;
+  StepEnds(Real t0, Real t1, Real h, const State& y0, const State& y1)
+      : t0_(t0), t1_(t1), h_(h), y0_(y0), y1_(y1) {}
+
+  [[nodiscard]] Real t0() const { return t0_; }
+  [[nodiscard]] Real t1() const { return t1_; }
+  [[nodiscard]] Real h() const { return h_; }
+  [[nodiscard]] const State& y0() const { return y0_; }
+  [[nodiscard]] const State& y1() const { return y1_; }
+
+  /// Ends the run at time t in [t0, t1]. Of several requests the first in the order of the run counts.
+  void stop_at(Real t) {
+    if (!stop_ || std::abs(t - t0_) < std::abs(*stop_ - t0_)) stop_ = t;
+  }
+  [[nodiscard]] const std::optional<Real>& stop() const { return stop_; }
+  /// The time up to which the step counts: t1, or the stop that an observer before has requested.
+  [[nodiscard]] Real t_end() const { return stop_ ? *stop_ : t1_; }
+
+ private:
+  Real t0_, t1_, h_;
+  const State &y0_, &y1_;
+  std::optional<Real> stop_;
+};
+
 /// A step that is about to be accepted, as observers see it: both ends and, on request, everything between.
 template <class StepperT, System Sys>
-class StepView {
+class StepView : public StepEnds<typename Sys::State> {
  public:
   using State = typename Sys::State;
   using Real = real_of<State>;
 
   StepView(StepperT& stepper, const Sys& system, Real t0, const Proposal<Real>& step, const State& y0,
            const State& y1)
-      : stepper_(stepper), system_(system), t0_(t0), step_(step), y0_(y0), y1_(y1) {}
-
-  [[nodiscard]] Real t0() const { return t0_; }
-  [[nodiscard]] Real t1() const { return step_.t_next; }
-  [[nodiscard]] Real h() const { return step_.h; }
-  [[nodiscard]] const State& y0() const { return y0_; }
-  [[nodiscard]] const State& y1() const { return y1_; }
+      : StepEnds<State>(t0, step.t_next, step.h, y0, y1), stepper_(stepper), system_(system) {}
 
   /// out = y(t) by dense output, t in [t0, t1]; costs nothing unless called and never shortens a step.
   void at(Real t, State& out) {
-    if (t == step_.t_next)
-      copy_state(y1_, out);
+    if (t == this->t1())
+      copy_state(this->y1(), out);
     else
-      stepper_.interpolate(system_, t0_, step_.h, y0_, y1_, (t - t0_) / step_.h, out);
+      stepper_.interpolate(system_, this->t0(), this->h(), this->y0(), this->y1(),
+                           (t - this->t0()) / this->h(), out);
   }
-
-  /// Ends the run at time t in [t0, t1].
-  void stop_at(Real t) { stop_ = t; }
-  [[nodiscard]] const std::optional<Real>& stop() const { return stop_; }
 
  private:
   StepperT& stepper_;
   const Sys& system_;
-  Real t0_;
-  const Proposal<Real>& step_;
-  const State &y0_, &y1_;
-  std::optional<Real> stop_;
 };
 
 /// The observer of runs nobody watches; the loop then builds no view at all.

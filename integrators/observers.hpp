@@ -1,8 +1,11 @@
-/// Guests of the loop: sampling and events. They read accepted steps and never change them.
+/// Guests of the loop: sampling, events, and several of them in one run. They read accepted steps and never
+/// change them.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "integrators/integrate.hpp"
@@ -28,7 +31,7 @@ class SampleEvery {
   void operator()(View& view) {
     for (; j_ <= count_; ++j_) {
       const Real t = j_ == count_ ? span_.t_end : span_.t0 + static_cast<Real>(j_) * interval_;
-      if (t > view.t1()) return;
+      if (t > view.t_end()) return;
       view.at(t, sample_);
       sink_(t, sample_);
     }
@@ -65,10 +68,10 @@ class EventFinder {
 
   template <class View>
   void operator()(View& view) {
-    const Real g0 = g_(view.t0(), view.y0()), g1 = g_(view.t1(), view.y1());
+    const Real g0 = g_(view.t0(), view.y0()), g1 = end_value(view);
     const bool rises = g0 < 0 && g1 >= 0, falls = g0 > 0 && g1 <= 0;
     if (!(rises && crossing_ != Crossing::falling) && !(falls && crossing_ != Crossing::rising)) return;
-    Real before = view.t0(), after = view.t1();
+    Real before = view.t0(), after = view.t_end();
     State y = view.y1();
     for (;;) {
       const Real middle = before + (after - before) / 2;
@@ -86,10 +89,44 @@ class EventFinder {
   }
 
  private:
+  /// g where the step ends, or where an observer before this one has ended the run.
+  template <class View>
+  Real end_value(View& view) {
+    if (!view.stop()) return g_(view.t1(), view.y1());
+    State y = view.y1();
+    view.at(view.t_end(), y);
+    return g_(view.t_end(), y);
+  }
+
   G g_;
   Crossing crossing_;
   bool terminal_;
   std::vector<Event<State>>& found_;
 };
+
+/// Several observers as one, called in their order for each step. One made by observe() refers to those that
+/// have a name and owns the others.
+template <class... Observers>
+class ObserverList {
+ public:
+  explicit ObserverList(Observers&&... observers) : observers_(std::forward<Observers>(observers)...) {}
+
+  template <class View>
+  void operator()(View& view) {
+    std::apply([&](auto&... observer) { (observer(view), ...); }, observers_);
+  }
+
+ private:
+  std::tuple<Observers...> observers_;
+};
+
+/// integrate(..., observe(contact, samples)): any number of observers in one run. Each sees every step and
+/// may ask for dense output. Each may end the run, and the earliest stop counts: samples and events beyond a
+/// stop that an observer before them has requested are left out, so those that may end the run are named
+/// first.
+template <class... Observers>
+requires(sizeof...(Observers) > 0) ObserverList<Observers...> observe(Observers&&... observers) {
+  return ObserverList<Observers...>(std::forward<Observers>(observers)...);
+}
 
 }  // namespace hmax

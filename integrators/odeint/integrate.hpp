@@ -23,36 +23,24 @@ namespace detail {
 
 /// A step that is about to be accepted, as observers see it.
 template <class Peer, class State>
-class View {
+class View : public StepEnds<State> {
  public:
   using Real = real_of<State>;
   using Values = typename Peer::Values;
   View(Peer& peer, Real t0, Real t1, const Values& y0, const Values& y1, const State& start, const State& end)
-      : peer_(peer), t0_(t0), t1_(t1), values0_(y0), values1_(y1), start_(start), end_(end) {}
-
-  [[nodiscard]] Real t0() const { return t0_; }
-  [[nodiscard]] Real t1() const { return t1_; }
-  [[nodiscard]] Real h() const { return t1_ - t0_; }
-  [[nodiscard]] const State& y0() const { return start_; }
-  [[nodiscard]] const State& y1() const { return end_; }
+      : StepEnds<State>(t0, t1, t1 - t0, start, end), peer_(peer), values0_(y0), values1_(y1) {}
 
   void at(Real t, State& out) {
-    if (t == t1_) return copy_state(end_, out);
-    if (t == t0_) return copy_state(start_, out);
+    if (t == this->t1()) return copy_state(this->y1(), out);
+    if (t == this->t0()) return copy_state(this->y0(), out);
     Values values = values0_;
-    peer_.inside(values0_, t0_, values1_, t1_, t, values);
+    peer_.inside(values0_, this->t0(), values1_, this->t1(), t, values);
     to_state(values, out);
   }
 
-  void stop_at(Real t) { stop_ = t; }
-  [[nodiscard]] const std::optional<Real>& stop() const { return stop_; }
-
  private:
   Peer& peer_;
-  Real t0_, t1_;
   const Values &values0_, &values1_;
-  const State &start_, &end_;
-  std::optional<Real> stop_;
 };
 
 /// True when Odeint's numbers are finite and can be squared.

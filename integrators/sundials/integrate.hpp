@@ -20,33 +20,20 @@ namespace detail {
 
 /// An accepted step as observers see it; what lies inside comes from the dense output of the library.
 template <class State>
-class View {
+class View : public StepEnds<State> {
  public:
-  using Real = double;
   View(Solver& solver, double t0, double t1, const State& y0, const State& y1, N_Vector inside)
-      : solver_(solver), t0_(t0), t1_(t1), y0_(y0), y1_(y1), inside_(inside) {}
-
-  [[nodiscard]] double t0() const { return t0_; }
-  [[nodiscard]] double t1() const { return t1_; }
-  [[nodiscard]] double h() const { return t1_ - t0_; }
-  [[nodiscard]] const State& y0() const { return y0_; }
-  [[nodiscard]] const State& y1() const { return y1_; }
+      : StepEnds<State>(t0, t1, t1 - t0, y0, y1), solver_(solver), inside_(inside) {}
 
   void at(double t, State& out) {
-    if (t == t1_) return copy_state(y1_, out);
+    if (t == this->t1()) return copy_state(this->y1(), out);
     solver_.interpolate(t, inside_);
     copy_state(state_of<State>(inside_), out);
   }
 
-  void stop_at(double t) { stop_ = t; }
-  [[nodiscard]] const std::optional<double>& stop() const { return stop_; }
-
  private:
   Solver& solver_;
-  double t0_, t1_;
-  const State &y0_, &y1_;
   N_Vector inside_;
-  std::optional<double> stop_;
 };
 
 /// The system behind the callbacks. The library is C: an exception of the system waits here until the library

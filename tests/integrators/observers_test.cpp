@@ -143,5 +143,86 @@ TEST(EventFinder, CountsAnEventAtTheEndOfAStepOnce) {
   EXPECT_EQ(find(two_oclock, Crossing::any, false, 2, 0.5).events.size(), 1U) << "at the end of the run";
 }
 
+/// x = 0.5 first at pi / 6, v = 0 first at pi / 2; both in one step of a run from 0 to 10 by steps of 2.
+struct Both {
+  std::vector<Event<Plane>> half, turn;
+  std::vector<double> times;
+  int steps = 0;
+  RunEnd<double> end{};
+  Plane y = north;
+};
+
+/// @param order  order(half, turn, sample, count) -> what observe() makes of them
+template <class Order>
+Both watch(const Order& order, bool half_ends, bool turn_ends) {
+  Both both;
+  const Span<double> span{0, 10};
+  const auto from_half = [](double, const Plane& y) { return y[0] - 0.5; };
+  EventFinder half(from_half, Crossing::rising, half_ends, both.half);
+  EventFinder turn(velocity, Crossing::falling, turn_ends, both.turn);
+  SampleEvery sample(span, 0.25, both.y, [&](double t, const Plane&) { both.times.push_back(t); });
+  const auto count = [&](auto&) { ++both.steps; };
+  both.end = integrate(Rk<tableaux::Dop853, Plane>{}, rotation, span, both.y, FixedStep<double>(2),
+                       order(half, turn, sample, count));
+  return both;
+}
+const auto in_order = [](auto&... all) { return observe(all...); };
+const auto turn_first = [](auto& half, auto& turn, auto&... rest) { return observe(turn, half, rest...); };
+
+TEST(Observe, ShowsEveryStepToEach) {
+  const Both both = watch(in_order, false, false);
+  EXPECT_EQ(both.end.outcome, Outcome::reached_end);
+  EXPECT_EQ(both.steps, 5);
+  EXPECT_EQ(both.times.size(), 41U);
+  EXPECT_EQ(both.half.size(), 2U);
+  EXPECT_EQ(both.turn.size(), 2U);
+}
+
+TEST(Observe, EndsTheRunWhereTheFirstOfThemAsks) {
+  for (const auto& both : {watch(in_order, true, true), watch(turn_first, true, true)}) {
+    EXPECT_EQ(both.end.outcome, Outcome::stopped);
+    EXPECT_NEAR(both.end.t, pi / 6, 1e-3);
+    ASSERT_EQ(both.half.size(), 1U);
+    EXPECT_EQ(both.end.t, both.half[0].t);
+    EXPECT_EQ(both.y, both.half[0].y);
+    EXPECT_EQ(both.times, (std::vector<double>{0, 0.25, 0.5}));
+    EXPECT_EQ(both.steps, 1);
+  }
+}
+
+TEST(Observe, LooksNoFurtherThanAnObserverBeforeHasEndedTheRun) {
+  EXPECT_TRUE(watch(in_order, true, false).turn.empty());
+  const Both both = watch(turn_first, false, true);
+  EXPECT_NEAR(both.end.t, pi / 2, 1e-3);
+  EXPECT_EQ(both.half.size(), 1U) << "it lies before the turn";
+  EXPECT_EQ(both.times.back(), 1.5);
+}
+
+TEST(Observe, OwnsObserversWithoutAName) {
+  int calls = 0;
+  const auto more = [&calls] { return [&calls](auto&) { ++calls; }; };
+  static_assert(sizeof(observe(more())) == sizeof(more()), "one observer costs nothing more");
+  auto two = observe(more(), more());
+  Plane y = north;
+  integrate(Rk<DormandPrince54, Plane>{}, rotation, Span<double>{0, 1}, y, FixedStep<double>(0.25),
+            observe(two, more()));
+  EXPECT_EQ(calls, 3 * 4);
+}
+
+TEST(Observe, OfOneIsThatOne) {
+  std::vector<double> alone, listed;
+  for (const bool wrapped : {false, true}) {
+    Plane y = north;
+    auto& times = wrapped ? listed : alone;
+    const auto note = [&](auto& step) { times.push_back(step.t1() + step.y1()[0]); };
+    const auto go = [&](auto&& observer) {
+      integrate(Rk<DormandPrince54, Plane>{}, rotation, Span<double>{0, 10}, y,
+                Adaptive<double, PiController>({1e-7, 1e-7}, 5), observer);
+    };
+    wrapped ? go(observe(note)) : go(note);
+  }
+  EXPECT_EQ(alone, listed);
+}
+
 }  // namespace
 }  // namespace hmax
