@@ -13,10 +13,13 @@
 
 namespace hmax {
 
-/// A time interval [t0, t_end], t_end >= t0.
+/// The time from t0 to t_end. Where t_end < t0 a run goes backwards, with steps h < 0.
 template <class Real>
 struct Span {
   Real t0, t_end;
+
+  /// The sign of the steps: 1, or -1 backwards.
+  [[nodiscard]] constexpr Real direction() const { return t_end < t0 ? Real(-1) : Real(1); }
 };
 
 /// The step to attempt: from t to t_next = t + h up to rounding; `last` when t_next is the end of the span.
@@ -40,17 +43,43 @@ template <class Real>
 Real rounding_of(Span<Real> span) {
   return 4 * std::numeric_limits<Real>::epsilon() * std::max(std::abs(span.t0), std::abs(span.t_end));
 }
+
+/// Below 16 units in the last place of t a step no longer moves time reliably.
+template <class Real>
+Real smallest_step(Real t) {
+  return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t), std::numeric_limits<Real>::min());
+}
+
+/// The end of a run for controls that choose their steps, h < 0 backwards.
+template <class Real>
+struct Destination {
+  Real t_end = 0, direction = 1;
+
+  explicit Destination(Span<Real> span) : t_end(span.t_end), direction(span.direction()) {}
+  Destination() = default;
+
+  /// A step of h, or the last one where `stretch` h reaches the end: no step passes it, and none is a sliver.
+  [[nodiscard]] Proposal<Real> propose(Real t, Real h, Real stretch) const {
+    if (direction * (t_end - (t + stretch * h)) <= 0) [[unlikely]]
+      return {t_end - t, t_end, true};
+    return {h, t + h, false};
+  }
+  /// h, cut to the length `longest`.
+  [[nodiscard]] Real cut(Real h, Real longest) const {
+    return std::abs(h) > longest ? direction * longest : h;
+  }
+};
 }  // namespace detail
 
-/// The number of steps of size h that cover the span: the last one is shorter when h does not divide it,
-/// unless it would be a sliver of less than 1e-9 h or made by rounding. The largest integer when there are
-/// more.
+/// The number of steps of size h that cover the span, h < 0 backwards: the last one is shorter when h does
+/// not divide it, unless it would be a sliver of less than 1e-9 h or made by rounding. The largest integer
+/// when there are more; 0 when h does not lead to the end.
 template <class Real>
 std::int64_t fixed_step_count(Span<Real> span, Real h) {
   const Real quotient = (span.t_end - span.t0) / h;
   if (!(quotient > 0)) return 0;
   const Real nearest = std::round(quotient);
-  const Real sliver = std::max(Real(1e-9), detail::rounding_of(span) / h);
+  const Real sliver = std::max(Real(1e-9), detail::rounding_of(span) / std::abs(h));
   const Real count = std::abs(quotient - nearest) <= sliver ? nearest : std::ceil(quotient);
   if (!(count < Real(9e18))) return std::numeric_limits<std::int64_t>::max();
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(count));
@@ -63,6 +92,7 @@ std::int64_t fixed_step_count(Real length, Real h) {
 }
 
 /// Steps of one size. Time is t0 + n h, computed and never accumulated; the last step ends at t_end exactly.
+/// Backwards h is negative, whatever its sign is given as.
 template <class Real>
 class FixedStep {
  public:
@@ -72,7 +102,9 @@ class FixedStep {
   void start(const Stepper&, const Sys&, Span<Real> span, const typename Sys::State&) {
     span_ = span;
     n_ = 0;
+    if (span.t_end < span.t0) h_ = -std::abs(h_);
     last_ = fixed_step_count(span, h_) - 1;
+    if (last_ < 0) h_ = 0;  // it leads nowhere, and the loop ends at once
     const Real rest = span.t_end - at(last_);
     last_h_ = std::abs(rest - h_) <= detail::rounding_of(span) ? h_ : rest;
   }
@@ -104,7 +136,7 @@ class FixedStep {
   Real last_h_ = 0;
 };
 
-/// Settings of a run steered by its error.
+/// Settings of a run steered by its error. Steps are given by their lengths.
 template <class Real>
 struct Tolerances {
   Real rtol, atol;
@@ -129,37 +161,34 @@ class Adaptive {
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
     if constexpr (requires { stepper.set_tolerances(tolerances_.rtol, tolerances_.atol); })
       stepper.set_tolerances(tolerances_.rtol, tolerances_.atol);
-    t_end_ = span.t_end;
-    const Real length = span.t_end - span.t0;
+    destination_ = detail::Destination<Real>(span);
+    const Real length = std::abs(span.t_end - span.t0);
     if (matlab_rules()) tolerances_.h_max = std::min(tolerances_.h_max, length / 10);
-    if (tolerances_.h_first > 0)
-      h_ = tolerances_.h_first;
-    else if (matlab_rules())
-      h_ = matlab_initial_step(system, span.t0, y, error_order_, tolerances_.rtol, tolerances_.atol,
-                               tolerances_.h_max);
-    else
-      h_ = hairer_initial_step(system, span.t0, y, error_order_, norm_, length);
-    h_ = std::max(std::min(h_, tolerances_.h_max), smallest_step(span.t0));
+    Real first = tolerances_.h_first;
+    if (!(first > 0))
+      first = matlab_rules()
+                  ? matlab_initial_step(system, span.t0, y, error_order_, tolerances_.rtol, tolerances_.atol,
+                                        tolerances_.h_max)
+                  : hairer_initial_step(system, span.t0, y, error_order_, norm_, span.t_end - span.t0);
+    first = std::max(std::min(first, tolerances_.h_max), detail::smallest_step(span.t0));
+    h_ = span.direction() * first;
   }
 
   /// The last step is stretched by up to 1 % (10 % under MATLAB's rules) rather than leaving a sliver.
   Proposal<Real> propose(Real t) const {
-    const Real stretch = matlab_rules() ? Real(1.1) : Real(1.01);
-    if (t + stretch * h_ >= t_end_) [[unlikely]]
-      return {t_end_ - t, t_end_, true};
-    return {h_, t + h_, false};
+    return destination_.propose(t, h_, matlab_rules() ? Real(1.1) : Real(1.01));
   }
 
   template <class Stepper, class Sys, class State>
   Judgement judge(const Stepper& stepper, const Sys&, const Proposal<Real>& step, const State& y,
                   const State& y_new) {
     const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
-    h_ = std::min(verdict.h_next, tolerances_.h_max);
-    if constexpr (requires { stepper.longest_step(); }) h_ = std::min(h_, stepper.longest_step());
+    h_ = destination_.cut(verdict.h_next, tolerances_.h_max);
+    if constexpr (requires { stepper.longest_step(); }) h_ = destination_.cut(h_, stepper.longest_step());
     if (verdict.accept) [[likely]] {
       // A method that keeps its Jacobian would have to factor anew for every change of h.
       if constexpr (requires { stepper.prefers_equal_steps(); })
-        if (stepper.prefers_equal_steps() && std::abs(h_ - step.h) <= step.h / 5) h_ = step.h;
+        if (stepper.prefers_equal_steps() && std::abs(h_ - step.h) <= std::abs(step.h) / 5) h_ = step.h;
       return Judgement::accept;
     }
     return retry_or_give_up(step);
@@ -181,20 +210,15 @@ class Adaptive {
   }
 
   Judgement retry_or_give_up(const Proposal<Real>& step) const {
-    return h_ <= smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
-  }
-
-  /// Below 16 units in the last place of t a step no longer moves time reliably.
-  static Real smallest_step(Real t) {
-    return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t),
-                    std::numeric_limits<Real>::min());
+    return std::abs(h_) <= detail::smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
   }
 
   Tolerances<Real> tolerances_;
   Norm<Real> norm_;
   Controller<Real> controller_;
   int error_order_;
-  Real t_end_ = 0, h_ = 0;
+  detail::Destination<Real> destination_;
+  Real h_ = 0;
 };
 
 }  // namespace hmax

@@ -12,7 +12,8 @@ namespace hmax {
 /// and h is chosen so that h^q max(|f|, |y''|) = 0.01. Two evaluations of f.
 /// @param error_order  q, order of the local error estimate
 /// @param norm         RmsNorm or MatlabNorm, which carry the tolerances
-/// @returns h > 0, at most `span`
+/// @param span         t_end - t0, negative backwards
+/// @returns the length of the step, > 0 and at most that of `span`
 template <System Sys, class Norm>
 real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<typename Sys::State> t,
                                                  const typename Sys::State& y, int error_order,
@@ -26,15 +27,17 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   const Real d1 = size_of([&](Eigen::Index i) { return f0[i]; });
   Real h0 = d0 < Real(1e-5) || d1 < Real(1e-5) ? Real(1e-6) : Real(0.01) * d0 / d1;
   if (!std::isfinite(h0)) h0 = Real(1e-6);
-  h0 = std::min(h0, span);
-  y1 = y + h0 * f0;
-  system.rhs(t + h0, y1, f1);
+  const Real length = std::abs(span);
+  h0 = std::min(h0, length);
+  const Real step = span < 0 ? -h0 : h0;
+  y1 = y + step * f0;
+  system.rhs(t + step, y1, f1);
   const Real d2 = size_of([&](Eigen::Index i) { return (f1[i] - f0[i]) / h0; });
   const Real steepest = std::max(d1, d2);
   const Real h1 = steepest <= Real(1e-15)
                       ? std::max(Real(1e-6), h0 * Real(1e-3))
                       : std::pow(Real(0.01) / steepest, Real(1) / static_cast<Real>(error_order));
-  const Real h = std::min({100 * h0, h1, span});
+  const Real h = std::min({100 * h0, h1, length});
   return h > 0 && std::isfinite(h) ? h : h0;
 }
 

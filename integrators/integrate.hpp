@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -81,6 +83,16 @@ struct RunEnd {
   Real t_state = t;         ///< of the state that is kept: before t where the run diverged
 };
 
+/// For engines that step forwards only.
+/// @throws std::invalid_argument  where the span runs backwards
+template <class Real>
+void expect_forwards(Span<Real> span, std::string_view engine) {
+  if (span.t_end < span.t0)
+    throw std::invalid_argument(std::string(engine) +
+                                " runs forwards only: give an end time that is not before the start, or a "
+                                "method of hmax");
+}
+
 namespace detail {
 
 template <class StepperT, System Sys, class Control, class Observer>
@@ -102,7 +114,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     copy_state(now, y);
     end.outcome = outcome;
     end.t = at;
-    end.t_state = std::min(t, at);
+    end.t_state = t;
     if constexpr (requires { stepper.work(); }) {
       end.stats.factorisations = stepper.work().factorisations;
       end.stats.newton = stepper.work().newton;
@@ -120,7 +132,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     do {
       if (attempts++ == max_steps) [[unlikely]]
         return finish(Outcome::too_many_steps, t);
-      if (!(step.t_next > t)) [[unlikely]]
+      if (step.t_next == t) [[unlikely]]
         return finish(Outcome::step_too_small, t);
       const StepStatus status = stepper.attempt(system, t, now, h, candidate);
       const Judgement judgement = status == StepStatus::ok
@@ -179,7 +191,7 @@ auto flat_loop(StepperT stepper, const Sys& system, Span<real_of<typename Sys::S
 
 }  // namespace detail
 
-/// Integrates y' = f(t, y) over `span`.
+/// Integrates y' = f(t, y) over `span`, backwards where it ends before it begins.
 /// @param stepper   taken by value: the loop owns the memory of the method, so the compiler may keep it in
 /// registers
 /// @param y         initial state in, last accepted state out, shape (n)

@@ -13,15 +13,15 @@
 namespace hmax {
 
 /// Calls sink(t, y) for t0 and for every multiple of the interval up to t_end, and at t_end, read off the
-/// dense output. Sample times are t0 + j interval, computed.
+/// dense output. Sample times are t0 + j interval, computed; backwards t0 - j interval.
 template <class State, class Sink>
 class SampleEvery {
  public:
   using Real = real_of<State>;
   SampleEvery(Span<Real> span, Real interval, const State& y0, Sink sink)
       : span_(span),
-        interval_(interval),
-        count_(fixed_step_count(span, interval)),
+        interval_(span.t_end < span.t0 ? -std::abs(interval) : interval),
+        count_(fixed_step_count(span, interval_)),
         sample_(y0),
         sink_(std::move(sink)) {
     sink_(span.t0, y0);
@@ -31,7 +31,7 @@ class SampleEvery {
   void operator()(View& view) {
     for (; j_ <= count_; ++j_) {
       const Real t = j_ == count_ ? span_.t_end : span_.t0 + static_cast<Real>(j_) * interval_;
-      if (t > view.t_end()) return;
+      if (span_.direction() * (t - view.t_end()) > 0) return;
       view.at(t, sample_);
       sink_(t, sample_);
     }
@@ -45,7 +45,7 @@ class SampleEvery {
   Sink sink_;
 };
 
-/// Which sign changes of an event function count.
+/// Which sign changes of an event function count, in the order of the run.
 enum class Crossing { rising, falling, any };
 
 /// A located event.
@@ -75,7 +75,7 @@ class EventFinder {
     State y = view.y1();
     for (;;) {
       const Real middle = before + (after - before) / 2;
-      if (middle <= before || middle >= after) break;
+      if (middle == before || middle == after) break;
       view.at(middle, y);
       const Real g = g_(middle, y);
       if (rises ? g < 0 : g > 0)

@@ -44,8 +44,9 @@ constexpr std::string_view to_string(Outcome outcome) {
 }
 
 /// init() prepares for a run and is the only call that allocates. attempt() writes a candidate for t + h into
-/// y_new and may be repeated with another h: only accept() commits. interpolate() is valid after a successful
-/// attempt and until accept(): it writes the state at t + theta h, theta in [0, 1].
+/// y_new, h < 0 backwards, and may be repeated with another h: only accept() commits. interpolate() is valid
+/// after a successful attempt and until accept(): it writes the state at t + theta h, theta in [0, 1].
+///
 /// A stepper with an error estimate also has error_squared(h, y, y_new, norm), the square of its weighted
 /// norm; one that solves equations has work() -> ImplicitWork, what it did since init(). One that assumes
 /// something it could look at anew (the spectrum of f, say) may have reject(), called when an attempt was not

@@ -288,7 +288,7 @@ class Dirk {
       return;
     }
     // A polynomial says little far beyond its points.
-    const bool quadratic = slopes_known_ > 2 && tau <= 2 * old_h_;
+    const bool quadratic = slopes_known_ > 2 && std::abs(tau) <= 2 * std::abs(old_h_);
     const Real a = h_gamma, b = h_gamma * tau, c = quadratic ? h_gamma * tau * tau : Real(0);
     detail::assign(z_, [&](auto access) {
       return access(slopes_[0]) * a + access(slopes_[1]) * b + access(slopes_[2]) * c;

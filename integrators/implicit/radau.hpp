@@ -82,7 +82,7 @@ class RadauIIA5 {
       slope_known_ = true;
     }
     attempt_memory_ = memory_;
-    extrapolates_ = old_h_ > 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
+    extrapolates_ = old_h_ != 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
     if (!extrapolates_) attempt_memory_ = {};  // what is known is of better starts
     if (!solve(system, t, y, h)) return StepStatus::newton_failed;
     detail::assign(y_new, [&](auto access) { return access(y) + access(z_[2]); });

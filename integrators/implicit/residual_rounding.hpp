@@ -108,7 +108,7 @@ class ResidualRounding {
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       // The high bits of a product with the golden ratio are without order.
       const bool up = (static_cast<std::uint64_t>(i + 1) * 0x9E3779B97F4A7C15u >> 63) != 0;
-      correction_[i] = (up ? unit : -unit) * (s_ * correction_[i] + abs(z[i]));
+      correction_[i] = (up ? unit : -unit) * (abs(s_) * correction_[i] + abs(z[i]));
     }
   }
 

@@ -42,25 +42,21 @@ class ShampineGordonControl {
 
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
-    t_end_ = span.t_end;
-    h_ = tolerances_.h_first > 0 ? tolerances_.h_first : span.t_end - span.t0;
-    h_ = std::min(h_, tolerances_.h_max);
+    destination_ = detail::Destination<Real>(span);
+    Real first = tolerances_.h_first > 0 ? tolerances_.h_first : std::abs(span.t_end - span.t0);
+    first = std::min(first, tolerances_.h_max);
     const typename Sys::State& slope = stepper.evaluate_start(system, span.t0, y);
     Real sum{0};
     for (Eigen::Index i = 0; i < y.size(); ++i) sum += Eigen::numext::abs2(slope[i] * weight(y, i));
     const Real rate = std::sqrt(sum);
-    if (eps_ < 16 * rate * h_ * h_) h_ = std::sqrt(eps_ / rate) / 4;
-    h_ = std::max(h_, smallest_step(span.t0));
+    if (eps_ < 16 * rate * first * first) first = std::sqrt(eps_ / rate) / 4;
+    h_ = span.direction() * std::max(first, detail::smallest_step(span.t0));
     failures_ = 0;
     doubling_ = true;
   }
 
   /// The last step is stretched by up to 1 % rather than leaving a sliver.
-  Proposal<Real> propose(Real t) const {
-    if (t + Real(1.01) * h_ >= t_end_) [[unlikely]]
-      return {t_end_ - t, t_end_, true};
-    return {h_, t + h_, false};
-  }
+  Proposal<Real> propose(Real t) const { return destination_.propose(t, h_, Real(1.01)); }
 
   template <class Stepper, System Sys>
   Judgement judge(Stepper& stepper, const Sys& system, const Proposal<Real>& step,
@@ -133,7 +129,7 @@ class ShampineGordonControl {
       h_ = h;
     else
       h_ = h * std::clamp(std::pow(aim / error, 1 / static_cast<Real>(next + 1)), Real(0.5), Real(0.9));
-    h_ = std::min(h_, tolerances_.h_max);
+    h_ = destination_.cut(h_, tolerances_.h_max);
   }
 
   template <class Stepper>
@@ -145,18 +141,13 @@ class ShampineGordonControl {
     if (failures_ > 3 && tolerance / 2 < error / 4) factor = std::sqrt(tolerance / 2 / error);
     stepper.set_order(failures_ >= 3 ? 1 : next);
     h_ = step.h * factor;
-    return h_ > smallest_step(step.t_next) ? Judgement::retry : Judgement::give_up;
-  }
-
-  /// Below 16 units in the last place of t a step no longer moves time reliably.
-  static Real smallest_step(Real t) {
-    return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t),
-                    std::numeric_limits<Real>::min());
+    return std::abs(h_) > detail::smallest_step(step.t_next) ? Judgement::retry : Judgement::give_up;
   }
 
   Tolerances<Real> tolerances_;
   Real eps_ = 0;
-  Real t_end_ = 0, h_ = 0;
+  detail::Destination<Real> destination_;
+  Real h_ = 0;
   int failures_ = 0;
   bool doubling_ = true;  // phase 1 of a run
 };

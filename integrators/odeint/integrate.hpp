@@ -133,6 +133,7 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
                                                      typename Sys::State& y, real_of<typename Sys::State> h,
                                                      Observer&& observer, std::int64_t max_steps) {
   using Real = real_of<typename Sys::State>;
+  expect_forwards(span, "Boost.Odeint");
   if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
   Peer peer(system);
@@ -166,6 +167,7 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
                                                         real_of<typename Sys::State> atol, int first_order,
                                                         Observer&& observer, std::int64_t max_steps) {
   using Real = real_of<typename Sys::State>;
+  expect_forwards(span, "Boost.Odeint");
   if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
   Peer peer(system, rtol, atol);

@@ -274,15 +274,16 @@ class GeneralizedAlpha {
       ++work_.newton;
 
       // As velocities: the correction, and the motion that it corrects.
-      const Real size = h * norm(force_, 0);
-      const Real motion = norm(y_new, n) + h * norm(a_new_, 0);
+      const Real length = std::abs(h), size = length * norm(force_, 0);
+      const Real motion = norm(y_new, n) + length * norm(a_new_, 0);
       if (!(size <= std::numeric_limits<Real>::max()))
         return fails("the forces are not finite in an iterate of Newton's method");
       if (k > 1) {
         rate = size / before;
         if (rate >= 1) {
           // Nothing but rounding may be left, also of positions, which is more than that of a slow motion.
-          if (size <= 50 * rounding * (motion + (norm(y_new, 0) + offset_) / h)) return solved(size, motion);
+          if (size <= 50 * rounding * (motion + (norm(y_new, 0) + offset_) / length))
+            return solved(size, motion);
           if (!newton) return fails("Newton's method diverges");
         }
         new_rate_ = rate;

@@ -168,11 +168,13 @@ class Binding {
 /// those of ARKODE; CVODE always chooses its own.
 /// @param y         initial state in, last bounded state out, shape (n)
 /// @param observer  called as observer(View&) once for each accepted step, in order of time
-/// @throws what the system throws; std::runtime_error when the library refuses the settings
+/// @throws what the system throws; std::invalid_argument backwards; std::runtime_error when the library
+///         refuses the settings
 template <System Sys, class Observer>
 RunEnd<double> integrate(const Method& method, const Settings& settings, const Sys& system, Span<double> span,
                          typename Sys::State& y, Observer&& observer, std::int64_t max_steps) {
   using State = typename Sys::State;
+  expect_forwards(span, "SUNDIALS");
   if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
 
@@ -190,7 +192,7 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
   auto finish = [&](Outcome outcome, double at, std::string_view note = {}) {
     RunEnd<double> end{outcome, at, solver->stats()};
     end.note = note;
-    end.t_state = std::min(t, at);
+    end.t_state = t;
     return end;
   };
   const std::int64_t fixed_steps =
@@ -213,8 +215,9 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
       detail::View<State> view(*solver, t, t_next, y, y_next, inside.get());
       observer(view);
       if (view.stop()) {
-        view.at(*view.stop(), y);
-        return finish(Outcome::stopped, *view.stop());
+        t = *view.stop();
+        view.at(t, y);
+        return finish(Outcome::stopped, t);
       }
     }
     copy_state(y_next, y);

@@ -158,5 +158,11 @@ TEST(OdeintImplicitEuler, IsImplicitEuler) {
   EXPECT_NEAR(y[1], exact.imag(), 1e-13);
 }
 
+TEST(Odeint, RefusesToRunBackwards) {
+  Eigen::Vector2d y(1, 0);
+  EXPECT_THROW(fixed<Rk4>(Circle{}, -1, 0.1, y), std::invalid_argument);
+  EXPECT_THROW(steered<Dopri5Peer>(Circle{}, -1, 1e-6, y), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace hmax::odeint

@@ -193,5 +193,11 @@ TEST(Sundials, AVectorIsTheStateItself) {
   EXPECT_EQ(state_of<Eigen::VectorXd>(v.get()), Eigen::Vector3d(1, 2, 3));
 }
 
+TEST(Sundials, RefusesToRunBackwards) {
+  Eigen::Vector2d y(1, 0);
+  EXPECT_THROW(run(adams, tolerance(1e-6), Circle{}, -1, y), std::invalid_argument);
+  EXPECT_EQ(y, Eigen::Vector2d(1, 0));
+}
+
 }  // namespace
 }  // namespace hmax::sundials
