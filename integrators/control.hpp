@@ -10,6 +10,7 @@
 #include "integrators/controller.hpp"
 #include "integrators/error_norm.hpp"
 #include "integrators/initial_step.hpp"
+#include "integrators/tolerances.hpp"
 
 namespace hmax {
 
@@ -136,30 +137,27 @@ class FixedStep {
   Real last_h_ = 0;
 };
 
-/// Settings of a run steered by its error. Steps are given by their lengths.
-template <class Real>
-struct Tolerances {
-  Real rtol, atol;
-  Real h_first = 0;  ///< 0: chosen from the right-hand side
-  Real h_max = std::numeric_limits<Real>::infinity();
-};
-
 /// Steps steered by the error estimate of the method: `Controller` decides the size, `Norm` weighs the error.
+/// A norm by component takes an absolute tolerance for each component; start() throws std::invalid_argument
+/// where there is not one for each.
 template <class Real, template <class> class Controller, template <class> class Norm = RmsNorm>
 class Adaptive {
  public:
+  using Atol = decltype(Norm<Real>::atol);
+
   /// @param error_order  order of the error estimate; the stepper's own unless it is known only at run time
-  Adaptive(Tolerances<Real> tolerances, int error_order)
+  Adaptive(Tolerances<Real, Atol> tolerances, int error_order)
       : Adaptive(tolerances, error_order, Controller<Real>(error_order),
                  Norm<Real>{tolerances.rtol, tolerances.atol}) {}
 
   /// For a controller and a norm that are chosen at run time.
-  Adaptive(Tolerances<Real> tolerances, int error_order, Controller<Real> controller, Norm<Real> norm)
+  Adaptive(Tolerances<Real, Atol> tolerances, int error_order, Controller<Real> controller, Norm<Real> norm)
       : tolerances_(tolerances), norm_(norm), controller_(controller), error_order_(error_order) {}
 
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
-    if constexpr (requires { stepper.set_tolerances(tolerances_.rtol, tolerances_.atol); })
+    check_atol(tolerances_.atol, y.size());
+    if constexpr (requires { stepper.set_tolerances(tolerances_.rtol, Real{}); })
       stepper.set_tolerances(tolerances_.rtol, tolerances_.atol);
     destination_ = detail::Destination<Real>(span);
     const Real length = std::abs(span.t_end - span.t0);
@@ -213,7 +211,7 @@ class Adaptive {
     return std::abs(h_) <= detail::smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
   }
 
-  Tolerances<Real> tolerances_;
+  Tolerances<Real, Atol> tolerances_;
   Norm<Real> norm_;
   Controller<Real> controller_;
   int error_order_;

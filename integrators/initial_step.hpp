@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "integrators/state.hpp"
+#include "integrators/tolerances.hpp"
 
 namespace hmax {
 
@@ -43,18 +44,18 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
 
 /// The starting step of MATLAB's ode23 and ode45: h = 0.8 rtol^(1/q) / |f / max(|y|, atol/rtol)|_inf, at most
 /// h_max [shampine1997matlab]. One evaluation of f.
-template <System Sys>
+/// @param atol  a number, or one for each component
+template <System Sys, class Atol>
 real_of<typename Sys::State> matlab_initial_step(const Sys& system, real_of<typename Sys::State> t,
                                                  const typename Sys::State& y, int error_order,
-                                                 real_of<typename Sys::State> rtol,
-                                                 real_of<typename Sys::State> atol,
+                                                 real_of<typename Sys::State> rtol, const Atol& atol,
                                                  real_of<typename Sys::State> h_max) {
   using Real = real_of<typename Sys::State>;
   typename Sys::State f0 = y;
   system.rhs(t, y, f0);
   Real rate{0};
   for (Eigen::Index i = 0; i < y.size(); ++i)
-    rate = std::max(rate, std::abs(f0[i]) / std::max(std::abs(y[i]), atol / rtol));
+    rate = std::max(rate, std::abs(f0[i]) / std::max(std::abs(y[i]), detail::atol_of(atol, i) / rtol));
   const Real h = Real(0.8) * std::pow(rtol, Real(1) / static_cast<Real>(error_order));
   return h_max * rate > h ? h / rate : h_max;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "integrators/control.hpp"
 #include "integrators/explicit/user_tableau.hpp"
@@ -15,6 +16,14 @@ template <class Method, template <class> class Controller = PiController, class 
 Adaptive<Real, Controller> adaptive(Tolerances<Real> tolerances) {
   static_assert(Method::error_order > 0, "the method has no error estimate: run it with FixedStep");
   return {tolerances, Method::error_order};
+}
+
+/// The same with an absolute tolerance for each component: adaptive<Method>({1e-6, Eigen::Vector2d(1e-9,
+/// 1e-6)}).
+template <class Method, template <class> class Controller = PiController, class Real = double>
+Adaptive<Real, Controller, ComponentRmsNorm> adaptive(ComponentTolerances<Real> tolerances) {
+  static_assert(Method::error_order > 0, "the method has no error estimate: run it with FixedStep");
+  return {std::move(tolerances), Method::error_order};
 }
 
 /// The same of a tableau that is known only at run time.

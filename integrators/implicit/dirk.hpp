@@ -55,7 +55,10 @@ class Dirk {
   void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
   /// How exactly equations are solved at fixed steps.
   void set_newton(NewtonSettings settings) { norm_.set(settings); }
-  void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
+  template <class Atol>
+  void set_tolerances(Real rtol, const Atol& atol) {
+    norm_.set_tolerances(rtol, atol);
+  }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
   template <System Sys>

@@ -20,11 +20,12 @@
 #include "integrators/implicit/newton_settings.hpp"
 #include "integrators/linear/linear_solver.hpp"
 #include "integrators/state.hpp"
+#include "integrators/tolerances.hpp"
 
 namespace hmax {
 
 /// How large a correction is, in units of what the equations have to be solved to.
-/// With tolerances: root mean square of d_i / max(kappa (atol + rtol |y_i|), 4 eps |y_i|), a fraction kappa
+/// With tolerances: root mean square of d_i / max(kappa (atol_i + rtol |y_i|), 4 eps |y_i|), a fraction kappa
 /// of what the error test allows. Without, in runs of fixed steps: max |d_i| / (tol max(|y|, |Y|, |d|)), in
 /// the maximum norm, where tol is 4 eps unless the user allows more.
 /// @source [hairer1996solving] IV.8
@@ -42,12 +43,16 @@ class NewtonNorm {
   /// Forgets tolerances and makes room for states of shape (n).
   void init(Eigen::Index n) {
     rtol_ = atol_ = 0;
+    atols_.resize(0);
     share_ = std::max(static_cast<Real>(settings_.tolerance), rounding);
     per_weight_.resize(n);
   }
-  void set_tolerances(Real rtol, Real atol) {
+  /// @param atol  a number, or one for each component, shape (n)
+  template <class Atol>
+  void set_tolerances(Real rtol, const Atol& atol) {
     rtol_ = kappa_ * rtol;
-    atol_ = kappa_ * atol;
+    atol_ = kappa_ * detail::largest_atol(atol);
+    if constexpr (detail::is_by_component<Atol>) atols_ = kappa_ * atol;
   }
   [[nodiscard]] bool has_tolerances() const { return rtol_ > 0 || atol_ > 0; }
 
@@ -59,7 +64,7 @@ class NewtonNorm {
     }
     for (Eigen::Index i = 0; i < y.size(); ++i) {
       const Real size = std::abs(y[i]);
-      const Real weight = std::max(atol_ + rtol_ * size, rounding * size);
+      const Real weight = std::max(atol(i) + rtol_ * size, rounding * size);
       per_weight_[i] = 1 / std::max(weight, std::numeric_limits<Real>::min());
     }
   }
@@ -85,7 +90,7 @@ class NewtonNorm {
   [[nodiscard]] bool resolves(const State& y) const {
     if (!has_tolerances()) return true;
     for (Eigen::Index i = 0; i < y.size(); ++i)
-      if (y[i] != 0 && std::abs(y[i]) * kappa_ <= atol_) return false;
+      if (y[i] != 0 && std::abs(y[i]) * kappa_ <= atol(i)) return false;
     return true;
   }
 
@@ -104,7 +109,10 @@ class NewtonNorm {
   [[nodiscard]] bool may_continue() const { return !has_tolerances() && settings_.iterations == 0; }
 
  private:
+  [[nodiscard]] Real atol(Eigen::Index i) const { return atols_.size() == 0 ? atol_ : atols_[i]; }
+
   Real kappa_, rtol_ = 0, atol_ = 0, scale_ = 0, share_ = rounding;
+  Eigen::Vector<Real, Eigen::Dynamic> atols_;  // of each component; empty: atol_ of all
   NewtonSettings settings_;
   State per_weight_ = blank_state<State>();
 };

@@ -49,7 +49,10 @@ class RadauIIA5 {
   void set_linear_solve(LinearSolve choice) { real_.set(choice); }
   /// How exactly equations are solved at fixed steps.
   void set_newton(NewtonSettings settings) { norm_.set(settings); }
-  void set_tolerances(Real rtol, Real atol) { norm_.set_tolerances(rtol, atol); }
+  template <class Atol>
+  void set_tolerances(Real rtol, const Atol& atol) {
+    norm_.set_tolerances(rtol, atol);
+  }
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
   template <System Sys>

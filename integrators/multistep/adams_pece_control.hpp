@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "integrators/control.hpp"
 #include "integrators/state.hpp"
@@ -19,7 +20,8 @@ struct AdamsErrors {
 };
 
 /// The rules of subroutine STEP [shampine1975computer]:
-/// - The error test is |e / w|_2 <= eps with eps = max(rtol, atol) and w_i = (rtol |y_i| + atol) / eps: the
+/// - The error test is |e / w|_2 <= eps with eps = max(rtol, atol_i) and w_i = (rtol |y_i| + atol_i) / eps:
+/// the
 ///   Euclidean norm over all components, not their mean.
 /// - The run begins with order 1, and while all goes well each step raises the order and doubles the step.
 /// - Then the order falls when errors at lower orders are no larger, and rises when that at the next one is
@@ -31,17 +33,19 @@ struct AdamsErrors {
 /// STEP leaves to its caller what eps stands for. Here it is 0.7 of the tolerance, a factor chosen on the
 /// forced liver model from 1e-4 to 1e-10: with 1 the run at 1e-10 takes a tenth fewer evaluations and ends
 /// three tolerances off, since the highest orders work there at the edge of their stability.
-template <class Real>
+/// @tparam Atol  Real, the same for all components, or a vector with one for each
+template <class Real, class Atol = Real>
 class ShampineGordonControl {
  public:
-  explicit ShampineGordonControl(Tolerances<Real> tolerances) : tolerances_(tolerances) {
-    tolerances_.rtol = Real(0.7) * std::min(tolerances.rtol, Real(0.5));
+  explicit ShampineGordonControl(Tolerances<Real, Atol> tolerances) : tolerances_(std::move(tolerances)) {
+    tolerances_.rtol = Real(0.7) * std::min(tolerances_.rtol, Real(0.5));
     tolerances_.atol *= Real(0.7);
-    eps_ = std::max(tolerances_.rtol, tolerances_.atol);
   }
 
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
+    check_atol(tolerances_.atol, y.size());
+    eps_ = std::max(tolerances_.rtol, detail::largest_atol(tolerances_.atol));
     destination_ = detail::Destination<Real>(span);
     Real first = tolerances_.h_first > 0 ? tolerances_.h_first : std::abs(span.t_end - span.t0);
     first = std::min(first, tolerances_.h_max);
@@ -87,7 +91,7 @@ class ShampineGordonControl {
  private:
   template <class State>
   Real weight(const State& y, Eigen::Index i) const {
-    return eps_ / (tolerances_.rtol * std::abs(y[i]) + tolerances_.atol);
+    return eps_ / (tolerances_.rtol * std::abs(y[i]) + detail::atol_of(tolerances_.atol, i));
   }
 
   /// The smallest tolerance that rounding of y allows: 4 u |y / w|_2, u the distance from 1 to the next
@@ -144,7 +148,7 @@ class ShampineGordonControl {
     return std::abs(h_) > detail::smallest_step(step.t_next) ? Judgement::retry : Judgement::give_up;
   }
 
-  Tolerances<Real> tolerances_;
+  Tolerances<Real, Atol> tolerances_;
   Real eps_ = 0;
   detail::Destination<Real> destination_;
   Real h_ = 0;

@@ -214,4 +214,15 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
   }
 }
 
+/// An absolute tolerance for each component, which Odeint does not have.
+/// @throws std::invalid_argument  always
+template <class Peer, System Sys, class Derived, class Observer>
+RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys&, Span<real_of<typename Sys::State>>,
+                                                        typename Sys::State&, real_of<typename Sys::State>,
+                                                        const Eigen::MatrixBase<Derived>&, int, Observer&&,
+                                                        std::int64_t) {
+  throw std::invalid_argument(
+      "Boost.Odeint has one absolute tolerance for all components: give a number, or take a method of hmax");
+}
+
 }  // namespace hmax::odeint

@@ -168,13 +168,14 @@ class Binding {
 /// those of ARKODE; CVODE always chooses its own.
 /// @param y         initial state in, last bounded state out, shape (n)
 /// @param observer  called as observer(View&) once for each accepted step, in order of time
-/// @throws what the system throws; std::invalid_argument backwards; std::runtime_error when the library
-///         refuses the settings
+/// @throws what the system throws; std::invalid_argument backwards and for `atols` that are not one for each
+///         component; std::runtime_error when the library refuses the settings
 template <System Sys, class Observer>
 RunEnd<double> integrate(const Method& method, const Settings& settings, const Sys& system, Span<double> span,
                          typename Sys::State& y, Observer&& observer, std::int64_t max_steps) {
   using State = typename Sys::State;
   expect_forwards(span, "SUNDIALS");
+  if (settings.adaptive && settings.atols.size() > 0) check_atol(settings.atols, y.size());
   if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
 

@@ -1,5 +1,6 @@
 #include "integrators/sundials/solver.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -47,6 +48,17 @@ Memory own(void* made, const char* what) {
   return {checked(made, what), [](void* memory) { Free(&memory); }};
 }
 
+/// Tells an integrator its tolerances.
+/// @param scalar, vector  its functions for one absolute tolerance and for one for each component
+void set_tolerances(void* memory, const Settings& settings, N_Vector y0, int (*scalar)(void*, double, double),
+                    int (*vector)(void*, double, N_Vector)) {
+  if (settings.atols.size() == 0)
+    return check(scalar(memory, settings.rtol, settings.atol), "the tolerances");
+  const Vector atols(static_cast<N_Vector>(checked(N_VClone(y0), "a vector of tolerances")));
+  std::copy(settings.atols.begin(), settings.atols.end(), N_VGetArrayPointer(atols.get()));
+  check(vector(memory, settings.rtol, atols.get()), "the tolerances");
+}
+
 struct FreeNonlinearSolver {
   void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
 };
@@ -62,7 +74,7 @@ class Cvode final : public Solver {
     check(CVodeSetErrHandlerFn(cvode, be_silent, nullptr), "an error handler");
     check(CVodeInit(cvode, calls.rhs, t0, y0), "the initial state");
     check(CVodeSetUserData(cvode, calls.user), "the system");
-    check(CVodeSStolerances(cvode, settings.rtol, settings.atol), "the tolerances");
+    set_tolerances(cvode, settings, y0, CVodeSStolerances, CVodeSVtolerances);
     check(CVodeSetMaxNumSteps(cvode, no_limit), "steps without limit");
     check(CVodeSetStopTime(cvode, t_end), "the end time");
     if (method.package == Package::cvode_adams) {
@@ -113,7 +125,7 @@ class ErkStep final : public Solver {
     check(ERKStepSetMaxNumSteps(erk, no_limit), "steps without limit");
     check(ERKStepSetStopTime(erk, t_end), "the end time");
     if (settings.adaptive)
-      check(ERKStepSStolerances(erk, settings.rtol, settings.atol), "the tolerances");
+      set_tolerances(erk, settings, y0, ERKStepSStolerances, ERKStepSVtolerances);
     else
       check(ERKStepSetFixedStep(erk, settings.h), "the step");
   }
@@ -168,7 +180,7 @@ class ArkStep final : public Solver {
     check(ARKStepSetLinearSolver(ark, equations_.solver.get(), equations_.matrix.get()), "the linear solver");
     check(ARKStepSetLinSysFn(ark, calls.arkode_system), "the linear equations");
     if (settings.adaptive) {
-      check(ARKStepSStolerances(ark, settings.rtol, settings.atol), "the tolerances");
+      set_tolerances(ark, settings, y0, ARKStepSStolerances, ARKStepSVtolerances);
     } else {
       check(ARKStepSStolerances(ark, tight, tight), "the tolerances");
       check(ARKStepSetMaxNonlinIters(ark, patient_iterations), "the number of iterations");

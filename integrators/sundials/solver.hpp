@@ -43,6 +43,7 @@ struct Settings {
   double h = 0;               ///< when not adaptive
   double rtol = 0, atol = 0;  ///< when adaptive
   JacobianUpdate jacobian{};
+  Eigen::VectorXd atols{};  ///< an absolute tolerance for each component in place of atol; empty: atol
 };
 
 /// What the library calls; `user` is handed to each.

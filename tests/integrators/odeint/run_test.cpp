@@ -164,5 +164,12 @@ TEST(Odeint, RefusesToRunBackwards) {
   EXPECT_THROW(steered<Dopri5Peer>(Circle{}, -1, 1e-6, y), std::invalid_argument);
 }
 
+TEST(Odeint, RefusesAnAbsoluteToleranceForEachComponent) {
+  Eigen::Vector2d y(1, 0);
+  EXPECT_THROW(integrate_adaptive<Dopri5Peer<Circle>>(Circle{}, Span<double>{0, 1}, y, 1e-6,
+                                                      Eigen::Vector2d(1e-6, 1e-9), 5, ObserveNothing{}, many),
+               std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace hmax::odeint

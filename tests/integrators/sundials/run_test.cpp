@@ -199,5 +199,21 @@ TEST(Sundials, RefusesToRunBackwards) {
   EXPECT_EQ(y, Eigen::Vector2d(1, 0));
 }
 
+TEST(Sundials, TakesAnAbsoluteToleranceForEachComponent) {
+  for (const Method& method : {adams, bdf, erk, dirk}) {
+    const auto steps = [&](const Settings& settings, Eigen::Vector2d& y) {
+      y << 1, 0;
+      return run(method, settings, Circle{}, 10, y).stats.steps;
+    };
+    Eigen::Vector2d scalar, equal, loose;
+    const std::int64_t of_scalar = steps({.rtol = 1e-9, .atol = 1e-6}, scalar);
+    EXPECT_EQ(steps({.rtol = 1e-9, .atols = Eigen::Vector2d(1e-6, 1e-6)}, equal), of_scalar);
+    EXPECT_EQ(equal, scalar);
+    EXPECT_LT(steps({.rtol = 1e-9, .atols = Eigen::Vector2d(1e-2, 1e-2)}, loose), of_scalar);
+    EXPECT_THROW(steps({.rtol = 1e-9, .atols = Eigen::Vector3d(1, 1, 1)}, loose), std::invalid_argument);
+    EXPECT_THROW(steps({.rtol = 1e-9, .atols = Eigen::Vector2d(1, -1)}, loose), std::invalid_argument);
+  }
+}
+
 }  // namespace
 }  // namespace hmax::sundials
