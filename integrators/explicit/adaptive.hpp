@@ -10,10 +10,11 @@
 
 namespace hmax {
 
-/// Steps steered by the error estimate of a method: adaptive<tableaux::DormandPrince54>({1e-8, 1e-8}).
+/// Steps steered by the error estimate of a method: adaptive<tableaux::DormandPrince54>({1e-8, 1e-8}), or
+/// adaptive<Method>(default_tolerances(y0)).
 /// @tparam Method  a struct with error_order, as those of the tableaux
 template <class Method, template <class> class Controller = PiController, class Real = double>
-Adaptive<Real, Controller> adaptive(Tolerances<Real> tolerances) {
+Adaptive<Real, Controller> adaptive(Tolerances<Real> tolerances = {}) {
   static_assert(Method::error_order > 0, "the method has no error estimate: run it with FixedStep");
   return {tolerances, Method::error_order};
 }

@@ -13,6 +13,7 @@
 #include "integrators/stepper.hpp"
 #include "integrators/sundials/equations.hpp"
 #include "integrators/sundials/vector.hpp"
+#include "integrators/tolerances.hpp"
 
 namespace hmax::sundials {
 
@@ -40,8 +41,8 @@ struct Method {
 
 struct Settings {
   bool adaptive = true;
-  double h = 0;               ///< when not adaptive
-  double rtol = 0, atol = 0;  ///< when adaptive
+  double h = 0;                                     ///< when not adaptive
+  double rtol = default_rtol, atol = default_atol;  ///< when adaptive
   JacobianUpdate jacobian{};
   Eigen::VectorXd atols{};  ///< an absolute tolerance for each component in place of atol; empty: atol
 };

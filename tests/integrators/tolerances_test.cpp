@@ -136,5 +136,32 @@ TEST(ComponentTolerances, RefusesWhatIsNotOnePositiveNumberForEach) {
   }
 }
 
+TEST(DefaultTolerances, AreThoseOfTheDocumentation) {
+  EXPECT_EQ(Tolerances<double>{}.rtol, 1e-6);
+  EXPECT_EQ(Tolerances<double>{}.atol, 1e-9);
+  expect_same(run(Explicit{}, adaptive<Method>()), run(Explicit{}, adaptive<Method>({1e-6, 1e-9})));
+}
+
+TEST(DefaultTolerances, AreInProportionToTheStart) {
+  EXPECT_EQ(default_tolerances(Plane(0, -200)).rtol, 1e-6);
+  EXPECT_EQ(default_tolerances(Plane(0, -200)).atol, 1e-9 * 200);
+  EXPECT_EQ(default_tolerances(Eigen::Vector2cd(std::complex(3.0, 4.0), 0.0)).atol, 1e-9 * 5);
+  EXPECT_EQ(default_tolerances(Plane(0, 0)).atol, 1e-9) << "a start at zero has no size";
+  expect_same(run(Explicit{}, adaptive<Method>(default_tolerances(InUnits{}.start()))),
+              run(Explicit{}, adaptive<Method>({1e-6, 1e-9 * 0.7})));
+}
+
+TEST(DefaultTolerances, OfBlocksKeepTheirUnitsApart) {
+  const Eigen::Vector4d y0(0.01, 0, 0, -3);
+  const auto tolerances = default_tolerances(y0, {2, 2});
+  EXPECT_EQ(tolerances.rtol, 1e-6);
+  EXPECT_EQ(tolerances.atol, Eigen::Vector4d(1e-9 * 0.01, 1e-9 * 0.01, 1e-9 * 3, 1e-9 * 3));
+  EXPECT_EQ(default_tolerances(Eigen::Vector4d(0.01, 0, 0, 0), {2, 2}).atol, Vector::Constant(4, 1e-9 * 0.01))
+      << "velocities that start at zero have no size of their own";
+  EXPECT_EQ(default_tolerances(Eigen::Vector4d(0, 0, 0, 0), {2, 2}).atol, Vector::Constant(4, 1e-9));
+  EXPECT_THROW(default_tolerances(y0, {2, 3}), std::invalid_argument);
+  EXPECT_THROW(default_tolerances(y0, {5, -1}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace hmax
