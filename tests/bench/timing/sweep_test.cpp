@@ -136,6 +136,29 @@ TEST(Sweep, ADivergedRunIsARowWithItsTimeOfDivergence) {
   EXPECT_EQ(rows[0].cpu_s.size(), 9u);
 }
 
+TEST(Sweep, TheRootMeanSquareErrorIsThatOfTheLargestComponentByTheTrapezoidalRule) {
+  // x' = v, v' = -v from (0, 1): explicit Euler has v_n = q^n with q = 1 - h and x_n = 1 - q^n, so that both
+  // components err by e_n = exp(-n h) - q^n: their largest is e_n, not sqrt(2) e_n.
+  SweepSpec spec = quick();
+  spec.problems = {
+      {.name = "liver_linear",
+       .settings = {.material = "", .parameters = {{"m", 1}, {"c", 1}, {"k1", 0}}, .y0 = {0, 1}}}};
+  spec.methods = {"explicit_euler"};
+  spec.h = {0.25};
+  spec.t_end = 5;
+  const std::vector<Row> rows = measured(spec);
+  ASSERT_EQ(rows.size(), 1u);
+  constexpr int N = 20;
+  const double h = 0.25, q = 1 - h, a = std::exp(-h);
+  // (h / 2) sum_n (e_n^2 + e_(n-1)^2) = h (sum_n e_n^2 - e_N^2 / 2), since e_0 = 0, by three geometric sums.
+  const auto sum = [](double ratio) { return (1 - std::pow(ratio, N + 1)) / (1 - ratio); };
+  const double end = std::pow(a, N) - std::pow(q, N);
+  const double integral = h * (sum(a * a) - 2 * sum(a * q) + sum(q * q) - end * end / 2);
+  EXPECT_NEAR(rows[0].error_l2, std::sqrt(integral / 5), 1e-13);
+  EXPECT_NEAR(rows[0].error_end, end, 1e-13);
+  EXPECT_NEAR(rows[0].error_global, std::pow(a, 4) - std::pow(q, 4), 1e-13) << "e_n is largest at t = 1 s";
+}
+
 TEST(Sweep, TheErrorOfFixedStepsFallsByTwoToTheOrder) {
   SweepSpec spec = quick();
   spec.methods = {"rk4", "rk2_heun", "explicit_euler"};
