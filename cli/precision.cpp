@@ -117,6 +117,7 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::
     document.push_back({{"method", row.key.method},
                         {"mode", row.key.mode},
                         {"rtol", row.key.mode == "fixed" ? Json() : Json(row.key.rtol)},
+                        {"atol", row.key.mode == "fixed" ? Json() : Json(row.key.atol)},
                         {"h", row.key.mode == "fixed" ? Json(row.key.h) : Json()},
                         {"outcome", row.outcome},
                         {"error_global", number_or_null(row.error_global)},
@@ -134,6 +135,12 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::
                         {"status", row.status}});
   }
   return document;
+}
+
+/// "atol = rtol" of adaptive rows; empty where there are none.
+std::string words_of_atol(const std::vector<Row>& rows, double atol_over_rtol) {
+  if (std::ranges::all_of(rows, [](const Row& row) { return row.key.mode == "fixed"; })) return {};
+  return fmt::format("atol = {}rtol\n", atol_over_rtol == 1 ? "" : short_number(atol_over_rtol) + " ");
 }
 
 double value_of(const Row& row, ErrorOf which) {
@@ -206,7 +213,8 @@ void precision(const PrecisionOptions& options, Console& console) {
   if (console.json)
     console.print_json(to_json(rows, limits, words));
   else
-    console.print(fmt::format("{}\nerror: {}\n{}", for_people(rows, which, console), words, drawn));
+    console.print(fmt::format("{}\nerror: {}\n{}{}", for_people(rows, which, console), words,
+                              words_of_atol(rows, options.atol_over_rtol.value_or(1)), drawn));
 }
 
 }  // namespace

@@ -562,8 +562,8 @@ void add_run(CLI::App& app, Console& console) {
   options->problem.add_to(command);
   options->method.add_to(command);
   add_number(command, "--h", options->h, "Fixed step [s]");
-  add_number(command, "--rtol", options->rtol, "Relative tolerance of an adaptive run");
-  add_number(command, "--atol", options->atol, "Absolute tolerance of an adaptive run");
+  add_number(command, "--rtol", options->rtol, "Relative tolerance of an adaptive run, which needs --atol too; no default");
+  add_number(command, "--atol", options->atol, "Absolute tolerance of an adaptive run, which needs --rtol too; no default");
   add_control(command, options->control);
   command
       .add_option(

@@ -92,6 +92,7 @@ std::vector<Group> groups_of(const SweepPlan& plan, const std::vector<Row>& rows
     if (std::ranges::count_if(plan.problems, same) > 1)
       title += " with " + row.key.parameters + ", y0 " + row.key.y0;
     title += ", " + row.key.mode;
+    if (row.key.mode == "sampled") title += " at " + in_words(Tolerances<double>{row.key.rtol, row.key.atol});
     if (groups.empty() || groups.back().title != title) groups.push_back({std::move(title), {}});
     groups.back().rows.push_back(&row);
   }
@@ -114,16 +115,18 @@ const Row* fastest(const Group& group, double error) {
 /// The fastest row for each power of ten of the error; one that serves several is shown at the smallest.
 std::string fastest_table(const Group& group, const Console& console) {
   const bool adaptive = group.rows.front()->key.mode == "adaptive";
-  TextTable table({"error at most", "fastest method", adaptive ? "rtol" : "h [s]", "error", "CPU time [s]",
-                   "real-time factor"});
+  TextTable table({"error at most", "fastest method", adaptive ? "tolerances" : "h [s]", "error",
+                   "CPU time [s]", "real-time factor"});
   for (int decade = 0; decade >= -15; --decade) {
     const Row* best = fastest(group, std::pow(10.0, decade));
     if (!best) break;
     if (best == fastest(group, std::pow(10.0, decade - 1))) continue;
     const double median = summarise(best->cpu_s).median;
-    table.add({fmt::format("1e{}", decade), best->key.method,
-               short_number(adaptive ? best->key.rtol : best->key.h), short_number(best->error_global, 2),
-               short_number(median, 3), short_number(best->key.t_end / median, 3)});
+    table.add(
+        {fmt::format("1e{}", decade), best->key.method,
+         adaptive ? in_words(Tolerances<double>{best->key.rtol, best->key.atol}) : short_number(best->key.h),
+         short_number(best->error_global, 2), short_number(median, 3),
+         short_number(best->key.t_end / median, 3)});
   }
   return table.text(console);
 }
@@ -135,7 +138,7 @@ std::string words_of_failure(const SweepPlan& plan, const Row& row) {
   const RowKey& key = row.key;
   std::string text;
   if (plan.problems.size() > 1) text = key.problem + (key.material.empty() ? "" : ":" + key.material) + ", ";
-  const std::string setting = key.mode == "adaptive" ? fmt::format("rtol = {}", short_number(key.rtol))
+  const std::string setting = key.mode == "adaptive" ? in_words(Tolerances<double>{key.rtol, key.atol})
                                                      : fmt::format("h = {} s", short_number(key.h));
   return text + fmt::format("{}, {}, {}: {} at t = {} s", key.method, key.mode, setting, row.outcome,
                             short_number(row.t_reached));
@@ -152,9 +155,21 @@ Json failures_json(const std::vector<Row>& rows) {
                       {"mode", row.key.mode},
                       {"h", adaptive ? Json() : Json(row.key.h)},
                       {"rtol", adaptive ? Json(row.key.rtol) : Json()},
+                      {"atol", adaptive ? Json(row.key.atol) : Json()},
                       {"outcome", row.outcome},
                       {"t_reached", row.t_reached}});
     }
+  return list;
+}
+
+/// The tolerances of a plan, [{mode, rtol, atol}].
+Json tolerances_json(const SweepPlan& plan) {
+  Json list = Json::array();
+  for (const SweepBlock& block : plan.blocks) {
+    if (!block.run.adaptive) continue;
+    const Json one{{"mode", block.mode}, {"rtol", block.run.rtol}, {"atol", block.run.atol}};
+    if (std::ranges::find(list, one) == list.end()) list.push_back(one);
+  }
   return list;
 }
 
@@ -215,6 +230,7 @@ void sweep(const SweepOptions& options, Console& console) {
                             {"measured", summary.measured},
                             {"skipped", summary.skipped},
                             {"seconds", summary.seconds},
+                            {"tolerances", tolerances_json(plan)},
                             {"interrupted", summary.interrupted},
                             {"failed", failures_json(store.rows())},
                             {"warnings", summary.warnings}});
@@ -264,7 +280,8 @@ void add_sweep(CLI::App& app, Console& console) {
                    "Step adaptively and output every h, as MATLAB does for 0:h:T");
   text("--rtol", options->rtol, "Tolerance of --sampled (1e-6); without steps the tolerances to sweep",
        "NUMBERS");
-  add_number(command, "--atol", options->atol, "Absolute tolerance; equal to --rtol by default");
+  add_number(command, "--atol", options->atol,
+             "Absolute tolerance; equal to --rtol by default");
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");

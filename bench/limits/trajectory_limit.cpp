@@ -46,7 +46,8 @@ void look(const Watcher& watcher) {
 
 /// Shows the motion from y0 to t_end at `points` instants, or where it is 0 after every step.
 void show_motion(const Problem& problem, double t_end, int points, const Watcher& watcher, const Sink& show) {
-  RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = 1e-10, .atol = 1e-12};
+  RunSpec spec{
+      .t_end = t_end, .adaptive = true, .rtol = motion_tolerances.rtol, .atol = motion_tolerances.atol};
   if (points > 0) spec.every = t_end / points;
   spec.max_steps = most_observed_steps;
   const Method method = find_method("dormand_prince_54");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/catalogue/method.hpp"
+#include "integrators/tolerances.hpp"
 
 namespace hmax {
 
@@ -29,7 +30,10 @@ std::optional<double> period_of_load(const Problem& problem);
 /// hundred times the problem's own end, and that at least.
 double end_of_motion(const Problem& problem);
 
-/// The motion from y0 to t_end by dormand_prince_54 at a tolerance of 1e-10, looked at `points` times; of a
+/// The tolerances of motion_path().
+inline constexpr Tolerances<double> motion_tolerances{1e-10, 1e-12};
+
+/// The motion from y0 to t_end by dormand_prince_54 at motion_tolerances, looked at `points` times; of a
 /// body as far as none of its elements is turned inside out.
 /// @throws InputError  when t_end is no end of a run, or the motion does not reach it within
 /// most_observed_steps attempts

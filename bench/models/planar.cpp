@@ -88,7 +88,8 @@ constexpr int most_steps = 6000;
 template <class See>
 void follow(Problem problem, const Vector2d& start, double t_end, const See& see) {
   problem.y0 = start;
-  const RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = 1e-6, .atol = 1e-8};
+  const RunSpec spec{
+      .t_end = t_end, .adaptive = true, .rtol = orbit_tolerances.rtol, .atol = orbit_tolerances.atol};
   int steps = 0;
   try {
     find_method(drawing_method(problem)).bind(problem).run(spec, [&](double t, const auto& y) {
@@ -194,8 +195,9 @@ double drive_period(const Problem& problem, std::optional<double> named) {
 }
 
 VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps) {
-  return std::visit([&](const auto& system) { return period_map(system, period, 1e-11, most_steps); },
-                    problem.system);
+  return std::visit(
+      [&](const auto& system) { return period_map(system, period, stroboscope_tolerances.rtol, most_steps); },
+      problem.system);
 }
 
 Window window_of_motions(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double period) {
@@ -230,8 +232,11 @@ std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const
     longest = std::max(longest, 20 * std::log(1e3) / -e.eigenvalues[0].real());
   }
   const Method method = find_method(problem.stiff ? "radau_iia_5" : "dop_853");
-  const RunSpec spec{
-      .t_end = longest, .adaptive = true, .rtol = 1e-8, .atol = 1e-10, .max_steps = adaptive_attempts};
+  const RunSpec spec{.t_end = longest,
+                     .adaptive = true,
+                     .rtol = basin_tolerances.rtol,
+                     .atol = basin_tolerances.atol,
+                     .max_steps = adaptive_attempts};
   return [=, own = std::make_shared<Problem>(problem)](const Vector2d& start) -> int {
     int fate = undecided;
     own->y0 = start;

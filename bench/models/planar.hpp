@@ -12,6 +12,7 @@
 #include "analysis/dynamics/differences.hpp"
 #include "analysis/dynamics/phase_plane.hpp"
 #include "bench/catalogue/method.hpp"
+#include "integrators/tolerances.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -38,6 +39,10 @@ PlanarField planar_field(const Problem& problem, double t, const Eigen::Vector2d
 /// @throws InputError where nothing is driven and no period is named, where it is not positive, or where f is
 ///                    not the same one period later
 double drive_period(const Problem& problem, std::optional<double> named);
+
+/// The tolerances of stroboscope(), of fate_of_starts(), and of orbits and default windows.
+inline constexpr Tolerances<double> stroboscope_tolerances{1e-11, 1e-11}, basin_tolerances{1e-8, 1e-10},
+    orbit_tolerances{1e-6, 1e-8};
 
 /// The state one period after a state, see analysis/dynamics/poincare.hpp.
 /// @param most_steps  after which a period is taken for one that diverges

@@ -106,7 +106,10 @@ void phase(const PhaseOptions& options, Console& console) {
   const PhaseView view = view_of(options);
   Json document = document_of(view);
   std::string text = headline(view.problem) + equilibria_table(view, console);
-  if (!options.output.empty()) deliver(phase_portrait(view), options, document, text, console);
+  if (!options.output.empty()) {
+    text += fmt::format("\norbits: {}\n", in_words(orbit_tolerances));
+    deliver(phase_portrait(view), options, document, text, console);
+  }
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
   if (console.json) return console.print_json(document);
   console.print(text);
@@ -262,6 +265,7 @@ Json document_of(const PhaseView& view) {
   document["remarks"] = view.remarks;
   document["equilibria"] = to_json(view.equilibria);
   document["search"] = search_document(view.window, view.check, guarantee(view));
+  document["tolerances"] = to_json(orbit_tolerances);
   return document;
 }
 
@@ -363,10 +367,14 @@ void add_phase(CLI::App& app, Console& console) {
                   "default what the motion from y0 covers")
       ->type_name("XMIN,XMAX,VMIN,VMAX");
   add_number(command, "--at", options->at, "Instant at which a driven problem is frozen [s]; 0 by default");
-  command.add_flag("--basins", options->basins, "Show which place of rest each start in the window leads to");
+  command.add_flag("--basins", options->basins,
+                   fmt::format("Show which place of rest each start in the window leads to, at {}",
+                               in_words(basin_tolerances)));
   command.add_option("--cells", options->cells, "Starts in a row of the window; 120 by default")
       ->type_name("NUMBER");
-  command.add_flag("--poincare", options->poincare, "Show the state once in each period of the force");
+  command.add_flag("--poincare", options->poincare,
+                   fmt::format("Show the state once in each period of the force, at {}",
+                               in_words(stroboscope_tolerances)));
   command
       .add_option("--bifurcation", options->bifurcation,
                   "Show the same over this parameter, from --from to --to")
@@ -385,7 +393,10 @@ void add_phase(CLI::App& app, Console& console) {
       ->type_name("NUMBER");
   add_number(command, "--period", options->period,
              "Period of the force [s], where it is not that of the oscillator");
-  command.add_option("--output", options->output, "Draw the figure into this folder, as SVG, PNG and PDF")
+  command
+      .add_option("--output", options->output,
+                  fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
+                              in_words(orbit_tolerances)))
       ->type_name("FOLDER");
   add_force(command);
   add_figure_style(command);

@@ -47,7 +47,7 @@ PhaseView view_of(const PhaseOptions& options);
 
 /// {problem, material, parameters, states}, how every document of the command begins.
 nlohmann::ordered_json document_of(const Problem& problem);
-/// The same and {t, window, remarks, equilibria}.
+/// The same and {t, window, remarks, equilibria, tolerances}; those of orbits.
 nlohmann::ordered_json document_of(const PhaseView& view);
 nlohmann::ordered_json to_json(const std::vector<Equilibrium>& equilibria);
 /// [[re, im], [re, im]]

@@ -99,11 +99,13 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   for (const auto& [fate, words] :
        {std::pair{unbounded, "leaves without bound"}, {undecided, "settles elsewhere or later"}})
     if (found.share(fate) > 0) table.add({words, "", "", fmt::format("{:.2f} %", 100 * found.share(fate))});
+  document["tolerances"] = to_json(basin_tolerances);
   document["cells"] = {found.columns, found.rows};
   document["attractors"] = attractors;
   document["unbounded"] = found.share(unbounded);
   document["undecided"] = found.share(undecided);
-  std::string text = headline(view.problem) + equilibria_table(view, console) + "\n" + table.text(console);
+  std::string text = headline(view.problem) + equilibria_table(view, console) + "\n" + table.text(console) +
+                     fmt::format("motions: {}\n", in_words(basin_tolerances));
   if (!options.output.empty()) deliver(picture(view, found), options, document, text, console);
   if (console.json) return console.print_json(document);
   console.print(text);

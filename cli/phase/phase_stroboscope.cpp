@@ -277,6 +277,7 @@ Json section_document(const Problem& problem, const Section& section) {
   for (const FixedPoint& point : section.periodic.points) periodic.push_back(fixed_point_document(point));
   const Settled& motion = section.motion;
   return {{"drive_period", section.drive_period},
+          {"tolerances", to_json(stroboscope_tolerances)},
           {"skip", section.looks.skip},
           {"section", points},
           {"settling", name_of(motion.settling)},
@@ -314,7 +315,7 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
   if (section.exponent && std::isfinite(section.exponent->value))
     text += fmt::format("\nlargest Lyapunov exponent {} 1/s (95 %, {} periods)\n", with_error(section),
                         section.exponent->count);
-  return text;
+  return text + fmt::format("\nmotions: {}\n", in_words(stroboscope_tolerances));
 }
 
 }  // namespace
@@ -363,6 +364,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   Json list = Json::array();
   for (const BifurcationColumn& column : columns)
     list.push_back(column_document(column, period_of_force(with_value(options.problem, name, column.value))));
+  document["tolerances"] = to_json(stroboscope_tolerances);
   document["parameter"] = name;
   document["skip"] = seen.skip;
   document["follow"] = options.follow;
@@ -372,7 +374,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   TextTable table({"settles to", name + " from", "to"});
   for (const Stretch& stretch : stretches(columns))
     table.add({stretch.what, short_name(stretch.from), short_name(stretch.to)});
-  text += table.text(console);
+  text += table.text(console) + fmt::format("motions: {}\n", in_words(stroboscope_tolerances));
   if (!options.output.empty()) {
     const auto names = axis_names(first);
     std::string parameters;

@@ -12,6 +12,7 @@
 #include "bench/models/tissue_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "results/errors.hpp"
+#include "results/numbers.hpp"
 
 namespace hmax {
 
@@ -152,6 +153,14 @@ Method MethodChoice::make() const {
   if (method.empty())
     throw InputError("no method is given; name one with --method, `hmax list methods` shows all of them");
   return find_method(method);
+}
+
+std::string in_words(const Tolerances<double>& tolerances) {
+  return fmt::format("rtol {}, atol {}", to_text(tolerances.rtol), to_text(tolerances.atol));
+}
+
+nlohmann::ordered_json to_json(const Tolerances<double>& tolerances) {
+  return {{"rtol", tolerances.rtol}, {"atol", tolerances.atol}};
 }
 
 void add_control(CLI::App& command, std::string& control) {

@@ -8,6 +8,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "cli/shared/console.hpp"
+#include "integrators/tolerances.hpp"
 
 namespace hmax {
 
@@ -53,6 +54,10 @@ struct MethodChoice {
   /// @throws InputError when both or none are given, or something is unknown
   [[nodiscard]] Method make() const;
 };
+
+/// "rtol 1e-06, atol 1e-08", and {rtol, atol}
+std::string in_words(const Tolerances<double>& tolerances);
+nlohmann::ordered_json to_json(const Tolerances<double>& tolerances);
 
 /// --control, a word of controller_names
 void add_control(CLI::App& command, std::string& control);

@@ -72,6 +72,7 @@ Json path_json(const TrajectoryLimit& along, const LimitRow& row, bool of_body) 
   else
     document["y"] = std::vector<double>(y.begin(), y.end());
   document["growing_share"] = along.growing;
+  if (row.point.path != "load") document["tolerances"] = to_json(motion_tolerances);
   document["path"] = std::move(path);
   const std::string status = both(words_of_growth(row), row.path_note);
   if (!status.empty()) document["status"] = status;

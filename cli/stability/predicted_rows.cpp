@@ -132,7 +132,10 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
     words +=
         "h_max is that of small motions about this state; a load that acts at once passes others, which --along looks "
         "at\n";
-  if (has_path && question.path == "motion") words += words_of_part(problem, question.end_of(problem));
+  if (has_path && question.path == "motion") {
+    words += fmt::format("the motion: dormand_prince_54, {}\n", in_words(motion_tolerances));
+    words += words_of_part(problem, question.end_of(problem));
+  }
   if (const auto tool = tool_report(problem, near.model.t, near.model.y); tool && near.at_equilibrium)
     words += fmt::format("tool: {}\n", tool->words());
   return words;

@@ -140,10 +140,11 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   command
       .add_option(
           "--along", options->along,
-          "Also the least limit of the tangent, and where: along the motion from the initial state "
-          "(with --verify also the largest step that stays near it), or of a body while its load grows; "
-          "motion by default of models that are not linear and of bodies whose load changes with time, none to leave it "
-          "out")
+          "Also the least limit of the tangent, and where: along the motion from the initial state, at " +
+              in_words(motion_tolerances) +
+              " (with --verify also the largest step that stays near it), or of a body while its load grows; "
+              "motion by default of models that are not linear and of bodies whose load changes with time, none to "
+              "leave it out")
       ->type_name("motion|load|none")
       ->expected(0, 1)
       ->default_str(std::string(path_names[0]));

@@ -93,5 +93,16 @@ TEST(PrecisionCommand, BadInputIsRefusedInOneSentence) {
   expect_refused(shell.hmax("precision --methods ode45 --h 0.1"), "--h");
 }
 
+TEST(PrecisionCommand, StatesItsTolerances) {
+  const Shell shell;
+  const std::string command = "precision --methods ode45 --rtol 1e-4 --t-end 5";
+  EXPECT_EQ(shell.hmax(command + " --json").json().at(0).at("atol"), 1e-4);
+  EXPECT_EQ(shell.hmax(command + " --atol-over-rtol 0.5 --json").json().at(0).at("atol"), 0.5e-4);
+  EXPECT_NE(shell.hmax(command).out.find("\natol = rtol\n"), std::string::npos);
+  EXPECT_NE(shell.hmax(command + " --atol-over-rtol 0.5").out.find("\natol = 0.5 rtol\n"), std::string::npos);
+  const Told fixed = shell.hmax("precision --methods rk4 --h 0.1 --t-end 5 --json");
+  EXPECT_TRUE(fixed.json().at(0).at("atol").is_null());
+}
+
 }  // namespace
 }  // namespace hmax

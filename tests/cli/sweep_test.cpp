@@ -180,5 +180,23 @@ TEST(SweepCommand, RefusesAFolderThatCannotBeWrittenAndAFileThatIsNoStore) {
   expect_refused(shell.hmax("sweep --methods rk4 --h 1 --out text.sqlite --resume"), "text.sqlite");
 }
 
+TEST(SweepCommand, StatesItsTolerances) {
+  const Shell shell;
+  const auto both = [](double rtol, double atol) {
+    return nlohmann::json{{"mode", "sampled"}, {"rtol", rtol}, {"atol", atol}};
+  };
+  const std::string sampled = "sweep --methods ode45 --h 1,0.5 --sampled --t-end 2 --out ";
+  EXPECT_EQ(shell.hmax(sampled + "a --json").json().at("tolerances"),
+            nlohmann::json::array({both(1e-6, 1e-6)}));
+  EXPECT_EQ(shell.hmax(sampled + "b --rtol 1e-5 --atol 1e-7 --json").json().at("tolerances"),
+            nlohmann::json::array({both(1e-5, 1e-7)}));
+  EXPECT_EQ(shell.hmax("sweep --methods rk4 --h 1 --t-end 2 --out c --json").json().at("tolerances"),
+            nlohmann::json::array());
+  const Told words = shell.hmax(sampled + "d");
+  EXPECT_NE(words.out.find("sampled at rtol 1e-06, atol 1e-06"), std::string::npos) << words.out;
+  const Told adaptive = shell.hmax("sweep --methods ode45 --rtol 1e-4 --atol 1e-5 --t-end 2 --out e");
+  EXPECT_NE(adaptive.out.find("rtol 0.0001, atol 1e-05"), std::string::npos) << adaptive.out;
+}
+
 }  // namespace
 }  // namespace hmax

@@ -390,5 +390,22 @@ TEST(Phase, RefusesBasinsOfNothing) {
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --poincare"), "one of them");
 }
 
+TEST(Phase, StatesTheTolerancesOfMotions) {
+  const Shell shell;
+  const auto both = [](double rtol, double atol) { return Json{{"rtol", rtol}, {"atol", atol}}; };
+  EXPECT_EQ(phase(shell, "liver_cubic").at("tolerances"), both(1e-6, 1e-8));
+  const std::string basins = "liver_cubic --set k1=-1 --set c=0.5 --basins --cells 4 --window -3,3,-3,3";
+  EXPECT_EQ(phase(shell, basins).at("tolerances"), both(1e-8, 1e-10));
+  const std::string poincare = "liver_forced --poincare --periods 20";
+  EXPECT_EQ(phase(shell, poincare).at("tolerances"), both(1e-11, 1e-11));
+  EXPECT_NE(shell.hmax("phase --problem " + basins).out.find("motions: rtol 1e-08, atol 1e-10"),
+            std::string::npos);
+  EXPECT_NE(shell.hmax("phase --problem " + poincare).out.find("motions: rtol 1e-11, atol 1e-11"),
+            std::string::npos);
+  const std::string help = shell.hmax("phase --help").out;
+  for (const char* words : {"rtol 1e-06", "rtol 1e-08", "rtol 1e-11"})
+    EXPECT_NE(help.find(words), std::string::npos) << words;
+}
+
 }  // namespace
 }  // namespace hmax

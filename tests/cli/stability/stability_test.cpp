@@ -320,6 +320,7 @@ TEST(StabilityPredict, LooksAlongTheMotionOfAnOscillatorAndOfABody) {
       shell.hmax(predict + "--problem liver_forced --along").json().at("rows").at(0).at("along");
   EXPECT_EQ(small.at("y").size(), 2U);
   EXPECT_EQ(small.at("path").size(), 401U);
+  EXPECT_EQ(small.at("tolerances"), (Json{{"rtol", 1e-10}, {"atol", 1e-12}}));
   // The word that is meant when none is given.
   EXPECT_EQ(shell.hmax(predict + "--problem liver_forced --along motion").json().at("rows").at(0).at("along"),
             small);
