@@ -1,4 +1,4 @@
-/// hmax list problems | methods | materials
+/// hmax list methods | problems | models | materials
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -11,6 +11,7 @@
 #include "bench/catalogue/catalogue.hpp"
 #include "cli/shared/commands.hpp"
 #include "problems/oscillator/liver_materials.hpp"
+#include "problems/tissue/tissue_model.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -113,6 +114,24 @@ void list_methods(Console& console) {
   console.print("A method of your own: --tableau FILE.toml, see docs/reference/cli.md.\n");
 }
 
+void list_models(Console& console) {
+  Json document = Json::array();
+  TextTable table({"model", "forces"});
+  for (const TissueModel& model : tissue_models()) {
+    document.push_back({{"id", model.id},
+                        {"note", model.note},
+                        {"is_linear", model.is_linear},
+                        {"is_of_springs", model.is_of_springs()},
+                        {"resists_inversion", model.resists_inversion}});
+    table.add({std::string(model.id), std::string(model.note)});
+  }
+  if (console.json) return console.print_json(document);
+  console.print(table.text(console));
+  console.print(
+      fmt::format("\nModels of a body on a mesh: `--mesh liver --model {0}`, or `--problem {0}@liver`.\n",
+                  tissue_models().front().id));
+}
+
 void list_materials(Console& console) {
   Json document = Json::array();
   TextTable table({"material", "k1 [N/m]", "c [N s/m]", "m low [kg]", "m high [kg]", "m middle [kg]"});
@@ -141,8 +160,9 @@ void list_materials(Console& console) {
 }  // namespace
 
 void add_list(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(app, console, "list", "Show the problems, methods or materials",
-                                  {"hmax list methods", "hmax list problems --json", "hmax list materials"});
+  CLI::App& command =
+      add_command(app, console, "list", "Show the methods, problems, mesh models or materials",
+                  {"hmax list methods", "hmax list problems --json", "hmax list materials"});
   auto what = std::make_shared<std::string>();
   command.add_option("what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")))->type_name("");
   command.callback([what, &console] {
@@ -153,6 +173,7 @@ void add_list(CLI::App& app, Console& console) {
     const std::string chosen = parse_choice("what to list", *what, list_topics);
     if (chosen == "problems") return list_problems(console);
     if (chosen == "methods") return list_methods(console);
+    if (chosen == "models") return list_models(console);
     list_materials(console);
   });
 }

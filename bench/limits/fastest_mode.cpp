@@ -139,8 +139,7 @@ ElementSum elements_of(const TissueBody& body) {
 std::vector<double> mass_weights(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   std::vector<double> weights;
-  if (settings.model == TissueModel::mass_spring || settings.skin.kind != SkinSettings::Kind::none)
-    return weights;
+  if (settings.model.is_of_springs() || settings.skin.kind != SkinSettings::Kind::none) return weights;
   const TetMesh& mesh = body.mesh();
   for (Index t = 0; t < mesh.tetrahedron_count(); ++t) {
     const std::size_t region = settings.materials.size() > 1 ? at(mesh.regions.at(at(t))) : 0;

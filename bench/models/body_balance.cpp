@@ -34,7 +34,7 @@ StaticModel model_from(const Problem& problem, double load_scale, double t, cons
                           body->mesh().points.cwiseAbs().maxCoeff() *
                           std::sqrt(static_cast<double>(body->dofs()));
   // Small strains know no volume, and have one equilibrium.
-  const bool may_invert = body->settings().model != TissueModel::fem_cauchy;
+  const bool may_invert = !body->settings().model.is_linear;
   return {
       .dofs = body->dofs(),
       .force =
@@ -164,12 +164,21 @@ std::string cause_of(const Problem& problem, const StaticSolution& solution) {
                      tetrahedron_number(problem, tetrahedron), volume);
 }
 
+namespace {
+
+/// What else may help where an element collapses: for a model that does not resist it, one that does.
+std::string remedy_of_collapse(const TissueModel& model) {
+  const auto other = std::ranges::find(tissue_models(), true, &TissueModel::resists_inversion);
+  if (model.resists_inversion || other == tissue_models().end())
+    return ", a smaller load or a stiffer material";
+  return fmt::format(", a smaller load, a stiffer material, or {}, which resists being crushed", other->id);
+}
+
+}  // namespace
+
 std::string status_of(const Problem& problem, const StaticSolution& solution) {
   std::string remedy = solution.remedy;
-  if (solution.barred)
-    remedy += problem.body->settings().model == TissueModel::fem_neo_hookean
-                  ? ", a smaller load or a stiffer material"
-                  : ", a smaller load, a stiffer material, or fem_neo_hookean, which resists being crushed";
+  if (solution.barred) remedy += remedy_of_collapse(problem.body->settings().model);
   return cause_of(problem, solution) + (remedy.empty() ? "" : "; take " + remedy);
 }
 
@@ -178,7 +187,7 @@ std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron
 }
 
 NamedElement named_element(const Problem& problem, Eigen::Index element) {
-  const bool springs = problem.body->settings().model == TissueModel::mass_spring;
+  const bool springs = problem.body->settings().model.is_of_springs();
   const Eigen::Index tetrahedra = springs ? 0 : problem.body->mesh().tetrahedron_count();
   if (element < tetrahedra) return {"tetrahedron", tetrahedron_number(problem, element)};
   return {springs ? "spring" : "skin triangle", element - tetrahedra + 1};

@@ -79,7 +79,7 @@ BodySummary summary_of(const TissueBody& body) {
     summary.travel = std::max(summary.travel, support.travel.norm());
   for (const PressingForce& load : settings.forces)
     summary.force = std::max(summary.force, load.force.norm());
-  if (settings.model == TissueModel::mass_spring) summary.poisson = {0.25, 0.25};
+  if (settings.model.is_of_springs()) summary.poisson.fill(poisson_of_springs);
   if (settings.total_mass) {
     double volume = 0;
     for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) volume += signed_volume(corners_of(mesh, t));

@@ -20,7 +20,7 @@ bool holds_share(const TissueParameters& p) { return p.support > 0 && !p.has_box
 
 std::string why_young(const TissueId& id, const TissueParameters& p, std::string_view name) {
   const bool of_skin = name == "E" && p.skin != 0;
-  if (id.model != "mass_spring" || p.k == 0 || of_skin || tool_takes_young(id, p)) return {};
+  if (!id.is_of_springs() || p.k == 0 || of_skin || tool_takes_young(id, p)) return {};
   return fmt::format(
       "{} does not act where k = {} N/m gives the stiffness of every spring; leave one of them out", name,
       to_text(p.k));
@@ -46,9 +46,9 @@ std::string why_axis(const TissueId& id, const TissueParameters& p) {
 
 std::string why_idle(const TissueId& id, const TissueParameters& p, std::string_view name) {
   const std::string_view what = name.substr(0, name.find(':'));
-  if (what == "nu" && id.model == "mass_spring")
-    return fmt::format(
-        "{} does not act on mass_spring, whose springs have a Poisson's ratio of 1/4; leave it out", name);
+  if (what == "nu" && id.is_of_springs())
+    return fmt::format("{} does not act on {}, whose springs have a Poisson's ratio of 1/4; leave it out",
+                       name, id.model);
   if (what == "E" || what == "inclusion") return why_young(id, p, name);
   if (what == "rho") return why_density(p, name);
   if (name == "support" && p.has_box())

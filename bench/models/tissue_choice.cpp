@@ -22,8 +22,6 @@ namespace hmax {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> models{"fem_green", "fem_cauchy", "fem_corotational",
-                                                 "fem_neo_hookean", "mass_spring"};
 constexpr std::array<std::string_view, 5> loads{"gravity", "press", "pull", "tool", "breathing"};
 
 void require_known(std::string_view what, const std::string& word, std::span<const std::string_view> known) {
@@ -37,9 +35,9 @@ struct Named {
   std::string_view name;
   double TissueParameters::*value;
   bool everybody = true;     ///< shown of every body, else where it is not the default
-  std::string_view of = {};  ///< words of the model or the loads that read it; empty: all do
+  std::string_view of = {};  ///< `springs`, or the loads that read it; empty: all do
 };
-constexpr std::string_view springs = "mass_spring";
+constexpr std::string_view springs = "springs";
 constexpr std::array<Named, 41> all_named{{
     {"E", &TissueParameters::E},
     {"nu", &TissueParameters::nu},
@@ -105,7 +103,7 @@ constexpr std::string_view table_name = "phi";
 
 /// Whether the model or the load is among those that read a parameter.
 bool is_read(std::string_view readers, const TissueId& id) {
-  if (readers.empty() || readers == springs) return readers.empty() || readers == id.model;
+  if (readers.empty() || readers == springs) return readers.empty() || id.is_of_springs();
   return std::ranges::any_of(readers | std::views::split(' '), [&](const auto& word) {
     return std::string_view(word.begin(), word.end()) == id.load;
   });
@@ -115,8 +113,9 @@ bool is_read(std::string_view readers, const TissueId& id) {
 void require_read(std::string_view parameter, std::string_view readers, const TissueId& id) {
   if (is_read(readers, id)) return;
   if (readers == springs)
-    throw InputError(fmt::format("{} is of springs, and {} has none; leave it out or take mass_spring",
-                                 parameter, id.model));
+    throw InputError(fmt::format("{} is of springs, and {} has none; leave it out or take {}", parameter,
+                                 id.model,
+                                 std::ranges::find_if(tissue_models(), &TissueModel::is_of_springs)->id));
   const std::string_view first = readers.substr(0, readers.find(' '));
   throw InputError(
       fmt::format("{} is not of the load {}; leave it out or take --load {}", parameter, id.load, first));
@@ -401,7 +400,11 @@ void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loade
 
 }  // namespace
 
-std::span<const std::string_view> tissue_models() { return models; }
+std::vector<std::string_view> tissue_model_ids() {
+  std::vector<std::string_view> ids;
+  for (const TissueModel& model : tissue_models()) ids.push_back(model.id);
+  return ids;
+}
 std::span<const std::string_view> tissue_loads() { return loads; }
 
 TissueId::TissueId(const std::string& id) {
@@ -411,7 +414,7 @@ TissueId::TissueId(const std::string& id) {
   const std::size_t slash = model.find('/');
   load = slash == std::string::npos ? std::string(loads.front()) : model.substr(slash + 1);
   model.resize(std::min(slash, model.size()));
-  require_known("model", model, models);
+  require_known("model", model, tissue_model_ids());
   require_known("load", load, loads);
 }
 
@@ -521,10 +524,9 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
   if (p.exponential != 0) settings.springs.law = ExponentialSpring{p.exponential};
   if (!p.table.empty()) settings.springs.law = law_of_table(p.table);
   if (p.skin != 0)
-    settings.skin = {
-        .kind = id.model == "mass_spring" ? SkinSettings::Kind::springs : SkinSettings::Kind::membrane,
-        .young = p.skin * p.E,
-        .thickness = p.skin_thickness};
+    settings.skin = {.kind = id.is_of_springs() ? SkinSettings::Kind::springs : SkinSettings::Kind::membrane,
+                     .young = p.skin * p.E,
+                     .thickness = p.skin_thickness};
   if (p.inclusion != 0) {
     settings.materials.resize(static_cast<std::size_t>(region_count(mesh)), settings.materials.front());
     for (TissueMaterial& other : settings.materials | std::views::drop(1)) other.young *= p.inclusion;

@@ -13,8 +13,9 @@
 
 namespace hmax {
 
-/// Ids of the models a mesh can be made of, and of what moves it. The first is the default.
-std::span<const std::string_view> tissue_models();
+/// Ids of the models a mesh can be made of (problems/tissue/tissue_model.hpp), and of what moves it. The
+/// first is the default.
+std::vector<std::string_view> tissue_model_ids();
 std::span<const std::string_view> tissue_loads();
 
 /// Those of a mesh and material, with what the user sets.

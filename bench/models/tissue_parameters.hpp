@@ -19,6 +19,8 @@ struct TissueId {
 
   /// @throws InputError  for an unknown model or load
   explicit TissueId(const std::string& id);
+
+  [[nodiscard]] bool is_of_springs() const { return tissue_model(model).is_of_springs(); }
 };
 
 /// What a user may set of a body on a mesh.

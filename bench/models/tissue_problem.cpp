@@ -130,7 +130,7 @@ constexpr Eigen::Index most_modal_dofs = 1500;
 }  // namespace
 
 std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load) {
-  return fmt::format("{}{}@{}", model.empty() ? tissue_models().front() : model,
+  return fmt::format("{}{}@{}", model.empty() ? tissue_models().front().id : model,
                      load.empty() || load == tissue_loads().front() ? "" : fmt::format("/{}", load), mesh);
 }
 
@@ -160,7 +160,7 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .idle = idle_parameters(id, parameters)};
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
     problem.tetrahedron_numbers.push_back(loaded.origin->tetrahedron_number(t));
-  const bool is_linear = id.model == "fem_cauchy" && body->settings().tools.empty();
+  const bool is_linear = body->settings().model.is_linear && body->settings().tools.empty();
   if (is_linear && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;
     problem.exact = exact_motion(body);

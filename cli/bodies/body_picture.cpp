@@ -65,7 +65,7 @@ SpacePoint towards_viewer(const std::string& from) {
 }
 
 void require_value(const TissueBody& body, BodyValue value) {
-  if (value == BodyValue::energy_density && body.settings().model == TissueModel::mass_spring)
+  if (value == BodyValue::energy_density && body.settings().model.is_of_springs())
     throw InputError("springs have no energy density; take --colour displacement, or finite elements");
 }
 

@@ -31,7 +31,7 @@ Json body_json(const Problem& problem) {
 void remark_unusual(Console& console, const Problem& problem) {
   if (!problem.body) return;
   for (const std::string& sentence : unusual_values(summary_of(*problem.body))) console.remark(sentence);
-  if (!problem.material.empty() && problem.body->settings().model == TissueModel::mass_spring)
+  if (!problem.material.empty() && problem.body->settings().model.is_of_springs())
     console.remark(
         fmt::format("the Poisson's ratio of {} does not act: springs have 1/4 whatever the material says",
                     problem.material));

@@ -92,12 +92,13 @@ ReportSection deflections(const fs::path& folder, TissueStudy& study) {
       .columns = 2};
   double* const found[]{&study.deflection_springs, &study.deflection_elements};
   int k = 0;
-  for (const std::string_view model : {"mass_spring", "fem_green"}) {
+  for (const auto& [model, title] :
+       {std::pair{"mass_spring", "Mass-spring"}, {"fem_green", "Finite elements, Green's strain"}}) {
     const Problem problem = study_tissue(model, "liver", "press", {{"force", pressing}});
     const StaticSolution solution = equilibrium(problem);
     *found[k++] = largest_displacement(solution.q);
     BodyView view = body_view(*problem.body, 0, solution.q, BodyValue::displacement);
-    view.title = model == "mass_spring" ? "Mass-spring" : "Finite elements, Green's strain";
+    view.title = title;
     view.notes = {fmt::format("largest displacement {}{}", millimetres(largest_displacement(solution.q)),
                               solution.converged ? "" : "; not converged: " + solution.note)};
     bodies.views.push_back(std::move(view));
@@ -123,7 +124,7 @@ ReportSection load_paths(const fs::path& folder, const std::string& machine) {
     Panel panel{
         .title = std::string(mesh), .x = {.label = "largest displacement [mm]"}, .y = {.label = "force [N]"}};
     int k = 0;
-    for (const std::string_view model : tissue_models()) {
+    for (const std::string_view model : tissue_model_ids()) {
       const Problem problem = study_tissue(model, mesh, "press", {{"force", most}});
       Curve curve{.label = std::string(model), .x = {0}, .y = {0}, .style = family_style(k++, true)};
       curve.style.size = 0.8;

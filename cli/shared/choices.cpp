@@ -36,8 +36,8 @@ void MeshOptions::add_to(CLI::App& command) {
   command.add_option("--unit", unit, "Of a mesh file: m, cm, mm or a number of metres")->type_name("UNIT");
   command
       .add_option("--model", model,
-                  fmt::format("Of what the mesh is made: {}; {} by default", fmt::join(tissue_models(), ", "),
-                              tissue_models().front()))
+                  fmt::format("Of what the mesh is made: {}; {} by default",
+                              fmt::join(tissue_model_ids(), ", "), tissue_models().front().id))
       ->type_name("ID");
   command
       .add_option("--load", load,

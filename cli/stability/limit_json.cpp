@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench/models/body_balance.hpp"
+#include "cli/shared/choices.hpp"
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/stability.hpp"
 

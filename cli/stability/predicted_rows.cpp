@@ -128,7 +128,7 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
         "motion to t = {} s\n",
         why_along(problem), short_number(question.end_of(problem)));
   else if (problem.body && !has_path && near.state_kind == "equilibrium" && near.model.y.norm() > 0 &&
-           problem.body->settings().model != TissueModel::fem_cauchy)
+           !problem.body->settings().model.is_linear)
     words +=
         "h_max is that of small motions about this state; a load that acts at once passes others, which --along looks "
         "at\n";

@@ -144,7 +144,7 @@ void TissueBody::distribute_mass() {
 }
 
 void TissueBody::build_elastic_parts() {
-  const bool springs = settings_.model == TissueModel::mass_spring;
+  const bool springs = settings_.model.is_of_springs();
   const EdgeTable edges = edge_table(mesh_);
   const bool skin = settings_.skin.kind != SkinSettings::Kind::none;
   const bool on_surface = springs || skin || !settings_.tools.empty();
@@ -160,24 +160,11 @@ void TissueBody::build_elastic_parts() {
   std::vector<Lame> coefficients;
   for (const TissueMaterial& material : settings_.materials)
     coefficients.push_back(lame(material.young, material.poisson));
-  switch (settings_.model) {
-    case TissueModel::mass_spring:
-      springs_.emplace_back(mesh_.points, tissue_springs(mesh_, edges, surface, settings_),
-                            settings_.springs.law, pattern_);
-      break;
-    case TissueModel::fem_cauchy:
-      elements_.emplace<TetElements<SmallStrain>>(mesh_, coefficients, pattern_);
-      break;
-    case TissueModel::fem_green:
-      elements_.emplace<GreenElements>(mesh_, coefficients, pattern_);
-      break;
-    case TissueModel::fem_corotational:
-      elements_.emplace<TetElements<Corotational>>(mesh_, coefficients, pattern_);
-      break;
-    case TissueModel::fem_neo_hookean:
-      elements_.emplace<TetElements<StableNeoHookean>>(mesh_, coefficients, pattern_);
-      break;
-  }
+  if (springs)
+    springs_.emplace_back(mesh_.points, tissue_springs(mesh_, edges, surface, settings_),
+                          settings_.springs.law, pattern_);
+  else
+    elements_ = settings_.model.make_elements(mesh_, coefficients, pattern_);
   const SkinSettings& s = settings_.skin;
   if (skin) {
     lame(s.young, s.poisson);
@@ -242,7 +229,7 @@ void TissueBody::displace(double t, Eigen::Ref<const Dofs> q, NodeRows& u) const
 }
 
 void TissueBody::place(double t, Eigen::Ref<const Dofs> q, Scratch& rows) const {
-  if (settings_.model != TissueModel::mass_spring) displace(t, q, rows.u);
+  if (elements_) displace(t, q, rows.u);
   if (!needs_positions()) return;
   rows.x.resize(at(mesh_.point_count()));
   visit_displacements(
@@ -273,11 +260,7 @@ void TissueBody::total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<cons
   rows.f.assign(at(mesh_.point_count()), {});
   if (needs_velocities()) move(t, v, rows.v);
 
-  std::visit(
-      [&]<class Model>(const Model& model) {
-        if constexpr (!std::is_same_v<Model, std::monostate>) model.add_force(rows.u, rows.f);
-      },
-      elements_);
+  if (elements_) elements_->add_force(rows.u, rows.f);
   for (const SpringSet& set : springs_) {
     set.add_force(rows.x, rows.f);
     if (set.has_dampers()) set.add_damper_force(rows.x, rows.v, rows.f);
@@ -319,16 +302,10 @@ void TissueBody::rhs(double t, const State& y, State& dydt) const {
 }
 
 void TissueBody::write_elastic_stiffness(const Scratch& rows, double* values) const {
-  std::visit(
-      [&]<class Model>(const Model& model) {
-        if constexpr (std::is_same_v<Model, GreenElements>) {
-          model.write_stiffness(rows.u, pattern_, values);
-        } else {
-          std::fill_n(values, pattern_.entries(), 0.0);
-          if constexpr (!std::is_same_v<Model, std::monostate>) model.add_stiffness(rows.u, pattern_, values);
-        }
-      },
-      elements_);
+  if (elements_)
+    elements_->write_stiffness(rows.u, pattern_, values);
+  else
+    std::fill_n(values, pattern_.entries(), 0.0);
   for (const SpringSet& set : springs_) set.add_stiffness(rows.x, pattern_, values);
   if (membrane_) membrane_->add_stiffness(rows.x, pattern_, values);
 }
@@ -374,14 +351,7 @@ double TissueBody::energy(double t, const Dofs& q) const {
   Scratch& rows = scratch();
   place(t, q, rows);
   displace(t, q, rows.u);
-  double sum = std::visit(
-      [&]<class Model>(const Model& model) {
-        if constexpr (std::is_same_v<Model, std::monostate>)
-          return 0.0;
-        else
-          return model.energy(rows.u);
-      },
-      elements_);
+  double sum = elements_ ? elements_->energy(rows.u) : 0;
   for (const SpringSet& set : springs_) sum += set.energy(rows.x);
   if (membrane_) sum += membrane_->energy(rows.x);
   for (const Index i : free_points_) sum -= point_mass_[i] * settings_.gravity.dot(as_vector(rows.u[at(i)]));
@@ -425,20 +395,14 @@ Eigen::Matrix3Xd TissueBody::positions(double t, const Dofs& q) const {
 }
 
 Eigen::VectorXd TissueBody::energy_densities(double t, const Dofs& q) const {
+  if (!elements_)
+    throw std::invalid_argument(
+        "springs have no energy density in a tetrahedron; use a model of finite elements");
   Scratch& rows = scratch();
   place(t, q, rows);
-  return std::visit(
-      [&]<class Model>(const Model& model) -> Eigen::VectorXd {
-        if constexpr (std::is_same_v<Model, std::monostate>) {
-          throw std::invalid_argument(
-              "springs have no energy density in a tetrahedron; use a model of finite elements");
-        } else {
-          Eigen::VectorXd density(mesh_.tetrahedron_count());
-          for (Eigen::Index e = 0; e < density.size(); ++e) density[e] = model.energy_density(rows.u, at(e));
-          return density;
-        }
-      },
-      elements_);
+  Eigen::VectorXd density(mesh_.tetrahedron_count());
+  for (Eigen::Index e = 0; e < density.size(); ++e) density[e] = elements_->energy_density(rows.u, at(e));
+  return density;
 }
 
 bool TissueBody::admits(const State& y) const {
@@ -466,12 +430,9 @@ std::pair<double, Eigen::Index> TissueBody::least_volume(double t, const Dofs& q
 
 void TissueBody::visit_rest_stiffness(const ElementVisitor& visit) const {
   const Scratch still = rest();
-  std::visit(
-      [&]<class Model>(const Model& model) {
-        if constexpr (!std::is_same_v<Model, std::monostate>)
-          for (std::size_t e = 0; e < model.size(); ++e) visit(model.points(e), model.stiffness(still.u, e));
-      },
-      elements_);
+  if (elements_)
+    for (std::size_t e = 0; e < elements_->size(); ++e)
+      visit(elements_->points(e), elements_->stiffness(still.u, e));
   for (const SpringSet& set : springs_)
     for (std::size_t i = 0; i < set.size(); ++i) {
       const Eigen::Matrix3d B = set.stiffness(still.x, i);

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,11 +14,10 @@
 #include "problems/mesh/tet_mesh.hpp"
 #include "problems/tissue/contact.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
-#include "problems/tissue/forces/green_elements.hpp"
+#include "problems/tissue/forces/elements.hpp"
 #include "problems/tissue/forces/membrane.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
 #include "problems/tissue/forces/springs.hpp"
-#include "problems/tissue/forces/tet_elements.hpp"
 #include "problems/tissue/tissue_settings.hpp"
 
 namespace hmax {
@@ -115,8 +113,6 @@ class TissueBody {
   void visit_rest_stiffness(const ElementVisitor& visit) const;
 
  private:
-  using Elements = std::variant<std::monostate, TetElements<SmallStrain>, GreenElements,
-                                TetElements<Corotational>, TetElements<StableNeoHookean>>;
   struct Scratch {
     NodeRows u, x, v, f;
   };
@@ -151,7 +147,7 @@ class TissueBody {
   Eigen::VectorXd point_mass_;
   Dofs mass_;
   BlockPattern pattern_;
-  Elements elements_;
+  std::shared_ptr<const Elements> elements_;  ///< null: the model is of springs
   std::vector<SpringSet> springs_;
   std::optional<Membrane> membrane_;
   std::vector<ToolContact> contacts_;

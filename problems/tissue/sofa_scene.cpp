@@ -25,7 +25,7 @@ void require_none(bool none, const char* what) {
 }
 
 bool is_linear(const TissueSettings& settings) {
-  return settings.model == TissueModel::fem_cauchy || settings.model == TissueModel::fem_corotational;
+  return settings.model.sofa == SofaField::small || settings.model.sofa == SofaField::polar;
 }
 
 /// True when all materials have the same number.
@@ -36,8 +36,11 @@ bool is_same(const TissueSettings& settings, double TissueMaterial::*what) {
 }
 
 void check(const TissueSettings& settings, double step) {
-  if (settings.model == TissueModel::mass_spring)
+  if (settings.model.is_of_springs())
     throw std::invalid_argument("a SOFA scene is written for finite elements only; choose a model fem_...");
+  if (settings.model.sofa == SofaField::none)
+    throw std::invalid_argument("SOFA has no force field of the model " + std::string(settings.model.id) +
+                                "; choose another model");
   require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
   require_none(settings.tools.empty(), "tools");
   require_none(settings.forces.empty(), "pressing forces");
@@ -75,7 +78,7 @@ std::string young_moduli(const TissueBody& body) {
 
 /// @param moduli  Young's modulus, or one of each tetrahedron; hyperelastic fields take that of the
 ///                material instead
-std::string force_field(TissueModel model, const TissueMaterial& material, const std::string& moduli) {
+std::string force_field(SofaField field, const TissueMaterial& material, const std::string& moduli) {
   const auto& [young, poisson, density] = material;
   const double mu = young / (2 * (1 + poisson));
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
@@ -84,12 +87,12 @@ std::string force_field(TissueModel model, const TissueMaterial& material, const
   const std::string hyperelastic =
       "<TetrahedronHyperelasticityFEMForceField template=\"Vec3d\" ParameterSet=\"" + shortest_digits(mu) +
       " ";
-  switch (model) {
-    case TissueModel::fem_cauchy:
+  switch (field) {
+    case SofaField::small:
       return linear + "small\"/>";
-    case TissueModel::fem_corotational:
+    case SofaField::polar:
       return linear + "polar\"/>";
-    case TissueModel::fem_green:
+    case SofaField::st_venant_kirchhoff:
       return hyperelastic + shortest_digits(lambda) + "\" materialName=\"StVenantKirchhoff\"/>";
     default:
       return hyperelastic + shortest_digits(lambda + 2 * mu / 3) + "\" materialName=\"NeoHookean\"/>";
@@ -120,7 +123,8 @@ std::vector<std::vector<TetMesh::Index>> corners_of_regions(const TissueBody& bo
 /// without a MechanicalObject takes the one above it, so that all act on the same points.
 std::string force_fields(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
-  if (has_one_field(settings)) return force_field(settings.model, settings.materials[0], young_moduli(body));
+  if (has_one_field(settings))
+    return force_field(settings.model.sofa, settings.materials[0], young_moduli(body));
   const std::vector<std::vector<TetMesh::Index>> corners = corners_of_regions(body);
   std::string nodes;
   for (std::size_t region = 0; region < corners.size(); ++region) {
@@ -131,7 +135,7 @@ std::string force_fields(const TissueBody& body) {
              "\">\n      <TetrahedronSetTopologyContainer name=\"part\" position=\"@../mesh.position\" "
              "tetrahedra=\"" +
              listed(corners[region]) + "\"/>\n      " +
-             force_field(settings.model, material, shortest_digits(material.young)) + "\n    </Node>";
+             force_field(settings.model.sofa, material, shortest_digits(material.young)) + "\n    </Node>";
   }
   return nodes;
 }

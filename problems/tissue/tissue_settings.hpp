@@ -2,22 +2,15 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "problems/tissue/forces/springs.hpp"
 #include "problems/tissue/loads.hpp"
+#include "problems/tissue/tissue_model.hpp"
 
 namespace hmax {
-
-/// Where the elastic forces come from.
-enum class TissueModel { mass_spring, fem_cauchy, fem_green, fem_corotational, fem_neo_hookean };
-
-/// @throws std::invalid_argument  for an unknown id, naming the known ones
-TissueModel tissue_model(std::string_view id);
-[[nodiscard]] std::string_view id_of(TissueModel model);
 
 /// The material of one region of a mesh. The defaults are those of liver: stiffness of healthy ones by
 /// elastography, nearly incompressible.
@@ -28,7 +21,7 @@ struct TissueMaterial {
   double density = 1060;  ///< [kg/m^3]
 };
 
-/// The springs of `mass_spring`: one on every edge of the mesh, and further sets on demand.
+/// The springs of a model of springs: one on every edge of the mesh, and further sets on demand.
 struct SpringSettings {
   SpringLaw law = LinearSpring{};
   double stiffness = 0;    ///< k of every edge [N/m]; 0: from Young's modulus by edge_stiffness
@@ -55,7 +48,7 @@ struct SkinSettings {
 };
 
 struct TissueSettings {
-  TissueModel model = TissueModel::fem_green;
+  TissueModel model = tissue_models().front();
   std::vector<TissueMaterial> materials =
       std::vector<TissueMaterial>(1);     ///< of each region; one serves them all
   std::optional<double> total_mass = {};  ///< [kg]; scales all densities
@@ -68,7 +61,7 @@ struct TissueSettings {
   double beta = 0;   ///< [s]
 
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s^2]
-  SpringSettings springs = {};                        ///< of mass_spring
+  SpringSettings springs = {};                        ///< of a model of springs
   SkinSettings skin = {};
   std::vector<Support> supports = {};
   std::vector<PressingForce> forces = {};

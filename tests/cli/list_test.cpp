@@ -38,6 +38,14 @@ TEST(List, ProblemsHaveTheKeysOfTheContract) {
   EXPECT_EQ(problems[2].at("parameters").at("m"), 1.45);
 }
 
+TEST(List, ModelsHaveTheKeysOfTheContract) {
+  const Json models = Shell().hmax("list models --json").json();
+  ASSERT_EQ(models.size(), 5U);
+  for (const Json& model : models)
+    expect_keys(model, {"id", "note", "is_linear", "is_of_springs", "resists_inversion"});
+  EXPECT_EQ(models[0].at("id"), "fem_green") << "the default comes first";
+}
+
 TEST(List, MaterialsHaveTheKeysOfTheContract) {
   const Json materials = Shell().hmax("list materials --json").json();
   ASSERT_EQ(materials.size(), 6U);
@@ -47,13 +55,13 @@ TEST(List, MaterialsHaveTheKeysOfTheContract) {
 TEST(List, AsksWhatToListWhenNothingIsNamed) {
   const Shell shell;
   expect_refused(shell.hmax("list"),
-                 "say what to list, methods, problems or materials; for instance `hmax list methods`");
+                 "say what to list, methods, problems, models or materials; for instance `hmax list methods`");
   expect_refused(shell.hmax("list method"), "did you mean 'methods'?");
 }
 
 TEST(List, TablesForPeopleNameEverything) {
   const Shell shell;
-  for (const char* what : {"methods", "problems", "materials"}) {
+  for (const char* what : {"methods", "problems", "models", "materials"}) {
     const std::string table = shell.hmax(std::string("list ") + what).out;
     for (const Json& entry : shell.hmax(std::string("list --json ") + what).json())
       EXPECT_NE(table.find(entry.at("id").get<std::string>()), std::string::npos) << entry.at("id");

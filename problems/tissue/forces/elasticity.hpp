@@ -7,8 +7,6 @@
 /// serves them all.
 #pragma once
 
-#include <string_view>
-
 #include <Eigen/Core>
 
 namespace hmax {
@@ -27,7 +25,6 @@ Lame lame(double young, double poisson);
 /// Small strain, e = sym(H):   W = mu e:e + lambda/2 tr(e)^2. Linear; wrong when the body turns.
 class SmallStrain {
  public:
-  static constexpr std::string_view id = "fem_cauchy";
   SmallStrain(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
@@ -43,7 +40,6 @@ class SmallStrain {
 /// @source  [bonet2008nonlinear]
 class GreenStrain {
  public:
-  static constexpr std::string_view id = "fem_green";
   GreenStrain(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
@@ -60,7 +56,6 @@ class GreenStrain {
 /// @source  [sifakis2012fem]
 class Corotational {
  public:
-  static constexpr std::string_view id = "fem_corotational";
   Corotational(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
@@ -79,7 +74,6 @@ class Corotational {
 /// @source  [smith2018stable]
 class StableNeoHookean {
  public:
-  static constexpr std::string_view id = "fem_neo_hookean";
   StableNeoHookean(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;

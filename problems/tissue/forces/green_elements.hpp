@@ -10,6 +10,7 @@
 #include "problems/mesh/tet_mesh.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/elasticity.hpp"
+#include "problems/tissue/forces/elements.hpp"
 #include "problems/tissue/forces/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
 
@@ -18,28 +19,24 @@ namespace hmax {
 /// St. Venant-Kirchhoff elements, see TissueKernels. They are taken in the order of their lowest points, and
 /// neighbours in it are dealt to different blocks, so that a sum is not waited for by the next. The order is
 /// fixed by the mesh: the same mesh gives the same bits. Rows u are the displacements of the points.
-class GreenElements {
+class GreenElements final : public Elements {
  public:
-  using Index = TetMesh::Index;
-  using Stiffness = Eigen::Matrix<double, 12, 12>;  ///< -dF/dx of one element, points after one another
-
   /// @param lame     of each region of the mesh
   /// @param pattern  holds the pairs of points of every tetrahedron
   GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
                 const TissueKernels& kernels = tissue_kernels());
 
-  [[nodiscard]] double energy(const NodeRows& u) const;
-  void add_force(const NodeRows& u, NodeRows& f) const;
-  /// values = K, in the pattern that the elements were made with.
-  void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const;
+  [[nodiscard]] double energy(const NodeRows& u) const override;
+  void add_force(const NodeRows& u, NodeRows& f) const override;
+  void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const override;
 
-  [[nodiscard]] std::size_t size() const { return place_.size(); }
+  [[nodiscard]] std::size_t size() const override { return place_.size(); }
   /// Corners of a tetrahedron of the mesh, in ascending order.
-  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const {
+  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const override {
     return corners_at(static_cast<std::size_t>(place_[element]));
   }
-  [[nodiscard]] double energy_density(const NodeRows& u, std::size_t element) const;
-  [[nodiscard]] Stiffness stiffness(const NodeRows& u, std::size_t element) const;
+  [[nodiscard]] double energy_density(const NodeRows& u, std::size_t element) const override;
+  [[nodiscard]] Stiffness stiffness(const NodeRows& u, std::size_t element) const override;
 
  private:
   /// One tetrahedron taken out of its block.

@@ -109,7 +109,7 @@ TEST(Lanczos, ProductsByBlocksAreThoseOfTheMatrix) {
 }
 
 TEST(Lanczos, NeedsNoMatrixForALinearBody) {
-  const TissueBody body(ball_mesh(0.1, 3), {.model = TissueModel::fem_cauchy});
+  const TissueBody body(ball_mesh(0.1, 3), {.model = tissue_model("fem_cauchy")});
   const VectorXd zero = VectorXd::Zero(body.dofs()), root = body.mass().cwiseSqrt().cwiseInverse();
   const SymmetricOperator by_forces = [&](const VectorXd& x, VectorXd& y) {
     body.force(0, root.cwiseProduct(x), zero, y);

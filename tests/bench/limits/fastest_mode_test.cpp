@@ -36,7 +36,7 @@ TetMesh cube_with_a_misplaced_point(Index& point) {
 TEST(FastestMode, OfAMisplacedPointIsOwnedBesideItAndGainsFromPuttingItBack) {
   Index point = 0;
   const TetMesh mesh = cube_with_a_misplaced_point(point);
-  for (const auto model : {TissueModel::fem_cauchy, TissueModel::mass_spring}) {
+  for (const auto model : {tissue_model("fem_cauchy"), tissue_model("mass_spring")}) {
     const TissueBody body(mesh, {.model = model});
     const FastestMode mode = fastest_mode_of(body);
     EXPECT_NEAR(mode.kappa, fastest_by_all_of_them(body), 1e-6 * mode.kappa);
@@ -53,7 +53,7 @@ TEST(FastestMode, OfAMisplacedPointIsOwnedBesideItAndGainsFromPuttingItBack) {
 
 TEST(FastestMode, GainsAreThoseOfTheChangedBodyAndCostNothingUnlessAsked) {
   Index point = 0;
-  const TissueBody body(cube_with_a_misplaced_point(point), {.model = TissueModel::fem_cauchy});
+  const TissueBody body(cube_with_a_misplaced_point(point), {.model = tissue_model("fem_cauchy")});
   const FastestMode alone = fastest_mode_of(body, false);
   EXPECT_EQ(alone.with_mass, 1);
   EXPECT_FALSE(alone.moved_point);

@@ -17,7 +17,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 Sparse step_matrix(double poisson, double h) {
   const TetMesh named = mesh_by_name("ball:n=5");
   const TissueBody body(renumbered(named, local_order(named)),
-                        {.model = TissueModel::fem_green, .materials = {{.poisson = poisson}}});
+                        {.model = tissue_model("fem_green"), .materials = {{.poisson = poisson}}});
   const VectorXd zero = VectorXd::Zero(body.dofs());
   Sparse A;
   body.stiffness(0, zero, zero, A);

@@ -46,11 +46,11 @@ inline std::vector<NamedSettings> elastic_settings() {
     change(settings);
     all.push_back({std::move(name), std::move(settings)});
   };
-  for (const char* id : {"mass_spring", "fem_cauchy", "fem_green", "fem_corotational", "fem_neo_hookean"})
-    add(id, [&](TissueSettings& s) { s.model = tissue_model(id); });
+  for (const TissueModel& model : tissue_models())
+    add(std::string(model.id), [&](TissueSettings& s) { s.model = model; });
   const auto springs = [&](std::string name, SpringLaw law) {
     add(std::move(name), [&](TissueSettings& s) {
-      s.model = TissueModel::mass_spring;
+      s.model = tissue_model("mass_spring");
       s.springs.law = law;
     });
   };
@@ -58,7 +58,7 @@ inline std::vector<NamedSettings> elastic_settings() {
   springs("exponential springs", ExponentialSpring{3});
   springs("springs of a table", TableSpring({-0.2, -0.05, 0.06, 0.3}, {-0.15, -0.05, 0.06, 0.5}));
   add("all sets of springs", [](TissueSettings& s) {
-    s.model = TissueModel::mass_spring;
+    s.model = tissue_model("mass_spring");
     s.springs.stiffness = 120;
     s.springs.surface_bending = 0.3;
     s.springs.second_ring = 0.2;

@@ -23,11 +23,11 @@ TEST(TissueMaterials, HaveThePublishedStiffnessAsAModulusTheMassOfTheOrganAndIts
 
 TEST(TissueMaterials, KeepWhatTheyDoNotSay) {
   TissueSettings base;
-  base.model = TissueModel::mass_spring;
+  base.model = tissue_model("mass_spring");
   base.beta = 0.01;
   base.gravity = {0, 0, -9.81};
   const TissueSettings s = with_tissue_material(base, "liver:male_slim");
-  EXPECT_EQ(s.model, TissueModel::mass_spring);
+  EXPECT_EQ(s.model, tissue_model("mass_spring"));
   EXPECT_EQ(s.beta, 0.01);
   EXPECT_EQ(s.gravity, base.gravity);
 }

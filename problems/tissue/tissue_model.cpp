@@ -1,0 +1,55 @@
+#include "problems/tissue/tissue_model.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <string>
+
+#include "problems/tissue/forces/green_elements.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
+
+namespace hmax {
+namespace {
+
+/// @tparam ElementsT  of one law
+template <class ElementsT>
+std::shared_ptr<const Elements> make(const TetMesh& mesh, std::span<const Lame> lame,
+                                     const BlockPattern& pattern) {
+  return std::make_shared<const ElementsT>(mesh, lame, pattern);
+}
+
+constexpr auto models = std::to_array<TissueModel>({
+    {.id = "fem_green",
+     .note = "finite elements of Green's strain (St. Venant-Kirchhoff)",
+     .sofa = SofaField::st_venant_kirchhoff,
+     .make_elements = make<GreenElements>},
+    {.id = "fem_cauchy",
+     .note = "finite elements of small strain, linear",
+     .is_linear = true,
+     .sofa = SofaField::small,
+     .make_elements = make<TetElements<SmallStrain>>},
+    {.id = "fem_corotational",
+     .note = "finite elements of small strain in the frame of their rotation",
+     .sofa = SofaField::polar,
+     .make_elements = make<TetElements<Corotational>>},
+    {.id = "fem_neo_hookean",
+     .note = "finite elements of the stable neo-Hookean solid, which restore inverted ones",
+     .resists_inversion = true,
+     .sofa = SofaField::neo_hookean,
+     .make_elements = make<TetElements<StableNeoHookean>>},
+    {.id = "mass_spring", .note = "springs along the edges of the mesh, Poisson's ratio 1/4"},
+});
+
+}  // namespace
+
+std::span<const TissueModel> tissue_models() { return models; }
+
+const TissueModel& tissue_model(std::string_view id) {
+  std::string known;
+  for (const TissueModel& model : models) {
+    if (model.id == id) return model;
+    known += (known.empty() ? "" : ", ") + std::string(model.id);
+  }
+  throw std::invalid_argument("there is no tissue model '" + std::string(id) + "'; use one of " + known);
+}
+
+}  // namespace hmax

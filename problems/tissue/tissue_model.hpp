@@ -1,0 +1,44 @@
+/// The mesh models: where the elastic forces of a body come from, and what else differs between them.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "problems/mesh/tet_mesh.hpp"
+#include "problems/tissue/forces/block_pattern.hpp"
+#include "problems/tissue/forces/elasticity.hpp"
+#include "problems/tissue/forces/elements.hpp"
+
+namespace hmax {
+
+/// A model of SOFA with the same forces: the methods of its linear elements, the materials of its
+/// hyperelastic ones.
+enum class SofaField { none, small, polar, st_venant_kirchhoff, neo_hookean };
+
+/// A mesh model and its facts. tissue_models() lists all of them.
+struct TissueModel {
+  using MakeElements = std::shared_ptr<const Elements> (*)(const TetMesh& mesh, std::span<const Lame> lame,
+                                                           const BlockPattern& pattern);
+
+  std::string_view id;
+  std::string_view note;           ///< one line: what the forces are
+  bool is_linear = false;          ///< forces are linear in the displacements, whatever their size
+  bool resists_inversion = false;  ///< forces restore every element, flat and inverted ones included
+  SofaField sofa = SofaField::none;
+  MakeElements make_elements = nullptr;  ///< null: springs along the edges of the mesh
+
+  [[nodiscard]] constexpr bool is_of_springs() const { return make_elements == nullptr; }
+  bool operator==(const TissueModel& other) const { return id == other.id; }
+};
+
+/// Poisson's ratio of springs whose stiffness comes from Young's modulus [vangelder1998approximate].
+inline constexpr double poisson_of_springs = 0.25;
+
+/// In the order in which they are listed. The first is the default.
+[[nodiscard]] std::span<const TissueModel> tissue_models();
+
+/// @throws std::invalid_argument  for an unknown id, naming the known ones
+[[nodiscard]] const TissueModel& tissue_model(std::string_view id);
+
+}  // namespace hmax
