@@ -1,7 +1,4 @@
 /// hmax list methods | problems | models | materials
-#include <algorithm>
-#include <array>
-#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -57,25 +54,6 @@ void list_problems(Console& console) {
   console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/reference/cli.md.\n");
 }
 
-/// What the other columns do not tell. The first four are one method without damping
-/// (docs/reference/facts.md).
-constexpr std::string_view zero_estimate =
-    "its error estimate is zero where f depends on time alone, f(0) + f(h) - f(0) - f(h)";
-constexpr std::array<std::pair<std::string_view, std::string_view>, 6> method_notes{
-    {{"velocity_verlet", "takes damping forces at the velocity of the half step"},
-     {"stormer_verlet", "takes damping forces at a predicted velocity"},
-     {"central_difference",
-      "takes damping forces at the new velocity, for the diagonal of the damping matrix"},
-     {"explicit_newmark", "takes damping forces at the new velocity, for all of the damping matrix"},
-     {"fehlberg_78", zero_estimate},
-     {"odeint_fehlberg78", zero_estimate}}};
-
-std::string_view note_of(const Method& method) {
-  const auto* const found = std::ranges::find(method_notes, std::string_view(method.id),
-                                              &std::pair<std::string_view, std::string_view>::first);
-  return found == method_notes.end() ? "" : found->second;
-}
-
 void list_methods(Console& console) {
   Json document = Json::array();
   TextTable table({"method", "order", "error order", "stages", "aliases", "source"});
@@ -92,12 +70,15 @@ void list_methods(Console& console) {
                         {"needs_jacobian", method.needs_jacobian},
                         {"needs_second_order", method.needs_second_order},
                         {"needs_split", method.needs_split},
+                        {"linearly_implicit", method.linearly_implicit},
+                        {"first_same_as_last", method.first_same_as_last},
+                        {"steps_back", method.steps_back},
                         {"parameters", to_json(method.parameters)},
                         {"a_stable", method.a_stable},
                         {"l_stable", method.l_stable},
                         {"engine", method.engine},
                         {"source", method.source},
-                        {"note", note_of(method)}});
+                        {"note", method.note}});
     table.add({method.id, method.has_variable_order() ? "variable" : std::to_string(method.order),
                method.adaptive() ? std::to_string(method.error_order) : "-",
                method.stages > 0 ? std::to_string(method.stages) : "varies",
@@ -108,9 +89,8 @@ void list_methods(Console& console) {
   console.print(
       "\nMethods with an error order also run adaptively (--rtol, --atol). Sources are keys of "
       "references.bib.\n");
-  for (const auto& [id, note] : method_notes)
-    if (std::ranges::find(methods(), id, &Method::id) != methods().end())
-      console.print(fmt::format("{}: {}\n", id, note));
+  for (const Method& method : methods())
+    if (!method.note.empty()) console.print(fmt::format("{}: {}\n", method.id, method.note));
   console.print("A method of your own: --tableau FILE.toml, see docs/reference/cli.md.\n");
 }
 

@@ -442,7 +442,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
   if (!options.linear.empty()) {
     if (!method.needs_jacobian)
       throw InputError(fmt::format("{} solves no equations; leave --linear out", method.id));
-    if (method.engine != "hmax")
+    if (method.is_foreign())
       throw InputError(
           fmt::format("{} solves its equations as {} does; leave --linear out", method.id, method.engine));
     if (!problem.body)
@@ -451,7 +451,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
           problem.id));
   }
   if ((options.newton_tolerance || !options.newton_iterations.empty()) &&
-      (!method.solves_nonlinear_equations() || method.engine != "hmax"))
+      (!method.solves_nonlinear_equations() || method.is_foreign()))
     throw InputError(fmt::format(
         "{} does not solve its equations by Newton's method of hmax; leave --newton-tolerance and "
         "--newton-iterations out",

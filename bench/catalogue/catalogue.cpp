@@ -18,37 +18,13 @@ namespace hmax {
 
 namespace {
 
-/// Whose methods a build has only where their library is.
-struct ForeignEngine {
-  std::string_view prefix, library, package;
-  bool present;
-};
-#if HMAX_HAVE_SUNDIALS
-constexpr bool have_sundials = true;
-#else
-constexpr bool have_sundials = false;
-#endif
-#if HMAX_HAVE_BOOST
-constexpr bool have_boost = true;
-#else
-constexpr bool have_boost = false;
-#endif
-constexpr ForeignEngine foreign_engines[]{{"cvode_", "SUNDIALS", "libsundials-dev", have_sundials},
-                                          {"arkode_", "SUNDIALS", "libsundials-dev", have_sundials},
-                                          {"odeint_", "Boost.Odeint", "libboost-dev", have_boost}};
-
 std::vector<Method> all_methods() {
   std::vector<Method> all;
-  add_explicit_rk(all);
-  add_adams(all);
-  add_diagonally_implicit(all);
-  add_radau(all);
-  add_stabilised(all);
-  add_imex(all);
-  add_structural(all);
-  add_rosenbrock(all);
-  add_sundials(all);
-  add_odeint(all);
+  for (const Family& family : all_families) {
+    const std::size_t before = all.size();
+    family.add(all);
+    for (std::size_t i = before; i < all.size(); ++i) all[i].family = family.id;
+  }
   // What steps at fixed size and brings no formula shows by its steps how it amplifies.
   for (Method& method : all)
     if (method.fixed_step && !method.amplification)
@@ -181,14 +157,21 @@ Method find_method(std::string_view name) {
     names.insert(names.end(), method.aliases.begin(), method.aliases.end());
   }
   if (const std::string why = why_left_out(id); !why.empty()) throw InputError(why);
-  for (const auto& [prefix, library, package, present] : foreign_engines)
-    if (id.starts_with(prefix) && !present)
+  for (const Family& family : all_families)
+    if (const ForeignLibrary& library = family.library;
+        !library.name.empty() && id.starts_with(library.prefix) &&
+        std::ranges::find(methods(), family.id, &Method::family) == methods().end())
       throw InputError(
           fmt::format("{} is a method of {}, which this build lacks; install the Debian package {}, then "
                       "configure and build again",
-                      id, library, package));
+                      id, library.name, library.package));
   throw InputError(fmt::format("unknown method '{}'; {}", id,
                                suggestion(id, names, "`hmax list methods` shows all of them")));
+}
+
+const Family* family_of(const Method& method) {
+  const auto* const found = std::ranges::find(all_families, method.family, &Family::id);
+  return found == all_families.end() ? nullptr : found;
 }
 
 std::vector<std::string> method_families() {

@@ -17,12 +17,12 @@ namespace {
 Method fixed_step_adams(std::string_view prefix, AdamsMode mode, int k) {
   return {.id = fmt::format("{}_{}", prefix, k),
           .aliases = {},
-          .family = "adams",
           .order = k,
           .error_order = 0,
           .stages = mode == AdamsMode::pece ? 2 : 1,
-          .engine = "hmax",
           .source = "hairer1993solving",
+          // Where the corrected state is not evaluated, the newest derivative too is one of the step before.
+          .steps_back = mode == AdamsMode::pec ? k : k - 1,
           .bind =
               [=](const Problem& problem) {
                 return bind_problem(problem, 0, [=](auto sys) {
@@ -52,11 +52,9 @@ void add_adams(std::vector<Method>& all) {
     for (int k = 1; k <= 6; ++k) all.push_back(fixed_step_adams(prefix, mode, k));
   all.push_back({.id = "adams_pece",
                  .aliases = {"ode113"},
-                 .family = "adams",
                  .order = 0,
                  .error_order = 2,
                  .stages = 2,
-                 .engine = "hmax",
                  .source = "shampine1975computer",
                  .fixed_step = false,
                  .own_control = true,

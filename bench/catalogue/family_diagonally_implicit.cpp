@@ -23,7 +23,6 @@ Method diagonally_implicit() {
   for (const long double weight : T::tableau.b) stages += weight != 0;
   Method method{.id = std::string(T::id),
                 .aliases = {},
-                .family = "diagonally_implicit",
                 .order = T::order,
                 .error_order = T::error_order,
                 .stages = stages,
@@ -31,7 +30,6 @@ Method diagonally_implicit() {
                 .needs_jacobian = true,
                 .a_stable = T::a_stable,
                 .l_stable = T::l_stable,
-                .engine = "hmax",
                 .source = std::string(T::source),
                 .bind = {}};
   method.amplification =

@@ -25,18 +25,32 @@ Runner bind_to(const Which& which, const Problem& problem) {
   return runner;
 }
 
+/// Whether the weights of the error estimate cancel at every node: then it is 0 where f depends on time
+/// alone.
+template <std::size_t S>
+constexpr bool misses_quadrature(const ButcherTableau<S>& tableau) {
+  for (std::size_t i = 0; i < S; ++i) {
+    long double at_node = 0;
+    for (std::size_t j = 0; j < S; ++j)
+      if (tableau.c[j] == tableau.c[i]) at_node += tableau.b_err[j];
+    if (at_node != 0) return false;
+  }
+  return has_error_estimate(tableau);
+}
+
 /// The line of one explicit Runge-Kutta method: everything else is in its struct.
 template <class T>
 Method explicit_rk(std::size_t index) {
   Method method{.id = std::string(T::id),
                 .aliases = {},
-                .family = "explicit_runge_kutta",
                 .order = T::order,
                 .error_order = T::error_order,
                 .stages = static_cast<int>(T::tableau.stages),
-                .engine = "hmax",
                 .source = std::string(T::source),
+                .first_same_as_last = is_fsal(T::tableau),
                 .bind = {}};
+  if (misses_quadrature(T::tableau))
+    method.note = "its error estimate is zero where f depends on time alone, f(0) + f(h) - f(0) - f(h)";
   for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
   method.bind = [index](const Problem& problem) { return bind_to(index, problem); };
   method.amplification =
@@ -64,7 +78,6 @@ Method make_method(const RuntimeTableau& tableau) {
                 .order = tableau.computed_order,
                 .error_order = error_order_of(tableau),
                 .stages = static_cast<int>(tableau.stages()),
-                .engine = "hmax",
                 .source = "the user's tableau",
                 .bind = {}};
   method.bind = [tableau](const Problem& problem) { return bind_to(tableau, problem); };

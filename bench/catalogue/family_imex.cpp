@@ -14,7 +14,6 @@ template <class T>
 Method imex() {
   return {.id = std::string(T::id),
           .aliases = {},
-          .family = "imex",
           .order = T::order,
           .error_order = T::error_order,
           .stages = static_cast<int>(T::tableau.stages),
@@ -22,7 +21,6 @@ Method imex() {
           .needs_jacobian = true,
           .a_stable = true,  // in what is declared stiff
           .l_stable = true,
-          .engine = "hmax",
           .source = std::string(T::source),
           .needs_split = true,
           .bind =

@@ -76,6 +76,7 @@ struct Facts {
   bool is_implicit = false, l_stable = false;
   bool in_long_double = true;  ///< false: its coefficients are written in double
   bool linearly_implicit = false;
+  int steps_back = 0;
 };
 
 /// @param all  the methods of hmax
@@ -84,7 +85,6 @@ template <template <class> class Fixed, template <class> class Steered>
 Method line(const std::vector<Method>& all, const Facts& facts) {
   Method method{.id = facts.id,
                 .aliases = {},
-                .family = "odeint",
                 .order = facts.order,
                 .error_order = facts.error_order,
                 .stages = facts.stages,
@@ -98,6 +98,8 @@ Method line(const std::vector<Method>& all, const Facts& facts) {
                 .fixed_step = !std::same_as<Fixed<ExtendedSystem>, None<ExtendedSystem>>,
                 .own_control = true,
                 .linearly_implicit = facts.linearly_implicit,
+                .dense_equations = facts.is_implicit,
+                .steps_back = facts.steps_back,
                 .bind = {}};
   if (!facts.same_as.empty()) {
     const auto own = std::ranges::find(all, facts.same_as, &Method::id);
@@ -105,6 +107,7 @@ Method line(const std::vector<Method>& all, const Facts& facts) {
       throw std::logic_error(fmt::format("{} is given the amplification of {}, which no method is called",
                                          facts.id, facts.same_as));
     method.amplification = own->amplification;
+    method.note = own->note;
   }
   const OdeintEngine<Fixed, Steered> engine{method.error_order};
   method.bind = [engine, extends = facts.in_long_double](const Problem& problem) {
@@ -134,7 +137,12 @@ void add_odeint(std::vector<Method>& all) {
   all.push_back(line<Rk4, None>(all, {"odeint_rk4", "rk4", 4, 0, 4}));
   all.push_back(line<Dopri5, odeint::Dopri5Peer>(all, {"odeint_dopri5", "dormand_prince_54", 5, 5, 7}));
   all.push_back(line<Fehlberg78, ControlledFehlberg78>(all, {"odeint_fehlberg78", "fehlberg_78", 8, 8, 13}));
-  all.push_back(line<Adams, None>(all, {"odeint_adams_bashforth_moulton", "abm_pece_4", 4, 0, 2}));
+  all.push_back(line<Adams, None>(all, {.id = "odeint_adams_bashforth_moulton",
+                                        .same_as = "abm_pece_4",
+                                        .order = 4,
+                                        .error_order = 0,
+                                        .stages = 2,
+                                        .steps_back = static_cast<int>(adams_steps) - 1}));
   all.push_back(line<None, odeint::BulirschStoerPeer>(all, {"odeint_bulirsch_stoer", {}, 0, 5, 0}));
   all.push_back(
       line<None, odeint::BulirschStoerDensePeer>(all, {"odeint_bulirsch_stoer_dense", {}, 0, 5, 0}));

@@ -11,7 +11,6 @@ namespace hmax {
 void add_radau(std::vector<Method>& all) {
   all.push_back({.id = "radau_iia_5",
                  .aliases = {},
-                 .family = "fully_implicit",
                  .order = 5,
                  .error_order = 4,
                  .stages = 3,
@@ -19,7 +18,6 @@ void add_radau(std::vector<Method>& all) {
                  .needs_jacobian = true,
                  .a_stable = true,
                  .l_stable = true,
-                 .engine = "hmax",
                  .source = "hairer1996solving",
                  .bind =
                      [](const Problem& problem) {

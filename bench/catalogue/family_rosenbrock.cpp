@@ -19,7 +19,6 @@ template <class T>
 Method rosenbrock() {
   Method method{.id = std::string(T::id),
                 .aliases = {},
-                .family = "rosenbrock",
                 .order = T::order,
                 .error_order = T::error_order,
                 .stages = static_cast<int>(T::tableau.stages),
@@ -27,7 +26,6 @@ Method rosenbrock() {
                 .needs_jacobian = true,
                 .a_stable = T::a_stable,
                 .l_stable = T::l_stable,
-                .engine = "hmax",
                 .source = std::string(T::source),
                 .linearly_implicit = true,
                 .bind = {}};

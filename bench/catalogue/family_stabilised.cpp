@@ -14,11 +14,9 @@ template <class Polynomials>
 Method stabilised() {
   return {.id = std::string(Polynomials::id),
           .aliases = {},
-          .family = "stabilised",
           .order = 2,
           .error_order = 3,
           .stages = 0,  // chosen at run time
-          .engine = "hmax",
           .source = std::string(Polynomials::source),
           .stages_by_radius = true,
           .bind =

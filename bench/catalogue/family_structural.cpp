@@ -21,10 +21,8 @@ namespace {
 Method structural(std::string id, std::vector<std::string> aliases, int order, std::string source) {
   Method method{.id = std::move(id),
                 .aliases = std::move(aliases),
-                .family = "structural",
                 .order = order,
                 .stages = 1,
-                .engine = "hmax",
                 .source = std::move(source),
                 .bind = {}};
   method.needs_second_order = true;
@@ -33,9 +31,10 @@ Method structural(std::string id, std::vector<std::string> aliases, int order, s
 
 template <template <class> class StepperT>
 Method explicit_structural(std::string id, std::vector<std::string> aliases, std::string source,
-                           Amplification amplification) {
+                           Amplification amplification, std::string note = {}) {
   Method method =
       structural(std::move(id), std::move(aliases), StepperT<Eigen::VectorXd>::order, std::move(source));
+  method.note = std::move(note);
   method.amplification = shared(std::move(amplification));
   method.bind = [](const Problem& problem) {
     return bind_problem(problem, 0,
@@ -48,6 +47,8 @@ Method implicit_structural(std::string id, std::vector<std::string> aliases, con
                            std::string source) {
   Method method = structural(std::move(id), std::move(aliases), order_of(p), std::move(source));
   method.is_explicit = p.beta == 0;
+  // The equation of motion holds between two steps, and the acceleration at their ends is one of its own.
+  if (p.alpha_m != 0 || p.alpha_f != 0) method.carried_acceleration = CarriedAcceleration::always;
   method.needs_jacobian = true;
   method.amplification = shared(generalized_alpha_amplification(p));
   method.a_stable = is_unconditionally_stable(*method.amplification);
@@ -106,14 +107,20 @@ void add_structural(std::vector<Method>& all) {
   all.push_back(explicit_structural<SymplecticEuler>("symplectic_euler", {}, "hairer2006geometric",
                                                      symplectic_euler_amplification()));
   all.push_back(explicit_structural<VelocityVerlet>("velocity_verlet", {}, "swope1982computer",
-                                                    kick_drift_kick_amplification(KickDamping::half_step)));
+                                                    kick_drift_kick_amplification(KickDamping::half_step),
+                                                    "takes damping forces at the velocity of the half step"));
   all.back().order_undamped = 2;
+  all.back().carried_acceleration = CarriedAcceleration::damped_only;
   all.push_back(explicit_structural<StormerVerlet>("stormer_verlet", {"verlet"}, "hairer2006geometric",
-                                                   kick_drift_kick_amplification(KickDamping::predicted)));
-  all.push_back(explicit_structural<CentralDifference>("central_difference", {}, "hughes2000finite",
-                                                       kick_drift_kick_amplification(KickDamping::lumped)));
+                                                   kick_drift_kick_amplification(KickDamping::predicted),
+                                                   "takes damping forces at a predicted velocity"));
+  all.back().carried_acceleration = CarriedAcceleration::damped_only;
+  all.push_back(explicit_structural<CentralDifference>(
+      "central_difference", {}, "hughes2000finite", kick_drift_kick_amplification(KickDamping::lumped),
+      "takes damping forces at the new velocity, for the diagonal of the damping matrix"));
   all.push_back(
       implicit_structural("explicit_newmark", {}, newmark_parameters(0, 0.5L), "newmark1959method"));
+  all.back().note = "takes damping forces at the new velocity, for all of the damping matrix";
   all.push_back(with_defaults(newmark, {{"beta", 0.25}, {"gamma", 0.5}}));
   all.push_back(with_defaults(hht_alpha, {{"alpha", -0.1}}));
   all.push_back(with_defaults(generalized_alpha, {{"rho_inf", 0.8}}));

@@ -136,7 +136,6 @@ Method line(const Facts& facts, const sundials::Method& choice) {
   const bool is_cvode = choice.package == Package::cvode_adams || choice.package == Package::cvode_bdf;
   Method method{.id = facts.id,
                 .aliases = {},
-                .family = is_cvode ? "sundials_cvode" : "sundials_arkode",
                 .order = facts.order,
                 .error_order = facts.error_order,
                 .stages = facts.stages,
@@ -188,10 +187,12 @@ std::string why_left_out(std::string_view id) {
   return {};
 }
 
-void add_sundials(std::vector<Method>& all) {
+void add_cvode(std::vector<Method>& all) {
   add(all, {"cvode_adams", 0, 2, 1}, {.package = Package::cvode_adams});
   add(all, {"cvode_bdf", 0, 2, 1}, {.package = Package::cvode_bdf});
+}
 
+void add_arkode(std::vector<Method>& all) {
   const auto erk = [&](const Facts& facts, ARKODE_ERKTableID table) {
     add(all, facts, {.package = Package::erk, .explicit_table = table});
   };
@@ -240,7 +241,8 @@ void add_sundials(std::vector<Method>& all) {
 #else
 
 namespace hmax {
-void add_sundials(std::vector<Method>&) {}
+void add_cvode(std::vector<Method>&) {}
+void add_arkode(std::vector<Method>&) {}
 void add_arkode_dirk(std::vector<Method>&, const char*, int) {}
 std::string why_left_out(std::string_view) { return {}; }
 }  // namespace hmax

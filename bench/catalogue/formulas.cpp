@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
-#include <type_traits>
 
 #include <fmt/format.h>
 
 #include "analysis/amplification/multistep_amplification.hpp"
 #include "analysis/amplification/stabilised_amplification.hpp"
-#include "integrators/explicit/tableaux.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -29,6 +26,8 @@ struct Pattern {
   std::string_view prefix, letter;
   int least, most;
   Formula (*make)(int);
+  std::string_view chosen{};  ///< by a method as it runs, where this holds it
+  int example = 0;
 };
 
 Formula formula(int order, int evaluations, Amplification amplification) {
@@ -51,12 +50,12 @@ const std::vector<Pattern>& patterns() {
       {"adams_moulton_", "K", 1, most_adams_steps,
        [](int k) { return formula(k, 0, adams_moulton_amplification(k)); }},
       {"adams_pece:order=", "K", 1, most_adams_steps,
-       [](int k) { return formula(k + 1, 2, adams_amplification(AdamsMode::pece, k, k + 1)); }},
+       [](int k) { return formula(k + 1, 2, adams_amplification(AdamsMode::pece, k, k + 1)); }, "order", 4},
       {"bdf_", "K", 1, 6, [](int k) { return formula(k, 0, bdf_amplification(k)); }},
       {"rkc_2:stages=", "S", 2, most_stages,
-       [](int s) { return formula(2, s, stabilised_amplification<Rkc2>(s)); }},
+       [](int s) { return formula(2, s, stabilised_amplification<Rkc2>(s)); }, "number of stages", 11},
       {"rkl_2:stages=", "S", 3, most_stages,
-       [](int s) { return formula(2, s, stabilised_amplification<Rkl2>(s)); }},
+       [](int s) { return formula(2, s, stabilised_amplification<Rkl2>(s)); }, "number of stages", 11},
   };
   return all;
 }
@@ -74,13 +73,7 @@ std::shared_ptr<const Amplification> explicit_half_of(const std::shared_ptr<cons
 }
 
 /// Evaluations of f in a step of a run: where the last stage is the first of the next step it costs nothing.
-int evaluations_of(const Method& method) {
-  int evaluations = method.stages;
-  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
-    ((evaluations -= method.id == T::id && is_fsal(T::tableau) ? 1 : 0), ...);
-  }(std::type_identity<tableaux::All>{});
-  return evaluations;
-}
+int evaluations_of(const Method& method) { return method.stages - (method.first_same_as_last ? 1 : 0); }
 
 /// A formula of the patterns; nothing where `name` follows none of them.
 std::optional<Formula> held_formula(std::string_view name) {
@@ -126,16 +119,16 @@ std::vector<std::string> formula_patterns() {
 
 Formula find_formula(std::string_view name) {
   if (std::optional<Formula> held = held_formula(name)) return *std::move(held);
-  if (name == "adams_pece" || name == "ode113")
-    throw InputError(
-        "adams_pece chooses its order as it runs, and every order has a stability of its own; hold one, for "
-        "instance adams_pece:order=4");
-  if (name == "rkc_2" || name == "rkl_2")
-    throw InputError(
-        fmt::format("{0} chooses its stages as it runs, and every number of them has a stability of its "
-                    "own; hold one, for instance {0}:stages=11",
-                    name));
-  return formula_of(find_method(name));
+  const Method method = find_method(name);
+  // A pattern that begins with the id of a method holds what the method chooses.
+  const auto held = std::ranges::find_if(patterns(), [start = method.id + ":"](const Pattern& pattern) {
+    return pattern.prefix.starts_with(start);
+  });
+  if (held != patterns().end())
+    throw InputError(fmt::format(
+        "{} chooses its {} as it runs, and every {} has a stability of its own; hold one, for instance {}{}",
+        method.id, held->chosen, held->chosen, held->prefix, held->example));
+  return formula_of(method);
 }
 
 Formula formula_of(const Method& method) {

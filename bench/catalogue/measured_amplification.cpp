@@ -1,7 +1,6 @@
 #include "bench/catalogue/measured_amplification.hpp"
 
 #include <cmath>
-#include <mutex>
 
 namespace hmax {
 
@@ -62,27 +61,13 @@ double measured_growth(const Method& method, Complex z) {
   }
 }
 
-bool remembers(const Method& method) {
-  const Complex z(-0.1, 0.3);
-  constexpr int steps = 16;
-  const RunRecord many = method.bind(spiral(Eigenmode(z))).run({.t_end = steps, .h = 1}, {});
-  const Complex expected = std::pow(measured_step(method, Eigenmode(z)), steps);
-  return std::abs(Complex(many.y[0], many.y[1]) - expected) > 1e-10 * std::abs(expected);
-}
-
 Amplification measured_amplification(const Method& method) {
   Amplification amplification;
   amplification.measured = true;
   // Asked when first needed: a catalogue runs nothing.
   const auto bare = std::make_shared<Method>(method);
-  struct Memory {
-    std::once_flag asked;
-    bool looks_back = false;
-  };
-  const auto memory = std::make_shared<Memory>();
-  const auto radius = [bare, memory](Complex z) {
-    std::call_once(memory->asked, [&] { memory->looks_back = remembers(*bare); });
-    return memory->looks_back ? measured_growth(*bare, z) : std::abs(measured_step(*bare, Eigenmode(z)));
+  const auto radius = [bare](Complex z) {
+    return bare->steps_back > 0 ? measured_growth(*bare, z) : std::abs(measured_step(*bare, Eigenmode(z)));
   };
   amplification.of_eigenmode = [radius](const Eigenmode& mode) {
     Growth growth;

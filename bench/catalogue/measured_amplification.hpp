@@ -13,15 +13,11 @@ Problem spiral(const Eigenmode& mode);
 /// R as one step of size 1 makes it, where lambda is z.
 Complex measured_step(const Method& method, const Eigenmode& mode);
 
-/// Whether many steps make something else of y' = z y than one step many times. The first few are no
-/// evidence: the start of a method that looks back may be steps of another that does not.
-bool remembers(const Method& method);
-
 /// By what a long run multiplies |y| in a step in the end. For methods that look back over several steps, of
 /// which one alone says too little.
 double measured_growth(const Method& method, Complex z);
 
-/// An amplification from such steps: of one, or of a long run where a step depends on those before it.
+/// An amplification from such steps: of one, or of a long run where a step reads those before it.
 Amplification measured_amplification(const Method& method);
 
 }  // namespace hmax

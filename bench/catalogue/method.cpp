@@ -58,6 +58,19 @@ bool is_undamped(const Problem& problem) {
       problem.system);
 }
 
+bool depends_on_past(const Method& method, const Problem& problem) {
+  if (method.steps_back > 0) return true;
+  switch (method.carried_acceleration) {
+    case CarriedAcceleration::none:
+      return false;
+    case CarriedAcceleration::damped_only:
+      return !is_undamped(problem);
+    case CarriedAcceleration::always:
+      break;
+  }
+  return true;
+}
+
 int order_on(const Method& method, const Problem& problem) {
   return method.order_undamped > 0 && is_undamped(problem) ? method.order_undamped : method.order;
 }
@@ -190,7 +203,7 @@ std::string describe(const Eigen::VectorXd& y) {
 
 bool is_too_slow(const Method& method, Eigen::Index states) {
   constexpr Eigen::Index most_dense_rows = 600;
-  return method.family == "odeint" && method.needs_jacobian && states > most_dense_rows;
+  return method.dense_equations && states > most_dense_rows;
 }
 
 }  // namespace hmax

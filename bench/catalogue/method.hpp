@@ -75,17 +75,25 @@ struct Amplification;  // analysis/amplification/amplification.hpp
 /// Numbers by name, in a fixed order.
 using Parameters = std::vector<std::pair<std::string, double>>;
 
-/// A method, its facts as users see them, and how it is bound to a problem.
+/// The engine of methods that are no foreign library's.
+inline constexpr std::string_view own_engine = "hmax";
+
+/// Whether a method of positions and velocities starts a step from an acceleration that is not that of its
+/// state: then a step depends on the one before.
+enum class CarriedAcceleration { none, damped_only, always };
+
+/// A method, its facts as users see them, and how it is bound to a problem. Nothing else may ask for the id
+/// or the family to learn what a method does.
 struct Method {
   std::string id;
   std::vector<std::string> aliases;
-  std::string family;   ///< explicit_runge_kutta, ...
-  int order = 0;        ///< 0 with !fixed_step: chosen in the run
-  int error_order = 0;  ///< err = O(h^error_order), of the lowest order where that is chosen in the run; 0:
-                        ///< no error estimate, fixed steps only
-  int stages = 0;       ///< 0: chosen in the run
+  std::string family{};  ///< id of its family (families.hpp), set where the catalogue takes it
+  int order = 0;         ///< 0 with !fixed_step: chosen in the run
+  int error_order = 0;   ///< err = O(h^error_order), of the lowest order where that is chosen in the run; 0:
+                         ///< no error estimate, fixed steps only
+  int stages = 0;        ///< 0: chosen in the run
   bool is_explicit = true, needs_jacobian = false, a_stable = false, l_stable = false;
-  std::string engine;               ///< hmax, or the library that runs it
+  std::string engine{own_engine};   ///< or the library that runs it, with its version
   std::string source;               ///< bibliography key
   bool fixed_step = true;           ///< false: only adaptive runs
   bool own_control = false;         ///< steers adaptive runs by rules of its own, not by RunSpec::control
@@ -93,7 +101,12 @@ struct Method {
   bool needs_split = false;         ///< a declared stiff part
   bool linearly_implicit = false;   ///< solves linear equations alone, with one Jacobian a step
   bool stages_by_radius = false;    ///< chooses its stages by a spectral radius
+  bool dense_equations = false;     ///< solves its equations with dense matrices alone
+  bool first_same_as_last = false;  ///< the last stage of a step is the first of the next
   int order_undamped = 0;           ///< where forces do not depend on velocities; 0: the same
+  int steps_back = 0;  ///< steps before the current one whose derivatives it reads; 0: a one-step method
+  CarriedAcceleration carried_acceleration = CarriedAcceleration::none;
+  std::string note{};  ///< what the facts above do not tell; often empty
   std::function<Runner(const Problem&)> bind;
   std::shared_ptr<const Amplification> amplification{};  ///< null for methods that only run adaptively
 
@@ -110,7 +123,9 @@ struct Method {
   [[nodiscard]] bool has_variable_order() const { return order == 0 && !fixed_step; }
   /// How far a measured order may be from `order`: multistep methods and high orders show theirs only at
   /// steps that are close to rounding.
-  [[nodiscard]] double order_tolerance() const { return family == "adams" || order >= 6 ? 0.2 : 0.1; }
+  [[nodiscard]] double order_tolerance() const { return steps_back > 0 || order >= 6 ? 0.2 : 0.1; }
+  /// A foreign library runs it, by rules of its own.
+  [[nodiscard]] bool is_foreign() const { return engine != own_engine; }
 };
 
 /// Whether `method` can be run on `problem` at all: positions and velocities, or a stiff part, are there if
@@ -133,6 +148,9 @@ bool is_undamped(const Problem& problem);
 /// The order that a method has on a problem.
 int order_on(const Method& method, const Problem& problem);
 
+/// Whether a step of `method` on `problem` depends on steps before it, and not on its state alone.
+bool depends_on_past(const Method& method, const Problem& problem);
+
 /// The control of a run as people and stores read it: none, own, or the word of RunSpec::control.
 std::string control_of(const Method& method, const RunSpec& spec);
 
@@ -150,8 +168,8 @@ std::string describe_acting(const Problem& problem);
 /// "0.5,1": shortest digits that read back equal.
 std::string describe(const Eigen::VectorXd& y);
 
-/// Whether runs on a model of so many states are not worth their time: Odeint's implicit steppers know no
-/// sparse matrices, and make new factors for every step.
+/// Whether runs on a model of so many states are not worth their time: those of methods that factor a dense
+/// matrix in every step.
 bool is_too_slow(const Method& method, Eigen::Index states);
 
 }  // namespace hmax

@@ -100,7 +100,7 @@ double decay_beside(const Method& method, const Prediction& row, const Linearise
     if (growth.polynomial) slowest = std::max(slowest, fading(growth.polynomial->roots(h)));
     // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the
     // start.
-    else if (method.amplification->measured && remembers(method))
+    else if (method.amplification->measured && method.steps_back > 0)
       slowest = std::max(slowest, 0.995);
   }
   return std::log(slowest);

@@ -123,7 +123,7 @@ AccuracyPlan accuracy_plan(const std::vector<std::string>& methods) {
     const std::size_t first_case = plan.cases.size();
     for (const Method& method : choose_methods(methods, {})) {
       // Foreign engines are peers, not ours to guard: their numbers change with their version.
-      if (method.engine != "hmax" || !suits(method, plan.problems[p])) continue;
+      if (method.is_foreign() || !suits(method, plan.problems[p])) continue;
       if (entry.stiff && !method.needs_jacobian) continue;
       if (method.fixed_step && !entry.stiff && entry.y0.empty()) add_fixed(plan, p, method, entry.t_end);
       if (method.adaptive()) add_adaptive(plan, p, method, entry.t_end);

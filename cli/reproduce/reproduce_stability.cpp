@@ -1,12 +1,14 @@
 #include "cli/reproduce/reproduce_stability.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/catalogue/families.hpp"
 #include "bench/limits/prediction.hpp"
 #include "plots/draw.hpp"
 #include "plots/report.hpp"
@@ -67,14 +69,16 @@ std::string nonlinear_csv(const std::vector<LimitCase>& cases, const std::vector
   return text;
 }
 
-/// Families of methods as the figure tells them apart.
+/// The families of methods that the figure tells apart, in the order of its colours, and their markers.
+constexpr std::array<std::string_view, 6> groups{"explicit Runge-Kutta", "Adams", "positions and velocities",
+                                                 "stabilised",           "peers", "others"};
+constexpr std::array<int, 6> markers{6, 8, 4, 12, 10, 2};
+
 std::string_view group_of(const std::string& id) {
   const Method method = find_method(id);
-  if (method.engine != "hmax") return "peers";
-  if (method.family == "explicit_runge_kutta") return "explicit Runge-Kutta";
-  if (method.family == "adams") return "Adams";
-  if (method.family == "structural") return "positions and velocities";
-  return "stabilised";
+  if (method.is_foreign()) return "peers";
+  const std::string_view words = family_of(method)->words;
+  return std::ranges::find(groups, words) == groups.end() ? "others" : words;
 }
 
 /// Stabilised methods bear steps of a million seconds where the model is overdamped; they would leave no room
@@ -82,9 +86,6 @@ std::string_view group_of(const std::string& id) {
 constexpr double longest_shown = 100;
 
 Figure predicted_vs_observed(const std::vector<StudyRow>& rows, const std::string& machine) {
-  constexpr std::array<std::string_view, 5> groups{"explicit Runge-Kutta", "Adams",
-                                                   "positions and velocities", "stabilised", "peers"};
-  constexpr std::array<int, 5> markers{6, 8, 4, 12, 10};
   std::map<std::string_view, Curve> limits, gaps;
   double low = INFINITY, high = 0;
   for (const auto& [which, row] : rows) {

@@ -115,7 +115,7 @@ std::vector<Chapter> chapters_of(const std::string& names) {
         std::ranges::find_if(chapters, [&](const Chapter& c) { return c.stem == file_stem(family); });
     if (place == chapters.end()) {
       Chapter further{.title = "Further methods: " + family, .text = "", .stem = file_stem(family)};
-      if (formula.method && formula.method->engine != "hmax")
+      if (formula.method && formula.method->is_foreign())
         further.text = "A foreign engine; where it shows no coefficients, its steps are measured.";
       place = chapters.insert(chapters.end(), std::move(further));
     }
@@ -194,7 +194,7 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
     Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
     for (const Formula& formula : chapter.formulas) {
       // What foreign engines step with an old Jacobian is not known.
-      const bool own = formula.method && formula.method->engine == "hmax";
+      const bool own = formula.method && !formula.method->is_foreign();
       if (!own || !(parts.fast.empty() ? formula.method->linearly_implicit : formula.method->needs_split))
         continue;
       const PlaneLook look{.cells = 160};

@@ -195,7 +195,7 @@ std::vector<PartRegion> part_regions(const Formula& formula, const PartsChoice& 
     return regions;
   }
   // What foreign engines step with an old Jacobian is not known.
-  if (!formula.method || !formula.method->linearly_implicit || formula.method->engine != "hmax")
+  if (!formula.method || !formula.method->linearly_implicit || formula.method->is_foreign())
     throw InputError(fmt::format(
         "{} does not step with a Jacobian that may be an old one, which --ratios is for; choose one "
         "like rosenbrock_23",

@@ -39,6 +39,6 @@ inline constexpr double poisson_of_springs = 0.25;
 [[nodiscard]] std::span<const TissueModel> tissue_models();
 
 /// @throws std::invalid_argument  for an unknown id, naming the known ones
-[[nodiscard]] const TissueModel& tissue_model(std::string_view id);
+const TissueModel& tissue_model(std::string_view id);
 
 }  // namespace hmax

@@ -17,7 +17,9 @@ TEST(List, MethodsHaveTheKeysOfTheContract) {
   std::set<std::string> ids;
   for (const Json& method : methods) {
     expect_keys(method, {"id", "aliases", "family", "order", "error_order", "stages", "explicit", "adaptive",
-                         "needs_jacobian", "a_stable", "l_stable", "engine", "source", "note"});
+                         "needs_jacobian", "a_stable", "l_stable", "engine", "source", "note",
+                         "linearly_implicit", "first_same_as_last", "steps_back"});
+    if (method.at("id") == "adams_bashforth_4") EXPECT_EQ(method.at("steps_back"), 3);
     if (method.at("id") == "fehlberg_78")
       EXPECT_NE(method.at("note").get<std::string>().find("error estimate is zero"), std::string::npos);
     ids.insert(method.at("id"));
@@ -54,8 +56,9 @@ TEST(List, MaterialsHaveTheKeysOfTheContract) {
 
 TEST(List, AsksWhatToListWhenNothingIsNamed) {
   const Shell shell;
-  expect_refused(shell.hmax("list"),
-                 "say what to list, methods, problems, models or materials; for instance `hmax list methods`");
+  expect_refused(
+      shell.hmax("list"),
+      "say what to list, methods, problems, models or materials; for instance `hmax list methods`");
   expect_refused(shell.hmax("list method"), "did you mean 'methods'?");
 }
 
