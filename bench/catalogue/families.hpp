@@ -40,7 +40,7 @@ struct Family {
 };
 
 /// In the order in which their methods are listed.
-inline constexpr auto all_families = std::to_array<Family>({
+constexpr auto all_families = std::to_array<Family>({
     {"explicit_runge_kutta", "explicit Runge-Kutta", add_explicit_rk},
     {"adams", "Adams", add_adams},
     {"diagonally_implicit", "diagonally implicit", add_diagonally_implicit},
