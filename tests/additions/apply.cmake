@@ -1,0 +1,22 @@
+# Copies the files that the patches of this folder change into SCRATCH and applies the patches there.
+#   cmake -DSOURCE=... -DSCRATCH=... "-DPATCHES=a.patch;b.patch" -DGIT=git -P apply.cmake
+file(REMOVE_RECURSE "${SCRATCH}")
+file(MAKE_DIRECTORY "${SCRATCH}")
+foreach(patch ${PATCHES})
+  file(STRINGS "${patch}" changed REGEX "^--- a/")
+  foreach(line ${changed})
+    string(REGEX REPLACE "^--- a/" "" name "${line}")
+    if(NOT EXISTS "${SCRATCH}/${name}")
+      get_filename_component(folder "${SCRATCH}/${name}" DIRECTORY)
+      file(COPY "${SOURCE}/${name}" DESTINATION "${folder}")
+    endif()
+  endforeach()
+endforeach()
+# Within a repository git would take the names of the patches from its root.
+set(ENV{GIT_CEILING_DIRECTORIES} "${SCRATCH}/..")
+foreach(patch ${PATCHES})
+  execute_process(COMMAND "${GIT}" apply -C1 "${patch}" WORKING_DIRECTORY "${SCRATCH}" RESULT_VARIABLE failed ERROR_VARIABLE why)
+  if(failed)
+    message(FATAL_ERROR "${patch} no longer applies; write it anew from a copy of the sources with `git diff -U2`:\n${why}")
+  endif()
+endforeach()
