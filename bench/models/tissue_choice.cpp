@@ -11,6 +11,7 @@
 #include "bench/input/suggest.hpp"
 #include "bench/models/idle_parameters.hpp"
 #include "bench/models/support_sets.hpp"
+#include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/contact.hpp"
 #include "problems/tissue/materials.hpp"
@@ -420,9 +421,8 @@ TissueId::TissueId(const std::string& id) {
 
 TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& settings) {
   TissueParameters parameters;
-  // A beam is clamped, a liver hangs from the diaphragm, everything else stands.
-  if (id.mesh.starts_with("beam")) parameters.axis = 1;
-  if (id.mesh.starts_with("liver")) parameters.axis = -3;
+  if (const NamedMesh* const named = find_named_mesh(parse_mesh_request(id.mesh).name))
+    parameters.axis = named->held_axis;
   if (!settings.material.empty()) {
     // The oscillators' names of the same materials serve as well.
     const TissueSettings made = with_tissue_material(

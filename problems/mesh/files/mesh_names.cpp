@@ -51,16 +51,49 @@ int most_cells(int share) {
   return n;
 }
 
-TetMesh generated(const std::string& name, const Parameters& values) {
-  const auto value = [&](std::string_view parameter) { return *find(values, parameter); };
-  const double n_value = value("n");
-  const int most = most_cells(name == "beam" ? 24 : name == "cube" ? 6 : 20);
-  if (n_value != std::floor(n_value) || n_value < 1 || n_value > most)
-    refuse("n", name, n_value, "1 to " + std::to_string(most));
-  const int n = static_cast<int>(n_value);
-  if (name == "beam") return beam_mesh(value("length"), value("width"), value("height"), n);
-  if (name == "cube") return cube_mesh(value("edge"), n);
-  return ball_mesh(value("radius"), n);
+/// A mesh that is computed: `share` n^3 tetrahedra, made from n and the other parameters in their order.
+struct Generator {
+  NamedMesh mesh;
+  int share;
+  TetMesh (*make)(int n, const Parameters& values);
+};
+
+const std::vector<Generator>& generators() {
+  static const std::vector<Generator> all{
+      {{.name = "beam",
+        .parameters = {{"n", 4}, {"length", 0.2}, {"width", 0.05}, {"height", 0.05}},
+        .description = "4 n cells along x, n x n across",
+        .held_axis = 1},
+       24,
+       [](int n, const Parameters& p) { return beam_mesh(p[1].second, p[2].second, p[3].second, n); }},
+      {{.name = "cube", .parameters = {{"n", 4}, {"edge", 0.1}}, .description = "n cells along each edge"},
+       6,
+       [](int n, const Parameters& p) { return cube_mesh(p[1].second, n); }},
+      {{.name = "ball",
+        .parameters = {{"n", 4}, {"radius", 0.05}},
+        .description = "n shells around the origin"},
+       20,
+       [](int n, const Parameters& p) { return ball_mesh(p[1].second, n); }}};
+  return all;
+}
+
+/// What is known of the files of problems/meshes beside their text. A liver hangs from the diaphragm.
+const std::vector<NamedMesh>& known_files() {
+  static const std::vector<NamedMesh> all{
+      {.name = "liver",
+       .parameters = {},
+       .description = "a liver of 1.5 kg with the counts of the study",
+       .held_axis = -3},
+      {.name = "phantom", .parameters = {}, .description = "a cube of gel with the counts of the study"}};
+  return all;
+}
+
+TetMesh generated(const Generator& generator, const Parameters& values) {
+  const double n = values.front().second;
+  const int most = most_cells(generator.share);
+  if (n != std::floor(n) || n < 1 || n > most)
+    refuse("n", generator.mesh.name, n, "1 to " + std::to_string(most));
+  return generator.make(static_cast<int>(n), values);
 }
 
 }  // namespace
@@ -68,20 +101,21 @@ TetMesh generated(const std::string& name, const Parameters& values) {
 const std::vector<NamedMesh>& named_meshes() {
   static const std::vector<NamedMesh> meshes = [] {
     std::vector<NamedMesh> all;
-    for (const MeshTextFile& file : mesh_texts())
-      all.push_back({std::string(file.name),
-                     {},
-                     file.name == "liver"     ? "a liver of 1.5 kg with the counts of the study"
-                     : file.name == "phantom" ? "a cube of gel with the counts of the study"
-                                              : ""});
-    all.push_back({"beam",
-                   {{"n", 4}, {"length", 0.2}, {"width", 0.05}, {"height", 0.05}},
-                   "4 n cells along x, n x n across"});
-    all.push_back({"cube", {{"n", 4}, {"edge", 0.1}}, "n cells along each edge"});
-    all.push_back({"ball", {{"n", 4}, {"radius", 0.05}}, "n shells around the origin"});
+    for (const MeshTextFile& file : mesh_texts()) {
+      const auto known = std::ranges::find(known_files(), file.name, &NamedMesh::name);
+      all.push_back(known != known_files().end()
+                        ? *known
+                        : NamedMesh{.name = std::string(file.name), .parameters = {}, .description = {}});
+    }
+    for (const Generator& generator : generators()) all.push_back(generator.mesh);
     return all;
   }();
   return meshes;
+}
+
+const NamedMesh* find_named_mesh(std::string_view name) {
+  const auto known = std::ranges::find(named_meshes(), name, &NamedMesh::name);
+  return known == named_meshes().end() ? nullptr : &*known;
 }
 
 MeshRequest parse_mesh_request(std::string_view text) {
@@ -121,8 +155,8 @@ int refinements_of(const MeshRequest& request) {
 }
 
 TetMesh mesh_by_name(const MeshRequest& request) {
-  const auto known = std::ranges::find(named_meshes(), request.name, &NamedMesh::name);
-  if (known == named_meshes().end()) {
+  const NamedMesh* const known = find_named_mesh(request.name);
+  if (!known) {
     std::string names;
     for (const NamedMesh& mesh : named_meshes()) names += (names.empty() ? "" : ", ") + mesh.name;
     throw std::invalid_argument("there is no mesh '" + request.name + "'; known are " + names);
@@ -140,8 +174,10 @@ TetMesh mesh_by_name(const MeshRequest& request) {
     place->second = value;
   }
   const int times = refinements_of(request);
+  const auto made =
+      std::ranges::find(generators(), request.name, [](const Generator& g) { return g.mesh.name; });
+  if (made != generators().end()) return refined(generated(*made, values), times);
   const auto text = std::ranges::find(mesh_texts(), request.name, &MeshTextFile::name);
-  if (text == mesh_texts().end()) return refined(generated(request.name, values), times);
   MeshFile file = read_mesh(request.name + ".msh", text->msh);
   require_valid(file);
   number_regions(file.mesh);

@@ -36,10 +36,15 @@ struct NamedMesh {
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
   std::string description;
+  int held_axis =
+      3;  ///< where it is held by default: 1, 2, 3: at its low end along x, y, z; -1, -2, -3: at the high one
 };
 
 /// phantom, liver, beam, cube, ball.
 const std::vector<NamedMesh>& named_meshes();
+
+/// Null for a name that none of them has, as that of a file.
+const NamedMesh* find_named_mesh(std::string_view name);
 
 /// The whole number of refinements that was asked for.
 /// @throws std::invalid_argument unless it is whole and 0 or more
