@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/size_limits.hpp"
 #include "problems/any_system.hpp"
 
 namespace hmax {
@@ -62,9 +63,6 @@ class LinearStructure {
 
 extern template class LinearStructure<Eigen::MatrixXd>;
 extern template class LinearStructure<Eigen::SparseMatrix<double>>;
-
-/// Rows up to which a mass matrix may couple degrees of freedom.
-inline constexpr Eigen::Index most_coupled_masses = 1500;
 
 /// A square matrix as it was given.
 using StructureMatrix = std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>>;

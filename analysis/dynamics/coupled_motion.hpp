@@ -9,6 +9,7 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/spectrum/linear_model.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
 
@@ -88,9 +89,6 @@ class CoupledMotion {
 /// @return  nothing where it would not be proved
 std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
                                               const Amplification& single);
-
-/// The most rows of a companion matrix whose eigenvalues are asked for at one step after another.
-inline constexpr Eigen::Index most_coupled_rows = 1500;
 
 /// Whether the steps of the method on this model couple modes that its motion does not, or that it couples
 /// itself, so that they cannot be taken one by one.

@@ -17,6 +17,7 @@
 #include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/spectrum.hpp"
+#include "core/size_limits.hpp"
 #include "integrators/linear/panel_factor.hpp"
 #include "results/errors.hpp"
 
@@ -179,9 +180,6 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   }
   return result;
 }
-
-/// Beyond this a factor of a mesh, made once, takes minutes and gigabytes.
-constexpr Index most_factored = 200'000;
 
 ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest, bool with_shapes) {
   const double bound = scaled.gershgorin();

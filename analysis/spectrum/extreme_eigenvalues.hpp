@@ -8,6 +8,7 @@
 #include <Eigen/SparseCore>
 
 #include "analysis/spectrum/linear_model.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
 
@@ -15,9 +16,6 @@ namespace hmax {
 /// libspectra-dev). Without them all their eigenvalues are computed, up to most_dense_rows. Symmetric
 /// problems need nothing that is not here.
 bool has_krylov();
-
-/// Matrices up to this size are not worth a Krylov method.
-inline constexpr Eigen::Index small_enough_for_dense = 200;
 
 /// Eigenvalues of largest modulus, the largest first, and their eigenvectors.
 struct LargestEigenvalues {

@@ -10,6 +10,7 @@
 
 #include "analysis/spectrum/linear_model.hpp"
 #include "analysis/spectrum/modes.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
 
@@ -38,9 +39,6 @@ struct Spectrum {
   /// Where the motion decouples, in the order of kappa: mechanical[i] has lambda[2 i] and lambda[2 i + 1].
   std::vector<MechanicalMode> mechanical;
 };
-
-/// The most rows a matrix may have for dense methods: beyond, `extreme_eigenvalues.hpp` serves.
-inline constexpr Eigen::Index most_dense_rows = 4000;
 
 /// Two numbers in closed form; mechanical parts that decouple by their symmetric problem of half the size;
 /// with general damping the companion form (0, s I; -M^-1/2 K M^-1/2 / s, -M^-1/2 C M^-1/2), s^2 the size of

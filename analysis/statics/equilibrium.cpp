@@ -12,6 +12,7 @@
 #include <Eigen/SparseLU>
 #include <fmt/format.h>
 
+#include "core/size_limits.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -26,16 +27,13 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// serves, else in the sense of least squares.
 class Corrections {
  public:
-  /// Beyond this, singular sparse matrices are not looked into.
-  static constexpr Index most_dense = 1000;
-
   Corrections(const AnyMatrix& J, const MatrixXd& conserved) {
     if (is_sparse(J) && conserved.cols() == 0) {
       sparse_ = std::make_unique<Eigen::SparseLU<Sparse>>();
       sparse_->compute(std::get<Sparse>(J));
       if (sparse_->info() == Eigen::Success && is_regular()) return;
       sparse_.reset();
-      if (rows(J) > most_dense) return;
+      if (rows(J) > most_dense_kernel) return;
     }
     MatrixXd A(rows(J) + conserved.cols(), rows(J));
     A << dense(J), conserved.transpose();
@@ -213,8 +211,7 @@ class Search {
   /// A regular Jacobian allows none. Differences do not tell for sure, so that of small systems they are
   /// sought all the same.
   void look_for_conserved_sums(const AnyMatrix& J) {
-    constexpr Index small = 64;
-    if (rows(J) > small && !Corrections(J, conserved_).is_singular()) return;
+    if (rows(J) > most_searched_invariants && !Corrections(J, conserved_).is_singular()) return;
     conserved_ = conserved_sums(field_, y_, weights_for(y_).cwiseInverse());
   }
 

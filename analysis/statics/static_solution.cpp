@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/size_limits.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -184,7 +185,7 @@ class Iteration {
     if (!settings_.leave_saddles || !settings_.line_search || !model_.energy ||
         settings_.method == StaticMethod::linear)
       return false;
-    if (model_.dofs > most_judged_by_factor || (knows && !indefinite_)) return false;
+    if (model_.dofs > most_factored_often || (knows && !indefinite_)) return false;
     model_.stiffness(q_, shifted_);
     SparseSolver<double>& solver = inner_.factors();
     stale_ = true;

@@ -12,11 +12,9 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-namespace hmax {
+#include "core/size_limits.hpp"
 
-/// Degrees of freedom up to which a factor of K tells whether an equilibrium is stable: seconds and a
-/// gigabyte.
-inline constexpr Eigen::Index most_judged_by_factor = 60'000;
+namespace hmax {
 
 /// The forces on a body at rest. They are those of the body itself and dead loads, which do not depend on q,
 /// so that F at q = 0, where a body that is not strained resists nothing, is the whole load.

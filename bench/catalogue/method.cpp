@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/size_limits.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -202,8 +203,7 @@ std::string describe(const Eigen::VectorXd& y) {
 }
 
 bool is_too_slow(const Method& method, Eigen::Index states) {
-  constexpr Eigen::Index most_dense_rows = 600;
-  return method.dense_equations && states > most_dense_rows;
+  return method.dense_equations && states > most_dense_equations;
 }
 
 }  // namespace hmax

@@ -7,11 +7,9 @@
 
 #include "bench/limits/operating_point.hpp"
 #include "bench/limits/prediction.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
-
-/// Degrees of freedom of a mesh beyond which a factor of K takes minutes and gigabytes.
-inline constexpr Eigen::Index most_factored = 200'000;
 
 /// The least kappa of a structure, found when a limit asks for it.
 class SlowEnd {

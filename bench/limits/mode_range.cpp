@@ -9,6 +9,7 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/statics/static_solution.hpp"
 #include "bench/limits/mode_curve.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
 namespace {
@@ -17,7 +18,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Whether the stiffness has a negative eigenvalue, as far as that is affordable to know.
 bool may_buckle(const MechanicalPart& part) {
-  if (part.mass.size() > most_judged_by_factor) return true;
+  if (part.mass.size() > most_factored_often) return true;
   const ExtremeStiffnesses least = smallest_stiffnesses(part);
   return !least.converged || least.negative > 0;
 }

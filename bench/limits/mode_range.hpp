@@ -9,12 +9,9 @@
 #include "analysis/step_limits/damping_range.hpp"
 #include "bench/limits/operating_point.hpp"
 #include "bench/limits/prediction.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
-
-/// Degrees of freedom up to which all eigenvalues of a structure are computed whose damping couples its
-/// modes.
-inline constexpr Eigen::Index most_dense_coupled = 300;
 
 /// What is known of the modes of such a structure beside the largest eigenvalues, which the spectrum lists.
 struct ModeRange {

@@ -4,6 +4,7 @@
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/dynamics/growth.hpp"
 #include "bench/limits/operating_point.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
 
@@ -20,10 +21,6 @@ struct ModeStart {
   /// die away.
   bool mode_alone = false;
 };
-
-/// Sparse structures beyond this many degrees of freedom start from a shape that is found alone, and are
-/// measured by energy and by the amplitude of that shape: no matrix is dense.
-inline constexpr Eigen::Index most_dense_start = 20;
 
 /// Near the eigenvalue `wanted`, with a hundredth of everything else. The distance is that in the modes of
 /// the model, where it has a full set of them, or in a norm like energy.

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "bench/catalogue/method.hpp"
+#include "core/size_limits.hpp"
 
 namespace hmax {
 
@@ -15,9 +16,6 @@ struct NewtonStep {
                           ///< the reference does not reach that time
   double error_bound = 0;  ///< how far the reference of that error may be off [m]
 };
-
-/// Bodies with more degrees of freedom are not looked at.
-inline constexpr Eigen::Index most_newton_step_dofs = 10'000;
 
 /// Tries steps from 1 ms on, each twice as long as the last, up to 1 s, and closes in on the first that is
 /// not solved by bisection. The reference of the error takes the same time in 100 to 400 steps of newmark.

@@ -16,6 +16,7 @@
 #include "bench/limits/mode_start.hpp"
 #include "bench/models/planar.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "core/size_limits.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -305,8 +306,6 @@ std::vector<double> steps_without_limit(const Problem& problem, double farthest)
 /// Why runs are not worth their time, or would show something else; empty where they are.
 std::string why_not_verified(const Method& method, const Problem& problem, const Problem& free,
                              const Linearised& near) {
-  // Of the motion that the force makes every state is kept, to be taken off.
-  constexpr Eigen::Index most_driven_states = 20;
   const Eigen::Index states = near.model.y.size();
   if (is_driven(free) && states > most_driven_states)
     return fmt::format("not verified: a force moves the {} states of the model during the runs", states);

@@ -10,6 +10,7 @@
 #include "analysis/spectrum/modal_motion.hpp"
 #include "bench/models/mesh_choice.hpp"
 #include "bench/models/tissue_choice.hpp"
+#include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 
@@ -123,9 +124,6 @@ std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double)> exact_mot
         return once->motion->at(static_cast<double>(t)).cast<long double>();
       };
 }
-
-/// Beyond this the eigenvectors of a dense matrix take minutes.
-constexpr Eigen::Index most_modal_dofs = 1500;
 
 }  // namespace
 

@@ -13,6 +13,7 @@
 #include "bench/models/mesh_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
+#include "core/size_limits.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/table.hpp"
@@ -101,9 +102,10 @@ ScaleRow measured(const std::string& mesh, const std::filesystem::path& folder,
   };
   std::vector<Task> tasks;
   for (const Timed& each : timed) tasks.push_back(each.task);
-  constexpr Eigen::Index large = 100'000;
-  const std::vector<Timing> timings = time_interleaved(
-      tasks, {.repetitions = row.tetrahedra < large ? 5 : 2, .min_sample_s = 5e-3, .keep_going = keep_going});
+  const std::vector<Timing> timings =
+      time_interleaved(tasks, {.repetitions = row.tetrahedra < least_timed_twice ? 5 : 2,
+                               .min_sample_s = 5e-3,
+                               .keep_going = keep_going});
   for (std::size_t i = 0; i < timings.size(); ++i)
     row.*timed[i].into = *std::ranges::min_element(timings[i].samples) / timed[i].runs;
   row.peak_memory = peak_memory();

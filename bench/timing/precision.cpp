@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/step_limits/stable_step.hpp"
+#include "core/size_limits.hpp"
 #include "integrators/implicit/jacobian.hpp"
 
 namespace hmax {
@@ -66,12 +67,10 @@ std::string error_in_words(const Problem& problem, ErrorOf which) {
 
 std::optional<double> predicted_step_limit(const Method& method, const Problem& problem,
                                            const Reference& reference, double t_end) {
-  // A dense spectrum of a larger system would take longer than the runs it explains.
-  constexpr Eigen::Index largest = 200;
   constexpr int times = 40;
   // Steps of positions and velocities ask for more than a Jacobian; what is measured takes longer than runs.
   if (!method.amplification || method.amplification->of_oscillation || method.amplification->measured ||
-      problem.y0.size() > largest || reference.valid_until < t_end)
+      problem.y0.size() > most_explained_states || reference.valid_until < t_end)
     return std::nullopt;
   return std::visit(
       [&]<class Sys>(const Sys& system) {

@@ -7,6 +7,7 @@
 #include "bench/limits/fastest_mode.hpp"
 #include "bench/models/body_balance.hpp"
 #include "cli/shared/console.hpp"
+#include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -15,11 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Degrees of freedom up to which changes of the mesh are tried, each of which takes a mesh and a Lanczos
-/// iteration of its own.
-constexpr Eigen::Index most_tried = 30'000;
-
-bool tries_gains(const Problem& problem) { return problem.body->dofs() <= most_tried; }
+bool tries_gains(const Problem& problem) { return problem.body->dofs() <= most_tried_gains; }
 
 }  // namespace
 

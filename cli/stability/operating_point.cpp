@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
+#include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -45,10 +46,10 @@ void announce_equilibrium(Console& console, const Problem& problem, OperatingPoi
       !problem.body->is_autonomous() || is_at_rest(*problem.body))
     return;
   // Measured on balls in their weight of 29,000 to 275,000 degrees of freedom, within a factor of 2: Newton's
-  // steps by conjugate gradients, and up to most_judged_by_factor a factor of K that tells whether the
+  // steps by conjugate gradients, and up to most_factored_often a factor of K that tells whether the
   // equilibrium is stable.
   const auto dofs = static_cast<double>(problem.body->dofs());
-  const double factored = dofs <= most_judged_by_factor ? dofs : 0;
+  const double factored = dofs <= most_factored_often ? dofs : 0;
   const double seconds = 7.5e-5 * dofs * std::cbrt(dofs / 1e5) + 2.8e-9 * factored * factored;
   const double gigabytes = 3e-6 * dofs + 6.7e-7 * std::pow(factored, 4.0 / 3);
   console.remark(fmt::format(

@@ -18,6 +18,7 @@
 #include "cli/stability/limit_json.hpp"
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -57,17 +58,14 @@ Json model_json(const Problem& problem, const Linearised& near) {
                              ? "of the fastest mode; the slowest is not computed, because no limit needs it"
                              : "of the slowest and the fastest mode; all others lie between them";
   if (near.range) document["status"] = "of the fastest modes; damping couples all of them";
-  // Some ten operations with dense matrices of twice the size of the model.
-  constexpr Eigen::Index most_dense = 400;
-  if (near.model.y.size() <= most_dense) {
+  if (near.model.y.size() <= most_measured_normality) {
     const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.model);
     const NonNormality normal = non_normality(J);
     document["departure_from_normality"] = normal.departure;
     document["relative_departure"] = normal.relative_departure;
     document["numerical_abscissa"] = normal.numerical_abscissa;
-    // Some hundred spectra of twice the size: of small models only.
-    constexpr Eigen::Index small = 12;
-    if (J.rows() <= small) document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
+    if (J.rows() <= most_kreiss_states)
+      document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
   }
   if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
   document["body"] = body_json(problem);

@@ -14,6 +14,7 @@
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>
 
+#include "core/size_limits.hpp"
 #include "integrators/linear/conjugate_gradients.hpp"
 #include "integrators/linear/linear_solve.hpp"
 #include "integrators/linear/panel_factor.hpp"
@@ -216,7 +217,7 @@ class SparseSolver {
 
   /// Infinite where the factors of a body in space take too long.
   double factorisation_work(const Matrix& A) {
-    if (A.rows() > largest_to_factor) return std::numeric_limits<double>::infinity();
+    if (A.rows() > most_factored_often) return std::numeric_limits<double>::infinity();
     analyse_symmetric(A);
     return panels_.work();
   }
@@ -231,9 +232,6 @@ class SparseSolver {
     work_left_ = never;
     iterates_ = !factor_symmetric(gradients_.matrix());
   }
-
-  /// Unknowns; a few seconds and a gigabyte, which may come again with every step.
-  static constexpr Eigen::Index largest_to_factor = 60'000;
 
   LinearSolve choice_;
   struct Pair {
