@@ -1,7 +1,5 @@
 #include "bench/models/idle_parameters.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "results/numbers.hpp"
@@ -27,12 +25,12 @@ std::string why_young(const TissueId& id, const TissueParameters& p, std::string
 }
 
 std::string why_density(const TissueParameters& p, std::string_view name) {
-  // With a mass the densities only say how it is spread.
-  const bool differs = std::ranges::any_of(
-      p.of_regions, [](const auto& region) { return region.what == &TissueMaterial::density; });
-  if (p.mass == 0 || (differs && p.equal_masses == 0)) return {};
-  return fmt::format("{} does not act where the mass of the body is given, {} kg; leave it out or set mass=0",
-                     name, to_text(p.mass));
+  // Beside a mass densities could only be ratios, which nobody reads in kg/m^3.
+  if (p.mass == 0) return {};
+  return fmt::format(
+      "{} does not act where mass or a material gives the mass of the body, {} kg; leave it out, or set mass=0 and "
+      "the density of every region",
+      name, to_text(p.mass));
 }
 
 /// The axis says which end is held, and from where loads come.

@@ -320,6 +320,8 @@ TEST(TissueProblem, HasAMaterialForEachRegionOfItsFile) {
         .materials;
   };
   const auto made = materials({{"nu", 0.3}, {"E:7", 9000}, {"nu:3", 0.4}, {"rho:3", 900}});
+  // Beside a mass a density would be a ratio.
+  EXPECT_THROW(materials({{"mass", 1}, {"rho:3", 900}}), InputError);
   ASSERT_EQ(made.size(), 2u);  // region 3 first
   EXPECT_EQ(made[0].young, 5500);
   EXPECT_EQ(made[1].young, 9000);
