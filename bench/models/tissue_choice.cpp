@@ -391,12 +391,21 @@ std::size_t region_of(const LoadedMesh& loaded, const std::string& called) {
   return numbered.front();
 }
 
-/// @throws InputError  for a region that the mesh does not have
+/// @throws InputError  for a region that the mesh does not have, and for one that has the same property twice
 void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loaded,
                               std::vector<TissueMaterial>& materials) {
   if (p.of_regions.empty()) return;
   materials.resize(static_cast<std::size_t>(region_count(loaded.mesh)), materials.front());
-  for (const auto& [what, region, value] : p.of_regions) materials[region_of(loaded, region)].*what = value;
+  std::vector<std::pair<double TissueMaterial::*, std::size_t>> taken;
+  for (const auto& [what, called, value] : p.of_regions) {
+    const std::pair property(what, region_of(loaded, called));
+    if (std::ranges::find(taken, property) != taken.end())
+      throw InputError(
+          fmt::format("{}:{} is set twice, once perhaps by the number of the region; leave one out",
+                      std::ranges::find(named_of_region, what, &NamedOfRegion::value)->name, called));
+    taken.push_back(property);
+    materials[property.second].*what = value;
+  }
 }
 
 }  // namespace

@@ -336,6 +336,8 @@ TEST(TissueProblem, HasAMaterialForEachRegionOfItsFile) {
     EXPECT_NE(std::string(error.what()).find("no region 4; it has 3, 7"), std::string::npos) << error.what();
   }
   EXPECT_THROW(materials({{"E:x", 1}}), InputError);
+  EXPECT_THROW(materials({{"E:3", 8000}, {"E:3", 9000}}), InputError);
+  EXPECT_EQ(materials({{"E:3", 8000}, {"E:7", 8000}, {"rho:3", 900}}).size(), 2u);
   EXPECT_THROW(materials({{"alpha:3", 1}}), InputError);
 }
 
