@@ -169,7 +169,10 @@ std::vector<Row> useful(std::vector<Row> rows, ErrorOf which, double size) {
 
 void precision(const PrecisionOptions& options, Console& console) {
   const auto& interrupted = interrupt_flag();
-  if (!options.output.empty()) check_figure_files(options.output, "precision");
+  if (!options.output.empty())
+    check_figure_files(options.output, "precision");
+  else
+    refuse_style_without_figure("--output FOLDER");
   const SweepPlan plan = plan_sweep(precision_sweep(spec_of(options)));
   const TemporaryFolder temporary;
   Store store = open_sweep_store(

@@ -206,6 +206,7 @@ void refuse_ignored(const StaticOptions& options) {
     bool given;
     const char* why;
   };
+  if (!compares) refuse_style_without_figure("--compare FOLDER");
   const auto refuse = [](std::initializer_list<Ignored> all) {
     for (const auto& [option, given, why] : all)
       if (given) throw InputError(fmt::format("{} {}", option, why));

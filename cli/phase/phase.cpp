@@ -95,7 +95,10 @@ std::string figure_name(const PhaseOptions& options) {
 
 void phase(const PhaseOptions& options, Console& console) {
   require_one_view(options);
-  if (!options.output.empty()) check_figure_files(options.output, figure_name(options));
+  if (!options.output.empty())
+    check_figure_files(options.output, figure_name(options));
+  else
+    refuse_style_without_figure("--output FOLDER");
   if (!options.method.method.empty() || !options.method.tableau.empty()) return phase_map(options, console);
   if (!options.basins && !options.cells.empty())
     throw InputError("--cells is the grid of --basins; add --basins, or leave it out");

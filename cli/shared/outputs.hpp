@@ -21,6 +21,10 @@ void add_jobs(CLI::App& command);
 /// The option --style of a command that draws figures: for a page or for a slide.
 void add_figure_style(CLI::App& command);
 
+/// @throws InputError  for --style slide where nothing is drawn
+/// @param option  that asks for a figure, and is not given: "--output FOLDER"
+void refuse_style_without_figure(std::string_view option);
+
 struct FileForm {
   std::string_view ending;  ///< ".csv"
   std::string_view holds;   ///< what is written so, for the error

@@ -281,7 +281,10 @@ std::string in_words(const MapStudy& study, const Console& console) {
 }
 
 void map(const MapOptions& options, Console& console) {
-  if (!options.output.empty()) check_figure_files(options.output, "map");
+  if (!options.output.empty())
+    check_figure_files(options.output, "map");
+  else
+    refuse_style_without_figure("--output FOLDER");
   MapStudy study = study_of(options, console);
   if (!options.output.empty()) study.figure = drawn(study, options);
   if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);

@@ -163,6 +163,7 @@ std::string in_words(const DrawnRegion& region) {
 
 void region(const RegionOptions& options, Console& console) {
   const PlaneLook look = look_of(options);
+  if (!options.wants_figure()) refuse_style_without_figure("--output FOLDER");
   RegionStudy study = study_of(options, look);
   const bool wants_points = !options.output.empty() && !options.wants_figure();
   if (options.wants_figure()) study.figure = drawn(study, options, look);

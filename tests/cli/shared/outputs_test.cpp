@@ -30,6 +30,16 @@ TEST(Outputs, AnInputIsNeverReplaced) {
   EXPECT_EQ(read_text(shell / "c.msh"), before);
 }
 
+TEST(Outputs, AStyleWithoutAFigureIsRefused) {
+  const Shell shell;
+  for (const char* command :
+       {"phase --problem liver_cubic", "stability region --method rk4", "static --mesh cube:n=2",
+        "precision --problem liver_forced --methods rk4",
+        "stability map --problem liver_linear --method rk4 --x c=1:2:2 --y k1=1:2:2"})
+    expect_refused(shell.hmax(std::string(command) + " --style slide"), "--style is of figures");
+  EXPECT_EQ(shell.hmax("phase --problem liver_cubic --style page").exit_code, 0);
+}
+
 /// Each command line and the file that it writes; {} stands for a name.
 class OutputsTest : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
