@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -29,6 +31,62 @@ double linear_step(const Range& range, double length) {
     }
 }
 
+/// Labels of 1, 2 and 5 times a power of ten, or of 1 and 3 times, that have room where a decade has so many
+/// pixels; 2 and 5 without labels where not even the latter have.
+struct Multiple {
+  int factor;
+  bool labelled = true;
+};
+std::vector<Multiple> multiples_of(double decade, bool across) {
+  const double room = across ? 48 : tic_height;
+  if (std::log10(2.0) * decade >= room) return {{1}, {2}, {5}};
+  if (std::log10(3.0) * decade >= room) return {{1}, {3}};
+  return {{1}, {2, false}, {5, false}};
+}
+
+/// Tics of a logarithmic axis in equal steps, where its range is so short that no two of its powers and their
+/// multiples are in it; empty where these have no room.
+std::string short_axis_tics(const Range& range, double length, double room) {
+  const double decade = length / std::log10(range.high / range.low);
+  const double first_power = std::pow(10, std::floor(std::log10(range.high - range.low)) - 1);
+  for (double power = first_power; power <= range.high; power *= 10)
+    for (const double step : {power, 2 * power, 5 * power}) {
+      const double last = std::floor(range.high / step * (1 + 1e-9)),
+                   first = std::ceil(range.low / step * (1 - 1e-9));
+      if (last - first < 1) return {};
+      if (decade * std::log10(last / (last - 1)) < room) continue;  // the narrowest two
+      std::string list;
+      for (double k = first; k <= last; ++k)
+        list += fmt::format("{}'{:g}' {:g}", list.empty() ? "" : ", ", k * step, k * step);
+      return list;
+    }
+  return {};
+}
+
+/// Tics of a logarithmic axis, and how many of them have labels.
+std::pair<std::string, int> logarithmic_tics(const Range& range, double length, bool across) {
+  const double low = std::log10(range.low) - 1e-9, high = std::log10(range.high) + 1e-9;
+  const int first = static_cast<int>(std::floor(low)), last = static_cast<int>(std::floor(high));
+  const double most = length / (across ? 45 : tic_height);
+  const int step = std::max(1, static_cast<int>(std::ceil((last - first + 1) / most)));
+  const std::vector<Multiple> multiples =
+      high - low < 2 ? multiples_of(length / (high - low), across) : std::vector<Multiple>{{1}};
+  std::string list;
+  int labels = 0;
+  for (int power = first; power <= last; ++power)
+    for (const auto& [multiple, has_label] : multiples) {
+      const double at = std::log10(multiple) + power;
+      if (at < low || at > high) continue;
+      const std::string factor = multiple == 1 ? "" : fmt::format("{}·", multiple);
+      const bool labelled = has_label && power % step == 0;
+      labels += labelled;
+      list += fmt::format("{}'{}' {}e{}{}", list.empty() ? "" : ", ",
+                          labelled ? fmt::format("{}10^{{{}}}", factor, power) : "", multiple, power,
+                          labelled ? "" : " 1");
+    }
+  return {std::move(list), labels};
+}
+
 }  // namespace
 
 std::string tics(char axis_name, const Axis& axis, const Range& range, double length) {
@@ -38,28 +96,10 @@ std::string tics(char axis_name, const Axis& axis, const Range& range, double le
   if (!axis.logarithmic)
     return fmt::format("set format {} '%g'\n{}{}\n", axis_name, text,
                        across ? fmt::format("{:g}", linear_step(range, length)) : "autofreq");
-  const double low = std::log10(range.low) - 1e-9, high = std::log10(range.high) + 1e-9;
-  const int first = static_cast<int>(std::floor(low)), last = static_cast<int>(std::floor(high));
-  const double most = length / (across ? 45 : tic_height);
-  const int step = std::max(1, static_cast<int>(std::ceil((last - first + 1) / most)));
-  std::vector<int> multiples{1};
-  if (high - low < 2) {
-    const double decade = length / (high - low), room = across ? 48 : tic_height;
-    multiples = std::log10(2.0) * decade >= room   ? std::vector{1, 2, 5}
-                : std::log10(3.0) * decade >= room ? std::vector{1, 3}
-                                                   : multiples;
-  }
-  std::string list;
-  for (int power = first; power <= last; ++power)
-    for (const int multiple : multiples) {
-      const double at = std::log10(multiple) + power;
-      if (at < low || at > high) continue;
-      const std::string factor = multiple == 1 ? "" : fmt::format("{}·", multiple);
-      const bool labelled = power % step == 0;
-      list += fmt::format("{}'{}' {}e{}{}", list.empty() ? "" : ", ",
-                          labelled ? fmt::format("{}10^{{{}}}", factor, power) : "", multiple, power,
-                          labelled ? "" : " 1");
-    }
+  auto [list, labels] = logarithmic_tics(range, length, across);
+  if (labels < 2)
+    if (std::string equal = short_axis_tics(range, length, across ? 60 : tic_height); !equal.empty())
+      list = std::move(equal);
   return text + "(" + list + ")\n";
 }
 

@@ -295,6 +295,8 @@ TEST(FigureSourceText, LabelsAlongXHaveRoomBesideEachOther) {
   EXPECT_EQ(xtics(true, 1e-4, 9e-3).find("2·"), std::string::npos);
   EXPECT_NE(xtics(true, 1e-4, 9e-3).find("3·"), std::string::npos);
   EXPECT_NE(xtics(true, 1, 9).find("2·"), std::string::npos);
+  EXPECT_NE(xtics(true, 2.2, 4.5).find("'3' 3"), std::string::npos) << "no power and no multiple is in it";
+  EXPECT_NE(xtics(true, 0.0105, 0.0115).find("'0.011' 0.011"), std::string::npos);
 }
 
 TEST(LinesOf, KeepsWordsWhole) {
