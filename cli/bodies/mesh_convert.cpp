@@ -28,9 +28,24 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 3> written{".msh", ".vtu", ".scn"};
 
+/// What a scene lacks that most simulations need, and what adds it; empty where it lacks nothing.
+std::string lacking(const TissueSettings& settings) {
+  const bool held = !settings.supports.empty(), heavy = !settings.gravity.isZero(0);
+  if (held && heavy) return {};
+  if (held) return "the scene has no gravity; `hmax mesh convert` adds it with --gravity 0,0,-9.81";
+  if (heavy) return "the scene has no supports; `hmax mesh convert` adds them with --support SET";
+  return "the scene has no supports and no gravity; `hmax mesh convert` adds them with --support SET and --gravity "
+         "0,0,-9.81";
+}
+
+/// A scene of a body, and what it lacks.
+struct Scene {
+  std::string text, lacking;
+};
+
 /// A scene of the body that `hmax run --mesh` would make, without gravity and supports unless they are asked
 /// for.
-std::string scene_of(const MeshCommand& options, const MeshFile& file) {
+Scene scene_of(const MeshCommand& options, const MeshFile& file) {
   MeshImport import = import_as_it_is(file);
   const std::vector<TetMesh::Index> idle = unused_points(file.mesh);
   if (!idle.empty()) import = import_mesh(file, 1);
@@ -47,7 +62,7 @@ std::string scene_of(const MeshCommand& options, const MeshFile& file) {
     settings.parameters.push_back(parse_assignment("--set", assignment));
   const TissueParameters parameters = tissue_parameters(id, settings);
   const TissueBody body(loaded.mesh, tissue_settings(id, parameters, loaded), loaded.origin);
-  return sofa_text(body, options.h.value_or(0.01));
+  return {sofa_text(body, options.h.value_or(0.01)), lacking(body.settings())};
 }
 
 /// Writes the mesh in the form that the extension of the output names, and says so.
@@ -69,9 +84,11 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
     throw InputError(
         fmt::format("{} does not say its unit, and a body of {} could be anything; state it with --unit",
                     options.mesh, box_in_words(mesh)));
-  std::string text;
+  std::string text, remark;
   if (scene) {
-    text = scene_of(options, file);
+    Scene made = scene_of(options, file);
+    text = std::move(made.text);
+    remark = std::move(made.lacking);
   } else if (extension == ".msh") {
     text = msh_text(file);
   } else {
@@ -82,6 +99,7 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
     text = vtu_text(file, fields);
   }
   write_file(output, text);
+  if (!remark.empty()) console.remark(remark);
   if (file.second_order > 0) console.remark(second_order_in_words(file));
   if (console.json) {
     Json document{{"mesh", options.mesh},

@@ -26,6 +26,14 @@ constexpr std::array<MeshFormat, 7> formats{{{".msh", "Gmsh 1, 2.2, 4.1", true},
                                              {".mesh", "Medit", false},
                                              {".veg", "Vega", false}}};
 
+/// ".msh .vtk .vtu ..."
+std::string known_extensions() {
+  std::string known;
+  for (const MeshFormat& format : formats)
+    known += (known.empty() ? "" : " ") + std::string(format.extension);
+  return known;
+}
+
 std::string read_whole(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error))
@@ -85,17 +93,17 @@ MeshFile read_mesh(const std::string& name, std::string_view text) {
   if (extension == ".vtu") return read_vtu(name, text);
   if (extension == ".mesh") return read_medit(name, text);
   if (extension == ".veg") return read_vega(name, text);
-  std::string known;
-  for (const MeshFormat& format : formats)
-    known += (known.empty() ? "" : " ") + std::string(format.extension);
-  throw std::invalid_argument("'" + name + "' has no extension that tells its format; meshes end in " +
-                              known);
+  throw std::invalid_argument("'" + name + "' is no mesh by its extension; name a file " +
+                              known_extensions());
 }
 
 MeshFile read_mesh_file(const fs::path& file) {
   const std::string extension = lower_extension(file);
   if (extension != ".node" && extension != ".ele") {
     std::error_code ignored;
+    if (fs::is_directory(file, ignored))
+      throw std::invalid_argument("'" + file.string() + "' is a folder; name a file " + known_extensions() +
+                                  " in it");
     if (fs::exists(file, ignored) &&
         std::ranges::find(formats, extension, &MeshFormat::extension) == formats.end())
       return read_mesh(file.string(), "");  // which says what extensions there are

@@ -114,6 +114,18 @@ TEST(Mesh, MakeAndRefineWriteWhatOtherProgramsRead) {
   expect_refused(shell.hmax("mesh refine ball --times -1 --output a.msh"), "--times");
 }
 
+TEST(Mesh, WhatIsNoMeshFileIsToldTheExtensionsThatAreRead) {
+  const Shell shell;
+  std::filesystem::create_directory(shell / "folder.msh");
+  write_text(shell / "a.scn", "<Node/>");
+  for (const char* command : {"mesh info ", "mesh check ", "run --unit m --method rk4 --h 1 --mesh "}) {
+    expect_refused(shell.hmax(std::string(command) + "folder.msh"),
+                   "is a folder; name a file .msh .vtk .vtu .node .ele .mesh .veg in it");
+    expect_refused(shell.hmax(std::string(command) + "a.scn"),
+                   "no mesh by its extension; name a file .msh .vtk .vtu .node .ele .mesh .veg");
+  }
+}
+
 TEST(Mesh, AScenePutsTheTissueOnTheMesh) {
   const Shell shell;
   const Told told = shell.hmax(
@@ -125,6 +137,13 @@ TEST(Mesh, AScenePutsTheTissueOnTheMesh) {
   EXPECT_NE(scene.find("StVenantKirchhoff"), std::string::npos);
   EXPECT_NE(scene.find("totalMass"), std::string::npos);
   EXPECT_NE(scene.find("FixedProjectiveConstraint"), std::string::npos);
+  EXPECT_EQ(told.err, "") << "it has supports and gravity";
+  const Told bare = shell.hmax("mesh convert phantom bare.scn");
+  EXPECT_EQ(bare.exit_code, 0) << bare.err;
+  EXPECT_NE(bare.err.find("no supports and no gravity"), std::string::npos) << bare.err;
+  EXPECT_NE(
+      shell.hmax("mesh convert phantom light.scn --support -1,1,-1,1,-0.001,0.001").err.find("no gravity"),
+      std::string::npos);
   write_text(shell / "two.msh", two_tetrahedra(false));
   expect_refused(shell.hmax("mesh convert two.msh two.scn"), "state it with --unit");
   expect_refused(shell.hmax("mesh convert phantom a.vtu --h 0.1"), "belong to a SOFA scene");
