@@ -18,6 +18,13 @@ using Json = nlohmann::ordered_json;
 
 bool tries_gains(const Problem& problem) { return problem.body->dofs() <= most_tried_gains; }
 
+/// "2.8 % larger", or "no larger" where less than 0.01 % comes of it.
+std::string growth_in_words(double factor) {
+  const double percent = 100 * (factor - 1);
+  if (std::abs(percent) < 0.01) return "no larger";
+  return fmt::format("{} % {}", short_number(std::abs(percent), 3), percent > 0 ? "larger" : "smaller");
+}
+
 }  // namespace
 
 Json fastest_mode_json(const Problem& problem, const Linearised& near) {
@@ -61,12 +68,11 @@ std::string fastest_mode_in_words(const Problem& problem, const Linearised& near
       pessimism(mode.bounds.gershgorin));
   if (!tries_gains(problem)) return fastest;
   return fmt::format(
-      "{}an undamped step would grow by {} without that element, by {} with twice its mass ({} % of the body); {}\n",
-      fastest, short_number(mode.without, 4), short_number(mode.with_mass, 4),
-      short_number(100 * mode.added_mass, 3),
-      mode.moved_point ? fmt::format("by {} with point {} moved towards its neighbours",
-                                     short_number(mode.smoothed, 4), *mode.moved_point)
-                       : "moving its points would gain nothing");
+      "{}the undamped h_max would be {} without that element, {} with twice its mass ({} % of the body), {} with {}\n",
+      fastest, growth_in_words(mode.without), growth_in_words(mode.with_mass),
+      short_number(100 * mode.added_mass, 3), growth_in_words(mode.smoothed),
+      mode.moved_point ? fmt::format("point {} moved towards its neighbours", *mode.moved_point)
+                       : "its points moved");
 }
 
 }  // namespace hmax
