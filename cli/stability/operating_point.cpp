@@ -1,13 +1,7 @@
 #include "cli/stability/operating_point.hpp"
 
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
-#include <mutex>
-#include <new>
-#include <stop_token>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -57,31 +51,12 @@ void announce_equilibrium(Console& console, const Problem& problem, OperatingPoi
       problem.body->dofs(), std::ceil(seconds), gigabytes));
 }
 
-LinearisationProgress::LinearisationProgress(Progress& progress) {
-  const auto show = [this, &progress](const std::stop_token& end) {
-    std::mutex mutex;
-    std::condition_variable_any wake;
-    std::unique_lock lock(mutex);
-    int seconds = 0;
-    for (int wait = 5;; wait = 1) {
-      wake.wait_for(lock, end, std::chrono::seconds(wait), [] { return false; });
-      if (end.stop_requested()) return;
-      const double residual = residual_;
-      const std::string search =
-          residual > 0 ? fmt::format("static equilibrium (residual {:.1e}), ", residual) : std::string();
-      progress.update(0, fmt::format("{}fastest modes, {} s", search, seconds += wait));
-    }
-  };
-  // Progress that there is no memory for is not shown; nothing may leave a thread.
-  try {
-    shows_ = std::jthread([show](const std::stop_token& end) {
-      try {
-        show(end);
-      } catch (const std::bad_alloc&) {
-      }
-    });
-  } catch (const std::system_error&) {
-  }
-}
+LinearisationProgress::LinearisationProgress(Progress& progress)
+    : ticker_(5, [this, &progress](int seconds) {
+        const double residual = residual_;
+        const std::string search =
+            residual > 0 ? fmt::format("static equilibrium (residual {:.1e}), ", residual) : std::string();
+        progress.update(0, fmt::format("{}fastest modes, {} s", search, seconds));
+      }) {}
 
 }  // namespace hmax

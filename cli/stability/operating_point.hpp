@@ -3,10 +3,10 @@
 
 #include <atomic>
 #include <string>
-#include <thread>
 
 #include "bench/limits/predict.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/stability/row_progress.hpp"
 
 namespace CLI {
 class App;
@@ -40,7 +40,7 @@ class LinearisationProgress {
 
  private:
   std::atomic<double> residual_ = 0;  ///< 0 before the first
-  std::jthread shows_;
+  Ticker ticker_;                     // last: the other must be there
 };
 
 }  // namespace hmax

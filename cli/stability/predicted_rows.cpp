@@ -17,6 +17,7 @@
 #include "cli/stability/fastest_mode_words.hpp"
 #include "cli/stability/limit_json.hpp"
 #include "cli/stability/limit_words.hpp"
+#include "cli/stability/row_progress.hpp"
 #include "cli/stability/stability.hpp"
 #include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
@@ -285,10 +286,14 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
   while (own.size() < std::min(jobs(), methods.size()))
     own.push_back(problem.body ? problem : choices_[which].make());
   const std::size_t before = rows_.size();
+  const std::string task = problem.material + (problem.material.empty() ? "" : " ");
+  RowProgress shown(*progress_, task + (question_.verify ? "verifying " : ""),
+                    [&](std::size_t done) { return share(before + done); });
   parallel_for(
       methods.size(),
       [&](std::size_t i, std::size_t worker) {
         const Method& method = methods[i];
+        shown.begin(method.id);
         Prediction prediction = predict(method, own[worker], near);
         if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
           prediction.newton_step = largest_newton_step(method, own[worker]);
@@ -297,9 +302,9 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
         if (question_.verify && row.verdict.empty()) row.verdict = "not_run";
         row.details = details_json(prediction).dump();
         rows[i] = std::move(row);
+        shown.end(method.id);
       },
-      [&](std::size_t done) { progress_->update(share(before + done), problem.material); },
-      [&] { return interrupted_.load(); });
+      [](std::size_t) {}, [&] { return interrupted_.load(); });
   if (interrupted_) std::erase_if(rows, [](const LimitRow& row) { return row.method.empty(); });
 }
 
