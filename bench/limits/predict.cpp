@@ -176,16 +176,14 @@ void predict_in_range(Prediction& row, const Method& method, const Problem& prob
           ? "none of the fastest modes limits the step"
           : fmt::format("the fastest modes are unstable from {:.6g} s on", *row.unstable_from);
   if (row.unstable_from && limit.h_max == 0) {
-    row.note = fmt::format(
-        "damping couples the modes of this body, and no bound of their limits is known; {}", found);
+    row.note = fmt::format("damping couples the modes, and no bound of their limits is known; {}", found);
     return;
   }
   conclude(row, limit.h_max, limit.mode, method, problem, near);
   if (!row.unstable_from) return;
   row.limiting.reset();
-  row.note = fmt::format(
-      "a lower bound: damping couples the modes of this body, and no step below h_max is unstable; {}",
-      found);
+  row.note =
+      fmt::format("a lower bound: damping couples the modes, and no step below h_max is unstable; {}", found);
 }
 
 /// Where the steps couple modes the whole model has one limit.
@@ -206,7 +204,7 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
   if (!row.coupled) {
     row.note = fmt::format(
         "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method; take "
-        "explicit_newmark or symplectic_euler, which need no search, a smaller mesh, or beta and dampers of 0",
+        "explicit_newmark or symplectic_euler, which need no search, fewer degrees of freedom, or damping that couples nothing",
         part.mass.size());
     return;
   }
@@ -270,7 +268,7 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   else if (near.curve && motion && !motion->lumped.empty() && near.curve->beta != 0)
     row.note =
         "the method solves for a part of the damping alone, which couples the modes of this model; take "
-        "explicit_newmark, which solves for all of it, a smaller mesh, or alpha in place of beta";
+        "explicit_newmark, which solves for all of it, fewer degrees of freedom, or alpha in place of beta";
   else if (near.curve)
     predict_on_curve(row, method, problem, near);
   else if (motion && couples_modes(*motion, *near.model.mechanical))

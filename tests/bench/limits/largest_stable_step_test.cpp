@@ -234,6 +234,13 @@ TEST(LargestStableStep, IsThatOfAMethodOfOnesOwn) {
   EXPECT_EQ(largest_stable_step(tableaux::Rk4{}, one(100), M).method, "rk4");
 }
 
+/// A second row whose entries do not sum to its c.
+struct Unsummed {
+  static constexpr std::string_view id = "unsummed";
+  static constexpr ButcherTableau<2> tableau{
+      .a = {{{}, {1 / 2.0L}}}, .b = {1 / 2.0L, 1 / 2.0L}, .b_err = {}, .c = {0, 1.0L}};
+};
+
 /// What the call complains of.
 template <class Call>
 std::string complaint(const Call& call) {
@@ -276,6 +283,20 @@ TEST(LargestStableStep, RefusesWrongInputInOneSentence) {
       {complaint([&] { largest_stable_step("rk4", Pendulum{}, Eigen::Vector2d(0, 0), {.verify = true}); }),
        "find_equilibrium"}};
   for (const auto& [said, part] : cases) EXPECT_NE(said.find(part), std::string::npos) << said;
+}
+
+TEST(LargestStableStep, ThrowsWhatItsPageSays) {
+  const Eigen::MatrixXd K = Eigen::MatrixXd(chain(3, 1));
+  const Eigen::VectorXd M = Eigen::VectorXd::Ones(3);
+  const Eigen::MatrixXd hole = K * std::numeric_limits<double>::infinity();
+  EXPECT_THROW(largest_stable_step("rk4", Eigen::MatrixXd(K.topRows(2)), M), std::invalid_argument);
+  EXPECT_THROW(largest_stable_step("rk4", hole, M), std::invalid_argument);
+  EXPECT_THROW(largest_stable_step("rk4", K, Eigen::VectorXd(-M)), std::invalid_argument);
+  EXPECT_THROW(largest_stable_step("rk4", linear_structure(K, M), M), std::invalid_argument);
+  EXPECT_THROW(runtime_tableau<Unsummed>(), std::invalid_argument);
+  EXPECT_THROW(largest_stable_step("rk5", K, M), InputError);
+  EXPECT_THROW(largest_stable_step("rk4", Pendulum{}, Eigen::Vector2d(NAN, 0)), InputError);
+  EXPECT_THROW(largest_stable_step("rk4", Eigen::MatrixXd(1e200 * K), M), InputError);
 }
 
 /// x' = 1 + x^2, which rests nowhere.
