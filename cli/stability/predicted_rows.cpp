@@ -166,6 +166,24 @@ void PredictedRows::compute() {
   progress_ = nullptr;
 }
 
+void PredictedRows::judge() const {
+  // The limits are not those that were asked for, as those of `hmax static` without an equilibrium.
+  if (std::ranges::any_of(rows_, [](const LimitRow& row) {
+        return row.point.asked == "equilibrium" && row.state_kind == "rest";
+      }))
+    console_.exit_code = Exit::failed;
+  if (!question_.verify) return;
+  bool any = false;
+  for (const LimitRow& row : rows_) {
+    if (row.verdict == "contradicted") console_.exit_code = Exit::failed;
+    any = any || row.is_observed() || !std::isnan(row.from_start);
+  }
+  if (any || interrupted_) return;
+  console_.exit_code = Exit::failed;
+  console_.remark(
+      "nothing was verified: no row has a limit that runs could show; the notes on the rows say why");
+}
+
 double PredictedRows::share(std::size_t rows) const {
   return static_cast<double>(rows) / static_cast<double>(problems_.size() * methods_.size());
 }
@@ -218,7 +236,6 @@ void PredictedRows::add(std::size_t which) {
     const auto row = find(from, method.id);
     if (row == from.end()) continue;  // interrupted before
     looked_up_ += &from == &known ? 1 : 0;
-    if (question_.verify && row->verdict == "contradicted") console_.exit_code = Exit::failed;
     rows_.push_back(std::move(*row));
     row_problems_.push_back(which);
   }

@@ -42,6 +42,10 @@ class PredictedRows {
   /// Every problem with every method; ends early when the user interrupts, with what is finished.
   void compute();
 
+  /// Sets the exit code: fails where there is no equilibrium though it was asked for, where runs contradict a row,
+  /// and where --verify has nothing to show for any.
+  void judge() const;
+
   [[nodiscard]] const std::vector<LimitRow>& rows() const { return rows_; }
   [[nodiscard]] std::size_t looked_up() const { return looked_up_; }
   /// {"rows": .., "models": ..}

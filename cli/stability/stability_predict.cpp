@@ -97,6 +97,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
   PredictedRows rows(question, std::move(choices), std::move(problems), std::move(methods),
                      store ? &*store : nullptr, looks_up, console);
   rows.compute();
+  rows.judge();
   if (console.json) {
     nlohmann::ordered_json document = rows.json();
     if (store) {
@@ -135,7 +136,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
                                        fmt::format("{}", fmt::join(formula_patterns(), ", ")));
   command.add_flag(
       "--verify", options->verify,
-      "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong");
+      "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong, or none "
+      "could be verified");
   options->at.add_to(command);
   command
       .add_option(

@@ -169,6 +169,7 @@ TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
   // What is known at rest is still said of it.
   const Told predicted = Shell{}.hmax("stability predict --mesh ball:n=2 --set g=30 --method rk4");
   EXPECT_NE(predicted.out.find("no equilibrium was found: tetrahedron"), std::string::npos) << predicted.out;
+  EXPECT_EQ(predicted.exit_code, 1) << "these are not the limits that were asked for";
   EXPECT_EQ(predicted.out.find("load steps"), std::string::npos) << predicted.out;
 }
 

@@ -48,5 +48,17 @@ TEST(StabilityPredict, HasNoGapBetweenLimitsOfDifferentStates) {
   EXPECT_GT(moved, 0);
 }
 
+TEST(StabilityPredict, FailsWhereNothingCouldBeVerified) {
+  const Shell shell;
+  const std::string line = "stability predict --mesh cube:n=1 --verify --methods ";
+  const Told adaptive = shell.hmax(line + "adams_pece");
+  EXPECT_EQ(adaptive.exit_code, 1);
+  EXPECT_NE(adaptive.err.find("nothing was verified"), std::string::npos) << adaptive.err;
+  const Told both = shell.hmax(line + "adams_pece,rk4");
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_EQ(both.err, "") << "one row is verified";
+  EXPECT_EQ(shell.hmax("stability predict --mesh cube:n=1 --methods adams_pece").exit_code, 0);
+}
+
 }  // namespace
 }  // namespace hmax
