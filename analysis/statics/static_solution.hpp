@@ -88,6 +88,7 @@ struct StaticSolution {
   Eigen::VectorXd q;                   ///< the last iterate, shape (dofs) [m]
   std::vector<StaticIterate> history;  ///< the state at rest first
   int iterations = 0;                  ///< linear systems solved
+  bool unstable = false;               ///< q is an equilibrium, but not a stable one, and none was found
   bool barred = false;                 ///< the search ended where its steps led to what is not admissible
   std::string note;                    ///< why it did not converge, or only to rounding
   std::string remedy;                  ///< what settings may help: "more load steps"; empty: none

@@ -112,14 +112,9 @@ EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumW
   StaticSettings settings{.tolerance = 1e-12};
   if (body.dofs() > most_cheaply_factored) settings.inner = InnerSolver::conjugate_gradients;
   if (watcher) settings.seen = [&](const StaticIterate& iterate) { watcher(iterate.residual); };
-  StaticSolution solution = found_equilibrium(problem, 1, settings, [] { return 0.0; });
-  // One that is not stable still tells that the body buckles.
-  settings.leave_saddles = false;
-  if (!solution.converged && body.is_autonomous())
-    if (StaticSolution saddle = solve_static(static_model(problem, 1), settings, [] { return 0.0; });
-        saddle.converged)
-      solution = std::move(saddle);
-  if (!solution.converged) {
+  const StaticSolution solution = found_equilibrium(problem, 1, settings, [] { return 0.0; });
+  // One that is not stable tells that the body buckles.
+  if (!solution.converged && !solution.unstable) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
     search.message =
         fmt::format("no equilibrium was found: {}; a smaller load or a stiffer material may have one",

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "integrators/linear/sparse_solver.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -67,6 +68,27 @@ void prepend(const StaticSolution& before, StaticSolution& solution) {
   }
   solution.history.insert(solution.history.begin(), before.history.begin(), before.history.end());
   solution.iterations += before.iterations;
+}
+
+/// Where a search that leaves unstable equilibria has found no stable one, looks for one that it has left.
+void look_for_unstable(const StaticModel& model, StaticSettings settings, const Clock& clock,
+                       StaticSolution& solution) {
+  if (settings.method != StaticMethod::newton || !settings.line_search || !settings.leave_saddles) return;
+  settings.leave_saddles = false;
+  StaticSolution other = solve_static(model, settings, clock);
+  if (!other.converged) return;
+  prepend(solution, other);
+  solution = std::move(other);
+  if (model.dofs > most_judged_by_factor) return;
+  StaticModel::Matrix K;
+  model.stiffness(solution.q, K);
+  SparseSolver<double> factors;
+  factors.set({.by = LinearSolve::By::direct});
+  if (factors.factor(K) && factors.negative_eigenvalues() == 0) return;
+  solution.converged = false;
+  solution.unstable = true;
+  solution.note = "its equilibrium under this load is not stable, and no other was found";
+  solution.remedy = "a smaller load or a stiffer material";
 }
 
 /// When about this share of the way of a ramp is done, in its time: the inverse of 3 u^2 - 2 u^3, which is
@@ -134,20 +156,24 @@ StaticSolution found_equilibrium(const Problem& problem, double load_scale, cons
                                  const Clock& clock) {
   if (equilibrium_time(*problem.body) > 0) return followed_equilibrium(problem, settings, clock);
   const StaticModel model = static_model(problem, load_scale);
-  StaticSolution at_once = solve_static(model, settings, clock);
-  if (!at_once.barred || settings.load_steps) return at_once;
-  StaticSettings by_steps = settings;
-  by_steps.load_steps = 10;
-  StaticSolution solution = solve_static(model, by_steps, clock);
-  prepend(at_once, solution);
-  if (solution.converged && solution.note.empty())
-    solution.note =
-        "the whole load at once leads to elements turned inside out, so it was brought on in ten steps";
+  StaticSolution solution = solve_static(model, settings, clock);
+  if (solution.barred && !settings.load_steps) {
+    StaticSettings by_steps = settings;
+    by_steps.load_steps = 10;
+    StaticSolution later = solve_static(model, by_steps, clock);
+    prepend(solution, later);
+    solution = std::move(later);
+    if (solution.converged && solution.note.empty())
+      solution.note =
+          "the whole load at once leads to elements turned inside out, so it was brought on in ten steps";
+  }
+  if (!solution.converged) look_for_unstable(model, settings, clock, solution);
   return solution;
 }
 
 std::string_view outcome_of(const Problem& problem, const StaticSolution& solution) {
   if (!(problem.body->least_volume(equilibrium_time(*problem.body), solution.q).first > 0)) return "inverted";
+  if (solution.unstable) return "buckles";
   if (solution.barred) return "collapsed";
   return solution.converged ? "converged" : "not_converged";
 }

@@ -21,13 +21,14 @@ StaticModel static_model(const Problem& problem, double load_scale);
 
 /// The equilibrium under a multiple of the whole load. The load acts at once or, where that leads to elements
 /// turned inside out, in ten steps; the history then holds both. A load that moves, as a tool does, is
-/// followed along its ramp in 20 steps or as many as `settings` says.
+/// followed along its ramp in 20 steps or as many as `settings` says. Where there is no stable equilibrium
+/// the solution may be an unstable one.
 /// @param load_scale  1 for a load that moves
 StaticSolution found_equilibrium(const Problem& problem, double load_scale, const StaticSettings& settings,
                                  const Clock& clock);
 
-/// "converged", "not_converged", "collapsed" where the search ended at elements about to turn inside out, or
-/// "inverted" where some are.
+/// "converged", "not_converged", "buckles" where the only equilibrium found is not stable, "collapsed" where
+/// the search ended at elements about to turn inside out, or "inverted" where some are.
 std::string_view outcome_of(const Problem& problem, const StaticSolution& solution);
 
 /// Why a solution is none, and the element that gives way if one does.

@@ -180,8 +180,9 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
 BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
                        const StaticSolution& solution, const std::string& outcome) {
   const BodyValue value = options.picture.value();
-  const char* no_equilibrium =
-      outcome == "inverted" ? "no equilibrium, turned inside out, " : "no equilibrium, ";
+  const char* no_equilibrium = outcome == "inverted"  ? "no equilibrium, turned inside out, "
+                               : outcome == "buckles" ? "unstable equilibrium, "
+                                                      : "no equilibrium, ";
   BodyPicture picture{
       .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
                            problem.material.empty() ? "" : " of " + problem.material,
