@@ -140,6 +140,7 @@ class Iteration {
   [[nodiscard]] const std::string& note() const { return note_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
   [[nodiscard]] bool barred() const { return barred_; }
+  [[nodiscard]] bool singular() const { return note_ == not_held; }
   [[nodiscard]] StaticIterate iterate(int step, int steps) const {
     return {step, steps, size_, clock_() - start_, inner_.iterations()};
   }
@@ -452,6 +453,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
         solution.remedy = "more iterations or more load steps";
       }
       solution.barred = iteration.barred();
+      solution.singular = iteration.singular();
       break;
     }
   }

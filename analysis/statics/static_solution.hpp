@@ -89,6 +89,7 @@ struct StaticSolution {
   std::vector<StaticIterate> history;  ///< the state at rest first
   int iterations = 0;                  ///< linear systems solved
   bool unstable = false;               ///< q is an equilibrium, but not a stable one, and none was found
+  bool singular = false;               ///< the stiffness at rest has no inverse: supports leave motions free
   bool barred = false;                 ///< the search ended where its steps led to what is not admissible
   std::string note;                    ///< why it did not converge, or only to rounding
   std::string remedy;                  ///< what settings may help: "more load steps"; empty: none

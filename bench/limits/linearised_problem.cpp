@@ -117,8 +117,8 @@ EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumW
   if (!solution.converged && !solution.unstable) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
     search.message =
-        fmt::format("no equilibrium was found: {}; a smaller load or a stiffer material may have one",
-                    cause_of(problem, solution));
+        fmt::format("no equilibrium was found: {}{}", cause_of(problem, solution),
+                    solution.singular ? "" : "; a smaller load or a stiffer material may have one");
     return search;
   }
   search.state.head(body.dofs()) = solution.q;

@@ -14,6 +14,7 @@
 #include "bench/catalogue/measured_amplification.hpp"
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/mode_start.hpp"
+#include "bench/models/free_parts.hpp"
 #include "bench/models/planar.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "core/size_limits.hpp"
@@ -312,26 +313,36 @@ std::string why_not_verified(const Method& method, const Problem& problem, const
   if (problem.body && !near.at_equilibrium)
     return near.status.empty()
                ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
-               : "not verified: no equilibrium was found, so that the body moves away from this state; a smaller "
-                 "load, like --set g=0, can be verified";
+               : "not verified: no equilibrium was found, so that the body moves away from this state; supports and "
+                 "a load that leave it one, or --set g=0, can be verified";
   if (is_too_slow(method, states))
     return fmt::format("not verified: {} factors a dense matrix of {} rows in every step", method.engine,
                        states);
   return {};
 }
 
-/// The slowest and the fastest of the modes of a row, by |lambda| [1/s].
+/// The slowest and the fastest of the modes of a row, by |lambda| [1/s], without those that are zero but for
+/// rounding.
 struct Rates {
   double slowest = infinity, fastest = 0;
 };
-Rates rates_of(const Prediction& row) {
+Rates rates_of(const Prediction& row, bool has_free_motions) {
   Rates rates;
-  for (const ModeMargin& margin : row.modes) {
-    const double rate = std::abs(margin.mode.lambda);
-    if (rate > 0) rates.slowest = std::min(rates.slowest, rate);
-    rates.fastest = std::max(rates.fastest, rate);
-  }
+  for (const ModeMargin& margin : row.modes)
+    rates.fastest = std::max(rates.fastest, std::abs(margin.mode.lambda));
+  const double least = has_free_motions ? 1e-7 * rates.fastest : 0;
+  for (const ModeMargin& margin : row.modes)
+    if (const double rate = std::abs(margin.mode.lambda); rate > least)
+      rates.slowest = std::min(rates.slowest, rate);
   return rates;
+}
+
+/// Takes out of a displacement from rest, and of its velocity, the rigid motions that supports leave: these
+/// go on in proportion to time, which is no instability.
+void take_out_free_motions(const Eigen::MatrixXd& motions, const Eigen::VectorXd& mass, Eigen::VectorXd& y) {
+  const auto without = [&](auto part) { part -= motions * (motions.transpose() * mass.cwiseProduct(part)); };
+  without(y.head(mass.size()));
+  without(y.tail(mass.size()));
 }
 
 /// What runs have shown, and the words for it where they do not agree with the prediction.
@@ -342,11 +353,11 @@ struct Finding {
 
 /// Runs of a method that is unstable at no step, at the steps that users take and far beyond.
 Finding watch_without_limit(Prediction& row, const Problem& problem, const ModeStart& start,
-                            const ShowSteps& run, const Outcome& outcome) {
+                            const ShowSteps& run, const Outcome& outcome, const Rates& rates) {
   Finding finding;
   Observation& seen = finding.seen;
   // Of a large structure: where a step carries what velocities there are too far, it is not linear.
-  const double farthest = (start.mode_alone ? 1e3 : 1e6) / rates_of(row).slowest;
+  const double farthest = (start.mode_alone ? 1e3 : 1e6) / rates.slowest;
   seen.agrees = true;
   for (const double h : steps_without_limit(problem, farthest)) {
     seen.steps = h < farthest ? 100 : start.mode_alone ? 512 : 4096;
@@ -403,7 +414,9 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const bool has_claim =
       row.bound == Bound::stability || row.bound == Bound::accuracy || row.bound == Bound::newton;
   if (!method.fixed_step || row.unstable_from || !has_claim) return;
-  if (rates_of(row).fastest == 0) return;  // nothing moves
+  const Eigen::MatrixXd free_rigid = problem.body ? free_motions(*problem.body) : Eigen::MatrixXd();
+  const Rates rates = rates_of(row, free_rigid.cols() > 0);
+  if (rates.fastest == 0) return;  // nothing moves
   Problem free = after_ramps(problem);
   if (std::string why = why_not_verified(method, problem, free, near); !why.empty()) {
     row.note = std::move(why);
@@ -413,18 +426,20 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
   Eigen::VectorXd rest = near.model.y;
   take_off_drive(free, rest);
-  const ModeStart start =
+  ModeStart start =
       row.coupled && row.bound == Bound::stability
           ? start_from_shape(*near.model.mechanical, rest, row.coupled->displacement, *row.h_max)
-          : start_from_mode(near, rest, wanted, rates_of(row).fastest);
+          : start_from_mode(near, rest, wanted, rates.fastest);
+  if (free_rigid.cols() > 0) take_out_free_motions(free_rigid, problem.body->mass(), start.displacement);
   // Where a mode is watched alone little is seen that is not its own.
   const double most_change = start.mode_alone ? 1e-7 : 1e-4;
   const double size =
       is_linear(problem) ? 1 : small_displacement(problem, near, start.displacement, most_change);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
-  Finding finding = row.bound == Bound::stability ? watch_limit(row, method, near, start, run)
-                                                  : watch_without_limit(row, problem, start, run, *outcome);
+  Finding finding = row.bound == Bound::stability
+                        ? watch_limit(row, method, near, start, run)
+                        : watch_without_limit(row, problem, start, run, *outcome, rates);
   const Observation& seen = finding.seen;
   if (!seen.agrees && seen.steps >= most_observed_steps)
     finding.excuse =

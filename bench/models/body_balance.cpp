@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/models/free_parts.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -20,6 +21,28 @@ double equilibrium_time(const TissueBody& body) {
 }
 
 namespace {
+
+/// The stiffness of a part that nothing holds has no inverse. Where no net force acts on it, it stays where
+/// it is, and whatever stiffness its points are given beside their own leads there.
+void fix_loose(const std::vector<std::vector<Eigen::Index>>& loose, StaticModel::Matrix& K) {
+  constexpr double little = 1e-6;
+  const double shift = little * K.diagonal().cwiseAbs().mean();
+  for (const std::vector<Eigen::Index>& part : loose)
+    for (const Eigen::Index i : part) K.coeffRef(i, i) += shift;
+}
+
+/// Whether a net force acts on a part that nothing holds.
+bool pushes_loose(const TissueBody& body, const StaticModel& model) {
+  const std::vector<std::vector<Eigen::Index>> loose = loose_dofs(body);
+  if (loose.empty()) return false;
+  Eigen::VectorXd load;
+  model.force(Eigen::VectorXd::Zero(model.dofs), load);
+  return std::ranges::any_of(loose, [&](const std::vector<Eigen::Index>& part) {
+    Eigen::Vector3d net = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < part.size(); ++i) net[static_cast<Eigen::Index>(i % 3)] += load[part[i]];
+    return net.norm() > model.rounding;
+  });
+}
 
 /// The equilibrium of forces as they are at t, of the displacements q beyond `from`, shape (dofs).
 StaticModel model_from(const Problem& problem, double load_scale, double t, const Eigen::VectorXd& from) {
@@ -44,8 +67,11 @@ StaticModel model_from(const Problem& problem, double load_scale, double t, cons
             body->force(t, from + q, zero, f);
             f += load;
           },
-      .stiffness = [body, t, from, zero](const Eigen::VectorXd& q,
-                                         StaticModel::Matrix& K) { body->stiffness(t, from + q, zero, K); },
+      .stiffness =
+          [body, t, from, zero, loose = loose_dofs(*body)](const Eigen::VectorXd& q, StaticModel::Matrix& K) {
+            body->stiffness(t, from + q, zero, K);
+            fix_loose(loose, K);
+          },
       // Supports that move drag their neighbours along with a force that no energy has.
       .energy = body->steady_from() == t
                     ? [body, t, from,
@@ -156,6 +182,13 @@ StaticSolution found_equilibrium(const Problem& problem, double load_scale, cons
                                  const Clock& clock) {
   if (equilibrium_time(*problem.body) > 0) return followed_equilibrium(problem, settings, clock);
   const StaticModel model = static_model(problem, load_scale);
+  if (pushes_loose(*problem.body, model)) {
+    StaticSolution none;
+    none.q = Eigen::VectorXd::Zero(model.dofs);
+    none.singular = true;
+    none.history.push_back({1, 1, 1, 0, 0});
+    return none;
+  }
   StaticSolution solution = solve_static(model, settings, clock);
   if (solution.barred && !settings.load_steps) {
     StaticSettings by_steps = settings;
@@ -184,6 +217,8 @@ std::string cause_of(const Problem& problem, const StaticSolution& solution) {
     return fmt::format(
         "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search turn elements inside out",
         tetrahedron_number(problem, tetrahedron), volume);
+  if (solution.singular)
+    if (std::string free = free_parts_in_words(problem); !free.empty()) return free;
   if (volume > 0) return solution.note;
   return fmt::format("{}{}tetrahedron {} is turned inside out: its volume is {:.3g} of that at rest",
                      solution.note, solution.note.empty() ? "" : "; ",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/models/body_summary.hpp"
+#include "bench/models/free_parts.hpp"
 
 namespace hmax {
 
@@ -31,6 +32,9 @@ Json body_json(const Problem& problem) {
 void remark_unusual(Console& console, const Problem& problem) {
   if (!problem.body) return;
   for (const std::string& sentence : unusual_values(summary_of(*problem.body))) console.remark(sentence);
+  // Who holds nothing at all knows that.
+  if (!problem.body->settings().supports.empty())
+    if (const std::string free = free_parts_in_words(problem); !free.empty()) console.remark(free);
   if (!problem.material.empty() && problem.body->settings().model.is_of_springs())
     console.remark(
         fmt::format("the Poisson's ratio of {} does not act: springs have 1/4 whatever the material says",

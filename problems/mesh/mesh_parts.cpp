@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <numeric>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/QR>
 
 #include "problems/mesh/topology.hpp"
 
@@ -81,6 +86,61 @@ std::vector<MeshPart> parts_of(const TetMesh& mesh) {
   std::ranges::stable_sort(parts, std::greater{},
                            [](const MeshPart& part) { return part.tetrahedra.size(); });
   return parts;
+}
+
+namespace {
+
+/// Displacements of points x in the six rigid motions: along the axes, and w x (x - centre) / size about
+/// them, shape (3 points, 6).
+Eigen::MatrixXd rigid_motions(const TetMesh& mesh, const std::vector<Index>& points,
+                              const Eigen::Vector3d& centre, double size) {
+  Eigen::MatrixXd motions(3 * static_cast<Index>(points.size()), 6);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d arm = (mesh.points.col(points[i]) - centre) / size;
+    auto rows = motions.middleRows<3>(3 * static_cast<Index>(i));
+    rows.leftCols<3>().setIdentity();
+    for (int axis = 0; axis < 3; ++axis) rows.col(3 + axis) = Eigen::Vector3d::Unit(axis).cross(arm);
+  }
+  return motions;
+}
+
+/// Orthonormal motions of points that do not move those among them that are held.
+Eigen::MatrixXd motions_left(const TetMesh& mesh, const std::vector<Index>& points,
+                             const std::vector<Index>& held) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Index i : points) centre += mesh.points.col(i) / static_cast<double>(points.size());
+  double size = 0;
+  for (const Index i : points) size = std::max(size, (mesh.points.col(i) - centre).norm());
+  const Eigen::MatrixXd of_held = rigid_motions(mesh, held, centre, size);
+  // Squares: points nearer to a line than a millionth of the size stand in it.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(of_held.transpose() * of_held);
+  constexpr double nothing = 1e-12;
+  Index count = 0;
+  while (count < 6 && squares.eigenvalues()[count] <= nothing) ++count;
+  if (count == 0) return {};
+  const Eigen::MatrixXd all =
+      rigid_motions(mesh, points, centre, size) * squares.eigenvectors().leftCols(count);
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(all).householderQ() *
+         Eigen::MatrixXd::Identity(all.rows(), count);
+}
+
+}  // namespace
+
+std::vector<FreePart> free_parts(const TetMesh& mesh, const std::vector<Index>& held) {
+  // Every part, as if nothing were held.
+  std::vector<FreePart> free;
+  for (std::vector<Index>& tetrahedra : loose_parts(mesh, {})) {
+    FreePart part{.tetrahedra = std::move(tetrahedra), .points = {}, .motions = {}};
+    for (const Index t : part.tetrahedra)
+      part.points.insert(part.points.end(), mesh.tetrahedra.col(t).begin(), mesh.tetrahedra.col(t).end());
+    std::ranges::sort(part.points);
+    part.points.erase(std::unique(part.points.begin(), part.points.end()), part.points.end());
+    std::vector<Index> own;
+    std::ranges::set_intersection(part.points, held, std::back_inserter(own));
+    part.motions = motions_left(mesh, part.points, own);
+    if (part.motions.cols() > 0) free.push_back(std::move(part));
+  }
+  return free;
 }
 
 std::vector<std::vector<TetMesh::Index>> loose_parts(const TetMesh& mesh, const std::vector<Index>& held) {

@@ -57,5 +57,28 @@ TEST(MeshParts, AreLooseWhereNoneOfTheirPointsIsHeld) {
   EXPECT_TRUE(loose_parts(cube_and({outer_triangle()[0], 9, 10, 11}), {0}).empty());
 }
 
+TEST(MeshParts, SupportsLeaveRigidMotions) {
+  const TetMesh cube = cube_mesh(2.0, 1);  // point i has the coordinates of the bits of i, x first
+  const auto left = [&](Indices held) {
+    const std::vector<FreePart> free = free_parts(cube, held);
+    return free.empty() ? Eigen::Index{0} : free.front().motions.cols();
+  };
+  EXPECT_EQ(left({}), 6);
+  EXPECT_EQ(left({3}), 3);
+  EXPECT_EQ(left({0, 1}), 1);
+  EXPECT_EQ(left({0, 1, 2}), 0);
+  const FreePart hinged = free_parts(cube, {0, 1}).front();
+  const Eigen::MatrixXd& motion = hinged.motions;
+  EXPECT_NEAR(motion.norm(), 1, 1e-12);
+  EXPECT_LT(motion.topRows(6).norm(), 1e-12) << "the points that are held stay";
+  for (std::size_t i = 0; i < hinged.points.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const auto at = [&](std::size_t k) { return static_cast<Eigen::Index>(3 * k); };
+      const Eigen::Vector3d edge = cube.points.col(hinged.points[i]) - cube.points.col(hinged.points[j]);
+      const Eigen::Vector3d change = motion.block<3, 1>(at(i), 0) - motion.block<3, 1>(at(j), 0);
+      EXPECT_NEAR(edge.dot(change), 0, 1e-12) << "no length changes";
+    }
+}
+
 }  // namespace
 }  // namespace hmax
