@@ -212,10 +212,11 @@ constexpr const char* insert_sql =
     "error_l2, reference_error, reference, subnormals, status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
     "?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
+/// {}: error_l2, or what a layout without it has in its place
 constexpr const char* select_sql =
     "SELECT problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, "
     "outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "error_l2, reference_error, reference, subnormals, status FROM rows ORDER BY problem, material, parameters, y0, "
+    "{}, reference_error, reference, subnormals, status FROM rows ORDER BY problem, material, parameters, y0, "
     "mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
 
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
@@ -320,8 +321,8 @@ std::pair<Database, Identity> connected(const fs::path& absolute, bool create) {
   return {std::move(database), id};
 }
 
-/// Lays out an empty file if `create`, and brings an older store up to date; throws where no store of this
-/// schema results.
+/// Lays out an empty file if `create`, and brings an older store up to date where it can be written; throws
+/// where no store that can be read results.
 void settle(const Database& database, Identity id, const std::string& path, bool create) {
   if (create && is_empty(id)) {
     lay_out(database.get());
@@ -339,13 +340,12 @@ void settle(const Database& database, Identity id, const std::string& path, bool
     bring_up_to_date(database.get());
     id = identity_now(database);
   }
-  if (id.version != Store::schema_version) {
-    throw InputError(fmt::format(
-        "The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
-        "{}choose another file, or export it with the hmax that made it.",
-        path, id.version, Store::schema_version,
-        earlier ? "make the file and its folder writable, so that it can be brought up to date, "
-                : ""));
+  // What cannot be written is read as it is.
+  if (id.version != Store::schema_version && !earlier) {
+    throw InputError(
+        fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
+                    "choose another file, or export it with the hmax that made it.",
+                    path, id.version, Store::schema_version));
   }
 }
 
@@ -440,7 +440,9 @@ std::int64_t Store::size() const {
 std::vector<Row> Store::rows() const {
   return reporting(impl_->file, [&] {
     std::vector<Row> rows;
-    Statement query(impl_->db(), select_sql);
+    // Another process may bring an earlier layout up to date meanwhile.
+    const bool has_l2 = sqlite::integer(impl_->db(), "PRAGMA user_version") > 1;
+    Statement query(impl_->db(), fmt::format(select_sql, has_l2 ? "error_l2" : "'nan'").c_str());
     while (query.step()) rows.push_back(read_row(query, impl_->file));
     return rows;
   });

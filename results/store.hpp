@@ -37,8 +37,8 @@ struct Session {
 class Store {
  public:
   /// The number of the table layout in results/sqlite/schema.hpp. A file with a lower one is brought to it when it
-  /// is opened, in one transaction, which needs to write; one with a higher number is refused and left
-  /// untouched.
+  /// is opened, in one transaction, or where it cannot be written read as it is, with NaN for numbers that it
+  /// does not have; one with a higher number is refused and left untouched.
   static constexpr int schema_version = 3;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.

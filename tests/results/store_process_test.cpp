@@ -1,5 +1,6 @@
 // A store against the world: kills, other processes, other programs' files, missing rights, full disks.
 #include <chrono>
+#include <cmath>
 #include <fcntl.h>
 #include <functional>
 #include <random>
@@ -10,6 +11,7 @@
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -141,14 +143,19 @@ TEST(StoreProcess, ARowThatAnotherProcessStoredMeanwhileIsAnInputError) {
   EXPECT_EQ(first.rows()[0].session, 2);  // h descends
 }
 
-TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
-  Scratch scratch;
+/// A store of layout 1 with one row.
+void write_earlier_store(const std::filesystem::path& file) {
   {
-    Store store = Store::open_or_create(scratch / "old");
+    Store store = Store::open_or_create(file);
     store.begin_session({});
     store.insert(numbered(1));
   }
-  foreign_sql(scratch / "old", "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; PRAGMA user_version = 1");
+  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; PRAGMA user_version = 1");
+}
+
+TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
+  Scratch scratch;
+  write_earlier_store(scratch / "old");
   Store store = Store::open_existing(scratch / "old");
   ASSERT_EQ(store.size(), 1);
   EXPECT_TRUE(std::isnan(store.rows()[0].error_l2));
@@ -156,6 +163,49 @@ TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
   store.begin_session({});
   store.insert(numbered(2));
   EXPECT_EQ(Store::open_existing(scratch / "old").size(), 2);
+}
+
+TEST(StoreProcess, ManyProcessesBringOneStoreUpToDateAtTheSameTime) {
+  Scratch scratch;
+  for (int round = 0; round < 5; ++round) {
+    const auto file = scratch / ("old" + std::to_string(round));
+    write_earlier_store(file);
+    std::vector<pid_t> children;
+    for (int who = 0; who < 8; ++who)
+      children.push_back(in_child([&, who] {
+        Store store = Store::open_existing(file);
+        store.begin_session({});
+        store.insert(numbered(10 + who));
+        return 0;
+      }));
+    for (const pid_t child : children) EXPECT_EQ(exit_code(child), 0);
+    EXPECT_EQ(Store::open_existing(file).rows().size(), 9U);
+  }
+}
+
+TEST(StoreProcess, AStoreOfAnEarlierLayoutIsReadWithoutRightsToWrite) {
+  for (const mode_t folder_mode : {0555, 0777}) {
+    Scratch scratch;
+    const auto folder = scratch / "runs";
+    std::filesystem::create_directory(folder);
+    write_earlier_store(folder / "old");
+    const std::string before = read_text(folder / "old");
+    chmod((folder / "old").c_str(), 0444);
+    chmod(folder.c_str(), folder_mode);
+    chmod(scratch.folder().c_str(), 0755);
+    const int code = exit_code(in_child([&] {
+      if (geteuid() == 0 && setuid(65534) != 0) return 77;  // root writes anywhere: become nobody
+      Store store = Store::open_existing(folder / "old");
+      const std::vector<Row> rows = store.rows();
+      if (rows.size() != 1 || !(rows[0].key == numbered(1).key) || !std::isnan(rows[0].error_l2)) return 1;
+      if (!store.contains(numbered(1).key) || store.sessions().size() != 1) return 2;
+      return input_error([&] { store.begin_session({}); }).find("read-only") == std::string::npos ? 3 : 0;
+    }));
+    chmod(folder.c_str(), 0755);
+    if (code == 77) GTEST_SKIP() << "cannot give up root";
+    EXPECT_EQ(code, 0);
+    EXPECT_EQ(read_text(folder / "old"), before);
+  }
 }
 
 TEST(StoreProcess, AnotherSchemaOrApplicationIsRefusedAndLeftUntouched) {
