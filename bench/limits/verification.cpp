@@ -17,6 +17,7 @@
 #include "bench/models/free_parts.hpp"
 #include "bench/models/planar.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "core/memory_share.hpp"
 #include "core/size_limits.hpp"
 #include "results/numbers.hpp"
 
@@ -49,15 +50,17 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
   const bool driven = is_driven(problem);
   const Runner displaced = from(rest + displacement), undisturbed = from(rest);
   return [=](double h, std::int64_t steps, const auto& show) {
+    const auto wanted = static_cast<std::size_t>(steps + 1) * static_cast<std::size_t>(rest.size());
     std::vector<double> path;
-    if (driven)
+    if (driven) {
+      path.reserve(wanted);
       take_steps(undisturbed, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
         path.insert(path.end(), y.begin(), y.end());
       });
-    const auto wanted = static_cast<std::size_t>(steps + 1) * static_cast<std::size_t>(rest.size());
-    if (driven && path.size() < wanted) {
-      *outcome = Outcome::diverged;
-      return false;
+      if (path.size() < wanted) {
+        *outcome = Outcome::diverged;
+        return false;
+      }
     }
     std::size_t at = 0;
     Eigen::VectorXd free(rest.size());
@@ -345,6 +348,19 @@ void take_out_free_motions(const Eigen::MatrixXd& motions, const Eigen::VectorXd
   without(y.tail(mass.size()));
 }
 
+/// About what the runs of a verification take [bytes]: states, the factors of an implicit method, and where a
+/// force drives the problem its motion, state by state.
+double memory_of(const Method& method, const Problem& problem) {
+  const auto states = static_cast<double>(problem.y0.size());
+  // Some hundred vectors, the histories of multistep methods among them.
+  double bytes = 100 * sizeof(double) * states;
+  if (is_driven(problem)) bytes += sizeof(double) * states * static_cast<double>(most_observed_steps);
+  // Measured on balls: a sparse factor of n rows in three dimensions grows as n^(4/3).
+  const double rows = problem.body ? states / 2 : states;
+  if (method.needs_jacobian) bytes += 3e3 * rows + 670 * std::pow(rows, 4.0 / 3);
+  return bytes;
+}
+
 /// What runs have shown, and the words for it where they do not agree with the prediction.
 struct Finding {
   Observation seen;
@@ -422,6 +438,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     row.note = std::move(why);
     return;
   }
+  const MemoryShare memory(memory_of(method, free));
   // The limiting mode, or the slowest.
   const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
   Eigen::VectorXd rest = near.model.y;
