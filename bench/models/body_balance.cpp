@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bench/models/free_parts.hpp"
+#include "core/size_limits.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -105,7 +106,7 @@ void look_for_unstable(const StaticModel& model, StaticSettings settings, const 
   if (!other.converged) return;
   prepend(solution, other);
   solution = std::move(other);
-  if (model.dofs > most_judged_by_factor) return;
+  if (model.dofs > most_factored_often) return;
   StaticModel::Matrix K;
   model.stiffness(solution.q, K);
   SparseSolver<double> factors;
