@@ -49,7 +49,8 @@ void add_figure_style(CLI::App& command) {
 
 void refuse_style_without_figure(std::string_view option) {
   if (figure_style() != FigureStyle::page)
-    throw InputError(fmt::format("--style is of figures, and none is drawn; add {}, or leave it out", option));
+    throw InputError(
+        fmt::format("--style is of figures, and none is drawn; add {}, or leave it out", option));
 }
 
 std::string_view form_of(const std::string& file, std::initializer_list<FileForm> forms) {

@@ -20,9 +20,10 @@ bool tries_gains(const Problem& problem) { return problem.body->dofs() <= most_t
 
 /// "2.8 % larger", or "no larger" where less than 0.01 % comes of it.
 std::string growth_in_words(double factor) {
-  const double percent = 100 * (factor - 1);
-  if (std::abs(percent) < 0.01) return "no larger";
-  return fmt::format("{} % {}", short_number(std::abs(percent), 3), percent > 0 ? "larger" : "smaller");
+  const double percent = 100 * (factor - 1), size = std::abs(percent);
+  if (size < 0.01) return "no larger";
+  return fmt::format("{} % {}", size < 10 ? short_number(size, 2) : fmt::format("{:.0f}", size),
+                     percent > 0 ? "larger" : "smaller");
 }
 
 }  // namespace

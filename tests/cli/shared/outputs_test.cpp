@@ -32,10 +32,9 @@ TEST(Outputs, AnInputIsNeverReplaced) {
 
 TEST(Outputs, AStyleWithoutAFigureIsRefused) {
   const Shell shell;
-  for (const char* command :
-       {"phase --problem liver_cubic", "stability region --method rk4", "static --mesh cube:n=2",
-        "precision --problem liver_forced --methods rk4",
-        "stability map --problem liver_linear --method rk4 --x c=1:2:2 --y k1=1:2:2"})
+  for (const char* command : {"phase --problem liver_cubic", "stability region --method rk4",
+                              "static --mesh cube:n=2", "precision --problem liver_forced --methods rk4",
+                              "stability map --problem liver_linear --method rk4 --x c=1:2:2 --y k1=1:2:2"})
     expect_refused(shell.hmax(std::string(command) + " --style slide"), "--style is of figures");
   EXPECT_EQ(shell.hmax("phase --problem liver_cubic --style page").exit_code, 0);
 }
