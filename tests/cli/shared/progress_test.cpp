@@ -93,6 +93,14 @@ TEST(Progress, OfALongPredictionSaysWhatItLooksAlongAndHowToGoWithout) {
       << screen;
 }
 
+TEST(Progress, SaysWhichMethodIsVerifiedAndForHowLong) {
+  LongRun run(
+      {"stability", "predict", "--mesh", "liver:refine=1", "--set", "g=0", "--methods", "rk4", "--verify"});
+  const std::regex line("predict: [0-9]+ %.*verifying rk4, [0-9]+ s");
+  const std::string screen = run.screen_with(line);
+  EXPECT_TRUE(std::regex_search(screen, line)) << screen;
+}
+
 TEST(Progress, IsForTerminalsAlone) {
   const Shell shell;
   const Told told =
