@@ -1,5 +1,7 @@
 #include "bench/models/free_parts.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
@@ -99,8 +101,10 @@ TEST_F(FreeParts, TakeNoPartInTheVerificationOfALimit) {
       Prediction row = predict(method, problem, near);
       verify(row, method, problem, near);
       ASSERT_TRUE(row.observed) << name << row.note;
-      EXPECT_TRUE(row.observed->confirms()) << name << " " << row.note;
-      EXPECT_LT(row.observed->steps, 100'000) << name;
+      EXPECT_FALSE(row.observed->contradicts()) << name << " " << row.note;
+      if (row.bound == Bound::stability) {
+        EXPECT_LE(std::abs(row.observed->gap), 5e-3) << name;
+      }
     }
   }
 }
