@@ -319,4 +319,11 @@ std::vector<Polyline> nullcline(const PlanarField& field, int component, const W
   return Crossings(field, component, window, cells).curves();
 }
 
+Eigen::Vector2d eigenvector(const Eigen::Matrix2d& J, double lambda) {
+  // d is orthogonal to the longer row of J - lambda.
+  const Eigen::Matrix2d A = J - lambda * Eigen::Matrix2d::Identity();
+  const Eigen::RowVector2d row = A.row(A.row(0).norm() >= A.row(1).norm() ? 0 : 1);
+  return Eigen::Vector2d(-row(1), row(0)).normalized();
+}
+
 }  // namespace hmax

@@ -55,6 +55,9 @@ struct Window {
 Window window_around(const std::vector<Table>& orbits, std::string_view first, std::string_view second,
                      const std::vector<Eigen::Vector2d>& also = {}, double margin = 0.08);
 
+/// The direction d of a real eigenvalue, (J - lambda) d = 0, of length 1.
+Eigen::Vector2d eigenvector(const Eigen::Matrix2d& J, double lambda);
+
 enum class EquilibriumType {
   stable_node,
   stable_focus,

@@ -34,25 +34,6 @@ std::vector<TriangleCorners> triangles_of(const MeshSurface& surface) {
   return triangles;
 }
 
-std::vector<double> point_energies(const TissueBody& body, double t, const Eigen::VectorXd& q) {
-  const TetMesh& mesh = body.mesh();
-  const Eigen::VectorXd density = body.energy_densities(t, q);
-  Eigen::VectorXd energy = Eigen::VectorXd::Zero(mesh.point_count()), volume = energy;
-  for (Eigen::Index e = 0; e < mesh.tetrahedron_count(); ++e) {
-    const double v = signed_volume(corners_of(mesh, e));
-    for (const TetMesh::Index corner : mesh.tetrahedra.col(e)) {
-      energy(corner) += v * density(e);
-      volume(corner) += v;
-    }
-  }
-  std::vector<double> mean(static_cast<std::size_t>(mesh.point_count()), NAN);
-  for (std::size_t i = 0; i < mean.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    if (volume(k) > 0) mean[i] = energy(k) / volume(k);
-  }
-  return mean;
-}
-
 /// The direction of --from, or that of all pictures.
 SpacePoint towards_viewer(const std::string& from) {
   if (from.empty()) return BodyPicture{}.towards;
@@ -92,11 +73,13 @@ BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, B
   BodyView view{.points = space_points(x),
                 .triangles = triangles_of(surface_of(mesh)),
                 .rest = space_points(mesh.points)};
-  if (value == BodyValue::energy_density)
-    view.values = point_energies(body, t, q);
-  else
+  if (value == BodyValue::energy_density) {
+    const Eigen::VectorXd density = body.point_energy_densities(t, q);
+    view.values.assign(density.begin(), density.end());
+  } else {
     for (Eigen::Index i = 0; i < x.cols(); ++i)
       view.values.push_back(1000 * (x.col(i) - mesh.points.col(i)).norm());
+  }
 
   const TissueSettings& settings = body.settings();
   for (const Support& support : settings.supports)

@@ -299,11 +299,7 @@ std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
 
 std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
   const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
-  const double lambda = saddle.eigenvalues[into ? 1 : 0].real();
-  // (J - lambda) d = 0: d is orthogonal to the longer of its rows.
-  const Eigen::Matrix2d A = J - lambda * Eigen::Matrix2d::Identity();
-  const Eigen::RowVector2d row = A.row(A.row(0).norm() >= A.row(1).norm() ? 0 : 1);
-  const Vector2d direction = Vector2d(-row(1), row(0)).normalized();
+  const Vector2d direction = eigenvector(J, saddle.eigenvalues[into ? 1 : 0].real());
   const double small = 1e-4 * view.window.size().minCoeff();
   const Problem problem = into ? reversed(view.still) : view.still;
   std::vector<Curve> ways;

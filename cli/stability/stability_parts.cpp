@@ -1,14 +1,13 @@
 #include "cli/stability/stability_parts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "analysis/amplification/part_amplification.hpp"
 #include "cli/shared/console.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -31,79 +30,6 @@ Complex parse_fast(const std::string& text) {
 
 std::string words_of(Complex z) {
   return z.imag() != 0 ? short_number(z.imag()) + "i" : short_number(z.real());
-}
-
-Eigenmode beside(Complex slow, Complex fast) {
-  Eigenmode mode(slow + fast);
-  mode.stiff = fast;
-  return mode;
-}
-
-using Coefficients = std::vector<Complex>;
-
-Complex value_of(const Coefficients& c, Complex z) {
-  Complex sum = 0;
-  for (std::size_t j = c.size(); j-- > 0;) sum = sum * z + c[j];
-  return sum;
-}
-
-/// R of an implicit-explicit method beside a fixed z_fast is a polynomial in z_slow of at most as many
-/// degrees as it has stages: from its values on a circle.
-Coefficients in_slow(const Amplification& pair, Complex fast) {
-  constexpr std::size_t points = 24;
-  constexpr long double radius = 4;
-  const auto on_unit_circle = [](std::size_t i) {
-    return std::polar(1.0L,
-                      2 * std::numbers::pi_v<long double> * static_cast<long double>(i % points) / points);
-  };
-  std::array<LongComplex, points> value;
-  for (std::size_t i = 0; i < points; ++i) {
-    const Complex slow(radius * on_unit_circle(i));
-    const StepPolynomial pi = *pair.of_eigenmode(beside(slow, fast)).polynomial;
-    value[i] =
-        -evaluate(pi.coefficients()[0], LongComplex(1)) / evaluate(pi.coefficients()[1], LongComplex(1));
-  }
-  std::array<LongComplex, points> share;
-  long double largest = 0;
-  for (std::size_t j = 0; j < points; ++j) {
-    share[j] = 0;
-    for (std::size_t i = 0; i < points; ++i) share[j] += value[i] * std::conj(on_unit_circle(i * j));
-    share[j] /= static_cast<long double>(points);
-    largest = std::max(largest, std::abs(share[j]));
-  }
-  Coefficients c;
-  for (std::size_t j = 0; j < points; ++j)
-    c.push_back(std::abs(share[j]) <= 1e-13L * largest
-                    ? Complex(0)
-                    : Complex(share[j] / std::pow(radius, static_cast<long double>(j))));
-  while (c.size() > 1 && c.back() == Complex(0)) c.pop_back();
-  return c;
-}
-
-Amplification beside_stiff(const std::shared_ptr<const Amplification>& pair, Complex fast) {
-  Amplification amplification;
-  amplification.of_eigenmode = [pair, fast](const Eigenmode& mode) {
-    return pair->of_eigenmode(beside(mode.lambda, fast));
-  };
-  amplification.stable_at = [c = in_slow(*pair, fast)](Complex z) {
-    // Beside an oscillation that is stiff a slow one may turn either way.
-    return std::norm(value_of(c, z)) <= 1 + 2e-9 && std::norm(value_of(c, std::conj(z))) <= 1 + 2e-9;
-  };
-  return amplification;
-}
-
-Amplification with_old_jacobian(const std::shared_ptr<const Amplification>& method, double ratio) {
-  Eigenmode mode(Complex(1));
-  mode.frozen = 1 / ratio;
-  Amplification amplification;
-  amplification.of_eigenmode = [method, ratio](const Eigenmode& told) {
-    Eigenmode old = told;
-    old.frozen = told.lambda / ratio;
-    return method->of_eigenmode(old);
-  };
-  amplification.in_z = method->of_eigenmode(mode).polynomial;
-  amplification.stable_at = [pi = *amplification.in_z](Complex z) { return pi.is_at_most_one(z); };
-  return amplification;
 }
 
 RegionShape shape_of(const std::string& label, const std::vector<RegionCurve>& curves) {
@@ -138,11 +64,11 @@ PlaneWindow close_to(const std::vector<PartRegion>& regions, PlaneWindow window)
 
 /// Where a slow part on the imaginary axis is stable beside a decay: over log10 of its rate.
 Panel swing_beside_decay(const Formula& formula, int height, int cells) {
-  std::map<double, Coefficients> known;
+  std::map<double, SlowPolynomial> known;
   const StableAt inside = [&](Complex at) {
     auto [c, is_new] = known.try_emplace(at.real());
     if (is_new) c->second = in_slow(*formula.amplification, -std::pow(10.0, at.real()));
-    return std::norm(value_of(c->second, Complex(0, at.imag()))) <= 1 + 2e-9;
+    return is_at_most_one(c->second, Complex(0, at.imag()));
   };
   PlaneWindow window{-2, 4, -12, 12};
   const std::vector<RegionCurve> coarse = region_boundary(inside, window, 120);

@@ -405,6 +405,19 @@ Eigen::VectorXd TissueBody::energy_densities(double t, const Dofs& q) const {
   return density;
 }
 
+Eigen::VectorXd TissueBody::point_energy_densities(double t, const Dofs& q) const {
+  const Eigen::VectorXd density = energy_densities(t, q);
+  Eigen::VectorXd energy = Eigen::VectorXd::Zero(mesh_.point_count()), volume = energy;
+  for (Eigen::Index e = 0; e < mesh_.tetrahedron_count(); ++e) {
+    const double v = volume_of(mesh_.points, mesh_.tetrahedra, e);
+    for (const Index corner : mesh_.tetrahedra.col(e)) {
+      energy[corner] += v * density[e];
+      volume[corner] += v;
+    }
+  }
+  return energy.cwiseQuotient(volume);
+}
+
 bool TissueBody::admits(const State& y) const {
   constexpr double most = 1e4;
   if (dofs() == 0) return true;

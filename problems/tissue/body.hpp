@@ -102,6 +102,8 @@ class TissueBody {
   /// Elastic energy density of each tetrahedron [J/m^3], shape (tetrahedra); of finite elements alone.
   /// @throws std::invalid_argument  for springs
   [[nodiscard]] Eigen::VectorXd energy_densities(double t, const Dofs& q) const;
+  /// Its mean over the tetrahedra at each point by their volumes [J/m^3], shape (points).
+  [[nodiscard]] Eigen::VectorXd point_energy_densities(double t, const Dofs& q) const;
   /// The least volume of a tetrahedron relative to that at rest, and the tetrahedron; below 0 it is inverted.
   [[nodiscard]] std::pair<double, Eigen::Index> least_volume(double t, const Dofs& q) const;
 

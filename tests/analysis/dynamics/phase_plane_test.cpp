@@ -180,5 +180,15 @@ TEST(PhasePlane, BadWindowsAreRefused) {
   EXPECT_THROW(direction_field(field, kWindow, {"x", "v"}, 0, 3), std::invalid_argument);
 }
 
+TEST(PhasePlane, ARealEigenvalueHasItsDirection) {
+  Eigen::Matrix2d J;
+  J << 1, 2, 3, 2;  // -1 and 4
+  for (const double lambda : {-1.0, 4.0}) {
+    const Eigen::Vector2d d = eigenvector(J, lambda);
+    EXPECT_NEAR(d.norm(), 1, 1e-15);
+    EXPECT_LT((J * d - lambda * d).norm(), 1e-14) << lambda;
+  }
+}
+
 }  // namespace
 }  // namespace hmax

@@ -107,6 +107,9 @@ TEST(ElasticSolids, AHomogeneousStrainMeetsNoForceInsideAndHasTheEnergyOfItsDens
     }
     const VectorXd density = body.energy_densities(0, q);
     EXPECT_LT(density.maxCoeff() - density.minCoeff(), 1e-11 * density.maxCoeff()) << model.id;
+    const VectorXd at_points = body.point_energy_densities(0, q);
+    ASSERT_EQ(at_points.size(), mesh.point_count());
+    EXPECT_LT((at_points.array() - density[0]).abs().maxCoeff(), 1e-11 * density[0]) << model.id;
     double volume = body.point_mass().sum() / settings.materials[0].density;
     EXPECT_NEAR(body.energy(0, q), volume * density[0], 1e-11 * volume * density[0]) << model.id;
   }
