@@ -8,10 +8,12 @@
 #include <fmt/ranges.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/models/tissue_choice.hpp"
 #include "bench/timing/sweep_file.hpp"
 #include "cli/shared/commands.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/oscillator/liver_materials.hpp"
+#include "problems/tissue/tissue_model.hpp"
 #include "results/exports.hpp"
 
 namespace hmax {
@@ -31,12 +33,13 @@ Words mesh_names() {
 /// The values an option takes, by its name; an option that is not here and takes a value takes a file or a
 /// number.
 std::map<std::string, Words> values_of_options() {
-  Words method_names, materials, formats;
+  Words method_names, materials, models, formats;
   for (const Method& method : methods()) {
     method_names.push_back(method.id);
     method_names.insert(method_names.end(), method.aliases.begin(), method.aliases.end());
   }
   for (const LiverMaterial& material : liver_materials()) materials.emplace_back(material.id);
+  for (const TissueModel& model : tissue_models()) models.emplace_back(model.id);
   for (const ExportFormat& format : export_formats()) formats.emplace_back(format.name);
   return {{"--problem", problem_ids()},
           {"--problems", problem_ids()},
@@ -48,6 +51,8 @@ std::map<std::string, Words> values_of_options() {
           {"--readings", Words(reading_names.begin(), reading_names.end())},
           {"--format", formats},
           {"--mesh", mesh_names()},
+          {"--model", models},
+          {"--load", Words(tissue_loads().begin(), tissue_loads().end())},
           {"--unit", {"m", "cm", "mm"}}};
 }
 
