@@ -35,52 +35,53 @@ void require_known(std::string_view what, const std::string& word, std::span<con
 struct Named {
   std::string_view name;
   double TissueParameters::*value;
+  std::string_view unit;     ///< 1 of shares, directions and switches
   bool everybody = true;     ///< shown of every body, else where it is not the default
   std::string_view of = {};  ///< `springs`, or the loads that read it; empty: all do
 };
 constexpr std::string_view springs = "springs";
 constexpr std::array<Named, 41> all_named{{
-    {"E", &TissueParameters::E},
-    {"nu", &TissueParameters::nu},
-    {"rho", &TissueParameters::rho},
-    {"mass", &TissueParameters::mass},
-    {"alpha", &TissueParameters::alpha},
-    {"beta", &TissueParameters::beta},
-    {"damper", &TissueParameters::damper, true, springs},
-    {"g", &TissueParameters::g, true, "gravity"},
-    {"force", &TissueParameters::force, true, "press pull"},
-    {"depth", &TissueParameters::depth, true, "tool breathing"},
-    {"support", &TissueParameters::support},
-    {"axis", &TissueParameters::axis},
-    {"equal_masses", &TissueParameters::equal_masses},
-    {"gx", &TissueParameters::gx, false, "gravity"},
-    {"gy", &TissueParameters::gy, false, "gravity"},
-    {"gz", &TissueParameters::gz, false, "gravity"},
-    {"period", &TissueParameters::period, false, "breathing"},
-    {"tool_radius", &TissueParameters::tool_radius, false, "tool"},
-    {"tool_stiffness", &TissueParameters::tool_stiffness, false, "tool"},
-    {"tool_damping", &TissueParameters::tool_damping, false, "tool"},
-    {"tool_x", &TissueParameters::tool_x, false, "tool"},
-    {"tool_y", &TissueParameters::tool_y, false, "tool"},
-    {"tool_z", &TissueParameters::tool_z, false, "tool"},
-    {"tool_dx", &TissueParameters::tool_dx, false, "tool"},
-    {"tool_dy", &TissueParameters::tool_dy, false, "tool"},
-    {"tool_dz", &TissueParameters::tool_dz, false, "tool"},
-    {"inclusion", &TissueParameters::inclusion, false},
-    {"skin", &TissueParameters::skin, false},
-    {"skin_thickness", &TissueParameters::skin_thickness, false},
-    {"k", &TissueParameters::k, false, springs},
-    {"cubic", &TissueParameters::cubic, false, springs},
-    {"exponential", &TissueParameters::exponential, false, springs},
-    {"bending", &TissueParameters::bending, false, springs},
-    {"second_ring", &TissueParameters::second_ring, false, springs},
-    {"doubled_skin", &TissueParameters::doubled_skin, false, springs},
-    {"xmin", &TissueParameters::xmin, false},
-    {"xmax", &TissueParameters::xmax, false},
-    {"ymin", &TissueParameters::ymin, false},
-    {"ymax", &TissueParameters::ymax, false},
-    {"zmin", &TissueParameters::zmin, false},
-    {"zmax", &TissueParameters::zmax, false},
+    {"E", &TissueParameters::E, "Pa"},
+    {"nu", &TissueParameters::nu, "1"},
+    {"rho", &TissueParameters::rho, "kg/m³"},
+    {"mass", &TissueParameters::mass, "kg"},
+    {"alpha", &TissueParameters::alpha, "1/s"},
+    {"beta", &TissueParameters::beta, "s"},
+    {"damper", &TissueParameters::damper, "s", true, springs},
+    {"g", &TissueParameters::g, "m/s²", true, "gravity"},
+    {"force", &TissueParameters::force, "N", true, "press pull"},
+    {"depth", &TissueParameters::depth, "m", true, "tool breathing"},
+    {"support", &TissueParameters::support, "1"},
+    {"axis", &TissueParameters::axis, "1"},
+    {"equal_masses", &TissueParameters::equal_masses, "1"},
+    {"gx", &TissueParameters::gx, "m/s²", false, "gravity"},
+    {"gy", &TissueParameters::gy, "m/s²", false, "gravity"},
+    {"gz", &TissueParameters::gz, "m/s²", false, "gravity"},
+    {"period", &TissueParameters::period, "s", false, "breathing"},
+    {"tool_radius", &TissueParameters::tool_radius, "m", false, "tool"},
+    {"tool_stiffness", &TissueParameters::tool_stiffness, "Pa/m^1.5", false, "tool"},
+    {"tool_damping", &TissueParameters::tool_damping, "s/m", false, "tool"},
+    {"tool_x", &TissueParameters::tool_x, "m", false, "tool"},
+    {"tool_y", &TissueParameters::tool_y, "m", false, "tool"},
+    {"tool_z", &TissueParameters::tool_z, "m", false, "tool"},
+    {"tool_dx", &TissueParameters::tool_dx, "1", false, "tool"},
+    {"tool_dy", &TissueParameters::tool_dy, "1", false, "tool"},
+    {"tool_dz", &TissueParameters::tool_dz, "1", false, "tool"},
+    {"inclusion", &TissueParameters::inclusion, "1", false},
+    {"skin", &TissueParameters::skin, "1", false},
+    {"skin_thickness", &TissueParameters::skin_thickness, "m", false},
+    {"k", &TissueParameters::k, "N/m", false, springs},
+    {"cubic", &TissueParameters::cubic, "1", false, springs},
+    {"exponential", &TissueParameters::exponential, "1", false, springs},
+    {"bending", &TissueParameters::bending, "1", false, springs},
+    {"second_ring", &TissueParameters::second_ring, "1", false, springs},
+    {"doubled_skin", &TissueParameters::doubled_skin, "1", false, springs},
+    {"xmin", &TissueParameters::xmin, "m", false},
+    {"xmax", &TissueParameters::xmax, "m", false},
+    {"ymin", &TissueParameters::ymin, "m", false},
+    {"ymax", &TissueParameters::ymax, "m", false},
+    {"zmin", &TissueParameters::zmin, "m", false},
+    {"zmax", &TissueParameters::zmax, "m", false},
 }};
 
 /// Squares of rates and of forces must stay numbers, whatever masses and stiffnesses come together.
@@ -500,6 +501,11 @@ std::vector<std::pair<std::string, double>> named_values(const TissueParameters&
   for (const auto& [strain, phi] : parameters.table)
     values.emplace_back(fmt::format("{}:{}", table_name, to_text(strain)), phi);
   return values;
+}
+
+std::string_view unit_of_tissue_parameter(std::string_view name) {
+  const auto* const named = std::ranges::find(all_named, name.substr(0, name.find(':')), &Named::name);
+  return named == all_named.end() ? "1" : named->unit;
 }
 
 std::vector<std::string> idle_parameters(const TissueId& id, const TissueParameters& parameters) {

@@ -27,6 +27,9 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
 /// Those that every body has, and of the others those that were asked for.
 std::vector<std::pair<std::string, double>> named_values(const TissueParameters& parameters);
 
+/// The unit of one of them, of a region or not: "Pa" of E and of E:tumour.
+std::string_view unit_of_tissue_parameter(std::string_view name);
+
 /// The names of those of them that change nothing of the body.
 std::vector<std::string> idle_parameters(const TissueId& id, const TissueParameters& parameters);
 
