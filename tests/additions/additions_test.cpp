@@ -46,7 +46,7 @@ TEST(MeshModel, HasTheLimitsOfEveryLawAtRestAndRuns) {
   const std::vector<double> known = verified_limits(at_rest + "fem_green", "symplectic_euler,rk4"),
                             added = verified_limits(at_rest + "fem_green_volume", "symplectic_euler,rk4");
   ASSERT_EQ(added.size(), 2U);
-  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(added[i] / known[i], 1, 1e-9);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(added[i] / known[i], 1, 1e-8);
   expect_run("--mesh cube:n=2 --model fem_green_volume --load press --method newmark --h 0.01 --t-end 0.1");
   EXPECT_EQ(Shell{}.hmax("static --mesh cube:n=2 --model fem_green_volume --load press").exit_code, 0);
 }
@@ -71,10 +71,10 @@ TEST(Method, HasItsOrderAndIsPredicted) {
 
 TEST(Problem, IsPredictedAndRuns) {
   // Small motions about rest: omega^2 = g / l, explicit Euler of the damping d has h_max = d / omega^2.
-  const std::vector<double> limits = verified_limits("--problem pendulum", "explicit_euler");
+  const std::vector<double> limits = verified_limits("--problem pendulum --along none", "explicit_euler");
   ASSERT_EQ(limits.size(), 1U);
   EXPECT_NEAR(limits[0], 0.1 / 9.81, 1e-6);
-  expect_run("--problem pendulum --method ode45 --rtol 1e-6");
+  expect_run("--problem pendulum --method ode45 --rtol 1e-6 --atol 1e-9");
 }
 
 }  // namespace
