@@ -1,6 +1,7 @@
 /// hmax with one more method, family, problem and mesh model, those of the patches beside this file.
-#include <algorithm>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "tests/cli/program.hpp"
 
@@ -32,6 +33,23 @@ void expect_run(const std::string& arguments) {
   const Told told = Shell{}.hmax("run --json " + arguments);
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.json().at("outcome"), "reached_end") << arguments;
+}
+
+/// The files that a patch changes or adds.
+int files_of(const std::string& name) {
+  const std::string patch =
+      read_text(std::filesystem::path(HMAX_SOURCE_DIR) / "tests/additions" / (name + ".patch"));
+  int files = 0;
+  for (std::size_t at = patch.find("\n+++ b/"); at != std::string::npos; at = patch.find("\n+++ b/", at + 1))
+    ++files;
+  return files;
+}
+
+TEST(Patches, TouchFewFiles) {
+  EXPECT_EQ(files_of("method"), 2);
+  EXPECT_EQ(files_of("family"), 6);
+  EXPECT_EQ(files_of("problem"), 4);
+  EXPECT_EQ(files_of("mesh_model"), 3);
 }
 
 TEST(Listed, IsEveryAddition) {
