@@ -18,6 +18,7 @@
 #include "problems/mesh/renumber.hpp"
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/forces/green_elements.hpp"
 
 namespace hmax {
 namespace {
