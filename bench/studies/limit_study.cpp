@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/limits/limit_rows.hpp"
+#include "bench/rows/limit_rows.hpp"
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/limits/trajectory_limit.hpp"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/step_limits/non_normality.hpp"
-#include "bench/limits/limit_rows.hpp"
+#include "bench/rows/limit_rows.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/limits/verification.hpp"
 #include "bench/models/body_balance.hpp"

@@ -1,4 +1,4 @@
-#include "bench/models/model_digest.hpp"
+#include "bench/rows/model_digest.hpp"
 
 #include <bit>
 #include <cmath>

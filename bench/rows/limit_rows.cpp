@@ -1,4 +1,4 @@
-#include "bench/limits/limit_rows.hpp"
+#include "bench/rows/limit_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "bench/models/model_digest.hpp"
+#include "bench/rows/model_digest.hpp"
 #include "bench/models/tissue_problem.hpp"
 
 namespace hmax {

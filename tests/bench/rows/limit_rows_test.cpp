@@ -1,4 +1,4 @@
-#include "bench/limits/limit_rows.hpp"
+#include "bench/rows/limit_rows.hpp"
 
 #include <gtest/gtest.h>
 
