@@ -114,6 +114,7 @@ Exit run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.footer("`hmax COMMAND --help` shows the options of a command and examples.");
 
+  add_advise(app, console);
   add_list(app, console);
   add_run(app, console);
   add_static(app, console);

@@ -166,13 +166,17 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   return problem;
 }
 
+Problem with_settings(const Problem& problem, TissueSettings settings) {
+  const TissueBody& body = *problem.body;
+  Problem changed = problem;
+  changed.body = std::make_shared<const TissueBody>(body.mesh(), std::move(settings), body.origin());
+  changed.system = AnySystem(SharedBody{changed.body});
+  return changed;
+}
+
 Problem after_ramps(const Problem& problem) {
   if (!problem.body || problem.body->is_autonomous()) return problem;
-  const TissueBody& body = *problem.body;
-  Problem later = problem;
-  later.body = std::make_shared<const TissueBody>(body.mesh(), after_ramps(body.settings()), body.origin());
-  later.system = AnySystem(SharedBody{later.body});
-  return later;
+  return with_settings(problem, after_ramps(problem.body->settings()));
 }
 
 std::string start_in_words(const Problem& problem) { return problem.body ? "rest" : describe(problem.y0); }

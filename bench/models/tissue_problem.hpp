@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "bench/catalogue/method.hpp"
+#include "problems/tissue/tissue_settings.hpp"
 
 namespace hmax {
 
@@ -17,6 +18,10 @@ bool is_tissue_id(std::string_view id);
 /// The problem of such an id, at rest at t = 0.
 /// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
 Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
+
+/// The same body made of other settings, with the same name, parameters and start.
+/// @throws std::invalid_argument  as TissueBody
+Problem with_settings(const Problem& problem, TissueSettings settings);
 
 /// The problem once its ramps have ended, from then on: a tool that has moved in stands there from t = 0.
 Problem after_ramps(const Problem& problem);

@@ -15,6 +15,7 @@ namespace hmax {
 /// What `hmax list` shows.
 inline constexpr std::array<std::string_view, 4> list_topics{"methods", "problems", "models", "materials"};
 
+void add_advise(CLI::App& app, Console& console);
 void add_list(CLI::App& app, Console& console);
 void add_run(CLI::App& app, Console& console);
 void add_static(CLI::App& app, Console& console);

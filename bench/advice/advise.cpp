@@ -1,0 +1,381 @@
+#include "bench/advice/advise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "analysis/amplification/numerical_damping.hpp"
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/linearised_problem.hpp"
+#include "bench/limits/linearly_implicit.hpp"
+#include "bench/limits/predict.hpp"
+#include "core/peak_memory.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Steps stay this far below a predicted limit.
+constexpr double safety = 0.95;
+/// Rows this close to the best are as good.
+constexpr double noise = 1.10;
+
+/// What is known of the model before anything is tried.
+struct Ground {
+  ProbingMotion motion;
+  ReferenceMotion reference;
+  Linearised near;                  ///< at the start of the motion
+  std::vector<double> h_max;        ///< of each method, the least along the motion; NaN where there is none
+  std::vector<std::string> status;  ///< why there is none
+  double stiffened = 1;
+  double fastest = 0;               ///< the fastest undamped frequency at the start [rad/s]; 0: not known
+};
+
+/// The states of the reference at which limits are looked for.
+Path path_of(const ReferenceMotion& reference) {
+  constexpr std::size_t most = 10;
+  Path path;
+  const std::size_t stride = std::max<std::size_t>(1, (reference.t.size() + most - 1) / most);
+  for (std::size_t i = 0; i < reference.t.size(); i += stride) {
+    path.at.push_back(reference.t[i]);
+    path.y.push_back(reference.y[i]);
+  }
+  return path;
+}
+
+/// The least of the limits at the start and along the motion; NaN where there is none.
+double least_limit(const Prediction& start, const std::optional<TrajectoryLimit>& along) {
+  double h = start.h_max.value_or(AdviceRow::none);
+  if (along && !std::isnan(along->least)) h = std::isnan(h) ? along->least : std::min(h, along->least);
+  return h;
+}
+
+/// How many times the square of the fastest frequency grows along the motion, from the limits of the central
+/// difference, 2 / omega.
+double stiffening_along(const TrajectoryLimit& along) {
+  const double start = along.h_max.front();
+  return along.least > 0 && std::isfinite(along.least) && std::isfinite(start)
+             ? std::pow(start / along.least, 2)
+             : 1;
+}
+
+void look_at_limits(Ground& ground, const std::vector<Candidate>& all, const Watcher& watcher) {
+  const Problem& problem = ground.motion.problem;
+  ground.near = linearised(problem, 0, problem.y0);
+  const Path path = path_of(ground.reference);
+  std::vector<Method> asked;
+  for (const Candidate& candidate : all) asked.push_back(candidate.method);
+  if (problem.body) asked.push_back(find_method("central_difference"));
+  const auto along = limits_along(asked, problem, path, watcher);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Prediction start = predict(all[i].method, problem, ground.near);
+    ground.h_max.push_back(least_limit(start, along[i]));
+    ground.status.push_back(std::isnan(ground.h_max.back()) ? start.note : "");
+  }
+  if (problem.body && along.back()) ground.stiffened = stiffening_along(*along.back());
+  for (const MechanicalMode& mode : ground.near.spectrum.mechanical)
+    ground.fastest = std::max(ground.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
+}
+
+/// The slowest oscillations of a spectrum [rad/s] with their damping ratios.
+std::vector<std::pair<double, double>> slowest_modes(const Spectrum& spectrum) {
+  std::vector<std::pair<double, double>> modes;
+  for (const MechanicalMode& each : spectrum.mechanical) {
+    const Mode mode = mode_of(each);
+    if (mode.omega && *mode.omega > 0 && mode.zeta && *mode.zeta < 1) modes.emplace_back(*mode.omega, *mode.zeta);
+  }
+  std::ranges::sort(modes);
+  if (modes.size() > 3) modes.resize(3);
+  return modes;
+}
+
+/// What a step adds to the slowest modes.
+void look_at_modes(AdviceRow& row, const std::vector<std::pair<double, double>>& modes) {
+  const auto& amplification = row.candidate.method.amplification;
+  for (const auto& [omega, zeta] : modes) {
+    ShownOscillation shown{.omega = AdviceRow::none, .zeta = AdviceRow::none};
+    if (amplification) shown = shown_oscillation(*amplification, omega, zeta, row.h);
+    row.damping_added.push_back(shown.zeta - zeta);
+    row.frequency_shift.push_back(shown.omega / omega - 1);
+  }
+}
+
+bool is_frozen(const Candidate& candidate) { return candidate.jacobian.every == JacobianUpdate::frozen; }
+bool is_truncated(const Candidate& candidate) { return candidate.linear_solve.iterations > 0; }
+
+/// The predicted limit where the Jacobian is that of the start, and how far the body may still stiffen.
+void look_at_frozen(AdviceRow& row, const Ground& ground) {
+  const auto method = linearly_implicit_method(row.candidate.method.id);
+  if (!method) {
+    row.h_max = AdviceRow::none;
+    return;
+  }
+  const double most = tolerated_stiffness(*method).most;
+  row.stiffening = most / ground.stiffened;
+  row.h_max = row.stiffening >= 1     ? infinity
+              : ground.fastest > 0 ? frozen_spring_exit(*method, ground.stiffened) / ground.fastest
+                                   : AdviceRow::none;
+}
+
+/// How far the body may stiffen before the step is unstable: limits of explicit methods fall as the root of the
+/// stiffness.
+void look_at_margin(AdviceRow& row) {
+  if (is_frozen(row.candidate) || is_truncated(row.candidate)) return;
+  if (std::isfinite(row.h_max)) row.stiffening = std::pow(row.h_max / row.h, 2);
+  if (std::isinf(row.h_max)) row.stiffening = infinity;
+}
+
+/// Puts a run into its row.
+void take(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question) {
+  row.steps_per_frame = steps;
+  row.h = question.frame() / static_cast<double>(steps);
+  row.error = run.error;
+  row.frame = frame_times(run.frames_s);
+  row.first_frame = run.first_frame_s;
+  row.frames = run.frames_s.size();
+  row.missed = static_cast<std::size_t>(
+      std::ranges::count_if(run.frames_s, [&](double s) { return s > question.frame_budget(); }));
+  if (run.stats.newton > 0)
+    row.newton_per_frame = static_cast<double>(run.stats.newton) / static_cast<double>(run.stats.steps) *
+                           static_cast<double>(steps);
+}
+
+/// Searches the step of one candidate.
+class StepSearch {
+ public:
+  StepSearch(const AdviceQuestion& question, const Ground& ground, const Watcher& watcher)
+      : question_(question), ground_(ground), watcher_(watcher) {}
+
+  void operator()(AdviceRow& row) const {
+    const double frame = question_.frame();
+    std::int64_t steps = 1;
+    if (std::isfinite(row.h_max) && row.h_max > 0)
+      steps = static_cast<std::int64_t>(std::min(1e9, std::ceil(frame / (safety * row.h_max) * (1 - 1e-9))));
+    if (row.h_max == 0) return fail(row, AdviceVerdict::unstable, "every step is unstable");
+    AdviceBound cause = steps > 1 ? AdviceBound::stability : AdviceBound::rate;
+    std::int64_t failed = steps - 1;  // the most steps that do not suffice
+    for (;; steps *= 2) {
+      const MotionRun run = tried(row, steps);
+      if (!run.reached_end()) {
+        cause = run.outcome == Outcome::newton_failed ? AdviceBound::newton : AdviceBound::stability;
+      } else if (run.error > question_.tolerance) {
+        cause = AdviceBound::accuracy;
+      } else {
+        break;
+      }
+      failed = steps;
+      // Twice as many steps take about twice the time.
+      const bool too_many = run.reached_end() ? row.frame.p50 > question_.frame_budget()
+                                              : steps >= most_steps_after_failure * first_steps(row);
+      if (too_many || steps > most_steps) return conclude_failure(row, cause);
+    }
+    refine(row, failed, steps, cause);
+    row.h_accurate = row.h;
+    row.bound = cause;
+    row.verdict = AdviceVerdict::suitable;
+    if (row.frame.p50 > question_.frame_budget()) {
+      row.bound = AdviceBound::budget;
+      row.verdict = AdviceVerdict::too_slow;
+    }
+  }
+
+ private:
+  static constexpr std::int64_t most_steps = 100'000, most_steps_after_failure = 64;
+
+  [[nodiscard]] std::int64_t first_steps(const AdviceRow& row) const {
+    if (!std::isfinite(row.h_max)) return 1;
+    return static_cast<std::int64_t>(std::ceil(question_.frame() / (safety * row.h_max)));
+  }
+
+  MotionRun tried(AdviceRow& row, std::int64_t steps) const {
+    if (watcher_) watcher_();
+    MotionRun run =
+        run_motion(row.candidate, ground_.motion, ground_.reference, question_.frame(), steps, 1, watcher_);
+    take(row, run, steps, question_);
+    row.status = run.note;
+    return run;
+  }
+
+  /// Between a number of steps that does not suffice and one that does, three times halved.
+  void refine(AdviceRow& row, std::int64_t failed, std::int64_t steps, AdviceBound& cause) const {
+    AdviceRow best = row;
+    for (int i = 0; i < 3 && steps - failed > std::max<std::int64_t>(1, steps / 10); ++i) {
+      const std::int64_t middle = (failed + steps) / 2;
+      const MotionRun run = tried(row, middle);
+      if (run.reached_end() && run.error <= question_.tolerance) {
+        steps = middle;
+        best = row;
+      } else {
+        failed = middle;
+        cause = run.reached_end()                         ? AdviceBound::accuracy
+                : run.outcome == Outcome::newton_failed ? AdviceBound::newton
+                                                        : AdviceBound::stability;
+      }
+    }
+    row = best;
+  }
+
+  static void fail(AdviceRow& row, AdviceVerdict verdict, const std::string& why) {
+    row.verdict = verdict;
+    row.bound = AdviceBound::stability;
+    row.status = why;
+  }
+
+  static void conclude_failure(AdviceRow& row, AdviceBound cause) {
+    row.bound = cause;
+    row.verdict = cause == AdviceBound::accuracy ? AdviceVerdict::inaccurate : AdviceVerdict::unstable;
+    if (row.status.empty())
+      row.status = cause == AdviceBound::accuracy
+                       ? "no step that meets the tolerance stays within the budget"
+                       : fmt::format("no step down to {:.3g} s reaches the end of the motion", row.h);
+  }
+
+  const AdviceQuestion& question_;
+  const Ground& ground_;
+  const Watcher& watcher_;
+};
+
+/// The limit on the motion, by bisection between 0.8 and 1.25 of the prediction, to 2 %.
+double observed_limit(const AdviceRow& row, const Ground& ground) {
+  double low = 0.8 * row.h_max, high = 1.25 * row.h_max;
+  const auto stays = [&](double h) { return holds(row.candidate, ground.motion, ground.reference, h); };
+  if (!stays(low) || stays(high)) return AdviceRow::none;
+  while (high / low > 1.02) {
+    const double middle = std::sqrt(low * high);
+    (stays(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+/// What rows are ranked by; smaller is better.
+double rank_of(const AdviceRow& row, const AdviceQuestion& question) {
+  return question.least_error ? row.error : row.frame.p50;
+}
+
+bool is_suitable(const AdviceRow& row) {
+  return row.verdict == AdviceVerdict::suitable || row.verdict == AdviceVerdict::recommended ||
+         row.verdict == AdviceVerdict::tie;
+}
+
+void sort_rows(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
+  std::ranges::stable_sort(rows, [&](const AdviceRow& a, const AdviceRow& b) {
+    if (is_suitable(a) != is_suitable(b)) return is_suitable(a);
+    if (!is_suitable(a)) return static_cast<int>(a.verdict) > static_cast<int>(b.verdict);
+    return rank_of(a, question) < rank_of(b, question);
+  });
+}
+
+/// Times rows for as many frames as asked, best first, until the best four that suffice are timed; those that miss
+/// more than one frame in a thousand are too slow.
+void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, const Ground& ground,
+               const Watcher& watcher) {
+  constexpr std::size_t most_timed = 4;
+  const auto is_timed = [&](const AdviceRow& row) { return row.frames >= question.frames; };
+  for (std::size_t i = 0; i < std::min(most_timed, rows.size()) && is_suitable(rows[i]);) {
+    AdviceRow& row = rows[i];
+    if (is_timed(row)) {
+      ++i;
+      continue;
+    }
+    const MotionRun run = run_motion(row.candidate, ground.motion, ground.reference, question.frame(),
+                                     row.steps_per_frame, question.frames, watcher);
+    take(row, run, row.steps_per_frame, question);
+    if (!is_timed(row) || 1000 * row.missed > row.frames) {
+      row.verdict = AdviceVerdict::too_slow;
+      row.bound = AdviceBound::budget;
+      row.status = fmt::format("{} of {} frames took more than the budget", row.missed, row.frames);
+    }
+    sort_rows(rows, question);
+    i = 0;
+  }
+}
+
+void recommend(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
+  if (rows.empty() || !is_suitable(rows.front())) return;
+  rows.front().verdict = AdviceVerdict::recommended;
+  const double best = rank_of(rows.front(), question);
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    if (is_suitable(rows[i]) && rank_of(rows[i], question) <= noise * best) rows[i].verdict = AdviceVerdict::tie;
+}
+
+}  // namespace
+
+std::string_view name_of(AdviceBound bound) {
+  constexpr std::array<std::string_view, 5> names{"stability", "accuracy", "newton", "budget", "rate"};
+  return names[static_cast<std::size_t>(bound)];
+}
+
+std::string_view name_of(AdviceVerdict verdict) {
+  constexpr std::array<std::string_view, 6> names{"recommended", "tie",        "suitable",
+                                                  "unstable",    "inaccurate", "too_slow"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher) {
+  double share = 0;
+  std::string what;
+  const Watcher watch = [&] {
+    if (watcher) watcher(share, what);
+  };
+  const auto now = [&](double part, std::string text) {
+    share = part;
+    what = std::move(text);
+    watch();
+  };
+  Advice advice;
+  Ground ground;
+  now(0, "finding a load that the model bears");
+  ground.motion = probing_motion(problem, watch);
+  now(0.05, "finding the reference motion");
+  ground.reference = reference_motion(ground.motion, question.frame(), question.tolerance, watch);
+  const std::vector<Candidate> all = candidates(question.methods, ground.motion.problem);
+  if (all.empty())
+    throw InputError(fmt::format("none of the methods can step {} at a fixed step; name others with --methods",
+                                 problem.id));
+  now(0.2, "limits along the motion");
+  look_at_limits(ground, all, watch);
+  const auto modes = slowest_modes(ground.near.spectrum);
+  for (const auto& [omega, zeta] : modes) advice.modes.push_back(omega);
+
+  const StepSearch search(question, ground, watch);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    now(0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(all.size()), "steps of " + all[i].words());
+    AdviceRow row;
+    row.candidate = all[i];
+    row.h_max = ground.h_max[i];
+    if (is_truncated(row.candidate)) row.h_max = AdviceRow::none;
+    if (is_frozen(row.candidate)) look_at_frozen(row, ground);
+    reset_peak_memory();
+    search(row);
+    row.memory = peak_memory();
+    if (row.status.empty()) row.status = ground.status[i];
+    look_at_margin(row);
+    look_at_modes(row, modes);
+    advice.rows.push_back(std::move(row));
+  }
+  sort_rows(advice.rows, question);
+  now(0.7, "timing the best methods");
+  time_best(advice.rows, question, ground, watch);
+  recommend(advice.rows, question);
+  for (std::size_t i = 0; i < advice.rows.size(); ++i) {
+    AdviceRow& row = advice.rows[i];
+    if (!(row.h_max > 0) || std::isinf(row.h_max)) continue;
+    now(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(advice.rows.size()),
+        "runs beside the limit of " + row.candidate.words());
+    row.h_max_observed = observed_limit(row, ground);
+  }
+  advice.motion = ground.motion.words;
+  advice.scale = ground.reference.scale;
+  advice.reference_error = ground.reference.error_bound;
+  advice.t_end = ground.motion.t_end;
+  advice.stiffened = ground.stiffened;
+  return advice;
+}
+
+}  // namespace hmax

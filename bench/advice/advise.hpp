@@ -1,0 +1,114 @@
+/// Which integrator, and how large a step: the question of the whole program, answered for one model and frame rate.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "bench/advice/candidate.hpp"
+#include "bench/advice/motion_run.hpp"
+#include "bench/advice/probing_motion.hpp"
+
+namespace hmax {
+
+struct AdviceQuestion {
+  double rate = 0;               ///< frames a second [Hz]
+  double tolerance = 0.01;       ///< error of the motion, relative to its largest displacement
+  std::optional<double> budget;  ///< CPU time of a frame [s]; the whole frame where there is none
+  bool least_error = false;      ///< rank by error within the budget, not by cost within the tolerance
+  std::size_t frames = 1000;     ///< that the best methods are timed for
+  std::vector<Method> methods;   ///< to choose from
+
+  [[nodiscard]] double frame() const { return 1 / rate; }
+  [[nodiscard]] double frame_budget() const { return budget.value_or(frame()); }
+};
+
+/// What keeps the step of a row from being longer: the words of `hmax advise --json`.
+enum class AdviceBound {
+  stability,  ///< the next longer step is unstable
+  accuracy,   ///< it misses the tolerance
+  newton,     ///< its equations are not solved
+  budget,     ///< even this one takes more than the budget
+  rate        ///< the step is a whole frame
+};
+enum class AdviceVerdict { recommended, tie, suitable, unstable, inaccurate, too_slow };
+std::string_view name_of(AdviceBound bound);
+std::string_view name_of(AdviceVerdict verdict);
+
+/// A candidate at the longest of its steps that holds and meets the tolerance; at the last one that was tried where
+/// none does.
+struct AdviceRow {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+  Candidate candidate;
+  double h = none;                    ///< [s]
+  std::int64_t steps_per_frame = 0;   ///< a frame is a whole number of steps
+  double h_max = none;                ///< predicted, the least along the motion [s]; infinity: no step is unstable
+  double h_max_observed = none;       ///< on the motion, to 2 % [s]; NaN where nobody looked
+  double h_accurate = none;           ///< the longest step tried that meets the tolerance [s]
+  AdviceBound bound = AdviceBound::rate;
+  double error = none;                ///< relative to the largest displacement
+  FrameTimes frame;                   ///< CPU time of a frame on one thread [s]
+  double first_frame = none;          ///< with what is done once, such as the first factors [s]
+  std::size_t frames = 0, missed = 0; ///< frames that were timed, and those over the budget
+  double newton_per_frame = none;     ///< iterations of Newton's method
+  std::optional<std::int64_t> memory; ///< peak of the process while the row was tried [bytes]
+  std::vector<double> damping_added;  ///< to the damping ratio of each of Advice::modes
+  std::vector<double> frequency_shift;///< relative, of each of them
+  double stiffening = none;           ///< how many times stiffer the body may become before h is unstable
+  AdviceVerdict verdict = AdviceVerdict::unstable;
+  std::string status;                 ///< what the verdict rests on, or why a number is missing
+
+  /// Simulated time per CPU time.
+  [[nodiscard]] double realtime_factor(double rate) const { return 1 / (rate * frame.p50); }
+};
+
+/// A change of the model or the question under which a row becomes suitable; it was run.
+struct Remedy {
+  std::string change;   ///< "rate", "rho", "E"
+  double from = 0, to = 0;
+  std::string method;   ///< as Candidate::words()
+  double h = 0;         ///< [s]
+};
+
+struct Advice {
+  std::string motion;                 ///< in words: what the probing motion is
+  double scale = 0;                   ///< its largest displacement [m], or largest |y_i|
+  double reference_error = 0;         ///< bound, relative to the scale
+  double t_end = 0;                   ///< of the motion [s]
+  double stiffened = 1;               ///< how many times stiffer than at its start the motion makes the body
+  std::vector<double> modes;          ///< the slowest oscillations at the start, at most 3 [rad/s]
+  std::vector<AdviceRow> rows;        ///< best first
+  std::vector<Remedy> remedies;       ///< where nothing is recommended
+
+  /// The first row, if it is recommended.
+  [[nodiscard]] const AdviceRow* recommended() const {
+    return !rows.empty() && rows.front().verdict == AdviceVerdict::recommended ? &rows.front() : nullptr;
+  }
+};
+
+/// Called with what is being decided; what it throws ends the search.
+using AdviceWatcher = std::function<void(double share, const std::string& what)>;
+
+/// Tries every candidate on the probing motion of a problem.
+///
+/// The step of a candidate is a whole part of a frame. The search begins with the longest one below 0.95 of the
+/// predicted limit and takes shorter ones until the motion holds and meets the tolerance. The best rows are then timed
+/// over `frames` frames, in turn. Rows within 10 % of the best are ties.
+/// @throws InputError  as probing_motion() and reference_motion()
+Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {});
+
+/// Makes the problem once more with some parameters set to other values.
+using ProblemWith = std::function<Problem(const std::vector<std::pair<std::string, double>>& values)>;
+
+/// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first: a
+/// lower rate, and of a body more mass or a softer material.
+/// @param failed  what was found without a change
+std::vector<Remedy> remedies(const Problem& problem, const AdviceQuestion& question, const Advice& failed,
+                             const ProblemWith& make, const AdviceWatcher& watcher = {});
+
+}  // namespace hmax

@@ -1,0 +1,44 @@
+/// A candidate on the probing motion: its error, and the time of each frame.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/advice/candidate.hpp"
+#include "bench/advice/probing_motion.hpp"
+
+namespace hmax {
+
+/// One or several runs at one step.
+struct MotionRun {
+  Outcome outcome = Outcome::reached_end;
+  double t = 0;                  ///< where it ended [s]
+  double error = 0;              ///< the largest of the instants, relative; infinity where it did not reach the end
+  std::vector<double> frames_s;  ///< CPU time of each frame but the first of each run [s]
+  double first_frame_s = 0;      ///< with what a simulator does before it starts: its first factors
+  std::int64_t steps = 0;
+  Stats stats;
+  std::string note;  ///< why equations were not solved
+
+  [[nodiscard]] bool reached_end() const { return outcome == Outcome::reached_end; }
+};
+
+/// Order statistics of the time of a frame [s].
+struct FrameTimes {
+  double p50 = 0, p99 = 0, max = 0;
+};
+/// NaN of no frames.
+FrameTimes frame_times(std::vector<double> frames_s);
+
+/// Runs the motion with `steps_per_frame` steps in each frame, again from the start until there are so many frames;
+/// once where it does not reach its end. The thread is kept on its processor.
+/// @param frame  [s]
+MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,
+                     double frame, std::int64_t steps_per_frame, std::size_t frames = 1,
+                     const Watcher& watcher = {});
+
+/// Whether a step holds: the motion, and 500 steps at least, without leaving three times the size of the reference.
+bool holds(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference, double h);
+
+}  // namespace hmax

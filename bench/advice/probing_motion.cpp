@@ -1,0 +1,216 @@
+#include "bench/advice/probing_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/SparseCholesky>
+#include <fmt/format.h>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/linearised_problem.hpp"
+#include "bench/models/body_balance.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "problems/mesh/topology.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double rise = 0.1, hold = 0.2, after = 0.2;  // [s]
+
+double size_of(const TetMesh& mesh) {
+  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+}
+
+bool is_driven_by_time(const TissueBody& body) { return body.steady_from() > 0; }
+
+/// The far end of a body: the surface points furthest from what holds it, or those highest along z.
+PressingForce far_press(const TissueBody& body) {
+  const TetMesh& mesh = body.mesh();
+  Eigen::Vector3d held = mesh.points.rowwise().mean();
+  std::size_t count = 0;
+  for (const Support& support : body.settings().supports) count += support.points.size();
+  if (count > 0) {
+    held.setZero();
+    for (const Support& support : body.settings().supports)
+      for (const TetMesh::Index i : support.points) held += mesh.points.col(i) / static_cast<double>(count);
+  }
+  const auto surface = surface_of(mesh).points;
+  const auto distance = [&](TetMesh::Index i) { return (mesh.points.col(i) - held).norm(); };
+  const TetMesh::Index tip = *std::ranges::max_element(surface, {}, distance);
+  PressingForce press{.points = {}, .force = (held - mesh.points.col(tip)).normalized()};
+  const double radius = 0.15 * size_of(mesh);
+  for (const TetMesh::Index i : surface)
+    if ((mesh.points.col(i) - mesh.points.col(tip)).norm() <= radius) press.points.push_back(i);
+  return press;
+}
+
+/// The force of 1 N times this moves the body by 2 % of its size, by its stiffness at `q`.
+double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
+  const TissueBody& body = *pressed.body;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
+  TissueSettings without = body.settings();
+  without.forces.clear();
+  const Problem free = with_settings(pressed, without);
+  Eigen::VectorXd with_force(body.dofs()), without_force(body.dofs());
+  body.force(0, q, zero, with_force);
+  free.body->force(0, q, zero, without_force);
+  TissueBody::DofMatrix K;
+  body.stiffness(0, q, zero, K);
+  const Eigen::SimplicialLDLT<TissueBody::DofMatrix> factor(K);
+  const double given = factor.info() == Eigen::Success
+                           ? largest_displacement(factor.solve(with_force - without_force))
+                           : 0;
+  return given > 0 && std::isfinite(given) ? 0.02 * size_of(body.mesh()) / given : 1;
+}
+
+/// F that comes from `start` on and goes again: one force that stays and one against it.
+void come_and_go(std::vector<PressingForce>& forces) {
+  std::vector<PressingForce> both;
+  for (PressingForce& force : forces) {
+    force.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = rise};
+    both.push_back(force);
+    force.force = -force.force;
+    force.profile.start = rise + hold;
+    both.push_back(std::move(force));
+  }
+  forces = std::move(both);
+}
+
+/// The largest share of the load, 1, 1/2, ..., 1/64, that has an equilibrium.
+double borne_share(const Problem& problem, const Watcher& watcher) {
+  StaticSettings settings{.tolerance = 1e-6};
+  for (double share = 1; share >= 1.0 / 64; share /= 2) {
+    if (watcher) watcher();
+    if (found_equilibrium(problem, share, settings, [] { return 0.0; }).converged) return share;
+  }
+  throw InputError(fmt::format(
+      "{} has no static equilibrium even under 1/64 of its load; take a smaller --load force or a stiffer material",
+      problem.id));
+}
+
+ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
+  const TissueBody& body = *problem.body;
+  const Eigen::Index n = body.dofs();
+  if (is_driven_by_time(body)) {
+    const double t_end = end_of_motion(problem);
+    return {problem, t_end, fmt::format("its own load to t = {:.3g} s", t_end)};
+  }
+  TissueSettings settings = body.settings();
+  const bool heavy = settings.gravity.norm() > 0;
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(n);
+  if (heavy) {
+    const StaticSolution resting = found_equilibrium(problem, 1, {.tolerance = 1e-10}, [] { return 0.0; });
+    if (!resting.converged)
+      throw InputError(fmt::format("{} has no static equilibrium to start from: {}", problem.id,
+                                   status_of(problem, resting)));
+    start = resting.q;
+  }
+  std::string words;
+  if (settings.forces.empty()) {
+    settings.forces = {far_press(body)};
+    const double force = force_for_2_percent(with_settings(problem, settings), start);
+    settings.forces.front().force *= force;
+    words = fmt::format("a press of {:.3g} N at the far end{}", force, heavy ? " beside gravity" : "");
+  } else {
+    const double share = borne_share(problem, watcher);
+    for (PressingForce& force : settings.forces) force.force *= share;
+    words = share == 1 ? "the load" : fmt::format("{:.3g} of the load, the most of 1, 1/2, 1/4, ... that has an equilibrium", share);
+  }
+  come_and_go(settings.forces);
+  const double t_end = rise + hold + rise + after;
+  ProbingMotion motion{with_settings(problem, std::move(settings)), t_end,
+                       fmt::format("{}: within {:.3g} s, held for {:.3g} s, released, to t = {:.3g} s", words, rise,
+                                   hold, t_end)};
+  motion.problem.y0.head(n) = start;
+  return motion;
+}
+
+/// The state at each of some instants, by newmark at h; nothing where a step is not solved.
+std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion, double h,
+                                                    const std::vector<double>& at, const Watcher& watcher) {
+  std::vector<Eigen::VectorXd> states;
+  const RunSpec spec{.t_end = motion.t_end, .h = h, .max_steps = 100'000'000};
+  const RunRecord record = find_method("newmark").bind(motion.problem).run(
+      spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        if (watcher) watcher();
+        if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h) states.emplace_back(y);
+      });
+  if (record.outcome != Outcome::reached_end || states.size() != at.size()) return std::nullopt;
+  return states;
+}
+
+double distance(bool of_body, const Eigen::Ref<const Eigen::VectorXd>& a,
+                const Eigen::Ref<const Eigen::VectorXd>& b) {
+  const Eigen::VectorXd difference = a - b;
+  return of_body ? largest_displacement(difference.head(difference.size() / 2))
+                 : difference.cwiseAbs().maxCoeff();
+}
+
+/// The largest excursion from the start.
+double scale_of(bool of_body, const std::vector<Eigen::VectorXd>& y) {
+  double scale = 0;
+  for (const Eigen::VectorXd& state : y)
+    scale = std::max(scale, of_body ? distance(true, state, y.front()) : state.cwiseAbs().maxCoeff());
+  return scale;
+}
+
+ReferenceMotion halved_until_steady(const ProbingMotion& motion, double frame, double tolerance,
+                                    ReferenceMotion reference, const Watcher& watcher) {
+  constexpr int most_halvings = 12;
+  std::optional<std::vector<Eigen::VectorXd>> coarse;
+  double h = frame;
+  for (int halving = 0; halving <= most_halvings; ++halving, h /= 2) {
+    auto fine = sampled(motion, h, reference.t, watcher);
+    if (fine && coarse) {
+      reference.scale = scale_of(true, *fine);
+      double change = 0;
+      for (std::size_t i = 0; i < fine->size(); ++i)
+        change = std::max(change, distance(true, (*fine)[i], (*coarse)[i]));
+      reference.error_bound = reference.scale > 0 ? change / reference.scale : 0;
+      if (reference.error_bound <= tolerance / 10) {
+        reference.y = std::move(*fine);
+        return reference;
+      }
+    }
+    coarse = std::move(fine);
+  }
+  throw InputError(fmt::format(
+      "no reference of {} to {:.2g} is found: newmark still changes by {:.2g} at h = {:.3g} s; give a larger --tolerance, "
+      "a smaller load or a model that holds it",
+      motion.problem.id, tolerance, reference.error_bound, 2 * h));
+}
+
+}  // namespace
+
+ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
+  if (problem.body) return of_body(problem, watcher);
+  return {problem, problem.t_end, fmt::format("its own motion to t = {:.6g} s", problem.t_end)};
+}
+
+ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
+                                 const Watcher& watcher) {
+  constexpr double most_instants = 50;
+  const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
+  const double stride = std::ceil(frames / most_instants);
+  ReferenceMotion reference;
+  for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
+  if (motion.problem.body) return halved_until_steady(motion, frame, tolerance, std::move(reference), watcher);
+  const Reference exact = make_reference(motion.problem, motion.t_end);
+  for (const double t : reference.t) reference.y.push_back(exact.at(std::min(t, exact.valid_until)));
+  reference.scale = scale_of(false, reference.y);
+  reference.error_bound = reference.scale > 0 ? exact.error_bound / reference.scale : 0;
+  return reference;
+}
+
+double relative_error(const ProbingMotion& motion, const ReferenceMotion& reference, std::size_t instant,
+                      const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const double away = distance(motion.problem.body != nullptr, y, reference.y[instant]);
+  return reference.scale > 0 ? away / reference.scale : away;
+}
+
+}  // namespace hmax

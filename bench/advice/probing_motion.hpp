@@ -1,0 +1,49 @@
+/// The motion by which steps are judged: pressed, held and released, or the problem's own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bench/catalogue/method.hpp"
+#include "bench/limits/trajectory_limit.hpp"
+
+namespace hmax {
+
+/// A problem whose own motion is what is judged.
+struct ProbingMotion {
+  Problem problem;
+  double t_end = 0;   ///< [s]
+  std::string words;  ///< what acts, how long
+};
+
+/// Of a body whose loads do not change with time: they come within 0.1 s, stay for 0.2 s and go within 0.1 s, and the
+/// body moves freely for 0.2 s. Gravity acts all the time, from its equilibrium on. A body without any other load is
+/// pressed at its far end until it gives way by 2 % of its size. A load without an equilibrium is halved, up to six
+/// times, until it has one. Of bodies whose loads change with time, and of what is no body: the problem's own
+/// motion, up to its end.
+/// @throws InputError  where a body has no equilibrium under gravity, or under a sixty-fourth of its load
+ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {});
+
+/// The motion as it truly is, at instants that are multiples of a frame.
+struct ReferenceMotion {
+  std::vector<double> t;           ///< [s], the first is 0
+  std::vector<Eigen::VectorXd> y;  ///< shape (dim) each
+  double scale = 0;                ///< the largest displacement of a body [m], or the largest |y_i|
+  double error_bound = 0;          ///< of the instants, relative to `scale`
+};
+
+/// At most 50 instants. A body: newmark at a frame, a half, a quarter, ... of it, until the last halving changes
+/// nothing by more than `tolerance` / 10; the change bounds the error. Others: the reference of the catalogue.
+/// @param frame      [s]
+/// @param tolerance  relative to the scale
+/// @throws InputError  where no step of newmark is solved, or 12 halvings do not suffice
+ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
+                                 const Watcher& watcher = {});
+
+/// The distance of a state from the reference, relative to its scale: of a body the largest distance of a point.
+double relative_error(const ProbingMotion& motion, const ReferenceMotion& reference, std::size_t instant,
+                      const Eigen::Ref<const Eigen::VectorXd>& y);
+
+}  // namespace hmax

@@ -1,0 +1,295 @@
+/// hmax advise: which integrator, and how large a step, for a model and a frame rate.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/advice/advise.hpp"
+#include "cli/bodies/body_words.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/stability/stability.hpp"
+#include "results/errors.hpp"
+#include "results/fingerprint.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct AdviseOptions {
+  ProblemChoice problem;
+  std::optional<double> rate, tolerance, budget;
+  std::string methods, frames;
+};
+
+double positive(const char* option, double value, const char* example) {
+  if (!(value > 0 && std::isfinite(value)))
+    throw InputError(fmt::format("{} is {} but must be positive, such as {}", option, to_text(value), example));
+  return value;
+}
+
+AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem) {
+  if (!options.rate) throw InputError("no frame rate is given; add --rate, such as --rate 100");
+  AdviceQuestion question;
+  question.rate = positive("--rate", *options.rate, "100");
+  if (question.rate < 1 || question.rate > 1e5)
+    throw InputError(fmt::format("--rate is {} Hz, but must lie between 1 and 100000", to_text(question.rate)));
+  if (options.tolerance) {
+    question.tolerance = positive("--tolerance", *options.tolerance, "0.01");
+    if (question.tolerance >= 1)
+      throw InputError("--tolerance is relative to the largest displacement and must be below 1, such as 0.01");
+  }
+  if (options.budget) question.budget = positive("--budget", *options.budget, "5") / 1000;
+  question.least_error = options.budget && !options.tolerance;
+  if (!options.frames.empty())
+    question.frames = static_cast<std::size_t>(
+        std::min<std::int64_t>(parse_count("--frames", options.frames, 1), 1'000'000));
+  question.methods = options.methods.empty()
+                         ? choose_methods(simulator_methods(), {problem})
+                         : choose_methods(with_their_parameters(parse_names("--methods", options.methods)), {problem});
+  return question;
+}
+
+// ---- for programs
+
+Json to_json(const AdviceRow& row, const AdviceQuestion& question) {
+  const auto numbers = [](const std::vector<double>& values) {
+    Json list = Json::array();
+    for (const double value : values) list.push_back(number_or_word(value));
+    return list;
+  };
+  Json options = Json::object();
+  if (row.candidate.method.needs_jacobian) {
+    options["jacobian"] = to_string(row.candidate.jacobian);
+    options["linear"] = to_string(row.candidate.linear_solve);
+  }
+  if (!std::isnan(row.newton_per_frame)) options["iterations"] = row.newton_per_frame;
+  return {{"method", row.candidate.method.id},
+          {"options", std::move(options)},
+          {"h", number_or_word(row.h)},
+          {"steps_per_frame", row.steps_per_frame},
+          {"h_max", number_or_word(row.h_max)},
+          {"h_max_observed", number_or_word(row.h_max_observed)},
+          {"h_accurate", number_or_word(row.h_accurate)},
+          {"bound", name_of(row.bound)},
+          {"error", number_or_word(row.error)},
+          {"error_of", "largest displacement"},
+          {"frame_ms",
+           {{"p50", number_or_word(1e3 * row.frame.p50)},
+            {"p99", number_or_word(1e3 * row.frame.p99)},
+            {"max", number_or_word(1e3 * row.frame.max)},
+            {"first", number_or_word(1e3 * row.first_frame)}}},
+          {"missed", row.missed},
+          {"frames", row.frames},
+          {"realtime_factor", number_or_word(row.realtime_factor(question.rate))},
+          {"memory_bytes", row.memory ? Json(*row.memory) : Json()},
+          {"damping_added", numbers(row.damping_added)},
+          {"frequency_shift", numbers(row.frequency_shift)},
+          {"margin", {{"stiffening", number_or_word(row.stiffening)}}},
+          {"verdict", name_of(row.verdict)},
+          {"status", row.status}};
+}
+
+Json to_json(const Problem& problem, const AdviceQuestion& question, const Advice& advice) {
+  Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
+  for (const AdviceRow& row : advice.rows) {
+    rows.push_back(to_json(row, question));
+    if (row.verdict == AdviceVerdict::tie) ties.push_back(row.candidate.words());
+  }
+  for (const Remedy& remedy : advice.remedies)
+    remedies.push_back({{"change", remedy.change},
+                        {"from", remedy.from},
+                        {"to", remedy.to},
+                        {"then", {{"method", remedy.method}, {"h", remedy.h}}}});
+  Json parameters = Json::object();
+  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
+  const AdviceRow* best = advice.recommended();
+  return {{"model", problem.id},
+          {"material", problem.material},
+          {"parameters", std::move(parameters)},
+          {"motion", advice.motion},
+          {"scale", advice.scale},
+          {"reference_error", advice.reference_error},
+          {"modes", advice.modes},
+          {"rate", question.rate},
+          {"tolerance", question.tolerance},
+          {"budget_ms", 1e3 * question.frame_budget()},
+          {"machine", summary(fingerprint())},
+          {"rows", std::move(rows)},
+          {"recommended", best ? to_json(*best, question) : Json()},
+          {"ties", std::move(ties)},
+          {"remedies", std::move(remedies)}};
+}
+
+// ---- for people
+
+std::string milliseconds(double seconds, int digits = 3) {
+  if (std::isnan(seconds)) return "-";
+  return std::isinf(seconds) ? "unbounded" : short_number(1e3 * seconds, digits);
+}
+
+std::string percent(double share) {
+  return std::isfinite(share) ? short_number(100 * share, 2) + " %" : "-";
+}
+
+/// What keeps the step from being longer.
+std::string words_of_bound(const AdviceRow& row) {
+  switch (row.bound) {
+    case AdviceBound::stability:
+      return "stability: the next longer part of a frame is unstable";
+    case AdviceBound::accuracy:
+      return "accuracy: the next longer part of a frame misses the tolerance";
+    case AdviceBound::newton:
+      return "Newton's method: it does not converge for the next longer part of a frame";
+    case AdviceBound::budget:
+      return "the budget: no step that is long enough suffices";
+    case AdviceBound::rate:
+      break;
+  }
+  return "the rate: one step a frame suffices";
+}
+
+std::string words_of_modes(const AdviceRow& row, const Advice& advice) {
+  std::string words;
+  for (std::size_t i = 0; i < std::min(advice.modes.size(), row.damping_added.size()); ++i)
+    if (std::isfinite(row.damping_added[i]))
+      words += fmt::format("{}{} rad/s: damping ratio {:+.2g}, frequency {:+.2g} %", words.empty() ? "" : "; ",
+                           short_number(advice.modes[i], 3), row.damping_added[i], 100 * row.frequency_shift[i]);
+  return words;
+}
+
+std::string words_of_best(const AdviceRow& row, const Advice& advice, const AdviceQuestion& question,
+                          const Console& console) {
+  std::string text = console.strong(fmt::format("take {} with h = {} ms, {} step{} a frame", row.candidate.words(),
+                                                milliseconds(row.h, 5), row.steps_per_frame,
+                                                row.steps_per_frame == 1 ? "" : "s")) +
+                     "\n";
+  text += std::isfinite(row.h_max)
+              ? fmt::format("  stable up to  {} ms predicted, the least along the motion; {} ms observed\n",
+                            milliseconds(row.h_max, 4), milliseconds(row.h_max_observed))
+          : std::isinf(row.h_max) ? "  stable up to  no step is unstable on the linearised model\n"
+                                  : "  stable up to  no limit is predicted; the motion was run\n";
+  text += fmt::format("  step bound by {}\n", words_of_bound(row));
+  text += fmt::format("  error         {} of the largest displacement\n", percent(row.error));
+  text += fmt::format("  a frame takes {} ms, 99 of 100 at most {} ms, all at most {} ms: {} times real time\n",
+                      milliseconds(row.frame.p50), milliseconds(row.frame.p99), milliseconds(row.frame.max),
+                      short_number(row.realtime_factor(question.rate), 3));
+  text += fmt::format("  late          {} of {} frames took more than {} ms\n", row.missed, row.frames,
+                      milliseconds(question.frame_budget()));
+  if (!std::isnan(row.stiffening))
+    text += std::isinf(row.stiffening)
+                ? std::string("  margin        holds however stiff the body becomes\n")
+                : fmt::format("  margin        holds until the body is {} times as stiff\n",
+                              short_number(row.stiffening, 3));
+  if (const std::string modes = words_of_modes(row, advice); !modes.empty())
+    text += fmt::format("  adds          {}\n", modes);
+  return text;
+}
+
+std::string words_of_remedies(const Advice& advice) {
+  if (advice.remedies.empty()) return "Nothing that was tried helps: a lower rate, more mass, a softer material.\n";
+  std::string text = "What helps, each tried:\n";
+  for (const Remedy& remedy : advice.remedies)
+    text += fmt::format("  {} {} in place of {}: {} with h = {} ms\n", remedy.change, short_number(remedy.to),
+                        short_number(remedy.from), remedy.method, milliseconds(remedy.h, 5));
+  return text;
+}
+
+std::string table_of(const Advice& advice, const Console& console) {
+  TextTable table({"method", "h [ms]", "steps", "h_max [ms]", "observed [ms]", "error", "frame [ms]", "p99 [ms]",
+                   "bound", "verdict"});
+  for (const AdviceRow& row : advice.rows)
+    table.add({row.candidate.words(), milliseconds(row.h, 4), std::to_string(row.steps_per_frame),
+               milliseconds(row.h_max, 4), milliseconds(row.h_max_observed), percent(row.error),
+               milliseconds(row.frame.p50), milliseconds(row.frame.p99), std::string(name_of(row.bound)),
+               std::string(name_of(row.verdict))});
+  return table.text(console);
+}
+
+std::string for_people(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
+                       const Console& console) {
+  std::string text =
+      fmt::format("{}{}{}: {}\n", problem.id, problem.material.empty() ? "" : ", ", problem.material, advice.motion);
+  text += fmt::format("{} Hz, error at most {} of the largest displacement{}, frames of at most {} ms\n\n",
+                      short_number(question.rate), percent(question.tolerance),
+                      problem.body ? fmt::format(", {} mm", milliseconds(advice.scale)) : "",
+                      milliseconds(question.frame_budget()));
+  if (const AdviceRow* best = advice.recommended()) {
+    text += words_of_best(*best, advice, question, console);
+    std::vector<std::string> ties;
+    for (const AdviceRow& row : advice.rows)
+      if (row.verdict == AdviceVerdict::tie)
+        ties.push_back(fmt::format("{} at {} ms", row.candidate.words(), milliseconds(row.h, 4)));
+    if (!ties.empty()) text += fmt::format("  as good       {}\n", fmt::join(ties, "; "));
+  } else {
+    text += console.strong("no method that was tried meets this") + "\n" + words_of_remedies(advice);
+  }
+  return text + "\n" + table_of(advice, console) + "\n" + console.faint(summary(fingerprint())) + "\n";
+}
+
+void advise_on(const AdviseOptions& options, Console& console) {
+  const Problem problem = options.problem.make();
+  const AdviceQuestion question = question_of(options, problem);
+  remark_unusual(console, problem);
+  options.problem.remark_idle(console, problem);
+  Advice advice;
+  {
+    Progress progress(console, "advise");
+    const auto& interrupted = interrupt_flag();
+    const AdviceWatcher watcher = [&](double share, const std::string& what) {
+      if (interrupted) throw Interrupted{};
+      progress.update(share, what);
+    };
+    advice = advise(problem, question, watcher);
+    if (!advice.recommended())
+      advice.remedies = remedies(
+          problem, question, advice,
+          [&](const std::vector<std::pair<std::string, double>>& values) {
+            ProblemChoice changed = options.problem;
+            for (const auto& [name, value] : values) {
+              std::erase_if(changed.set, [&](const std::string& text) { return text.starts_with(name + "="); });
+              changed.set.push_back(name + "=" + to_text(value));
+            }
+            return changed.make();
+          },
+          [&](double share, const std::string& what) { watcher(share, "what would help: " + what); });
+  }
+  if (!advice.recommended()) console.exit_code = Exit::failed;
+  if (console.json) return console.print_json(to_json(problem, question, advice));
+  console.print(for_people(problem, question, advice, console));
+}
+
+}  // namespace
+
+void add_advise(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "advise",
+      "Which integrator, and how large a step: for a model and a frame rate; exit 1 where nothing suits",
+      {"hmax advise --mesh liver --material male_normal --rate 100",
+       "hmax advise --mesh phantom --load tool --rate 1000 --budget 0.5 --json",
+       "hmax advise --problem liver_forced --rate 100 --tolerance 1e-3"});
+  const auto options = std::make_shared<AdviseOptions>();
+  options->problem.add_to(command);
+  add_number(command, "--rate", options->rate, "Frame rate [Hz]; required");
+  add_number(command, "--tolerance", options->tolerance,
+             "Largest error of the motion, relative to its largest displacement [1]; 0.01 by default");
+  add_number(command, "--budget", options->budget,
+             "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
+             "default");
+  command
+      .add_option("--methods", options->methods,
+                  fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
+                              fmt::join(simulator_methods(), ", ")))
+      ->type_name("A,B");
+  command.add_option("--frames", options->frames, "Number of frames that the best methods are timed for; 1000 by default")
+      ->type_name("N");
+  command.callback([options, &console] { advise_on(*options, console); });
+}
+
+}  // namespace hmax

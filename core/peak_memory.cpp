@@ -1,0 +1,18 @@
+#include "core/peak_memory.hpp"
+
+#include <fstream>
+#include <string>
+
+namespace hmax {
+
+void reset_peak_memory() { std::ofstream("/proc/self/clear_refs") << "5"; }
+
+std::optional<std::int64_t> peak_memory() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word)
+    if (std::int64_t kilobytes = 0; word == "VmHWM:" && status >> kilobytes) return 1024 * kilobytes;
+  return std::nullopt;
+}
+
+}  // namespace hmax

@@ -1,0 +1,18 @@
+#include "core/pinned_thread.hpp"
+
+namespace hmax {
+
+PinnedThread::PinnedThread() {
+  const int here = sched_getcpu();
+  if (here < 0 || sched_getaffinity(0, sizeof before_, &before_) != 0) return;
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<unsigned>(here), &one);
+  pinned_ = sched_setaffinity(0, sizeof one, &one) == 0;
+}
+
+PinnedThread::~PinnedThread() {
+  if (pinned_) sched_setaffinity(0, sizeof before_, &before_);
+}
+
+}  // namespace hmax

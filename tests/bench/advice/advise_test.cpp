@@ -1,0 +1,153 @@
+#include "bench/advice/advise.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "bench/catalogue/catalogue.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+namespace {
+
+Problem cube(const std::string& load, std::vector<std::pair<std::string, double>> parameters = {}) {
+  return make_problem("fem_green/" + load + "@cube:n=2",
+                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+}
+
+AdviceQuestion question(double rate, const std::vector<std::string>& names, const Problem& problem) {
+  AdviceQuestion asked;
+  asked.rate = rate;
+  asked.frames = 50;
+  asked.methods = choose_methods(names, {problem});
+  return asked;
+}
+
+TEST(ProbingMotion, PressesHoldsAndReleases) {
+  const Problem problem = cube("press");
+  const ProbingMotion motion = probing_motion(problem);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(motion.problem.body->dofs());
+  const auto force = [&](const TissueBody& of, double t) {
+    Eigen::VectorXd f(zero.size());
+    of.force(t, zero, zero, f);
+    return f.norm();
+  };
+  const double full = force(*problem.body, 0);
+  ASSERT_GT(full, 0);
+  const TissueBody& body = *motion.problem.body;
+  EXPECT_EQ(force(body, 0), 0);
+  EXPECT_NEAR(force(body, 0.05), 0.5 * full, 1e-12 * full);
+  EXPECT_NEAR(force(body, 0.2), full, 1e-12 * full);
+  EXPECT_NEAR(force(body, 0.5), 0, 1e-12 * full);
+}
+
+TEST(ProbingMotion, PressesABodyUnderGravityFromItsEquilibrium) {
+  const ProbingMotion motion = probing_motion(cube("gravity"));
+  const TissueBody& body = *motion.problem.body;
+  const Eigen::Index n = body.dofs();
+  const Eigen::VectorXd q = motion.problem.y0.head(n), zero = Eigen::VectorXd::Zero(n);
+  EXPECT_GT(q.norm(), 0);
+  Eigen::VectorXd f(n), weight(n), pressed(n);
+  body.force(0, q, zero, f);
+  body.force(0, zero, zero, weight);
+  EXPECT_LT(f.norm(), 1e-8 * weight.norm());
+  body.force(0.2, q, zero, pressed);
+  EXPECT_GT(pressed.norm(), 1e3 * f.norm());
+}
+
+TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
+  const ProbingMotion motion = probing_motion(cube("press", {{"force", 50}}));
+  EXPECT_NE(motion.words.find("has an equilibrium"), std::string::npos) << motion.words;
+}
+
+TEST(ReferenceMotion, IsAsCloseAsItSays) {
+  const ProbingMotion motion = probing_motion(cube("press"));
+  const ReferenceMotion coarse = reference_motion(motion, 0.01, 0.1), fine = reference_motion(motion, 0.01, 1e-3);
+  EXPECT_LE(coarse.error_bound, 0.01);
+  EXPECT_LE(fine.error_bound, 1e-4);
+  EXPECT_GT(fine.scale, 0);
+  ASSERT_EQ(coarse.y.size(), fine.y.size());
+  EXPECT_LE(coarse.t.size(), 51U);
+  double away = 0;
+  for (std::size_t i = 0; i < fine.y.size(); ++i)
+    away = std::max(away, relative_error(motion, fine, i, coarse.y[i]));
+  EXPECT_LE(away, 0.012);
+  EXPECT_GT(away, 0);
+}
+
+TEST(Candidates, AreMethodsWithTheirChoices) {
+  const Problem body = cube("press"), oscillator = make_problem("liver_forced");
+  const auto count = [](const char* id, const Problem& problem) {
+    return candidates({find_method(id)}, problem).size();
+  };
+  EXPECT_EQ(count("rk4", body), 1U);
+  EXPECT_EQ(count("linearly_implicit_euler", body), 3U);
+  EXPECT_EQ(count("linearly_implicit_euler", oscillator), 2U);
+  EXPECT_EQ(count("adams_pece", oscillator), 0U);  // chooses its steps itself
+  EXPECT_EQ(count("newmark", make_problem("lorenz")), 0U);
+}
+
+TEST(Advise, RecommendsAStepThatHoldsWhenItIsRun) {
+  const Problem problem = cube("press");
+  const AdviceQuestion asked =
+      question(100, {"symplectic_euler", "rk4", "linearly_implicit_euler", "newmark"}, problem);
+  const Advice advice = advise(problem, asked);
+  ASSERT_EQ(advice.rows.size(), 6U);
+  const AdviceRow* best = advice.recommended();
+  ASSERT_NE(best, nullptr);
+  EXPECT_LE(best->error, asked.tolerance);
+  EXPECT_GE(best->frames, 50U);
+  EXPECT_EQ(best->h, asked.frame() / static_cast<double>(best->steps_per_frame));
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, asked.frame(), asked.tolerance);
+  EXPECT_LE(run_motion(best->candidate, motion, reference, asked.frame(), best->steps_per_frame).error,
+            asked.tolerance);
+  for (const AdviceRow& row : advice.rows) {
+    EXPECT_EQ(row.damping_added.size(), advice.modes.size());
+    if (!std::isfinite(row.h_max)) continue;
+    EXPECT_LT(row.h, row.h_max) << row.candidate.words();
+    EXPECT_NEAR(row.h_max_observed / row.h_max, 1, 0.1) << row.candidate.words();
+    EXPECT_FALSE(holds(row.candidate, motion, reference, 1.15 * row.h_max)) << row.candidate.words();
+  }
+}
+
+TEST(Advise, NamesWhatBindsTheStep) {
+  // So stiff that symplectic Euler takes several steps a frame.
+  const Problem problem = cube("press", {{"E", 1e5}});
+  const Advice advice = advise(problem, question(100, {"symplectic_euler"}, problem));
+  ASSERT_EQ(advice.rows.size(), 1U);
+  const AdviceRow& row = advice.rows.front();
+  EXPECT_GT(row.steps_per_frame, 1);
+  EXPECT_EQ(row.bound, AdviceBound::stability);
+  EXPECT_NEAR(row.stiffening, std::pow(row.h_max / row.h, 2), 1e-9);
+  EXPECT_LT(row.h, 0.96 * row.h_max);
+}
+
+TEST(Advise, FindsNothingWhereNothingIsFastEnough) {
+  const Problem problem = cube("press");
+  AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  asked.budget = 1e-8;
+  const Advice advice = advise(problem, asked);
+  EXPECT_EQ(advice.recommended(), nullptr);
+  for (const AdviceRow& row : advice.rows) EXPECT_EQ(row.verdict, AdviceVerdict::too_slow);
+}
+
+TEST(Advise, KnowsOscillators) {
+  const Problem problem = make_problem("liver_forced");
+  const Advice advice = advise(problem, question(50, {"rk4", "implicit_euler"}, problem));
+  ASSERT_NE(advice.recommended(), nullptr);
+  EXPECT_EQ(advice.recommended()->candidate.method.id, "rk4");
+}
+
+TEST(FrameTimes, AreOrderStatistics) {
+  std::vector<double> frames;
+  for (int i = 1; i <= 200; ++i) frames.push_back(i);
+  const FrameTimes times = frame_times(frames);
+  EXPECT_EQ(times.p50, 100);
+  EXPECT_EQ(times.p99, 198);
+  EXPECT_EQ(times.max, 200);
+  EXPECT_TRUE(std::isnan(frame_times({}).p50));
+}
+
+}  // namespace
+}  // namespace hmax
