@@ -110,14 +110,14 @@ void check_accuracy(const CheckOptions& options, Console& console) {
 void add_check(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
       app, console, "check",
-      "Run the accuracy suite and compare errors and work with the baseline; exit 1 when any moved",
+      "Run the accuracy suite and compare it with the baseline; exit 1 when a row changed",
       {"hmax check", "hmax check --methods rk4,ode45 --json", "hmax check --update --baseline mine.csv"});
   auto options = std::make_shared<CheckOptions>();
-  command.add_flag("--update", options->update, "Write the baseline anew and show what moved");
+  command.add_flag("--update", options->update, "Rewrite the baseline and show the changes");
   command.add_option("--methods", options->methods, "Only these ids, aliases or families")->type_name("A,B");
   command
       .add_option("--baseline", options->baseline,
-                  "The baseline; results/baseline/accuracy.csv of the source folder by default")
+                  "File of the baseline; results/baseline/accuracy.csv of the source folder by default")
       ->type_name("FILE");
   add_force(command);
   command.callback([options, &console] { check_accuracy(*options, console); });

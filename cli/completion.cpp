@@ -158,9 +158,8 @@ std::string fish(const CLI::App& app) {
 }  // namespace
 
 void add_completion(CLI::App& app, Console& console) {
-  CLI::App& command =
-      add_command(app, console, "completion", "Print what a shell needs to complete command lines",
-                  {"hmax completion bash", "hmax completion zsh", "hmax completion fish"});
+  CLI::App& command = add_command(app, console, "completion", "Print the completion script of a shell",
+                                  {"hmax completion bash", "hmax completion zsh", "hmax completion fish"});
   auto shell = std::make_shared<std::string>();
   command.add_option("shell", *shell, fmt::format("One of {}", fmt::join(shells, ", ")))
       ->required()

@@ -106,8 +106,9 @@ std::string machine_for_people() {
 }  // namespace
 
 void add_doctor(CLI::App& app, Console& console) {
-  CLI::App& doctor = add_command(app, console, "doctor",
-                                 "Say what this build has, what it lacks and how to add it", {"hmax doctor"});
+  CLI::App& doctor =
+      add_command(app, console, "doctor",
+                  "Show the optional parts of this build, and how to add missing ones", {"hmax doctor"});
   doctor.callback([&console] {
     if (console.json) return console.print_json(report());
     console.print(parts_for_people(console));

@@ -51,7 +51,7 @@ void list_problems(Console& console) {
   }
   if (console.json) return console.print_json(document);
   console.print(table.text(console));
-  console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/reference/cli.md.\n");
+  console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/howto/own_model.md.\n");
 }
 
 void list_methods(Console& console) {
@@ -91,7 +91,7 @@ void list_methods(Console& console) {
       "references.bib.\n");
   for (const Method& method : methods())
     if (!method.note.empty()) console.print(fmt::format("{}: {}\n", method.id, method.note));
-  console.print("A method of your own: --tableau FILE.toml, see docs/reference/cli.md.\n");
+  console.print("A method of your own: --tableau FILE.toml, see docs/howto/own_method.md.\n");
 }
 
 void list_models(Console& console) {
@@ -141,7 +141,7 @@ void list_materials(Console& console) {
 
 void add_list(CLI::App& app, Console& console) {
   CLI::App& command =
-      add_command(app, console, "list", "Show the methods, problems, mesh models or materials",
+      add_command(app, console, "list", "List the methods, problems, mesh models or materials",
                   {"hmax list methods", "hmax list problems --json", "hmax list materials"});
   auto what = std::make_shared<std::string>();
   command.add_option("what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")))->type_name("");

@@ -225,7 +225,7 @@ void precision(const PrecisionOptions& options, Console& console) {
 void add_precision(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
       app, console, "precision",
-      "Compare methods by what an error costs: CPU time and evaluations of f; on liver_forced by default",
+      "Draw a work-precision diagram: CPU time and evaluations of f over the error; on liver_forced by default",
       {"hmax precision --problem liver_forced --methods ode45,dop_853 --rtol 1e-4,1e-8",
        "hmax precision --mesh phantom --methods rk4,newmark --h 1e-3,5e-4 --t-end 0.05",
        "hmax precision --problem liver_forced --methods explicit_runge_kutta --output "
@@ -238,19 +238,19 @@ void add_precision(CLI::App& app, Console& console) {
   text("--methods,--method", options->methods, "Ids, aliases or families of `hmax list methods`, or all",
        "A,B");
   text("--rtol", options->rtol, "Tolerances of adaptive methods; 1e-3 to 1e-12 by default", "NUMBERS");
-  text("--h", options->h, "Steps of methods without error estimate [s]; from 1/32 of the run down by default",
-       "NUMBERS");
+  text("--h", options->h,
+       "Step sizes of methods without error estimate [s]; 1/32 of the run and smaller by default", "NUMBERS");
   add_number(command, "--atol-over-rtol", options->atol_over_rtol,
              "Absolute over relative tolerance; 1 by default");
-  text("--error", options->error,
-       "Which error is shown: end, by default of stiff problems; max, the largest at any accepted step; l2, "
-       "the root mean square over time",
-       "NAME");
-  add_number(command, "--budget", options->budget,
-             "CPU time of a run [s] after which it is given up; 0.5 by default");
+  text(
+      "--error", options->error,
+      "Error: end, at the end; max, the largest at any accepted step; l2, the root mean square over time; end for "
+      "stiff problems, else max, by default",
+      "NAME");
+  add_number(command, "--budget", options->budget, "CPU time limit of a run [s]; 0.5 by default");
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");
+  text("--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
   text("--store", options->store, "Keep the rows in this store, a file that ends in .sqlite", "FILE");
   text("--output", options->output, "Draw the figure precision.svg, .png and .pdf into this folder",
        "FOLDER");

@@ -561,40 +561,38 @@ void add_run(CLI::App& app, Console& console) {
   auto options = std::make_shared<RunOptions>();
   options->problem.add_to(command);
   options->method.add_to(command);
-  add_number(command, "--h", options->h, "Fixed step [s]");
+  add_number(command, "--h", options->h, "Fixed step size [s]");
   add_number(command, "--rtol", options->rtol, "Relative tolerance of an adaptive run, which needs --atol too; no default");
   add_number(command, "--atol", options->atol, "Absolute tolerance of an adaptive run, which needs --rtol too; no default");
   add_control(command, options->control);
   command
       .add_option(
           "--jacobian", options->jacobian,
-          "When an implicit method takes a new Jacobian: auto (default), exact, every:K steps or frozen")
+          "When an implicit method updates its Jacobian: auto, exact, every:K steps or frozen; auto by default")
       ->type_name("POLICY");
   command
       .add_option("--linear", options->linear,
-                  "How implicit methods solve the equations of sparse mechanical systems: auto (default), "
-                  "direct, cg, cg:TOLERANCE or cg:TOLERANCE,ITERATIONS")
+                  "Linear solver of implicit methods on sparse mechanical systems: auto, direct, cg, "
+                  "cg:TOLERANCE or cg:TOLERANCE,ITERATIONS; auto by default")
       ->type_name("SOLVER");
-  add_number(
-      command, "--newton-tolerance", options->newton_tolerance,
-      "Largest error that Newton's method leaves at fixed steps, relative to the largest number of the "
-      "state; by default what rounding of the forces leaves");
+  add_number(command, "--newton-tolerance", options->newton_tolerance,
+             "Error tolerance of Newton's method at fixed steps, relative to the largest number of the "
+             "state; the rounding error of the forces by default");
   command
       .add_option("--newton-iterations", options->newton_iterations,
-                  "Limit of Newton's method for each stage; the method's own by default")
+                  "Limit of Newton's method for each stage; 50, adaptive 7 by default")
       ->type_name("NUMBER");
-  command.add_flag("--full", options->full,
-                   "With --json and a mesh: the whole end state, not its largest displacement alone");
-  options->picture.add_to(command, "With a mesh: draw the body where the run ends");
+  command.add_flag("--full", options->full, "With --json and a mesh: print the whole end state");
+  options->picture.add_to(command, "With a mesh: draw the body at the end of the run");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   command
       .add_option("--output", options->output,
-                  "Write the motion to a CSV file, outside the clock; of a body to FILE.pvd for ParaView")
+                  "Write the motion to a CSV file, or of a body to FILE.pvd for ParaView")
       ->type_name("FILE");
-  add_number(command, "--every", options->every, "Interval of the written points [s]; each step without it");
+  add_number(command, "--every", options->every, "Interval of the written points [s]; every step by default");
   command
       .add_option("--max-steps", options->max_steps,
-                  "Steps allowed; by default 1e9 fixed ones or 2e7 attempted adaptive ones")
+                  "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default")
       ->type_name("NUMBER");
   add_force(command);
   command.callback([options, &console] { run(*options, console); });

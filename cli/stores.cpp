@@ -206,12 +206,12 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
 }  // namespace
 
 void add_export(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(app, console, "export", "Write the rows of a store for other programs",
+  CLI::App& command = add_command(app, console, "export", "Export the rows of a store",
                                   {"hmax export study --format csv --output study.csv",
                                    "hmax export livers --of limits --format csv",
                                    "hmax export results/runs/study.sqlite --format gbench"});
   auto options = std::make_shared<ExportOptions>();
-  command.add_option("store", options->store, "Its file, or its name under results/runs")
+  command.add_option("store", options->store, "File of the store, or its name under results/runs")
       ->required()
       ->type_name("");
   std::string formats;
@@ -225,27 +225,29 @@ void add_export(CLI::App& app, Console& console) {
                   "runs, which `hmax sweep` measured; limits, which `hmax stability predict --out` computed; runs "
                   "by default")
       ->type_name("NAME");
-  command.add_option("--output", options->output, "Write to a file instead of standard output")
+  command.add_option("--output", options->output, "File to write; standard output by default")
       ->type_name("FILE");
   add_force(command);
   command.callback([options, &console] { export_rows(*options, console); });
 }
 
 void add_compare(CLI::App& app, Console& console) {
-  CLI::App& command =
-      add_command(app, console, "compare",
-                  "Say which differences between two stores are outside the noise; exit 1 if any",
-                  {"hmax compare before after", "hmax compare before.sqlite after.sqlite --json"});
+  CLI::App& command = add_command(
+      app, console, "compare",
+      "Find the differences between two stores that are larger than the noise; exit 1 if there are any",
+      {"hmax compare before after", "hmax compare before.sqlite after.sqlite --json"});
   struct Options {
     std::string a, b;
     bool all = false;
   };
   auto options = std::make_shared<Options>();
-  command.add_option("A", options->a, "The store to compare with: its file, or its name under results/runs")
+  command.add_option("A", options->a, "Store to compare with: its file, or its name under results/runs")
       ->required()
       ->type_name("");
-  command.add_option("B", options->b, "The store that is judged")->required()->type_name("");
-  command.add_flag("--all", options->all, "Also show the rows that are the same");
+  command.add_option("B", options->b, "Store that is compared: its file, or its name under results/runs")
+      ->required()
+      ->type_name("");
+  command.add_flag("--all", options->all, "Also show the rows without a difference");
   command.callback([options, &console] { compare_stores(options->a, options->b, options->all, console); });
 }
 

@@ -273,23 +273,23 @@ void add_sweep(CLI::App& app, Console& console) {
   text("--methods,--method", options->methods,
        "Ids, aliases or families of `hmax list methods`, or all; those of the study by default", "A,B");
   text("--tableau", options->tableaux, "Files with explicit tableaux of your own", "A,B");
-  text("--h", options->h, "Steps [s]; the nine of the study by default", "NUMBERS");
-  text("--readings", options->readings, "What a step means: fixed, sampled or both (default)", "A,B");
+  text("--h", options->h, "Step sizes [s]; the nine of the study by default", "NUMBERS");
+  text("--readings", options->readings, "What a step means: fixed, sampled or both; both by default", "A,B");
   command.add_flag("--fixed", options->fixed, "Integrate with steps of h");
   command.add_flag("--sampled", options->sampled,
                    "Step adaptively and output every h, as MATLAB does for 0:h:T");
-  text("--rtol", options->rtol, "Tolerance of --sampled (1e-6); without steps the tolerances to sweep",
-       "NUMBERS");
-  add_number(command, "--atol", options->atol,
-             "Absolute tolerance; equal to --rtol by default");
+  text("--rtol", options->rtol,
+       "Tolerance of --sampled, or without --h the tolerances to sweep; 1e-6 by default", "NUMBERS");
+  add_number(command, "--atol", options->atol, "Absolute tolerance; equal to --rtol by default");
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  text("--repeats", options->repeats, "Timed repetitions, at least 9 (default)", "NUMBER");
+  text("--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
   text("--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
-  text("--out", options->out, "Name of the store under results/runs/, or a file that ends in .sqlite",
-       "NAME");
-  command.add_flag("--resume", options->resume,
-                   "Continue an interrupted sweep: measure what is not there yet");
+  text(
+      "--out", options->out,
+      "Name of the store under results/runs/, or a file that ends in .sqlite; sweep, or that of FILE.toml, by default",
+      "NAME");
+  command.add_flag("--resume", options->resume, "Continue an interrupted sweep: measure the missing rows");
   command.add_flag("--publish", options->publish,
                    "Mark the store as fit to publish; refused for debug builds");
   command.callback([options, &console] { sweep(*options, console); });

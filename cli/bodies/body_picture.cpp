@@ -143,12 +143,12 @@ void PictureChoice::add_to(CLI::App& command, const std::string& description, bo
   command.add_option("--picture", file, description)->type_name("FILE.svg");
   if (of_body)
     command
-        .add_option("--colour", colour,
-                    "What the colours of the picture show: displacement (default) or energy_density")
+        .add_option(
+            "--colour", colour,
+            "Coloured quantity of the picture: displacement or energy_density; displacement by default")
         ->type_name("NAME");
   command
-      .add_option("--from", from,
-                  "Where the picture is looked at from, as a direction; 0.45,-1,0.5 by default, z is up")
+      .add_option("--from", from, "Direction from which the picture looks, z is up; 0.45,-1,0.5 by default")
       ->type_name("X,Y,Z");
 }
 

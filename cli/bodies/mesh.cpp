@@ -423,7 +423,7 @@ void add_unit(CLI::App& command, MeshCommand& options) {
 }
 
 void add_mesh(CLI::App& app, Console& console) {
-  CLI::App& group = *app.add_subcommand("mesh", "Look at tetrahedral meshes, check, make and convert them");
+  CLI::App& group = *app.add_subcommand("mesh", "Inspect, check, make and convert tetrahedral meshes");
   group.require_subcommand(1);
 
   auto options = std::make_shared<MeshCommand>();
@@ -438,13 +438,12 @@ void add_mesh(CLI::App& app, Console& console) {
   info_command.callback(with_sentences(info, options, console));
 
   CLI::App& check_command =
-      add_command(group, console, "check",
-                  "Name what keeps models from using a mesh, and slivers; exit 1 if there is any",
+      add_command(group, console, "check", "Find defects and slivers of a mesh; exit 1 if there are any",
                   {"hmax mesh check liver", "hmax mesh check phantom --slivers 20"});
   add_mesh_argument(check_command, *options);
   check_command
       .add_option("--slivers", options->slivers,
-                  "Dihedral angle below which a tetrahedron is one; 5 by default")
+                  "Dihedral angle below which a tetrahedron is a sliver [degrees]; 5 by default")
       ->type_name("DEGREES");
   add_unit(check_command, *options);
   add_support(check_command, options->supports);

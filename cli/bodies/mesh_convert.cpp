@@ -157,31 +157,32 @@ void add_output(CLI::App& command, MeshCommand& options) {
 
 void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& options, Console& console) {
   CLI::App& make_command = add_command(
-      group, console, "make", "Write a mesh that has a name",
+      group, console, "make", "Write a named mesh to a file",
       {"hmax mesh make ball:n=6,radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"});
   add_mesh_argument(make_command, *options);
   add_output(make_command, *options);
   make_command.callback(with_sentences(make, options, console));
 
   CLI::App& refine_command =
-      add_command(group, console, "refine", "Cut each tetrahedron into eight, again and again",
+      add_command(group, console, "refine", "Refine a mesh: cut each tetrahedron into eight",
                   {"hmax mesh refine liver --times 2 --output fine.vtu"});
   add_mesh_argument(refine_command, *options);
-  refine_command.add_option("--times", options->times, "How often; 1 by default")->type_name("NUMBER");
+  refine_command.add_option("--times", options->times, "Number of refinements; 1 by default")
+      ->type_name("NUMBER");
   add_unit(refine_command, *options);
   add_output(refine_command, *options);
   refine_command.callback(with_sentences(refine, options, console));
 
   CLI::App& convert_command = add_command(
-      group, console, "convert", "Write a mesh in another form: Gmsh, ParaView, or a scene of SOFA",
+      group, console, "convert", "Convert a mesh to Gmsh, ParaView, or a scene of SOFA",
       {"hmax mesh convert phantom phantom.vtu",
        "hmax mesh convert liver liver.scn --material liver:male_normal --gravity 0,0,-9.81 --h 0.01",
        "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber"});
   add_mesh_argument(convert_command, *options);
   convert_command.add_option("output", options->output, "File to write: .msh, .vtu or .scn")->required();
   add_unit(convert_command, *options);
-  convert_command.add_flag("--fix", options->fix, "Turn inverted tetrahedra");
-  convert_command.add_flag("--renumber", options->renumber, "Number neighbours near each other");
+  convert_command.add_flag("--fix", options->fix, "Reorient inverted tetrahedra");
+  convert_command.add_flag("--renumber", options->renumber, "Renumber points and tetrahedra, so that neighbours have similar numbers");
   convert_command.add_option("--model", options->model, "Model of a scene; fem_corotational by default")
       ->type_name("ID");
   convert_command.add_option("--material", options->material, "Tissue of a scene, like liver:male_normal")
@@ -193,7 +194,7 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
       ->take_all()
       ->allow_extra_args(false);
   add_support(convert_command, options->supports);
-  add_number(convert_command, "--h", options->h, "Step of a scene [s]; 0.01 by default");
+  add_number(convert_command, "--h", options->h, "Step size of a scene [s]; 0.01 by default");
   add_force(convert_command);
   convert_command.callback(with_sentences(convert, options, console));
 }

@@ -414,7 +414,7 @@ void solve(const StaticOptions& options, Console& console) {
 
 void add_static(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
-      app, console, "static", "Where a body on a mesh comes to rest under a load, and how fast it is found",
+      app, console, "static", "Solve for the static equilibrium of a body on a mesh under a load",
       {"hmax static --mesh liver --model fem_green --material liver:male_normal --load gravity",
        "hmax static --mesh phantom --load press --load-scale 0.5 --solver modified_newton --linear sor",
        "hmax static --mesh liver --load press --set force=0.5 --picture results/runs/pressed_liver.svg",
@@ -424,28 +424,30 @@ void add_static(CLI::App& app, Console& console) {
   options->problem.add_to(command);
   const auto text = [&](const std::string& name, std::string& into, const std::string& about,
                         const std::string& type) { command.add_option(name, into, about)->type_name(type); };
-  add_number(command, "--load-scale", options->load_scale, "Multiplies the load; 1 by default");
-  text("--solver", options->solver, "newton (default), modified_newton or linear", "NAME");
-  text("--linear", options->linear, "How linear systems are solved: direct (default), sor or cg", "NAME");
+  add_number(command, "--load-scale", options->load_scale, "Factor of the load; 1 by default");
+  text("--solver", options->solver, "Solver: newton, modified_newton or linear; newton by default", "NAME");
+  text("--linear", options->linear, "Linear solver: direct, sor or cg; direct by default", "NAME");
   text("--load-steps", options->load_steps,
-       "Bring the load on in so many steps; by default one, then ten, and twenty along the path of a tool",
+       "Number of load steps; 1, then 10, or 20 along the path of a tool, by default", "NUMBER");
+  text("--iterations", options->iterations, "Limit of iterations in each load step; 1000 by default",
        "NUMBER");
-  text("--iterations", options->iterations, "At most, in each load step; 1000 by default", "NUMBER");
   add_number(command, "--tolerance", options->tolerance,
-             "Residual beside the load at which an equilibrium counts as found; 1e-9 by default");
+             "Tolerance of the residual, relative to the load; 1e-9 by default");
   add_number(command, "--linear-tolerance", options->inner_tolerance,
-             "The same of sor and cg; by default what Newton's method needs, else 1e-4");
-  add_number(command, "--relaxation", options->relaxation,
-             "Of sor, between 0 and 2; 1.5 by default, with --compare the best for the stiffness at rest");
-  command.add_flag("--no-line-search", options->no_line_search, "Take every step whole");
-  text("--pseudo-dynamic", options->per_frame,
-       "Bring the load on frame by frame, each with so many iterations, and show the error of the frames",
-       "NUMBER");
-  text("--frames", options->frames, "How many frames; 100 by default", "NUMBER");
+             "Tolerance of sor and cg; as Newton's method needs, in modified Newton 1e-4, by default");
+  add_number(
+      command, "--relaxation", options->relaxation,
+      "Relaxation factor of sor, between 0 and 2; 1.5, with --compare the best for the stiffness at rest, by default");
+  command.add_flag("--no-line-search", options->no_line_search, "Newton's method without line search");
+  text(
+      "--pseudo-dynamic", options->per_frame,
+      "Increase the load frame by frame with this number of iterations in each, and show the error of the frames",
+      "NUMBER");
+  text("--frames", options->frames, "Number of frames; 100 by default", "NUMBER");
   text("--output", options->output, "Write the history of residuals to a CSV file", "FILE");
   text("--compare", options->compare,
        "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
-  options->picture.add_to(command, "Draw the body in equilibrium before its shape at rest");
+  options->picture.add_to(command, "Draw the body in equilibrium and at rest");
   add_force(command);
   add_figure_style(command);
   command.callback([options, &console] { solve(*options, console); });

@@ -343,8 +343,7 @@ void deliver(const Figure& figure, const PhaseOptions& options, Json& document, 
 
 void add_phase(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
-      app, console, "phase",
-      "Show what a problem of two states does: where it rests, and what a method makes of it",
+      app, console, "phase", "Show the phase plane of a problem of two states, and that of a method on it",
       {"hmax phase --problem liver_cubic --set c=-0.2",
        ("hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 "
         "--output results/runs/phase"),
@@ -359,39 +358,41 @@ void add_phase(CLI::App& app, Console& console) {
   auto options = std::make_shared<PhaseOptions>();
   options->problem.add_to(command);
   options->method.add_to(command);
-  add_number(command, "--h", options->h, "Step of the method, whose map of the plane is looked at [s]");
+  add_number(command, "--h", options->h, "Step size of the method, whose map of the plane is analysed [s]");
   command
-      .add_option("--window", options->window,
-                  "The part of the plane, with --poincare the one searched for motions of one period; by "
-                  "default what the motion from y0 covers")
+      .add_option(
+          "--window", options->window,
+          "Part of the plane, with --poincare the part searched for motions of one period; the range of "
+          "the motion from y0 by default")
       ->type_name("XMIN,XMAX,VMIN,VMAX");
-  add_number(command, "--at", options->at, "Instant at which a driven problem is frozen [s]; 0 by default");
+  add_number(command, "--at", options->at,
+             "Time at which the field of a driven problem is shown [s]; 0 by default");
   command.add_flag("--basins", options->basins,
-                   fmt::format("Show which place of rest each start in the window leads to, at {}",
+                   fmt::format("Show the basins of attraction of the stable equilibria, at {}",
                                in_words(basin_tolerances)));
-  command.add_option("--cells", options->cells, "Starts in a row of the window; 120 by default")
+  command.add_option("--cells", options->cells, "Columns of the grid of initial states; 120 by default")
       ->type_name("NUMBER");
   command.add_flag("--poincare", options->poincare,
-                   fmt::format("Show the state once in each period of the force, at {}",
+                   fmt::format("Show the Poincare section: the state once in each period of the force, at {}",
                                in_words(stroboscope_tolerances)));
   command
       .add_option("--bifurcation", options->bifurcation,
-                  "Show the same over this parameter, from --from to --to")
+                  "Show the bifurcation diagram over this parameter, from --from to --to")
       ->type_name("NAME");
   add_number(command, "--from", options->from, "First value of the parameter");
   add_number(command, "--to", options->to, "Last value of the parameter");
-  command.add_option("--points", options->points, "Values of the parameter; 200 by default")
+  command.add_option("--points", options->points, "Number of values of the parameter; 200 by default")
       ->type_name("NUMBER");
   command.add_flag("--follow", options->follow,
-                   "Each value starts where the one before has ended, instead of at y0");
+                   "Start each value at the end of the previous one, instead of at y0");
   command
       .add_option("--periods", options->periods,
-                  "Periods that are seen; by default 2000, or 64 for each value of a parameter")
+                  "Recorded periods; 2000, with --bifurcation 64 for each value, by default")
       ->type_name("NUMBER");
-  command.add_option("--skip", options->skip, "Periods that pass unseen before them; 200 by default")
+  command.add_option("--skip", options->skip, "Discarded periods before them; 200 by default")
       ->type_name("NUMBER");
   add_number(command, "--period", options->period,
-             "Period of the force [s], where it is not that of the oscillator");
+             "Period of the force [s]; that of the oscillator by default");
   command
       .add_option("--output", options->output,
                   fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",

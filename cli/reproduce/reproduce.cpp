@@ -187,10 +187,10 @@ void oscillator_study(const std::filesystem::path& output, Console& console) {
 
 void add_oscillator_study(CLI::App& reproduce, Console& console) {
   CLI::App& oscillators = add_command(reproduce, console, "oscillators",
-                                      "Every figure and table of the liver oscillator study, in one folder",
+                                      "Reproduce every figure and table of the liver oscillator study",
                                       {"hmax reproduce oscillators --output results/runs/oscillators"});
   auto folder = std::make_shared<std::string>("results/runs/oscillators");
-  oscillators.add_option("--output", *folder, "Folder of the report and of the stores it is drawn from")
+  oscillators.add_option("--output", *folder, "Folder of the report and of its stores")
       ->capture_default_str();
   oscillators.footer(oscillators.get_footer() +
                      "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
@@ -202,7 +202,7 @@ void add_oscillator_study(CLI::App& reproduce, Console& console) {
 void add_stability_study(CLI::App& reproduce, Console& console) {
   CLI::App& stability =
       add_command(reproduce, console, "stability",
-                  "The step limits of every method on every model of the study, predicted and observed",
+                  "Predict and observe the step limits of every method on every model of the study",
                   {"hmax reproduce stability --output results/runs/stability"});
   auto folder = std::make_shared<std::string>("results/runs/stability");
   stability.add_option("--output", *folder, "Folder of the report")->capture_default_str();
@@ -213,19 +213,16 @@ void add_stability_study(CLI::App& reproduce, Console& console) {
 }
 
 void add_tissue_study(CLI::App& reproduce, Console& console) {
-  CLI::App& tissue = add_command(
-      reproduce, console, "tissue",
-      "Springs and finite elements on the phantom and the liver: pictures, solvers, costs, modes, a tool, limits of "
-      "the step",
-      {"hmax reproduce tissue --output results/runs/tissue"});
+  CLI::App& tissue = add_command(reproduce, console, "tissue",
+                                 "Compare springs with finite elements on the phantom and the liver",
+                                 {"hmax reproduce tissue --output results/runs/tissue"});
   auto folder = std::make_shared<std::string>("results/runs/tissue");
   tissue.add_option("--output", *folder, "Folder of the report")->capture_default_str();
   auto options = std::make_shared<TissueOptions>();
-  tissue.add_flag(
-      "--quick", options->quick,
-      "Limits of the step on the phantom instead of the liver and at a few points: a page in seconds");
+  tissue.add_flag("--quick", options->quick,
+                  "Step limits on the phantom instead of the liver and at a few points; takes seconds");
   tissue.add_flag("--scale", options->scale,
-                  "Also what meshes of a thousand to a million tetrahedra cost: some minutes and gigabytes");
+                  "Also costs of meshes of a thousand to a million tetrahedra; takes minutes and gigabytes");
   add_force(tissue);
   add_figure_style(tissue);
   tissue.callback([&console, folder, options] { tissue_study(*folder, *options, console); });
@@ -235,7 +232,7 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
 
 void add_reproduce(CLI::App& app, Console& console) {
   CLI::App& reproduce =
-      add_command(app, console, "reproduce", "Do a published study again, figure by figure",
+      add_command(app, console, "reproduce", "Reproduce a published study",
                   {"hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
   reproduce.require_subcommand(1);
   add_oscillator_study(reproduce, console);

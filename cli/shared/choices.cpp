@@ -20,7 +20,7 @@ void add_support(CLI::App& command, std::vector<std::string>& sets) {
   command
       .add_option(
           "--support", sets,
-          "Of a mesh: points that are held instead of one end: the NAME of a group or region of the file, "
+          "Points of a mesh that are fixed, instead of one end: the NAME of a group or region of the file, "
           "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
           "may be repeated")
       ->type_name("SET")
@@ -33,29 +33,30 @@ void MeshOptions::add_to(CLI::App& command) {
       .add_option("--mesh", mesh,
                   "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file")
       ->type_name("NAME");
-  command.add_option("--unit", unit, "Of a mesh file: m, cm, mm or a number of metres")->type_name("UNIT");
+  command.add_option("--unit", unit, "Unit of a mesh file: m, cm, mm or a number of metres")
+      ->type_name("UNIT");
   command
       .add_option("--model", model,
-                  fmt::format("Of what the mesh is made: {}; {} by default",
-                              fmt::join(tissue_model_ids(), ", "), tissue_models().front().id))
+                  fmt::format("Model of the body: {}; {} by default", fmt::join(tissue_model_ids(), ", "),
+                              tissue_models().front().id))
       ->type_name("ID");
   command
       .add_option("--load", load,
-                  fmt::format("What moves the tissue: {}; {} by default", fmt::join(tissue_loads(), ", "),
+                  fmt::format("Load on the body: {}; {} by default", fmt::join(tissue_loads(), ", "),
                               tissue_loads().front()))
       ->type_name("ID");
   command
       .add_option("--gravity", gravity,
-                  "Of a mesh: gravity [m/s2], like 0,-9.81,0; short for --set gx, gy, gz")
+                  "Gravity on a mesh [m/s2], like 0,-9.81,0; short for --set gx, gy, gz")
       ->type_name("X,Y,Z");
   add_support(command, supports);
   command
       .add_option("--tool-at", tool_at,
-                  "Of --load tool: where its front starts [m]; short for --set tool_x, tool_y, tool_z")
+                  "Start of the tip of --load tool [m]; short for --set tool_x, tool_y, tool_z")
       ->type_name("X,Y,Z");
   command
       .add_option("--tool-direction", tool_direction,
-                  "Of --load tool: where it moves to, like 0,-1,0; short for --set tool_dx, tool_dy, tool_dz")
+                  "Direction of --load tool, like 0,-1,0; short for --set tool_dx, tool_dy, tool_dz")
       ->type_name("X,Y,Z");
 }
 
@@ -166,8 +167,8 @@ nlohmann::ordered_json to_json(const Tolerances<double>& tolerances) {
 void add_control(CLI::App& command, std::string& control) {
   command
       .add_option("--control", control,
-                  fmt::format("How adaptive steps are steered: {}; {} by default",
-                              fmt::join(controller_names, ", "), to_string(RunSpec{}.control)))
+                  fmt::format("Step size control: {}; {} by default", fmt::join(controller_names, ", "),
+                              to_string(RunSpec{}.control)))
       ->type_name("NAME");
 }
 

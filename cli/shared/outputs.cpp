@@ -30,7 +30,7 @@ void add_jobs(CLI::App& command) {
               throw InputError(fmt::format("--jobs is {}; give a number of threads up to {}", threads, most));
             set_jobs(static_cast<std::size_t>(threads));
           },
-          "Threads; by default as many as there are cores. Results do not depend on it")
+          "Number of threads, without influence on results; the number of cores by default")
       ->type_name("NUMBER");
 }
 
@@ -43,7 +43,7 @@ void add_figure_style(CLI::App& command) {
             set_figure_style(parse_choice("--style", name, styles) == styles[1] ? FigureStyle::slide
                                                                                 : FigureStyle::page);
           },
-          "Figures for a page (default) or, with larger text, for a slide")
+          "Text size of figures: page or slide; page by default")
       ->type_name("NAME");
 }
 

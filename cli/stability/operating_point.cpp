@@ -21,8 +21,8 @@ constexpr std::array<std::string_view, 2> words{"equilibrium", "rest"};
 void OperatingPointChoice::add_to(CLI::App& command) {
   command
       .add_option("--at", at,
-                  "State of a body on a mesh: equilibrium, under its load, by default; rest, without "
-                  "displacement, needs no static solution")
+                  "Operating point of a body on a mesh: equilibrium under its load, or rest, without "
+                  "displacement; equilibrium by default")
       ->type_name("rest|equilibrium");
 }
 

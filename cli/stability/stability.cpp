@@ -197,28 +197,27 @@ Json number_or_word(double value) {
 }
 
 void add_stability(CLI::App& app, Console& console) {
-  CLI::App& stability = *app.add_subcommand("stability", "Say how large a step is stable, and prove it");
+  CLI::App& stability = *app.add_subcommand("stability", "Predict the largest stable step, and verify it");
   stability.require_subcommand(1);
   const std::string formulas = "Ids, aliases or families of `hmax list methods`, all, or " +
                                fmt::format("{}", fmt::join(formula_patterns(), ", "));
 
-  CLI::App& limits_command = add_command(stability, console, "limits",
-                                         "The stable interval of each axis, A(alpha), A- and L-stability",
-                                         {"hmax stability limits --method rk4",
-                                          "hmax stability limits --method bdf_3,adams_pece:order=4 --json"});
+  CLI::App& limits_command = add_command(
+      stability, console, "limits", "Show the stable intervals of the axes, A(alpha), A- and L-stability",
+      {"hmax stability limits --method rk4",
+       "hmax stability limits --method bdf_3,adams_pece:order=4 --json"});
   const auto methods = std::make_shared<MethodsChoice>();
   methods->add_to(limits_command, formulas);
   limits_command.callback([methods, &console] { limits(*methods, console); });
 
   add_stability_region(stability, console, formulas);
 
-  CLI::App& damping_command =
-      add_command(stability, console, "numerical-damping",
-                  "The damping and the change of period that a method adds to a mode",
-                  {"hmax stability numerical-damping --method implicit_euler --h 0.01 --frequency 8"});
+  CLI::App& damping_command = add_command(
+      stability, console, "numerical-damping", "Show the numerical damping and the period error of a method",
+      {"hmax stability numerical-damping --method implicit_euler --h 0.01 --frequency 8"});
   const auto damping = std::make_shared<DampingOptions>();
   damping->methods.add_to(damping_command, formulas);
-  add_number(damping_command, "--h", damping->h, "The step [s]");
+  add_number(damping_command, "--h", damping->h, "Step size [s]");
   add_number(damping_command, "--frequency", damping->frequency, "Undamped frequency of the mode [Hz]");
   add_number(damping_command, "--zeta", damping->zeta, "Damping ratio of the mode; 0 by default");
   damping_command.callback([damping, &console] { numerical_damping(*damping, console); });

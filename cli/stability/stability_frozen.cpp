@@ -94,8 +94,7 @@ void frozen(const FrozenOptions& options, Console& console) {
 
 void add_stability_frozen(CLI::App& stability, Console& console) {
   CLI::App& command = add_command(
-      stability, console, "frozen",
-      "How much stiffening an old Jacobian stands, as simulators that factor once have it",
+      stability, console, "frozen", "Show the stiffening up to which a method with an old Jacobian is stable",
       {"hmax stability frozen --method linearly_implicit_euler",
        "hmax stability frozen --method linearly_implicit_euler,rosenbrock_23 --every 5 --ratios 1.5,3 --json"});
   const auto options = std::make_shared<FrozenOptions>();
@@ -104,12 +103,13 @@ void add_stability_frozen(CLI::App& stability, Console& console) {
                   "Ids of `hmax list methods`, or the family rosenbrock")
       ->type_name("A,B");
   command
-      .add_option("--ratios", options->ratios,
-                  fmt::format("True stiffness over that of the Jacobian; {} by default", options->ratios))
+      .add_option(
+          "--ratios", options->ratios,
+          fmt::format("True stiffness relative to that of the Jacobian; {} by default", options->ratios))
       ->type_name("NUMBERS");
   command
       .add_option("--every", options->every,
-                  "Also over a stretch of K steps in which the stiffness rises, with a new Jacobian after it")
+                  "Also with a Jacobian that is updated every K steps while the stiffness rises")
       ->type_name("K");
   command.callback([options, &console] { frozen(*options, console); });
 }

@@ -298,13 +298,12 @@ void gallery(const std::string& names, const std::string& output, Console& conso
 
 void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas) {
   CLI::App& command =
-      add_command(stability, console, "gallery",
-                  "A page with the region of every method, and of spectra that leave them as the step grows",
+      add_command(stability, console, "gallery", "Draw a page with the stability regions of all methods",
                   {"hmax stability gallery --methods bdf_2,newmark --output results/runs/gallery"});
   const auto methods = std::make_shared<std::string>("all");
   const auto output = std::make_shared<std::string>();
   command.add_option("--method,--methods", *methods, formulas + "; all by default")->type_name("A,B");
-  command.add_option("--output", *output, "The folder of the page and its figures")->type_name("FOLDER");
+  command.add_option("--output", *output, "Folder of the page and its figures")->type_name("FOLDER");
   add_force(command);
   add_figure_style(command);
   command.callback([methods, output, &console] { gallery(*methods, *output, console); });

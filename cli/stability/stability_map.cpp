@@ -296,8 +296,7 @@ void map(const MapOptions& options, Console& console) {
 
 void add_stability_map(CLI::App& stability, Console& console) {
   CLI::App& command = add_command(
-      stability, console, "map",
-      "The largest stable step over two parameters, or the plane of Rayleigh's damping",
+      stability, console, "map", "Map the largest stable step over two parameters, or over Rayleigh damping",
       {"hmax stability map --problem liver_linear --method rk4,newmark --x c=0:10:41 --y k1=0.1:10:31",
        "hmax stability map --problem liver_linear --method rk4 --rayleigh --x alpha=0.01:10:21 --y "
        "beta=0.01:10:21 --log-x --log-y --output results/runs/map"});
@@ -305,12 +304,14 @@ void add_stability_map(CLI::App& stability, Console& console) {
   options->problem.add_to(command);
   options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
                                        fmt::format("{}", fmt::join(formula_patterns(), ", ")));
-  command.add_option("--x", options->x, "A parameter and its values, like c=0:10:81")
+  command.add_option("--x", options->x, "Parameter of the horizontal axis and its values, like c=0:10:81")
       ->type_name("NAME=FROM:TO:COUNT");
-  command.add_option("--y", options->y, "The other one, like k1=0.1:10:61")->type_name("NAME=FROM:TO:COUNT");
-  command.add_flag("--log-x", options->log_x, "The values of x in equal ratios");
-  command.add_flag("--log-y", options->log_y, "The values of y in equal ratios");
-  command.add_flag("--rayleigh", options->rayleigh, "x is alpha [1/s], y is beta [s]: c = alpha m + beta k1");
+  command.add_option("--y", options->y, "Parameter of the vertical axis and its values, like k1=0.1:10:61")
+      ->type_name("NAME=FROM:TO:COUNT");
+  command.add_flag("--log-x", options->log_x, "Logarithmic x axis");
+  command.add_flag("--log-y", options->log_y, "Logarithmic y axis");
+  command.add_flag("--rayleigh", options->rayleigh,
+                   "Rayleigh damping c = alpha m + beta k1: x is alpha in 1/s, y is beta in s");
   command.add_option("--output", options->output, "Draw map.svg, map.png and map.pdf into this folder")
       ->type_name("FOLDER");
   add_force(command);

@@ -193,18 +193,18 @@ void modes(const ModesOptions& options, Console& console) {
 
 void add_stability_modes(CLI::App& stability, Console& console) {
   CLI::App& command =
-      add_command(stability, console, "modes",
-                  "The slowest or the fastest modes of a body on a mesh, and their shapes for ParaView",
+      add_command(stability, console, "modes", "Compute the slowest or the fastest modes of a body on a mesh",
                   {"hmax stability modes --mesh liver --material liver:male_normal --output modes.vtu",
                    "hmax stability modes --mesh phantom --model mass_spring --fastest --count 3 --json"});
   const auto options = std::make_shared<ModesOptions>();
   options->problem.add_to(command);
   options->at.add_to(command);
-  command.add_option("--count", options->count, "How many; 6 by default")->type_name("NUMBER");
-  command.add_flag("--fastest", options->fastest, "From the fast end, which limits steps");
+  command.add_option("--count", options->count, "Number of modes; 6 by default")->type_name("NUMBER");
+  command.add_flag("--fastest", options->fastest,
+                   "The fastest modes, which limit the step size, instead of the slowest");
   command
       .add_option("--output", options->output,
-                  "Write the shapes as fields of three components, each a tenth of the body at most")
+                  "Write the mode shapes for ParaView, scaled to at most a tenth of the body")
       ->type_name("FILE.vtu");
   add_force(command);
   command.callback([options, &console] { modes(*options, console); });

@@ -88,14 +88,14 @@ void PartsChoice::add_to(CLI::App& command) {
   command
       .add_option(
           "--fast", fast,
-          "Of implicit-explicit methods: the region of what is not stiff beside a stiff part with these "
+          "Of implicit-explicit methods: the region of the part that is not stiff beside a stiff part with these "
           "h lambda, like 0,-1,-10 or 5i")
       ->type_name("NUMBERS");
   command
       .add_option(
           "--ratios", ratios,
-          "Of linearly implicit methods: the region with an old Jacobian, lambda being so many times what "
-          "it says, like 1,1.5,2,4")
+          "Of linearly implicit methods: the region with an old Jacobian, for these ratios of lambda to its "
+          "value in the Jacobian, like 1,1.5,2,4")
       ->type_name("NUMBERS");
 }
 

@@ -120,7 +120,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
 void add_stability_predict(CLI::App& stability, Console& console) {
   CLI::App& command = add_command(
       stability, console, "predict",
-      "The largest stable step of methods on a model, and the mode that sets it",
+      "Predict the largest stable step of methods on a model, and the mode that limits it",
       {"hmax stability predict --problem liver_benchmark --materials all --methods rk4,ode45",
        "hmax stability predict --problem liver_benchmark --methods "
        "explicit_runge_kutta,structural --verify --json",
@@ -134,28 +134,26 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       ->type_name("A,B");
   options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
                                        fmt::format("{}", fmt::join(formula_patterns(), ", ")));
-  command.add_flag(
-      "--verify", options->verify,
-      "Integrate with the code itself on both sides of each limit; exit code 1 when one is wrong, or none "
-      "could be verified");
+  command.add_flag("--verify", options->verify,
+                   "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
+                   "could be verified");
   options->at.add_to(command);
   command
       .add_option(
           "--along", options->along,
-          "Also the least limit of the tangent, and where: along the motion from the initial state, at " +
-              in_words(motion_tolerances) +
+          "Also the smallest limit along the motion from the initial state, at " + in_words(motion_tolerances) +
               " (with --verify also the largest step that stays near it), or of a body while its load grows; "
-              "motion by default of models that are not linear and of bodies whose load changes with time, none to "
-              "leave it out")
+              "motion for nonlinear models and bodies whose load changes with time, else none, by default")
       ->type_name("motion|load|none")
       ->expected(0, 1)
       ->default_str(std::string(path_names[0]));
-  add_number(command, "--t-end", options->t_end,
-             "End of that motion [s]; by default the problem's own, and at least a period of its load");
+  add_number(
+      command, "--t-end", options->t_end,
+      "End of the motion of --along [s]; the problem's own, and at least a period of its load, by default");
   command
       .add_option("--out", options->out,
-                  "Keep the limits in this store, and look up those that it has: a file that ends in .sqlite, or a name "
-                  "under results/runs")
+                  "Store of the limits; those that it has are looked up: a file that ends in .sqlite, or a name "
+                  "under results/runs; none by default")
       ->type_name("STORE");
   add_jobs(command);
   command.callback([options, &console] { predict_rows(*options, console); });

@@ -182,7 +182,7 @@ void region(const RegionOptions& options, Console& console) {
 
 void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas) {
   CLI::App& command = add_command(
-      stability, console, "region", "The boundary of the stability region as closed curves, and its picture",
+      stability, console, "region", "Compute and draw the boundary of the stability region",
       {"hmax stability region --method dormand_prince_54",
        "hmax stability region --method rk4 --window -4,1,-4,4 --json",
        "hmax stability region --method explicit_euler,rk4,adams_bashforth_2 --output results/runs/stability",
@@ -194,21 +194,22 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
   options->parts.add_to(command);
   command
       .add_option("--window", options->window,
-                  "Part of the plane, re_from,re_to,im_from,im_to; one that fits by default")
+                  "Part of the plane, re_from,re_to,im_from,im_to; fitted to the region by default")
       ->type_name("NUMBERS");
-  command.add_option("--cells", options->cells, "Squares along the longer side of the grid; 400 by default")
+  command.add_option("--cells", options->cells, "Cells along the longer side of the grid; 400 by default")
       ->check(CLI::Range(2, 4000))
       ->type_name("NUMBER");
   command
-      .add_option("--output", options->output,
-                  "Draw into this folder, one method filled, several as outlines on equal scales; with the "
-                  "ending .csv write the points of the curves to this file")
+      .add_option(
+          "--output", options->output,
+          "Draw into this folder, one method filled, several as outlines; or write the points of the curves to "
+          "FILE.csv")
       ->type_name("FOLDER");
   command.add_flag("--per-evaluation", options->per_evaluation,
-                   "The plane divided by the evaluations of f that a step costs");
-  command.add_flag("--field", options->field, "Draw levels of the spectral radius, not the region alone");
+                   "Divide the plane by the evaluations of f of a step; explicit methods only");
+  command.add_flag("--field", options->field, "Draw also levels of the spectral radius");
   command.add_flag("--order-star", options->order_star,
-                   "Where a step amplifies more than the equation, |R(z) e^-z| > 1; one-step methods only");
+                   "Draw the order star, |R(z) e^-z| > 1; one-step methods only");
   add_force(command);
   add_figure_style(command);
   command.callback([options, &console] { region(*options, console); });
