@@ -64,7 +64,7 @@ std::string for_people(const AccuracyComparison& comparison, const Console& cons
 void check_accuracy(const CheckOptions& options, Console& console) {
   const std::filesystem::path file = baseline_file(options.baseline);
   if (options.update && !options.methods.empty())
-    throw InputError("--update writes the whole baseline anew; leave --methods out");
+    throw InputError("--update rewrites the whole baseline; remove --methods");
   std::vector<AccuracyRow> baseline;
   if (!options.update || std::filesystem::exists(file)) baseline = read_baseline(file);
 

@@ -49,14 +49,13 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
     throw InputError("--h and tolerances are both given; take --h for fixed steps, or --rtol and --atol");
   if (!options.h && !options.rtol && !options.atol)
     throw InputError(
-        "no step is given; take --h for fixed steps, `hmax stability predict` says how large they may be, or --rtol "
-        "and --atol for adaptive ones");
+        "no step is given; take --h for fixed steps, see `hmax stability predict`, or --rtol and --atol for adaptive "
+        "ones");
   if (!options.h && !(options.rtol && options.atol))
     throw InputError(fmt::format("{} is missing; an adaptive run needs both --rtol and --atol",
                                  options.rtol ? "--atol" : "--rtol"));
   if (options.h && !options.control.empty())
-    throw InputError(
-        "--control steers adaptive runs; leave it out, or give --rtol and --atol instead of --h");
+    throw InputError("--control is for adaptive runs; remove it, or give --rtol and --atol instead of --h");
   RunSpec spec{.t_end = options.t_end.value_or(problem.t_end),
                .adaptive = !options.h,
                .h = options.h.value_or(0),
@@ -436,7 +435,7 @@ double sizes_moved(const TissueBody& body, const Eigen::VectorXd& y) {
 /// Throws where an option has nothing to act on.
 void check_choices(const RunOptions& options, const Problem& problem, const Method& method, bool json) {
   if (!options.control.empty() && method.own_control)
-    throw InputError(fmt::format("{} steers its steps by rules of its own; leave --control out", method.id));
+    throw InputError(fmt::format("{} has its own step size control; remove --control", method.id));
   if (!options.jacobian.empty() && !method.needs_jacobian)
     throw InputError(fmt::format("{} uses no Jacobian; leave --jacobian out", method.id));
   if (!options.linear.empty()) {
@@ -457,9 +456,8 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
         "--newton-iterations out",
         method.id));
   if (options.full && !(json && problem.body))
-    throw InputError(fmt::format(
-        "--full puts the whole state of a body on a mesh into JSON; {}",
-        problem.body ? "add --json, or leave it out" : "others always stand there whole, leave it out"));
+    throw InputError(fmt::format("--full applies to {}; {}", problem.body ? "--json only" : "meshes only",
+                                 problem.body ? "add --json, or remove it" : "remove it"));
 }
 
 /// Throws unless the picture that is asked for can be drawn and written.
@@ -494,13 +492,13 @@ void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& re
   if (!problem.body) return;
   if (const double moved = sizes_moved(*problem.body, record.y); moved > far)
     console.remark(fmt::format(
-        "the body has moved {} times its own size; either nothing holds it, or the motion is on its way to diverge{}",
-        short_number(moved, 3),
-        spec.adaptive ? "" : " and wants a smaller --h, `hmax stability predict` says how small"));
+        "the body has moved {} times its size; add a support{}", short_number(moved, 3),
+        spec.adaptive ? ""
+                      : " or take a smaller --h, `hmax stability predict` shows the largest stable one"));
   if (const BodyEnd end = end_of(*problem.body, record.t, record.y); !(end.least_volume > 0))
     console.remark(fmt::format(
-        "tetrahedron {} has ended inside out, with {} of its volume at rest: the body cannot bear this load, or "
-        "the step is too long for it; `hmax static` tells of the load",
+        "tetrahedron {} is inverted at the end, with {} of its volume at rest; `hmax static` shows whether the load "
+        "causes this, otherwise take a smaller step",
         tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
 }
 

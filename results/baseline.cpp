@@ -35,7 +35,7 @@ AccuracyRow parse_row(const std::string& line, const std::string& where) {
   std::istringstream in(line);
   for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
   const auto broken = [&](const std::string& why) {
-    return InputError(fmt::format("{}: {}; write the file anew with `hmax check --update`", where, why));
+    return InputError(fmt::format("{}: {}; rewrite the file with `hmax check --update`", where, why));
   };
   if (cells.size() != 4 + errors.size() + counts.size())
     throw broken(fmt::format("{} cells instead of {}", cells.size(), 4 + errors.size() + counts.size()));

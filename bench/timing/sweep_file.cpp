@@ -124,7 +124,7 @@ void seek_beside(const std::string& sweep_file, std::vector<std::string>& names)
 std::vector<std::string> expanded(const std::vector<std::string>& materials) {
   if (std::ranges::find(materials, "all") == materials.end()) return materials;
   if (materials.size() > 1)
-    throw InputError("the material 'all' stands for every one of them; give it alone, or give names");
+    throw InputError("the material 'all' includes every material; give it alone, or give names");
   std::vector<std::string> all;
   for (const LiverMaterial& material : liver_materials()) all.emplace_back(material.id);
   return all;

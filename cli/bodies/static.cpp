@@ -217,18 +217,19 @@ void refuse_ignored(const StaticOptions& options) {
   if (compares)
     refuse(
         {{"--solver", !options.solver.empty(),
-          "has no say in --compare, which takes every solver; leave it out"},
+          "cannot be combined with --compare, which runs every solver; remove it"},
          {"--linear", !options.linear.empty(),
-          "has no say in --compare, which takes every one; leave it out"},
+          "cannot be combined with --compare, which runs every solver; remove it"},
          {"--output", !options.output.empty(),
           "writes the residuals of one solver; --compare has its data beside the figure, so leave --output out"}});
   if (frames)
-    refuse(
-        {{"--output", !options.output.empty(),
-          "writes the residuals of one equilibrium; leave it out, or --pseudo-dynamic and --frames"},
-         {"--load-steps", !options.load_steps.empty(), "has no say in frames, each is a step; give --frames"},
-         {"--iterations", !options.iterations.empty(), "has no say in frames; give --pseudo-dynamic NUMBER"},
-         {"--no-line-search", options.no_line_search, "is what frames do in any case; leave it out"}});
+    refuse({{"--output", !options.output.empty(),
+             "writes the residuals of one equilibrium; leave it out, or --pseudo-dynamic and --frames"},
+            {"--load-steps", !options.load_steps.empty(),
+             "cannot be combined with frames, each is a load step; give --frames"},
+            {"--iterations", !options.iterations.empty(),
+             "cannot be combined with frames; give --pseudo-dynamic NUMBER"},
+            {"--no-line-search", options.no_line_search, "is always on in frames; remove it"}});
   if (!iterative)
     refuse(
         {{"--linear-tolerance", options.inner_tolerance.has_value(),
@@ -237,7 +238,8 @@ void refuse_ignored(const StaticOptions& options) {
     refuse({{"--relaxation", options.relaxation.has_value(),
              "is of sor alone; leave it out, or take --linear sor"}});
   if (options.solver == "linear" && !frames) {
-    const char* why = "has no say in --solver linear, which solves one system; leave it out, or take newton";
+    const char* why =
+        "cannot be combined with --solver linear, which solves one system; remove it, or take newton";
     refuse({{"--load-steps", !options.load_steps.empty(), why},
             {"--iterations", !options.iterations.empty(), why},
             {"--tolerance", options.tolerance.has_value(), why},
@@ -251,7 +253,7 @@ void refuse_unsuited(const StaticOptions& options, const Problem& problem) {
     throw InputError(fmt::format(
         "{} is no body on a mesh, and hmax static is for those; name one with --mesh", problem.id));
   if (problem.body->steady_from() != equilibrium_time(*problem.body))
-    throw InputError("this load changes with time; take gravity, press, pull or tool");
+    throw InputError("this load changes with time and has no equilibrium; take gravity, press, pull or tool");
   const bool has_tool = !problem.body->settings().tools.empty();
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
   if (has_tool && (options.load_scale || frames || !options.compare.empty()))
@@ -259,7 +261,7 @@ void refuse_unsuited(const StaticOptions& options, const Problem& problem) {
         "--load-scale, --compare, --pseudo-dynamic and --frames are for loads that are forces, and a tool moves; leave "
         "them out, or choose its depth with --set depth=");
   if (has_tool && options.solver == "linear")
-    throw InputError("--solver linear knows no contact, which a tool makes on its way; take newton");
+    throw InputError("--solver linear has no contact, which --load tool needs; take newton");
   if (!std::isfinite(options.load_scale.value_or(1)))
     throw InputError(fmt::format("--load-scale is {} but must be a finite number", *options.load_scale));
   if (!options.output.empty()) {

@@ -48,8 +48,8 @@ std::string title_of(const PhaseView& view) {
   if (all == 1 && view.equilibria[0].type == EquilibriumType::centre)
     return fmt::format("{} circles its equilibrium forever", id);
   if (stable == 0) return fmt::format("{} leaves what equilibria it has", id);
-  if (all == 1) return fmt::format("{} comes to rest at its only equilibrium", id);
-  return fmt::format("{} comes to rest at {} of its {} equilibria", id, stable, all);
+  if (all == 1) return fmt::format("{} converges to its only equilibrium", id);
+  return fmt::format("{} converges to {} of its {} equilibria", id, stable, all);
 }
 
 Figure phase_portrait(const PhaseView& view) {
@@ -73,14 +73,14 @@ void require_one_view(const PhaseOptions& options) {
         "time");
   const bool strobed = options.poincare || !options.bifurcation.empty();
   if (!strobed && (options.period || !options.periods.empty() || !options.skip.empty()))
-    throw InputError("--period, --periods and --skip belong to --poincare or --bifurcation; add one of them");
+    throw InputError("--period, --periods and --skip need --poincare or --bifurcation; add one of them");
   if (options.bifurcation.empty() &&
       (options.from || options.to || options.follow || !options.points.empty()))
-    throw InputError("--from, --to, --points and --follow belong to --bifurcation; name a parameter with it");
+    throw InputError("--from, --to, --points and --follow need --bifurcation; name a parameter with it");
   if (strobed && options.at)
     throw InputError("--at is for equilibria, and a stroboscopic view has none; leave it out");
   if (!options.bifurcation.empty() && !options.window.empty())
-    throw InputError("--bifurcation looks at no part of the plane; leave --window out");
+    throw InputError("--bifurcation has no --window; remove it");
 }
 
 /// The name of the figure of the view that is asked for.

@@ -39,7 +39,7 @@ Figure picture(const PhaseView& view, const Basins& found) {
     const Equilibrium& e = view.equilibria[i];
     if (!attracts(e)) continue;
     number[i] = static_cast<int>(labels.size());
-    labels.push_back(fmt::format("comes to rest at ({}, {}): {:.1f} %", short_name(e.state(0)),
+    labels.push_back(fmt::format("converges to ({}, {}): {:.1f} %", short_name(e.state(0)),
                                  short_name(e.state(1)), 100 * found.share(static_cast<int>(i))));
   }
   const Window& w = view.window;
@@ -60,7 +60,7 @@ Figure picture(const PhaseView& view, const Basins& found) {
     if (e.type == EquilibriumType::saddle)
       for (Curve& way : ways_of(view, e, true)) panel.curves.push_back(std::move(way));
   return {
-      .title = fmt::format("{}: where each start comes to rest", view.problem.id),
+      .title = fmt::format("{}: basins of attraction", view.problem.id),
       .panels = {panel},
       .footer = fmt::format("{}; {} x {} starts", describe_acting(view.problem), found.columns, found.rows),
       .panel_height = 440};
@@ -87,7 +87,7 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   Json document = document_of(view);
   const auto names = axis_names(view.problem);
   Json attractors = Json::array();
-  TextTable table({"comes to rest at", names[0], names[1], "share of the starts"});
+  TextTable table({"converges to", names[0], names[1], "share of the starts"});
   for (std::size_t i = 0; i < view.equilibria.size(); ++i) {
     const Equilibrium& e = view.equilibria[i];
     if (!attracts(e)) continue;
@@ -97,7 +97,7 @@ void phase_basins(const PhaseOptions& options, Console& console) {
                fmt::format("{:.2f} %", 100 * share)});
   }
   for (const auto& [fate, words] :
-       {std::pair{unbounded, "leaves without bound"}, {undecided, "settles elsewhere or later"}})
+       {std::pair{unbounded, "has no bound"}, {undecided, "settles elsewhere or later"}})
     if (found.share(fate) > 0) table.add({words, "", "", fmt::format("{:.2f} %", 100 * found.share(fate))});
   document["tolerances"] = to_json(basin_tolerances);
   document["cells"] = {found.columns, found.rows};

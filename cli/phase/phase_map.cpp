@@ -34,7 +34,7 @@ struct MapView {
 
 MapView map_of(const PhaseView& view, const PhaseOptions& options) {
   if (!options.h)
-    throw InputError("no step is given; add --h in seconds, whose map of the plane is to be seen");
+    throw InputError("no step size is given; add --h in seconds");
   const Method method = options.method.make();
   MapView seen{.method = method.id,
                .h = *options.h,
@@ -155,7 +155,7 @@ Figure picture(const PhaseView& view, const MapView& seen) {
   right.notes = {counted(spurious, "fixed point") + " made by the method",
                  counted(seen.period_two.size(), "orbit") + " of period two"};
   const bool places = spurious > 0, cycles = !seen.period_two.empty();
-  return {.title = !places && !cycles ? "The method rests where the equation rests"
+  return {.title = !places && !cycles ? "The method has the equilibria of the equation"
                                       : fmt::format("The method adds {} that the equation does not have",
                                                     !cycles   ? "places of rest"
                                                     : !places ? "cycles"

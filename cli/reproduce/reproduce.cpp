@@ -157,7 +157,7 @@ void tissue_study(const std::filesystem::path& folder, TissueOptions options, Co
   if (console.json) return console.print_json(to_json(study));
   console.print(fmt::format(
       "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under the same load the "
-      "liver gives way by {:.3g} mm with springs and {:.3g} mm with finite elements.\nOpen {}\n",
+      "liver moves by {:.3g} mm with springs and {:.3g} mm with finite elements.\nOpen {}\n",
       study.force_ratio, study.step_ratio, 1000 * study.deflection_springs, 1000 * study.deflection_elements,
       study.report.string()));
 }

@@ -87,7 +87,7 @@ ReportSection the_meshes(const fs::path& folder) {
 /// The same force on springs and elements, as pictures of the liver.
 ReportSection deflections(const fs::path& folder, TissueStudy& study) {
   BodyPicture bodies{
-      .title = fmt::format("The liver under {:g} N: springs give way where elements hold", pressing),
+      .title = fmt::format("The liver under {:g} N: springs deform more than elements", pressing),
       .colours = {},
       .columns = 2};
   double* const found[]{&study.deflection_springs, &study.deflection_elements};
@@ -105,7 +105,7 @@ ReportSection deflections(const fs::path& folder, TissueStudy& study) {
     bodies.caption = made_of(problem) + " Static solutions by Newton's method.";
   }
   if (study.deflection_springs < study.deflection_elements)
-    bodies.title = fmt::format("The liver under {:g} N: elements give way where springs hold", pressing);
+    bodies.title = fmt::format("The liver under {:g} N: elements deform more than springs", pressing);
   bodies.colours = colours_of(BodyValue::displacement, bodies.views);
   return {
       .title = "The same load on springs and on finite elements",
@@ -117,7 +117,7 @@ ReportSection deflections(const fs::path& folder, TissueStudy& study) {
 
 /// Displacement against force, all models, both meshes.
 ReportSection load_paths(const fs::path& folder, const std::string& machine) {
-  Figure figure{.title = "How far a pressed patch gives way", .columns = 2};
+  Figure figure{.title = "Displacement of a pressed patch", .columns = 2};
   figure.footer = machine;
   for (const std::string_view mesh : meshes) {
     const double most = mesh == "liver" ? 2 * pressing : pressing;  // [N]

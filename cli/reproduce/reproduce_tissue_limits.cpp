@@ -69,7 +69,7 @@ Panel drawn(const RatePanel& wanted, std::span<const Method> methods, const Rang
          printed_rate,
          {.colour = 6, .marker = 13, .size = 1.1},
          fmt::format("{:g} steps/s at {:g} g, as printed", printed_rate, 1000 * printed_mass)});
-  panel.fills.push_back({.label = "its own weight turns it inside out",
+  panel.fills.push_back({.label = "gravity inverts elements",
                          .loops = {{{wanted.overturned.low, rates.low},
                                     {wanted.overturned.high, rates.low},
                                     {wanted.overturned.high, rates.high},
@@ -127,7 +127,7 @@ std::string limits_table(const DampedBodies& bodies, std::span<const Method> met
 Figure rates_figure(const DampedBodies& bodies, std::span<const Method> methods, double heaviest_particle,
                     const TissueOptions& options) {
   const double softest = study_young * printed_mass / heaviest_particle;
-  Figure figure{.title = "Heavier particles bear longer steps, but not of explicit Euler", .columns = 2};
+  Figure figure{.title = "Heavier particles allow larger steps, except with explicit Euler", .columns = 2};
   figure.footer =
       bodies.bare.mesh + " of springs, 10 % held, at rest; E and dampers are our choice; " + options.machine;
   const std::string at_young = fmt::format("E = {:g} kPa", study_young / 1000),
@@ -170,7 +170,7 @@ std::string limits_in_words(const ParticleBody& bare, const std::string& table, 
   return fmt::format(
       "Every particle of the {} of springs has the same mass. E = {:g} kPa is that of the study, a mean "
       "spring of {:.3g} N/m; the study's damper acts on the whole body, or dampers along the springs are "
-      "chosen so that explicit Euler just bears {:g} steps a second. Limits are those of the body at rest.\n\n"
+      "chosen so that explicit Euler is just stable at {:g} steps a second. Limits are those of the body at rest.\n\n"
       "{}\n"
       "- Undamped, the steps that a body needs in a second fall with the root of the mass. With {:g} a second "
       "and {:g} g a body of up to {} kPa is stable with RK4 and of up to {} kPa with symplectic Euler, and "

@@ -128,9 +128,7 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
         why_along(problem), short_number(question.end_of(problem)));
   else if (problem.body && !has_path && near.state_kind == "equilibrium" && near.model.y.norm() > 0 &&
            !problem.body->settings().model.is_linear)
-    words +=
-        "h_max is that of small motions about this state; a load that acts at once passes others, which --along looks "
-        "at\n";
+    words += "h_max holds for small motions about this state; for a sudden load add --along\n";
   if (has_path && question.path == "motion") {
     words += fmt::format("the motion: dormand_prince_54, {}\n", in_words(motion_tolerances));
     words += words_of_part(problem, question.end_of(problem));

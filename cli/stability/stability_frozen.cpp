@@ -58,7 +58,7 @@ void frozen(const FrozenOptions& options, Console& console) {
                           spring = tolerated_stiffness(*method);
     Json exits = Json::array(), refreshed = Json::array();
     std::vector<std::string> cells{formula.id, words_of(decay), words_of(spring)},
-        with_every{fmt::format("  anew every {}", steps), "", ""};
+        with_every{fmt::format("  every {}", steps), "", ""};
     for (const double ratio : ratios) {
       const double exit = frozen_spring_exit(*method, ratio);
       exits.push_back(number_or_word(exit));
@@ -86,7 +86,7 @@ void frozen(const FrozenOptions& options, Console& console) {
       "omega0^2 = k0/m.\n");
   if (steps > 0)
     console.print(fmt::format(
-        "anew every {0}: the stiffness rises to that ratio within {0} steps, after which the Jacobian is new.\n",
+        "every {0}: the stiffness rises to that ratio within {0} steps, then the Jacobian is updated.\n",
         steps));
 }
 

@@ -79,7 +79,7 @@ TEST(TissueWords, EndAMotionWhereItIsThatOfNoBody) {
 TEST(TissueWords, RemarkOnABodyThatHasMovedFartherThanAnyDoes) {
   const Told told = Shell{}.hmax("run --mesh phantom --model fem_cauchy --method rk4 --h 0.01 --t-end 0.07");
   EXPECT_EQ(told.exit_code, 0);
-  EXPECT_NE(told.err.find("times its own size"), std::string::npos) << told.err;
+  EXPECT_NE(told.err.find("times its size"), std::string::npos) << told.err;
   EXPECT_NE(told.err.find("smaller --h"), std::string::npos) << told.err;
   EXPECT_EQ(Shell{}.hmax("run --mesh phantom --method rk4 --h 0.001 --t-end 0.1").err, "");
 }
@@ -161,15 +161,15 @@ TEST(TissueWords, RefuseOptionsOfStaticEquilibriaThatHaveNoSay) {
   refused("--relaxation 1.2 --linear cg", "--relaxation is of sor");
   refused("--linear-tolerance 1e-3", "--linear-tolerance is of iterative");
   for (const char* option : {"--load-steps 3", "--iterations 3", "--tolerance 1e-3", "--no-line-search"})
-    refused(std::string("--solver linear ") + option, "has no say in --solver linear");
-  refused("--compare out --solver newton", "--solver has no say in --compare");
-  refused("--compare out --linear direct", "--linear has no say in --compare");
+    refused(std::string("--solver linear ") + option, "cannot be combined with --solver linear");
+  refused("--compare out --solver newton", "--solver cannot be combined with --compare");
+  refused("--compare out --linear direct", "--linear cannot be combined with --compare");
   refused("--compare out --output a.csv", "--output writes the residuals of one solver");
   refused("--compare out --pseudo-dynamic 2", "choose one");
   refused("--frames 3 --output a.csv", "--output writes the residuals of one equilibrium");
-  refused("--frames 3 --load-steps 3", "--load-steps has no say in frames");
-  refused("--pseudo-dynamic 2 --iterations 3", "--iterations has no say in frames");
-  refused("--pseudo-dynamic 2 --no-line-search", "--no-line-search is what frames do");
+  refused("--frames 3 --load-steps 3", "--load-steps cannot be combined with frames");
+  refused("--pseudo-dynamic 2 --iterations 3", "--iterations cannot be combined with frames");
+  refused("--pseudo-dynamic 2 --no-line-search", "--no-line-search is always on in frames");
   refused("--output a.svg", "FILE.csv");
   refused("--model mass_spring --picture a.svg --colour energy_density", "springs have no energy density");
 }
@@ -178,7 +178,7 @@ TEST(TissueWords, RefuseOptionsOfOtherProblems) {
   const std::string body = "run --mesh phantom --method newmark --h 0.01 --t-end 0.1 ",
                     two = "run --problem liver_linear --method newmark --h 0.01 --t-end 0.1 ";
   expect_refusal(body + "--full", "--json");
-  expect_refusal(two + "--full --json", "leave it out");
+  expect_refusal(two + "--full --json", "meshes only; remove it");
   expect_refusal(two + "--linear cg", "leave --linear out");
   expect_refusal(two + "--unit mm", "--unit is of a mesh file");
   for (const Json& method : Shell{}.hmax("list methods --json").json())
