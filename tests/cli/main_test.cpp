@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <set>
 #include <sstream>
 
@@ -78,6 +79,18 @@ TEST(Help, HasAnExampleForEachCommand) {
   EXPECT_FALSE(names.empty());
   for (const std::string& name : names)
     EXPECT_FALSE(examples_of(shell.hmax(name + " --help").out).empty()) << name;
+}
+
+TEST(Help, EveryCommandHasItsOptionTableInTheReference) {
+  std::string pages;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(HMAX_SOURCE_DIR) /
+                                                               "docs/reference/commands"))
+    pages += read_text(entry.path());
+  // These have no options of their own.
+  const std::set<std::string> bare{"doctor", "info"};
+  for (const std::string& name : commands(Shell()))
+    EXPECT_TRUE(bare.contains(name) || pages.find("<!-- hmax " + name + " --help -->") != std::string::npos)
+        << name;
 }
 
 TEST(Help, ExamplesRun) {

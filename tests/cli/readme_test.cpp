@@ -1,8 +1,11 @@
-/// The commands of the README, the tutorial and the how-to pages are run, and print what the pages show.
+/// The commands of the README and of the pages of docs/ are run, and print what the pages show. With
+/// HMAX_UPDATE_PAGES=1 in the environment what a page shows is replaced by what its command prints.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -16,13 +19,17 @@
 namespace hmax {
 namespace {
 
-/// A command of a ```console block and the output shown under it.
+/// A command and the output that a page shows: that of a line `$ COMMAND` in a ```console block, or, as a
+/// table of options, that of a line `<!-- hmax COMMAND --help -->`.
 struct Shown {
   std::string command, output;
+  bool is_table = false;
+  std::size_t begin = 0, end = 0;  ///< lines of the page
 };
 
 /// What a page asks its reader to type: files, as blocks that begin with ```toml NAME, and commands.
 struct Page {
+  std::vector<std::string> lines;
   std::vector<std::pair<std::string, std::string>> files;  // name, text
   std::vector<Shown> shown;
 };
@@ -30,8 +37,11 @@ struct Page {
 Page read_page(const std::string& text) {
   Page page;
   std::istringstream lines(text);
-  enum { outside, console, file, other } inside = outside;
+  enum { outside, console, table, file, other } inside = outside;
+  const std::string comment = "<!-- hmax ", comment_end = " -->";
   for (std::string line; std::getline(lines, line);) {
+    page.lines.push_back(line);
+    const std::size_t next = page.lines.size();
     if (line.rfind("```", 0) == 0) {
       const bool begins_file = line.rfind("```toml ", 0) == 0;
       if (inside != outside)
@@ -40,14 +50,71 @@ Page read_page(const std::string& text) {
         inside = line == "```console" ? console : begins_file ? file : other;
       if (inside == file) page.files.emplace_back(line.substr(8), "");
     } else if (inside == console && line.rfind("$ ", 0) == 0) {
-      page.shown.push_back({line.substr(2), ""});
-    } else if (inside == console && !page.shown.empty()) {
+      page.shown.push_back({line.substr(2), "", false, next, next});
+    } else if (inside == outside && line.rfind(comment, 0) == 0 && line.ends_with(comment_end)) {
+      inside = table;
+      const std::size_t begin = comment.find("hmax");
+      page.shown.push_back(
+          {line.substr(begin, line.size() - begin - comment_end.size()), "", true, next, next});
+    } else if (inside == table && line.empty()) {
+      inside = outside;
+    } else if ((inside == console || inside == table) && !page.shown.empty()) {
       page.shown.back().output += line + "\n";
+      page.shown.back().end = next;
     } else if (inside == file) {
       page.files.back().second += line + "\n";
     }
   }
   return page;
+}
+
+/// A line of a table of options: "--h NUMBER", "Step size [s]; 0.1 by default". The parser shows its own
+/// defaults as NUMBER=0.1; NAME=VALUE is the form of a value.
+std::string option_row(std::string option, std::string meaning) {
+  std::string fallback, unit;
+  std::smatch found;
+  if (option.ends_with(" ...")) option.resize(option.size() - 4);
+  if (std::regex_match(option, found, std::regex("(.*) REQUIRED"))) {
+    option = found[1].str();
+    fallback = "required";
+  } else if (std::regex_match(option, found, std::regex("([^=]*)=([^=A-Z][^=]*)"))) {
+    fallback = "`" + found[2].str() + "`";
+    option = found[1].str();
+  }
+  if (std::regex_match(meaning, found, std::regex("(.*); ([^;]*[^;,]),? by default"))) {
+    fallback = found[2];
+    meaning = found[1].str();
+  }
+  if (std::regex_search(meaning, found, std::regex(R"( \[([^\]]*)\])"))) {
+    unit = found[1];
+    meaning = found.prefix().str() + found.suffix().str();
+  }
+  const auto cell = [](const std::string& text) {
+    return "| " + std::regex_replace(text, std::regex(R"(\|)"), R"(\|)") + " ";
+  };
+  return cell("`" + option + "`") + cell(fallback) + cell(unit) + cell(meaning) + "|\n";
+}
+
+/// The options in the help of a command as a table. Every command has --help and --json, which are left out.
+std::string option_table(const std::string& help) {
+  std::string table = "| option | default | unit | meaning |\n| --- | --- | --- | --- |\n";
+  std::istringstream lines(help);
+  bool inside = false;
+  std::string option;
+  const std::regex entry(R"(  (\S.*?)(   *(\S.*))?)"), continued(R"(    +(\S.*))");
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch found;
+    if (!line.starts_with("  ")) {
+      inside = line == "Positionals:" || line == "Options:";
+    } else if (inside && std::regex_match(line, found, continued)) {
+      table += option_row(option, found[1]);
+    } else if (inside && std::regex_match(line, found, entry)) {
+      option = found[1];
+      if (found[3].matched && option != "-h,--help" && option != "--json")
+        table += option_row(option, found[3]);
+    }
+  }
+  return table;
 }
 
 /// Words of a text; the time after "cpu" and the real-time "factor" are left out, they differ from run to
@@ -72,6 +139,30 @@ bool alike(const std::string& told, const std::string& shown) {
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
+/// Whether a command prints the same on every machine. A sweep is a measurement: which method is fastest
+/// depends on the machine, and only its head is compared.
+bool measures(const std::string& command) {
+  return command.rfind("hmax sweep", 0) == 0 || command.rfind("hmax precision", 0) == 0;
+}
+
+bool is_as_shown(const std::string& told, const Shown& shown) {
+  return measures(shown.command) && !shown.is_table ? alike(first_line(told), first_line(shown.output))
+                                                    : alike(told, shown.output);
+}
+
+/// Writes a page with `outputs` in the places of what it shows.
+void write_page(const std::filesystem::path& path, const Page& page,
+                const std::vector<std::string>& outputs) {
+  std::ofstream file(path);
+  std::size_t line = 0;
+  for (std::size_t i = 0; i < page.shown.size(); ++i) {
+    for (; line < page.shown[i].begin; ++line) file << page.lines[line] << "\n";
+    file << outputs[i];
+    line = page.shown[i].end;
+  }
+  for (; line < page.lines.size(); ++line) file << page.lines[line] << "\n";
+}
+
 /// Runs the commands of a page in a folder of its own.
 /// @return how many there are
 std::size_t run_page(const std::filesystem::path& path) {
@@ -79,15 +170,19 @@ std::size_t run_page(const std::filesystem::path& path) {
   const Page page = read_page(read_text(path));
   const Shell shell;
   for (const auto& [name, text] : page.files) std::ofstream(shell / name) << text;
-  for (const auto& [command, output] : page.shown) {
-    SCOPED_TRACE(command);
-    const Told told = shell.line(command);
+  std::vector<std::string> outputs;
+  bool changed = false;
+  for (const Shown& shown : page.shown) {
+    SCOPED_TRACE(shown.command);
+    const Told told = shell.line(shown.command);
     EXPECT_EQ(told.err, "");
-    // A sweep is a measurement: which method is fastest depends on the machine.
-    const bool measures = command.rfind("hmax sweep", 0) == 0;
-    EXPECT_TRUE(measures ? alike(first_line(told.out), first_line(output)) : alike(told.out, output))
-        << told.out;
+    const std::string output = shown.is_table ? option_table(told.out) : told.out;
+    const bool same = is_as_shown(output, shown);
+    outputs.push_back(same ? shown.output : output);
+    changed = changed || !same;
+    EXPECT_TRUE(same) << output;
   }
+  if (changed && std::getenv("HMAX_UPDATE_PAGES")) write_page(path, page, outputs);
   return page.shown.size();
 }
 
@@ -107,6 +202,27 @@ TEST(Readme, EveryCommandPrintsWhatIsShown) {
 TEST(Readme, EveryCommandOfTheTutorialPrintsWhatIsShown) { EXPECT_GE(run_pages("tutorial"), 15U); }
 
 TEST(Readme, EveryCommandOfTheHowToPagesPrintsWhatIsShown) { EXPECT_GE(run_pages("howto"), 10U); }
+
+TEST(Readme, EveryCommandAndOptionTableOfTheReferencePrintsWhatIsShown) {
+  EXPECT_GE(run_pages("reference/commands"), 40U);
+}
+
+TEST(Readme, OptionsOfHelpBecomeATable) {
+  const std::string help =
+      "Integrate\nUsage: hmax run [OPTIONS]\n\nPositionals:\n  store REQUIRED   Its file\n\nOptions:\n"
+      "  -h,--help   Help\n  --h NUMBER   Step size [s]; 0.1 by default\n  --long-name TEXT=a|b\n"
+      "                              Two lines\n  --set NAME=VALUE ...   Set\n\nExample:\n  hmax run\n";
+  const std::string table = option_table(help);
+  EXPECT_EQ(table.substr(table.find("| `")),
+            "| `store` | required |  | Its file |\n| `--h NUMBER` | 0.1 | s | Step size |\n"
+            "| `--long-name TEXT` | `a\\|b` |  | Two lines |\n"
+            "| `--set NAME=VALUE` |  |  | Set |\n");
+  const Page page = read_page("<!-- hmax run --help -->\n| a |\n\n| b |\n");
+  ASSERT_EQ(page.shown.size(), 1U);
+  EXPECT_EQ(page.shown[0].command, "hmax run --help");
+  EXPECT_EQ(page.shown[0].output, "| a |\n");
+  EXPECT_FALSE(is_as_shown(table, page.shown[0]));
+}
 
 TEST(Readme, AWrongOutputWouldBeNoticed) {
   const Page page = read_page("```console\n$ hmax --version\nhmax 99\n```\n");
