@@ -83,9 +83,10 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
   return LinearSolverHandle(made);
 }
 
-/// A sparse matrix of the library for the pattern of I - gamma J, and KLU for it.
-/// @param like  any vector of the run
+/// A sparse matrix of the library for the pattern of I - gamma J.
 MatrixHandle make_klu_matrix(const Eigen::SparseMatrix<double>& pattern, SUNContext context);
+/// KLU for such a matrix.
+/// @param like  any vector of the run
 LinearSolverHandle make_klu_solver(N_Vector like, SUNMatrix A, SUNContext context);
 
 /// Copies a matrix of the same pattern into one made by make_klu_matrix.
