@@ -139,10 +139,11 @@ bool alike(const std::string& told, const std::string& shown) {
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-/// Whether a command prints the same on every machine. A sweep is a measurement: which method is fastest
-/// depends on the machine, and only its head is compared.
+/// Whether what a command prints depends on the machine: which method is fastest does. Only the first line is
+/// compared.
 bool measures(const std::string& command) {
-  return command.rfind("hmax sweep", 0) == 0 || command.rfind("hmax precision", 0) == 0;
+  return command.starts_with("hmax sweep") || command.starts_with("hmax precision") ||
+         command.starts_with("hmax advise");
 }
 
 bool is_as_shown(const std::string& told, const Shown& shown) {
