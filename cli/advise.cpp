@@ -184,8 +184,8 @@ std::string words_of_best(const AdviceRow& row, const Advice& advice, const Advi
                       milliseconds(question.frame_budget()));
   if (!std::isnan(row.stiffening))
     text += std::isinf(row.stiffening)
-                ? std::string("  margin        holds however stiff the body becomes\n")
-                : fmt::format("  margin        holds until the body is {} times as stiff\n",
+                ? std::string("  margin        stable however stiff the model becomes\n")
+                : fmt::format("  margin        stable until the model is {} times as stiff\n",
                               short_number(row.stiffening, 3));
   if (const std::string modes = words_of_modes(row, advice); !modes.empty())
     text += fmt::format("  adds          {}\n", modes);

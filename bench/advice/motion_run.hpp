@@ -38,7 +38,9 @@ MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, co
                      double frame, std::int64_t steps_per_frame, std::size_t frames = 1,
                      const Watcher& watcher = {});
 
-/// Whether a step holds: the motion, and 500 steps at least, without leaving three times the size of the reference.
+/// Whether a step is stable on the motion, and for 500 steps at least: it reaches the end, and a run that starts
+/// 1e-8 of the scale beside it ends within 1e-4. A nonlinear model may bound a growth long before it is seen in the
+/// motion itself.
 bool holds(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference, double h);
 
 }  // namespace hmax
