@@ -135,17 +135,17 @@ EquilibriumSearch equilibrium_of(const Problem& problem, const EquilibriumWatche
 }
 }  // namespace
 
-Linearised without_spectrum(const Problem& problem, OperatingPoint at, const EquilibriumWatcher& watcher) {
-  const bool at_rest = at == OperatingPoint::rest;
+Linearised without_spectrum(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
+  const bool at_rest = at == AskedState::rest;
   const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
   const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();
   const double t = !at_rest && search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
   // One variable for all returns: another would be copied with its matrices.
   Linearised near = state_of(problem, t, search.found() ? search.state : problem.y0);
   near.at_equilibrium = at_equilibrium;
-  near.state_kind = at_rest || (problem.body && !search.found()) ? "rest"
-                    : search.found()                             ? "equilibrium"
-                                                                 : "initial";
+  near.state_kind = at_rest || (problem.body && !search.found()) ? StateKind::rest
+                    : search.found()                             ? StateKind::equilibrium
+                                                                 : StateKind::initial;
   if (at_rest) {
     near.state = fmt::format("rest {}{}", near.state, at_equilibrium ? "" : "; the load acts on it");
     look_at_contact(near, problem);
@@ -163,7 +163,7 @@ Linearised without_spectrum(const Problem& problem, OperatingPoint at, const Equ
   return near;
 }
 
-Linearised linearised(const Problem& problem, OperatingPoint at, const EquilibriumWatcher& watcher) {
+Linearised linearised(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
   Linearised near = without_spectrum(problem, at, watcher);
   add_spectrum(near);
   return near;

@@ -16,10 +16,10 @@ bool is_at_rest(const TissueBody& body);
 /// equations of a body are solved by conjugate gradients.
 /// @param at  rest: a body without displacement, whatever loads it
 /// @throws InputError  as linearise()
-Linearised linearised(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,
+Linearised linearised(const Problem& problem, AskedState at = AskedState::equilibrium,
                       const EquilibriumWatcher& watcher = {});
 /// The same without its spectrum.
-Linearised without_spectrum(const Problem& problem, OperatingPoint at = OperatingPoint::equilibrium,
+Linearised without_spectrum(const Problem& problem, AskedState at = AskedState::equilibrium,
                             const EquilibriumWatcher& watcher = {});
 LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y);
 /// Whether the Jacobian depends on the state, so that limits are those of small motions; bodies are not

@@ -20,7 +20,33 @@ class SlowEnd;
 struct ModeRange;
 
 /// Which state of a body its linear model is asked for.
-enum class OperatingPoint { equilibrium, rest };
+enum class AskedState { equilibrium, rest };
+
+/// The state that a model was linearised at.
+enum class StateKind {
+  equilibrium,
+  rest,      ///< of a body: without displacement
+  initial,   ///< of other problems: no equilibrium was found
+  motion,    ///< a state that was given
+  matrices,  ///< none: the matrices were given
+};
+
+/// "equilibrium", "rest", "initial", "motion", "matrices".
+constexpr std::string_view name_of(StateKind kind) {
+  switch (kind) {
+    case StateKind::equilibrium:
+      return "equilibrium";
+    case StateKind::rest:
+      return "rest";
+    case StateKind::initial:
+      return "initial";
+    case StateKind::motion:
+      return "motion";
+    case StateKind::matrices:
+      break;
+  }
+  return "matrices";
+}
 
 /// Called with |F| / |F(0)| of each iterate while a static equilibrium is searched for.
 using EquilibriumWatcher = std::function<void(double residual)>;
@@ -40,10 +66,10 @@ struct Linearised {
   /// the largest eigenvalues.
   std::shared_ptr<ModeRange> range = {};
   bool at_equilibrium = false;
-  std::string_view state_kind = "motion";  ///< or "equilibrium", "rest" of a body, "initial"
-  std::string state;                       ///< in words: which state, whose Jacobian
-  std::string status;                      ///< why it is not the state that was asked for
-  std::string missing = {};                ///< says that a tool does not touch the body in this state
+  StateKind state_kind = StateKind::motion;
+  std::string state;         ///< in words: which state, whose Jacobian
+  std::string status;        ///< why it is not the state that was asked for
+  std::string missing = {};  ///< says that a tool does not touch the body in this state
 };
 
 /// Degrees of freedom of a mesh up to which a factor of K takes less than a second.

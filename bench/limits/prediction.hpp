@@ -11,6 +11,7 @@
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/step_limits/stable_step.hpp"
 #include "bench/limits/newton_step.hpp"
+#include "bench/limits/operating_point.hpp"
 #include "bench/limits/step_defect.hpp"
 
 namespace hmax {
@@ -65,7 +66,7 @@ struct Prediction {
   std::vector<ModeMargin> modes;  ///< every mode; conjugates once
   std::optional<CoupledLimit> coupled =
       {};                       ///< where the steps couple the modes: they have one limit together
-  std::string_view state_kind;  ///< as of Linearised
+  StateKind state_kind = StateKind::motion;
   std::string state;
   std::string note;
   std::optional<NewtonStep> newton_step = {};  ///< of bodies, where Newton's method sets the step

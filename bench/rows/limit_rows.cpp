@@ -21,14 +21,14 @@ std::string_view verdict_of(const Observation& seen) {
 
 }  // namespace
 
-OperatingPointKey operating_point_key(const Problem& problem, OperatingPoint asked, std::string path,
+OperatingPointKey operating_point_key(const Problem& problem, AskedState asked, std::string path,
                                       double t_end) {
   return {.problem = problem.id,
           .material = problem.material,
           .parameters = describe(problem.parameters),
           .y0 = start_in_words(problem),
           .model = model_digest(problem),
-          .asked = asked == OperatingPoint::rest ? "rest" : "equilibrium",
+          .asked = asked == AskedState::rest ? "rest" : "equilibrium",
           .path = std::move(path),
           .t_end = t_end};
 }
@@ -37,7 +37,7 @@ LimitRow limit_row(const Prediction& prediction) {
   LimitRow row;
   row.method = prediction.method;
   row.bound = name_of(prediction.bound);
-  row.state_kind = prediction.state_kind;
+  row.state_kind = name_of(prediction.state_kind);
   row.state = prediction.state;
   row.note = prediction.note;
   row.h_max = prediction.h_max.value_or(LimitRow::none);

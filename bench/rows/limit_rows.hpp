@@ -15,7 +15,7 @@ namespace hmax {
 /// The key of the state that is asked for.
 /// @param path   motion | load, or empty
 /// @param t_end  of that motion [s]; 0 without one
-OperatingPointKey operating_point_key(const Problem& problem, OperatingPoint asked, std::string path,
+OperatingPointKey operating_point_key(const Problem& problem, AskedState asked, std::string path,
                                       double t_end);
 
 /// A prediction with all that is a number or a word of it; LimitRow::point and LimitRow::details are left.

@@ -63,7 +63,7 @@ std::vector<AskedCase> asked_cases(const std::vector<LimitCase>& cases, CaseKind
     if (linear != (kind == CaseKind::linear)) continue;
     const Problem& problem = cases[i].problem;
     asked.push_back({i, linearised(problem), linear ? MotionSize{} : size_of_motion(problem, problem.t_end),
-                     operating_point_key(problem, OperatingPoint::equilibrium, linear ? "" : "motion",
+                     operating_point_key(problem, AskedState::equilibrium, linear ? "" : "motion",
                                          linear ? 0 : problem.t_end)});
   }
   return asked;

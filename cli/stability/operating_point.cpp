@@ -26,17 +26,17 @@ void OperatingPointChoice::add_to(CLI::App& command) {
       ->type_name("rest|equilibrium");
 }
 
-OperatingPoint OperatingPointChoice::of(const Problem& problem) const {
-  if (at.empty()) return OperatingPoint::equilibrium;
-  if (parse_choice("--at", at, words) == words[0]) return OperatingPoint::equilibrium;
+AskedState OperatingPointChoice::of(const Problem& problem) const {
+  if (at.empty()) return AskedState::equilibrium;
+  if (parse_choice("--at", at, words) == words[0]) return AskedState::equilibrium;
   if (!problem.body)
     throw InputError(
         fmt::format("--at rest applies to bodies on a mesh, and {} is none; remove it", problem.id));
-  return OperatingPoint::rest;
+  return AskedState::rest;
 }
 
-void announce_equilibrium(Console& console, const Problem& problem, OperatingPoint at) {
-  if (!problem.body || at == OperatingPoint::rest || problem.body->dofs() <= most_cheaply_factored ||
+void announce_equilibrium(Console& console, const Problem& problem, AskedState at) {
+  if (!problem.body || at == AskedState::rest || problem.body->dofs() <= most_cheaply_factored ||
       !problem.body->is_autonomous() || is_at_rest(*problem.body))
     return;
   // Measured on balls in their weight of 29,000 to 275,000 degrees of freedom, within a factor of 2: Newton's

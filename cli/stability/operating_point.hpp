@@ -19,12 +19,12 @@ struct OperatingPointChoice {
 
   void add_to(CLI::App& command);
   /// @throws InputError  for an unknown word, or rest of a problem that is no body on a mesh
-  [[nodiscard]] OperatingPoint of(const Problem& problem) const;
+  [[nodiscard]] AskedState of(const Problem& problem) const;
 };
 
 /// Says on standard error what the search for the static equilibrium of a large body will about take; nothing
 /// of small bodies and of those at rest.
-void announce_equilibrium(Console& console, const Problem& problem, OperatingPoint at);
+void announce_equilibrium(Console& console, const Problem& problem, AskedState at);
 
 /// Shows in a line of progress, from the fifth second on, that the linear model of a large body is being
 /// made: the residual of the search for its equilibrium, and the time. From a thread of its own, because

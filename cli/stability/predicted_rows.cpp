@@ -35,8 +35,8 @@ using Json = nlohmann::ordered_json;
 std::string words_of_state(const Problem& problem, const Linearised& near, bool along) {
   std::string missing = near.missing;
   if (!missing.empty() && !along)
-    missing +=
-        near.state_kind == "rest" && near.status.empty() ? "; leave out --at rest" : "; add --along motion";
+    missing += near.state_kind == StateKind::rest && near.status.empty() ? "; leave out --at rest"
+                                                                         : "; add --along motion";
   if (missing.empty() && has_moving_load(problem) && !along)
     missing = fmt::format(
         "the load of {} changes with time, and the limits are those of one state; look at the others with --along motion",
@@ -51,7 +51,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
   Json document{{"problem", problem.id},
                 {"material", problem.material},
                 {"state", near.state},
-                {"state_kind", near.state_kind},
+                {"state_kind", name_of(near.state_kind)},
                 {"at_equilibrium", near.at_equilibrium},
                 {"eigenvalues", std::move(eigenvalues)}};
   if (near.curve)
@@ -126,8 +126,8 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
         "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
         "motion to t = {} s\n",
         why_along(problem), short_number(question.end_of(problem)));
-  else if (problem.body && !has_path && near.state_kind == "equilibrium" && near.model.y.norm() > 0 &&
-           !problem.body->settings().model.is_linear)
+  else if (problem.body && !has_path && near.state_kind == StateKind::equilibrium &&
+           near.model.y.norm() > 0 && !problem.body->settings().model.is_linear)
     words += "h_max holds for small motions about this state; for a sudden load add --along\n";
   if (has_path && question.path == "motion") {
     words += fmt::format("the motion: dormand_prince_54, {}\n", in_words(motion_tolerances));
@@ -248,7 +248,7 @@ void PredictedRows::compute(std::size_t which, const std::vector<Method>& method
   const Problem& problem = problems_[which];
   try {
     std::optional<Path> path = motion_of(problem, answer.point.remarks);
-    const OperatingPoint at = question_.at.of(problem);
+    const AskedState at = question_.at.of(problem);
     announce_equilibrium(console_, problem, at);
     const Linearised near = [&] {
       LinearisationProgress shown(*progress_);

@@ -140,7 +140,7 @@ Json to_json(const ModesOptions& options, const Problem& problem, const Linearis
   return {{"problem", problem.id},
           {"material", problem.material.empty() ? Json() : Json(problem.material)},
           {"dofs", problem.body->dofs()},
-          {"state_kind", near.state_kind},
+          {"state_kind", name_of(near.state_kind)},
           {"status", status.empty() ? Json() : Json(status)},
           {"end", options.fastest ? "fastest" : "slowest"},
           {"modes", list},
@@ -168,7 +168,7 @@ void modes(const ModesOptions& options, Console& console) {
   const TissueBody& body = *problem.body;
   const auto count = static_cast<Eigen::Index>(
       std::min<std::int64_t>(parse_count("--count", options.count, 1), body.dofs()));
-  const OperatingPoint at = options.at.of(problem);
+  const AskedState at = options.at.of(problem);
   announce_equilibrium(console, problem, at);
   const Linearised near = [&] {
     Progress progress(console, "modes");

@@ -36,7 +36,7 @@ LimitQuestion question_of(const PredictOptions& options, const Problem& problem)
       .at = options.at, .verify = options.verify, .path = options.along, .t_end = options.t_end};
   if (question.path.empty()) {
     question.path_by_default = (problem.body ? has_moving_load(problem) : is_nonlinear(problem)) &&
-                               options.at.of(problem) != OperatingPoint::rest;
+                               options.at.of(problem) != AskedState::rest;
     if (question.path_by_default) question.path = path_names[0];
   } else if (parse_choice("--along", question.path, path_names) == path_names[2]) {
     question.path.clear();

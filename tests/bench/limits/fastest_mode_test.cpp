@@ -72,12 +72,12 @@ TEST(FastestMode, OfALinearisedBodyIsThatOfTheBodyAtRest) {
       "fem_green@ball:n=6", {.material = {}, .parameters = {{"E", 30'000}, {"beta", 0.001}}, .y0 = {}});
   const TissueBody& body = *problem.body;
   const FastestMode alone = fastest_mode_of(body, false);
-  for (const OperatingPoint at : {OperatingPoint::rest, OperatingPoint::equilibrium}) {
+  for (const AskedState at : {AskedState::rest, AskedState::equilibrium}) {
     const Linearised near = linearised(problem, at);
-    EXPECT_EQ(near.fastest_shape.size() > 0, at == OperatingPoint::rest);
+    EXPECT_EQ(near.fastest_shape.size() > 0, at == AskedState::rest);
     const FastestMode mode = fastest_mode_of(body, near, false);
     EXPECT_NEAR(mode.kappa, alone.kappa, 1e-6 * alone.kappa);
-    EXPECT_LE(mode.residual, at == OperatingPoint::rest ? 1e-9 : 2e-6);
+    EXPECT_LE(mode.residual, at == AskedState::rest ? 1e-9 : 2e-6);
     EXPECT_EQ(mode.owner.element, alone.owner.element);
     EXPECT_EQ(mode.bounds.element, alone.bounds.element);
   }

@@ -240,13 +240,13 @@ TEST(MeshLimits, AtRestAreThoseOfABodyWithoutItsWeight) {
   const Problem loaded = mesh_problem("fem_green@phantom", {{"g", 9.81}, {"alpha", 4}, {"beta", 0.001}}),
                 free = mesh_problem("fem_green@phantom", {{"alpha", 4}, {"beta", 0.001}});
   const Method method = find_method("rk4");
-  const Linearised at_rest = linearised(loaded, OperatingPoint::rest), near = linearised(free);
-  EXPECT_EQ(at_rest.state_kind, "rest");
+  const Linearised at_rest = linearised(loaded, AskedState::rest), near = linearised(free);
+  EXPECT_EQ(at_rest.state_kind, StateKind::rest);
   EXPECT_FALSE(at_rest.at_equilibrium);
-  EXPECT_EQ(near.state_kind, "equilibrium");
+  EXPECT_EQ(near.state_kind, StateKind::equilibrium);
   EXPECT_DOUBLE_EQ(predict(method, loaded, at_rest).h_max.value(), predict(method, free, near).h_max.value());
-  EXPECT_EQ(predict(method, loaded, at_rest).state_kind, "rest");
-  EXPECT_EQ(linearised(loaded).state_kind, "equilibrium");
+  EXPECT_EQ(predict(method, loaded, at_rest).state_kind, StateKind::rest);
+  EXPECT_EQ(linearised(loaded).state_kind, StateKind::equilibrium);
 }
 
 TEST(MeshLimits, OfLargeMeshesNeedNoDenseMatrix) {

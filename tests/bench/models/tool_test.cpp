@@ -80,7 +80,7 @@ TEST(Tool, DeeperThanItsDiameterIsFollowedToItsEquilibrium) {
       make_problem("fem_neo_hookean/tool@beam",
                    {.material = {}, .parameters = {{"depth", 0.021}, {"tool_radius", 0.01}}, .y0 = {}});
   const Linearised near = linearised(problem);
-  ASSERT_EQ(near.state_kind, "equilibrium") << near.status;
+  ASSERT_EQ(near.state_kind, StateKind::equilibrium) << near.status;
   EXPECT_GT(problem.body->tool_reaches(near.model.t, near.model.y).front().indentation, 0.015);
 }
 
@@ -121,7 +121,7 @@ TEST(Tool, IsInTheLimitsOfStepsAtTheEquilibriumUnderIt) {
   for (const double factor : {1.0, 100.0}) {
     const Problem problem = pressed("phantom", {{"tool_stiffness", factor * stiffness}});
     const Linearised near = linearised(problem);
-    ASSERT_EQ(near.state_kind, "equilibrium") << factor << ": " << near.status;
+    ASSERT_EQ(near.state_kind, StateKind::equilibrium) << factor << ": " << near.status;
     EXPECT_EQ(near.missing, "");
     Prediction row = predict(method, problem, near);
     ASSERT_EQ(row.bound, Bound::stability) << row.note;
@@ -130,7 +130,7 @@ TEST(Tool, IsInTheLimitsOfStepsAtTheEquilibriumUnderIt) {
     EXPECT_LT(*row.h_max, last);
     last = *row.h_max;
   }
-  const Linearised rest = linearised(usual, OperatingPoint::rest);
+  const Linearised rest = linearised(usual, AskedState::rest);
   EXPECT_NE(rest.missing, "");
 }
 

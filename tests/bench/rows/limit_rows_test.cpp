@@ -22,6 +22,8 @@ TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
   EXPECT_EQ(row.method, "rk4");
   EXPECT_EQ(row.bound, "stability");
   EXPECT_EQ(row.state_kind, "equilibrium");
+  prediction.state_kind = StateKind::rest;
+  EXPECT_EQ(limit_row(prediction).state_kind, "rest");
   EXPECT_EQ(row.h_max, *prediction.h_max);
   EXPECT_EQ(row.re, prediction.limiting->lambda.real());
   EXPECT_EQ(row.verdict, "confirmed");
@@ -46,7 +48,7 @@ TEST(LimitRows, OfAnotherBuildAreNotLookedUp) {
   const Scratch scratch;
   Store store = Store::open_or_create(scratch / "s.sqlite");
   OperatingPointRow point;
-  point.key = operating_point_key(make_problem("liver_forced", {}), OperatingPoint::equilibrium, "", 0);
+  point.key = operating_point_key(make_problem("liver_forced", {}), AskedState::equilibrium, "", 0);
   EXPECT_EQ(point.key.asked, "equilibrium");
   EXPECT_EQ(point.key.model.size(), 16U);
   LimitRow row;
