@@ -79,7 +79,7 @@ void look_at_limits(Ground& ground, const std::vector<Candidate>& all, const Wat
     ground.status.push_back(std::isnan(ground.h_max.back()) ? start.note : "");
   }
   if (problem.body && along.back()) ground.stiffened = stiffening_along(*along.back());
-  for (const MechanicalMode& mode : ground.near.spectrum.mechanical)
+  for (const MechanicalMode& mode : ground.near.modes.spectrum.mechanical)
     ground.fastest = std::max(ground.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
 }
 
@@ -340,7 +340,7 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
                                  problem.id));
   now(0.2, "limits along the motion");
   look_at_limits(ground, all, watch);
-  const auto modes = slowest_modes(ground.near.spectrum);
+  const auto modes = slowest_modes(ground.near.modes.spectrum);
   for (const auto& [omega, zeta] : modes) advice.modes.push_back(omega);
 
   const StepSearch search(question, ground, watch);

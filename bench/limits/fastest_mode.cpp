@@ -191,11 +191,12 @@ FastestMode fastest_mode_of(const TissueBody& body, bool with_gains) {
 }
 
 FastestMode fastest_mode_of(const TissueBody& body, const Linearised& near, bool with_gains) {
-  if (near.fastest_shape.size() == 0) return fastest_mode_of(body, with_gains);
-  const Sparse& K = std::get<Sparse>(near.model.mechanical->K);
+  if (near.modes.fastest_shape.size() == 0) return fastest_mode_of(body, with_gains);
+  const Sparse& K = std::get<Sparse>(near.point.model.mechanical->K);
   const VectorXd root = body.mass().cwiseSqrt();
-  LanczosPair pair{.value = near.curve->kappa_max, .vector = root.cwiseProduct(near.fastest_shape)};
-  pair.residual = ((K * near.fastest_shape).cwiseQuotient(root) - pair.value * pair.vector).norm();
+  LanczosPair pair{.value = near.modes.curve->kappa_max,
+                   .vector = root.cwiseProduct(near.modes.fastest_shape)};
+  pair.residual = ((K * near.modes.fastest_shape).cwiseQuotient(root) - pair.value * pair.vector).norm();
   return described(body, K, pair, with_gains);
 }
 

@@ -46,8 +46,8 @@ StepAnswer answer_of(const MethodChoice& choice, const Problem& problem, const L
   StepAnswer answer{.method = row.method,
                     .bound = row.bound,
                     .limiting = row.limiting,
-                    .state_kind = std::string(name_of(near.state_kind)),
-                    .status = near.status};
+                    .state_kind = std::string(name_of(near.point.kind)),
+                    .status = near.point.status};
   if (row.h_max) answer.h_max = *row.h_max;
   const auto say = [&](const std::string& sentence) {
     if (!sentence.empty()) answer.status += (answer.status.empty() ? "" : "; ") + sentence;
@@ -112,9 +112,9 @@ StepAnswer largest_stable_step(const MethodChoice& method, const AnySystem& syst
         options.t));
   const EquilibriumSearch search = find_equilibrium(system, options.t, y);
   Linearised near = linearised(problem, options.t, search.found() ? search.state : y);
-  near.at_equilibrium = search.found();
-  near.state_kind = search.found() ? StateKind::equilibrium : StateKind::initial;
-  if (!search.found()) near.status = search.message;
+  near.point.at_equilibrium = search.found();
+  near.point.kind = search.found() ? StateKind::equilibrium : StateKind::initial;
+  if (!search.found()) near.point.status = search.message;
   StepAnswer answer = answer_of(method, problem, near, options.verify && search.found());
   // Runs from a state that is no equilibrium leave it, whatever the step.
   if (options.verify && !search.found()) answer.status += "; not verified: this state is no equilibrium";
@@ -126,8 +126,8 @@ StepAnswer step_of_structure(const MethodChoice& method, const AnySystem& struct
                              const StepOptions& options) {
   const Problem problem = problem_of(structure, Eigen::VectorXd::Zero(structure.dim()));
   Linearised near = linearised(problem, 0, problem.y0);
-  near.at_equilibrium = true;
-  near.state_kind = StateKind::equilibrium;
+  near.point.at_equilibrium = true;
+  near.point.kind = StateKind::equilibrium;
   return answer_of(method, problem, near, options.verify);
 }
 }  // namespace detail

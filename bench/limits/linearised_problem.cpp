@@ -58,23 +58,23 @@ LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd
       problem.system);
 }
 
-namespace {
-Linearised state_of(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}, .status = {}};
-  near.state =
-      fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(near.model.origin));
-  return near;
+OperatingPoint operating_point(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  OperatingPoint point{.model = linear_model(problem, t, y)};
+  point.state =
+      fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(point.model.origin));
+  return point;
 }
 
-void add_spectrum(Linearised& near) {
-  if (!set_curve(near) && !set_range(near)) near.spectrum = spectrum_of(near.model);
-  require_usual_rates(near.spectrum);
+ModeSet mode_set(const LinearModel& model) {
+  ModeSet modes;
+  if (!set_curve(model, modes) && !set_range(model, modes)) modes.spectrum = spectrum_of(model);
+  require_usual_rates(modes.spectrum);
+  return modes;
 }
-}  // namespace
 
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  Linearised near = state_of(problem, t, y);
-  add_spectrum(near);
+  Linearised near{.point = operating_point(problem, t, y)};
+  near.modes = mode_set(near.point.model);
   return near;
 }
 
@@ -92,10 +92,10 @@ bool is_at_rest(const TissueBody& body) {
 
 namespace {
 /// Says where the contact of a tool is not in a linear model.
-void look_at_contact(Linearised& near, const Problem& problem) {
-  if (problem.body && std::ranges::any_of(problem.body->tool_reaches(near.model.t, near.model.y),
+void look_at_contact(OperatingPoint& point, const Problem& problem) {
+  if (problem.body && std::ranges::any_of(problem.body->tool_reaches(point.model.t, point.model.y),
                                           [](const auto& reach) { return reach.penetration == 0; }))
-    near.missing =
+    point.missing =
         "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
 }
 
@@ -135,37 +135,37 @@ EquilibriumSearch equilibrium_of(const Problem& problem, const EquilibriumWatche
 }
 }  // namespace
 
-Linearised without_spectrum(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
+OperatingPoint operating_point(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
   const bool at_rest = at == AskedState::rest;
   const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
   const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();
   const double t = !at_rest && search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
   // One variable for all returns: another would be copied with its matrices.
-  Linearised near = state_of(problem, t, search.found() ? search.state : problem.y0);
-  near.at_equilibrium = at_equilibrium;
-  near.state_kind = at_rest || (problem.body && !search.found()) ? StateKind::rest
-                    : search.found()                             ? StateKind::equilibrium
-                                                                 : StateKind::initial;
+  OperatingPoint point = operating_point(problem, t, search.found() ? search.state : problem.y0);
+  point.at_equilibrium = at_equilibrium;
+  point.kind = at_rest || (problem.body && !search.found()) ? StateKind::rest
+               : search.found()                             ? StateKind::equilibrium
+                                                            : StateKind::initial;
   if (at_rest) {
-    near.state = fmt::format("rest {}{}", near.state, at_equilibrium ? "" : "; the load acts on it");
-    look_at_contact(near, problem);
-    return near;
+    point.state = fmt::format("rest {}{}", point.state, at_equilibrium ? "" : "; the load acts on it");
+    look_at_contact(point, problem);
+    return point;
   }
   if (!search.found()) {
-    near.status = search.message;
-    near.state = fmt::format("initial state {}; {}", near.state, search.message);
+    point.status = search.message;
+    point.state = fmt::format("initial state {}; {}", point.state, search.message);
   } else {
-    near.state = fmt::format(
-        "equilibrium {}{}", near.state,
+    point.state = fmt::format(
+        "equilibrium {}{}", point.state,
         search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
   }
-  look_at_contact(near, problem);
-  return near;
+  look_at_contact(point, problem);
+  return point;
 }
 
 Linearised linearised(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
-  Linearised near = without_spectrum(problem, at, watcher);
-  add_spectrum(near);
+  Linearised near{.point = operating_point(problem, at, watcher)};
+  near.modes = mode_set(near.point.model);
   return near;
 }
 

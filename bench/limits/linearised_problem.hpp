@@ -18,14 +18,18 @@ bool is_at_rest(const TissueBody& body);
 /// @throws InputError  as linearise()
 Linearised linearised(const Problem& problem, AskedState at = AskedState::equilibrium,
                       const EquilibriumWatcher& watcher = {});
-/// The same without its spectrum.
-Linearised without_spectrum(const Problem& problem, AskedState at = AskedState::equilibrium,
-                            const EquilibriumWatcher& watcher = {});
+/// The same without its modes.
+OperatingPoint operating_point(const Problem& problem, AskedState at = AskedState::equilibrium,
+                               const EquilibriumWatcher& watcher = {});
 LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y);
 /// Whether the Jacobian depends on the state, so that limits are those of small motions; bodies are not
 /// asked, as all but those of small strains are.
 bool is_nonlinear(const Problem& problem);
 /// Near a state of its own.
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
+OperatingPoint operating_point(const Problem& problem, double t, const Eigen::VectorXd& y);
+/// All modes, or of large structures those that limits need.
+/// @throws InputError  where rates leave the range of numbers, or all modes are asked for and are too many
+ModeSet mode_set(const LinearModel& model);
 
 }  // namespace hmax

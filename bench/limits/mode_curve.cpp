@@ -48,63 +48,65 @@ bool is_undeformed(const LinearModel& model) { return model.y.head(model.mechani
 
 }  // namespace
 
-double SlowEnd::of(const Linearised& near) {
-  std::call_once(once_, [&] { kappa_ = slow_end(*near.model.mechanical, near.curve->kappa_max); });
+double SlowEnd::of(const MechanicalPart& part, const DampingCurve& curve) {
+  std::call_once(once_, [&] { kappa_ = slow_end(part, curve.kappa_max); });
   return kappa_;
 }
 
-bool set_curve(Linearised& near, Eigen::Index small) {
-  if (!near.model.mechanical || near.model.mechanical->mass.size() <= small) return false;
-  const MechanicalPart& part = *near.model.mechanical;
+bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small) {
+  if (!model.mechanical || model.mechanical->mass.size() <= small) return false;
+  const MechanicalPart& part = *model.mechanical;
   const auto rayleigh = rayleigh_coefficients(part);
   if (!rayleigh) return false;
   // Who describes the fastest mode at rest asks for its shape; under a load it is another mode.
-  const bool at_rest = near.model.y.isZero(0);
+  const bool at_rest = model.y.isZero(0);
   const ExtremeStiffnesses largest = largest_stiffnesses(part, 1, small_enough_for_dense, at_rest);
   DampingCurve curve{.alpha = (*rayleigh)[0], .beta = (*rayleigh)[1], .kappa_max = largest.kappa.at(0)};
-  if (at_rest) near.fastest_shape = largest.shapes.col(0);
-  near.slow_end = std::make_shared<SlowEnd>();
-  near.curve = curve;
+  if (at_rest) modes.fastest_shape = largest.shapes.col(0);
+  modes.slow_end = std::make_shared<SlowEnd>();
+  modes.curve = curve;
   // The slow end takes a factor of K, which most limits do not need; only a body that may buckle does.
   const Eigen::Index dofs = part.mass.size();
-  if (dofs <= most_cheaply_factored || (dofs <= most_factored && !is_undeformed(near.model))) {
-    near.curve->kappa_min = near.slow_end->of(near);
-    near.slow_end = nullptr;
-  } else if (!is_undeformed(near.model)) {
+  if (dofs <= most_cheaply_factored || (dofs <= most_factored && !is_undeformed(model))) {
+    modes.curve->kappa_min = modes.slow_end->of(part, curve);
+    modes.slow_end = nullptr;
+  } else if (!is_undeformed(model)) {
     const double least = least_stiffness(part, curve.kappa_max);
-    if (least < -1e-8 * curve.kappa_max) near.curve->kappa_min = least;
+    if (least < -1e-8 * curve.kappa_max) modes.curve->kappa_min = least;
   }
   const auto add = [&](double kappa) {
-    near.spectrum.mechanical.push_back(near.curve->at(kappa));
-    for (const Complex lambda : eigenvalues_of(near.curve->at(kappa))) near.spectrum.lambda.push_back(lambda);
+    modes.spectrum.mechanical.push_back(modes.curve->at(kappa));
+    for (const Complex lambda : eigenvalues_of(modes.curve->at(kappa)))
+      modes.spectrum.lambda.push_back(lambda);
   };
-  if (!near.slow_end || near.curve->kappa_min < 0) add(near.curve->kappa_min);
-  add(near.curve->kappa_max);
+  if (!modes.slow_end || modes.curve->kappa_min < 0) add(modes.curve->kappa_min);
+  add(modes.curve->kappa_max);
   return true;
 }
 
-LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised& near, double radius) {
-  const ExitsOf exits = [&](std::span<const MechanicalMode> modes) {
-    if (amplification.of_oscillation) return largest_stable_step(amplification, modes).of_modes;
+LimitOnCurve limit_on_curve(const Amplification& amplification, const MechanicalPart& part,
+                            const ModeSet& modes, double radius) {
+  const ExitsOf exits = [&](std::span<const MechanicalMode> of) {
+    if (amplification.of_oscillation) return largest_stable_step(amplification, of).of_modes;
     std::vector<Eigenmode> told;
-    for (const MechanicalMode& mode : modes)
+    for (const MechanicalMode& mode : of)
       for (const Complex lambda : eigenvalues_of(mode)) told.emplace_back(lambda).radius = radius;
     const StepLimit limit = largest_stable_step(amplification, told);
     std::vector<double> least;
-    for (std::size_t i = 0; i < modes.size(); ++i)
+    for (std::size_t i = 0; i < of.size(); ++i)
       least.push_back(std::min(limit.of_modes[2 * i], limit.of_modes[2 * i + 1]));
     return least;
   };
-  DampingCurve curve = *near.curve;
+  DampingCurve curve = *modes.curve;
   CurveLimit least = smallest_exit(curve, exits);
   const bool is_of_fastest = least.kappa == curve.kappa_max;
-  if (near.slow_end && !is_of_fastest) {
-    curve.kappa_min = near.slow_end->of(near);
+  if (modes.slow_end && !is_of_fastest) {
+    curve.kappa_min = modes.slow_end->of(part, curve);
     least = smallest_exit(curve, exits);
   }
   LimitOnCurve limit{.h_max = least.h_max, .mode = mode_of(curve.at(least.kappa)), .modes = {}, .note = {}};
   std::vector<MechanicalMode> shown;
-  if (!near.slow_end || !is_of_fastest) shown.push_back(curve.at(curve.kappa_min));
+  if (!modes.slow_end || !is_of_fastest) shown.push_back(curve.at(curve.kappa_min));
   shown.push_back(curve.at(curve.kappa_max));
   if (least.between) shown.push_back(curve.at(least.kappa));
   const std::vector<double> margins = exits(shown);
@@ -116,8 +118,8 @@ LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised
   if (!least.between || !std::isfinite(least.h_max)) return limit;
   limit.note =
       "no mode has a smaller limit; it is that of a frequency between the slowest and the fastest mode";
-  if (near.model.mechanical->mass.size() > most_factored) return limit;
-  const ExtremeStiffnesses nearest = stiffnesses_near(*near.model.mechanical, least.kappa);
+  if (part.mass.size() > most_factored) return limit;
+  const ExtremeStiffnesses nearest = stiffnesses_near(part, least.kappa);
   if (nearest.converged) {
     const MechanicalMode mode = curve.at(nearest.kappa.front());
     limit.note += fmt::format(", and the mode nearest to that, at {:.6g} rad/s, has {:.6g} s",

@@ -15,18 +15,18 @@ namespace hmax {
 class SlowEnd {
  public:
   /// [1/s^2]; 0, which none is below, beyond most_factored degrees of freedom.
-  double of(const Linearised& near);
+  double of(const MechanicalPart& part, const DampingCurve& curve);
 
  private:
   std::once_flag once_;
   double kappa_ = 0;
 };
 
-/// Puts the ends of the spectrum of a large structure with proportional damping into `near`; beyond
+/// Puts the ends of the spectrum of a large structure with proportional damping into `modes`; beyond
 /// most_cheaply_factored degrees of freedom its fast end alone, which limits explicit methods, with 0 for the
 /// slow one. False, and nothing done, for all other models.
 /// @param small  up to so many degrees of freedom a structure is not large
-bool set_curve(Linearised& near, Eigen::Index small = most_dense_modes);
+bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_modes);
 
 /// The least limit of a method along the curve of all modes between those ends.
 struct LimitOnCurve {
@@ -37,6 +37,7 @@ struct LimitOnCurve {
 };
 
 /// @param radius  that the method is told [1/s]
-LimitOnCurve limit_on_curve(const Amplification& amplification, const Linearised& near, double radius);
+LimitOnCurve limit_on_curve(const Amplification& amplification, const MechanicalPart& part,
+                            const ModeSet& modes, double radius);
 
 }  // namespace hmax

@@ -42,26 +42,27 @@ const DampingRange& ModeRange::with_least_damping(const MechanicalPart& part) {
   return cut_;
 }
 
-bool set_range(Linearised& near, Eigen::Index small) {
-  if (!near.model.mechanical) return false;
-  const MechanicalPart& part = *near.model.mechanical;
+bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small) {
+  if (!model.mechanical) return false;
+  const MechanicalPart& part = *model.mechanical;
   if (part.mass.size() <= small || !part.symmetric || part.damping != Damping::general) return false;
-  near.range = std::make_shared<ModeRange>();
-  if (may_buckle(part)) near.range->growing = growing_eigenvalue(part);
+  modes.range = std::make_shared<ModeRange>();
+  if (may_buckle(part)) modes.range->growing = growing_eigenvalue(part);
   const DampedEigenvalues largest = largest_damped_eigenvalues(part);
-  near.range->rest = largest.rest;
-  near.spectrum.lambda = largest.lambda;
-  if (near.range->growing)
-    near.spectrum.lambda.emplace_back(*near.range->growing);
+  modes.range->rest = largest.rest;
+  modes.spectrum.lambda = largest.lambda;
+  if (modes.range->growing)
+    modes.spectrum.lambda.emplace_back(*modes.range->growing);
   else
-    near.range->pairs = damping_range(part);
+    modes.range->pairs = damping_range(part);
   return true;
 }
 
-LimitInRange limit_in_range(const Amplification& amplification, const Linearised& near, double radius) {
+LimitInRange limit_in_range(const Amplification& amplification, const MechanicalPart& part,
+                            const ModeSet& modes, double radius) {
   LimitInRange limit{.h_max = infinity, .mode = {}, .modes = {}, .unstable_from = {}};
   std::vector<Eigenmode> found;
-  for (const Complex lambda : near.spectrum.lambda)
+  for (const Complex lambda : modes.spectrum.lambda)
     if (lambda.imag() >= 0) found.emplace_back(lambda);
   const std::vector<double> exits = exits_of(amplification, found, radius);
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -77,8 +78,8 @@ LimitInRange limit_in_range(const Amplification& amplification, const Linearised
   const auto worst_in = [&](DampingRange range) {
     double fastest = 0;
     for (const MechanicalMode& corner : range.corners) fastest = std::max(fastest, corner.gamma);
-    fastest = std::min(fastest, near.range->rest);
-    range.cut(0, 1, near.range->rest * near.range->rest);
+    fastest = std::min(fastest, modes.range->rest);
+    range.cut(0, 1, modes.range->rest * modes.range->rest);
     RangeLimit worst = smallest_exit(range, [&](std::span<const MechanicalMode> pairs) {
       std::vector<Eigenmode> told;
       for (const MechanicalMode& pair : pairs) told.emplace_back(eigenvalues_of(pair)[0]);
@@ -89,8 +90,8 @@ LimitInRange limit_in_range(const Amplification& amplification, const Linearised
       worst = {real, {.kappa = 0, .gamma = fastest}};
     return worst;
   };
-  RangeLimit worst = worst_in(near.range->pairs);
-  if (worst.h_max < known) worst = worst_in(near.range->with_least_damping(*near.model.mechanical));
+  RangeLimit worst = worst_in(modes.range->pairs);
+  if (worst.h_max < known) worst = worst_in(modes.range->with_least_damping(part));
   if (worst.h_max >= known * (1 - 1e-9)) return limit;
   limit.h_max = worst.h_max;
   limit.mode = mode_of(worst.mode);

@@ -27,9 +27,9 @@ struct ModeRange {
   DampingRange cut_;
 };
 
-/// Puts the largest eigenvalues of a structure with symmetric matrices and general damping into `near`, and
+/// Puts the largest eigenvalues of a structure with symmetric matrices and general damping into `modes`, and
 /// the range of all modes. False, and nothing done, for all other models.
-bool set_range(Linearised& near, Eigen::Index small = most_dense_coupled);
+bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_coupled);
 
 /// The limit of a method on such a structure.
 struct LimitInRange {
@@ -43,6 +43,7 @@ struct LimitInRange {
 /// The least first exit of the largest eigenvalues, where the range says that no other mode leaves before;
 /// else what the range says.
 /// @param radius  that the method is told [1/s]
-LimitInRange limit_in_range(const Amplification& amplification, const Linearised& near, double radius);
+LimitInRange limit_in_range(const Amplification& amplification, const MechanicalPart& part,
+                            const ModeSet& modes, double radius);
 
 }  // namespace hmax

@@ -31,7 +31,7 @@ Distance distance_from(const VectorXd& rest, const Eigenvectors& vectors, double
 }
 
 ModeStart dense_start(const Linearised& near, const VectorXd& rest, Complex wanted, double fastest) {
-  const Eigenvectors vectors = eigenvectors_of(near.model);
+  const Eigenvectors vectors = eigenvectors_of(near.point.model);
   const auto at =
       std::ranges::min_element(vectors.lambda, {}, [&](Complex l) { return std::abs(l - wanted); });
   ModeStart start{.displacement = vectors.right.col(at - vectors.lambda.begin()).real(),
@@ -96,7 +96,7 @@ VectorXcd shape_near(const MechanicalPart& part, Complex lambda) {
 }
 
 StructureMode structure_mode(const Linearised& near, Complex wanted) {
-  const MechanicalPart& part = *near.model.mechanical;
+  const MechanicalPart& part = *near.point.model.mechanical;
   if (!part.decouples()) return {wanted, shape_near(part, wanted)};
   const MechanicalMode mode = oscillation_of(near, wanted);
   const auto lambda = eigenvalues_of(mode);
@@ -120,7 +120,7 @@ Distance amplitude_from(const VectorXd& rest, const MechanicalPart& part, const 
 }
 
 ModeStart structure_start(const Linearised& near, const VectorXd& rest, Complex wanted) {
-  const MechanicalPart& part = *near.model.mechanical;
+  const MechanicalPart& part = *near.point.model.mechanical;
   const StructureMode mode = structure_mode(near, wanted);
   ModeStart start = energy_start(part, rest, mode.shape.real(), (mode.lambda * mode.shape).real());
   start.defective = mode.defective;
@@ -136,18 +136,19 @@ MechanicalMode oscillation_of(const Linearised& near, Complex lambda) {
     const auto pair = eigenvalues_of(mode);
     return std::min(std::abs(pair[0] - lambda), std::abs(pair[1] - lambda));
   };
-  const auto& modes = near.spectrum.mechanical;
+  const auto& modes = near.modes.spectrum.mechanical;
   const MechanicalMode listed = *std::ranges::min_element(modes, {}, distance);
-  if (!near.curve || distance(listed) <= 1e-9 * std::abs(lambda)) return listed;
+  if (!near.modes.curve || distance(listed) <= 1e-9 * std::abs(lambda)) return listed;
   // Of lambda^2 + (alpha + beta kappa) lambda + kappa = 0.
-  const Complex kappa = -(lambda * lambda + near.curve->alpha * lambda) / (1.0 + near.curve->beta * lambda);
-  return near.curve->at(kappa.real());
+  const Complex kappa =
+      -(lambda * lambda + near.modes.curve->alpha * lambda) / (1.0 + near.modes.curve->beta * lambda);
+  return near.modes.curve->at(kappa.real());
 }
 
 VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
-  const MechanicalPart& part = *near.model.mechanical;
+  const MechanicalPart& part = *near.point.model.mechanical;
   double largest = 0;
-  for (const MechanicalMode& each : near.spectrum.mechanical) largest = std::max(largest, each.kappa);
+  for (const MechanicalMode& each : near.modes.spectrum.mechanical) largest = std::max(largest, each.kappa);
   const ExtremeStiffnesses found =
       mode.kappa >= largest * (1 - 1e-12) ? largest_stiffnesses(part) : stiffnesses_near(part, mode.kappa);
   return found.shapes.col(0);
@@ -166,7 +167,7 @@ Distance motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const
 }
 
 ModeStart start_from_mode(const Linearised& near, const VectorXd& rest, Complex wanted, double fastest) {
-  const auto& part = near.model.mechanical;
+  const auto& part = near.point.model.mechanical;
   const bool structure = part && part->symmetric && is_sparse(part->K) && is_sparse(part->C) &&
                          part->mass.size() > most_dense_start;
   return structure ? structure_start(near, rest, wanted) : dense_start(near, rest, wanted, fastest);

@@ -51,10 +51,19 @@ constexpr std::string_view name_of(StateKind kind) {
 /// Called with |F| / |F(0)| of each iterate while a static equilibrium is searched for.
 using EquilibriumWatcher = std::function<void(double residual)>;
 
-/// The model whose limits are asked for: a problem near a state.
-struct Linearised {
+/// A problem near a state: its linear model, and which state it is.
+struct OperatingPoint {
   LinearModel model;
-  Spectrum spectrum;  ///< all of it, or with `curve` the modes at its ends
+  StateKind kind = StateKind::motion;
+  bool at_equilibrium = false;
+  std::string state = {};    ///< in words: which state, whose Jacobian
+  std::string status = {};   ///< why it is not the state that was asked for
+  std::string missing = {};  ///< says that a tool does not touch the body in this state
+};
+
+/// What is known of the modes of a linear model.
+struct ModeSet {
+  Spectrum spectrum = {};  ///< all of it, or with `curve` the modes at its ends
   /// Of proportionally damped models of more than most_dense_modes degrees of freedom.
   std::optional<DampingCurve> curve = {};
   /// Where the slow end of the curve is only bounded by 0, what finds it.
@@ -65,11 +74,12 @@ struct Linearised {
   /// Of models whose damping couples more degrees of freedom than most_dense_coupled; `spectrum` then lists
   /// the largest eigenvalues.
   std::shared_ptr<ModeRange> range = {};
-  bool at_equilibrium = false;
-  StateKind state_kind = StateKind::motion;
-  std::string state;         ///< in words: which state, whose Jacobian
-  std::string status;        ///< why it is not the state that was asked for
-  std::string missing = {};  ///< says that a tool does not touch the body in this state
+};
+
+/// An operating point and its modes: what limits are predicted from.
+struct Linearised {
+  OperatingPoint point;
+  ModeSet modes = {};
 };
 
 /// Degrees of freedom of a mesh up to which a factor of K takes less than a second.

@@ -27,9 +27,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The amplification as far as the method can be analysed on this model, or why not.
 std::string obstacle(const Method& method, const Linearised& near) {
-  if (method.needs_second_order && !near.model.mechanical)
+  if (method.needs_second_order && !near.point.model.mechanical)
     return "the method steps positions and velocities, which the problem does not have";
-  if (method.needs_split && !near.model.J_stiff) return "the problem declares no stiff part";
+  if (method.needs_split && !near.point.model.J_stiff) return "the problem declares no stiff part";
   return {};
 }
 
@@ -62,17 +62,17 @@ constexpr Eigen::Index most_dense_parts = 400;
 
 /// Whether the part that is declared stiff is the whole.
 bool is_all_stiff(const Linearised& near) {
-  return relative_distance(near.model.J(), near.model.J_stiff()) <= 1e-13;
+  return relative_distance(near.point.model.J(), near.point.model.J_stiff()) <= 1e-13;
 }
 
 /// The share of every eigenvalue that is declared stiff. Where both parts have the same eigenvectors the
 /// Rayleigh quotient with them says it.
 std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const std::vector<Complex>& lambda) {
   if (is_all_stiff(near)) return lambda;
-  if (near.model.y.size() > most_dense_parts) return std::nullopt;
-  const Eigen::MatrixXd J = dense(near.model.J()), stiff = dense(near.model.J_stiff());
+  if (near.point.model.y.size() > most_dense_parts) return std::nullopt;
+  const Eigen::MatrixXd J = dense(near.point.model.J()), stiff = dense(near.point.model.J_stiff());
   if ((J * stiff - stiff * J).norm() > 1e-10 * J.norm() * stiff.norm()) return std::nullopt;
-  const Eigenvectors vectors = eigenvectors_of(near.model);
+  const Eigenvectors vectors = eigenvectors_of(near.point.model);
   if (vectors.defective) return std::nullopt;
   std::vector<Complex> parts;
   for (const Complex each : lambda) {
@@ -91,9 +91,10 @@ double radius_told(const Method& method, const Problem& problem, const Linearise
   return std::visit(
       [&]<class Sys>(const Sys& system) -> double {
         if constexpr (BoundedSpectrumSystem<Sys>)
-          if (has_spectral_radius(system)) return system.spectral_radius(near.model.t, near.model.y);
+          if (has_spectral_radius(system))
+            return system.spectral_radius(near.point.model.t, near.point.model.y);
         double radius = 0;
-        for (const Complex lambda : near.spectrum.lambda) radius = std::max(radius, std::abs(lambda));
+        for (const Complex lambda : near.modes.spectrum.lambda) radius = std::max(radius, std::abs(lambda));
         return SpectralRadius<Eigen::VectorXd>::margin * radius;
       },
       problem.system);
@@ -101,8 +102,8 @@ double radius_told(const Method& method, const Problem& problem, const Linearise
 
 /// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
 bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
-  const Eigen::VectorXd elsewhere = near.model.y + Eigen::VectorXd::Ones(near.model.y.size());
-  return relative_distance(near.model, linear_model(problem, near.model.t, elsewhere)) <= 1e-12;
+  const Eigen::VectorXd elsewhere = near.point.model.y + Eigen::VectorXd::Ones(near.point.model.y.size());
+  return relative_distance(near.point.model, linear_model(problem, near.point.model.t, elsewhere)) <= 1e-12;
 }
 
 }  // namespace
@@ -126,7 +127,7 @@ void is_of_growing_model(Prediction& row, const Mode& mode, const Problem& probl
   row.bound = Bound::model;
   row.limiting = mode;
   const Complex lambda = mode.lambda;
-  if (problem.body && near.at_equilibrium && lambda.imag() == 0)
+  if (problem.body && near.point.at_equilibrium && lambda.imag() == 0)
     row.note = fmt::format(
         "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
         "exp({:.4g} t) whatever the step; take less load, `--along load` shows up to which share it does not",
@@ -153,9 +154,11 @@ void conclude(Prediction& row, double h_max, const Mode& mode, const Method& met
 
 /// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
 void predict_on_curve(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (near.curve->kappa_min < 0)
-    return is_of_growing_model(row, growing_of(near.curve->at(near.curve->kappa_min)), problem, near);
-  LimitOnCurve limit = limit_on_curve(*method.amplification, near, radius_told(method, problem, near));
+  if (near.modes.curve->kappa_min < 0)
+    return is_of_growing_model(row, growing_of(near.modes.curve->at(near.modes.curve->kappa_min)), problem,
+                               near);
+  LimitOnCurve limit = limit_on_curve(*method.amplification, *near.point.model.mechanical, near.modes,
+                                      radius_told(method, problem, near));
   row.modes = std::move(limit.modes);
   conclude(row, limit.h_max, limit.mode, method, problem, near);
   if (row.note.empty()) row.note = limit.note;
@@ -163,12 +166,14 @@ void predict_on_curve(Prediction& row, const Method& method, const Problem& prob
 
 /// Where only the largest eigenvalues are known, and between which damping and stiffness all modes lie.
 void predict_in_range(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (near.range->growing) return is_of_growing_model(row, mode_of(*near.range->growing), problem, near);
+  if (near.modes.range->growing)
+    return is_of_growing_model(row, mode_of(*near.modes.range->growing), problem, near);
   if (method.needs_split && !is_all_stiff(near)) {
     row.note = without_common_modes;
     return;
   }
-  LimitInRange limit = limit_in_range(*method.amplification, near, radius_told(method, problem, near));
+  LimitInRange limit = limit_in_range(*method.amplification, *near.point.model.mechanical, near.modes,
+                                      radius_told(method, problem, near));
   row.modes = std::move(limit.modes);
   row.unstable_from = limit.unstable_from;
   const std::string found =
@@ -189,16 +194,16 @@ void predict_in_range(Prediction& row, const Method& method, const Problem& prob
 /// Where the steps couple modes the whole model has one limit.
 void predict_coupled(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
   row.state += "; the steps couple the modes, so that all of them are taken together";
-  const std::vector<Mode> modes = modes_of(near.spectrum);
+  const std::vector<Mode> modes = modes_of(near.modes.spectrum);
   for (const Mode& mode : modes)
     row.modes.push_back({mode, std::numeric_limits<double>::quiet_NaN(), Eigenmode(mode.lambda)});
-  if (near.range && near.range->growing)
-    return is_of_growing_model(row, mode_of(*near.range->growing), problem, near);
+  if (near.modes.range && near.modes.range->growing)
+    return is_of_growing_model(row, mode_of(*near.modes.range->growing), problem, near);
   if (const auto growing = growing_modes(lambda_of(modes)); !growing.empty())
     return is_of_growing_model(row, modes[growing.front()], problem, near);
-  const MechanicalPart& part = *near.model.mechanical;
+  const MechanicalPart& part = *near.point.model.mechanical;
   const MotionMap& map = *method.amplification->motion;
-  if (near.range) row.coupled = proved_first_exit(map, part, *method.amplification);
+  if (near.modes.range) row.coupled = proved_first_exit(map, part, *method.amplification);
   if (!row.coupled && part.mass.size() <= most_dense_modes)
     row.coupled = CoupledMotion(map, part).first_exit(*method.amplification);
   if (!row.coupled) {
@@ -217,9 +222,10 @@ void predict_by_modes(Prediction& row, const Method& method, const Problem& prob
   const bool of_oscillations = static_cast<bool>(amplification.of_oscillation);
   std::vector<Mode> modes;
   if (of_oscillations)
-    for (const MechanicalMode& oscillation : near.spectrum.mechanical) modes.push_back(mode_of(oscillation));
+    for (const MechanicalMode& oscillation : near.modes.spectrum.mechanical)
+      modes.push_back(mode_of(oscillation));
   else
-    modes = modes_of(near.spectrum);
+    modes = modes_of(near.modes.spectrum);
   const std::vector<Complex> lambda = lambda_of(modes);
   std::vector<Eigenmode> told(lambda.begin(), lambda.end());
   if (!of_oscillations) {
@@ -235,12 +241,12 @@ void predict_by_modes(Prediction& row, const Method& method, const Problem& prob
     }
   }
   // Both eigenvalues of an oscillation share its limit.
-  const StepLimit limit = of_oscillations ? largest_stable_step(amplification, near.spectrum.mechanical)
+  const StepLimit limit = of_oscillations ? largest_stable_step(amplification, near.modes.spectrum.mechanical)
                                           : largest_stable_step(amplification, told);
   for (std::size_t i = 0; i < modes.size(); ++i) row.modes.push_back({modes[i], limit.of_modes[i], told[i]});
   if (limit.growing.empty()) return conclude(row, limit.h_max, modes[limit.limiting], method, problem, near);
   const std::size_t first = limit.growing.front();
-  is_of_growing_model(row, of_oscillations ? growing_of(near.spectrum.mechanical[first]) : modes[first],
+  is_of_growing_model(row, of_oscillations ? growing_of(near.modes.spectrum.mechanical[first]) : modes[first],
                       problem, near);
 }
 
@@ -252,8 +258,8 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   row.material = problem.material;
   row.method = method.id;
   row.parameters = problem.parameters;
-  row.state_kind = near.state_kind;
-  row.state = near.state;
+  row.state_kind = near.point.kind;
+  row.state = near.point.state;
   if (!method.amplification) {
     row.bound = Bound::error_control;
     row.note = "the method chooses its steps as it runs";
@@ -263,17 +269,17 @@ Prediction predict(const Method& method, const Problem& problem, const Linearise
   if (!row.note.empty()) return row;
 
   const std::optional<MotionMap>& motion = method.amplification->motion;
-  if (near.curve && method.needs_split && !is_all_stiff(near))
+  if (near.modes.curve && method.needs_split && !is_all_stiff(near))
     row.note = without_common_modes;
-  else if (near.curve && motion && !motion->lumped.empty() && near.curve->beta != 0)
+  else if (near.modes.curve && motion && !motion->lumped.empty() && near.modes.curve->beta != 0)
     row.note =
         "the method solves for a part of the damping alone, which couples the modes of this model; take "
         "explicit_newmark, which solves for all of it, fewer degrees of freedom, or alpha in place of beta";
-  else if (near.curve)
+  else if (near.modes.curve)
     predict_on_curve(row, method, problem, near);
-  else if (motion && couples_modes(*motion, *near.model.mechanical))
+  else if (motion && couples_modes(*motion, *near.point.model.mechanical))
     predict_coupled(row, method, problem, near);
-  else if (near.range)
+  else if (near.modes.range)
     predict_in_range(row, method, problem, near);
   else
     predict_by_modes(row, method, problem, near);

@@ -31,8 +31,10 @@ std::string four_digits(double value) { return fmt::format("{:.4g}", value); }
 /// The tangent of a model, of large bodies by the ends of its spectrum.
 Linearised tangent(const Problem& problem, double t, const Eigen::VectorXd& y) {
   if (!problem.body || problem.body->dofs() <= small_enough_for_dense) return linearised(problem, t, y);
-  Linearised near{.model = linear_model(problem, t, y), .spectrum = {}, .state = {}, .status = {}};
-  if (!set_curve(near, small_enough_for_dense) && !set_range(near, small_enough_for_dense))
+  Linearised near{.point = operating_point(problem, t, y)};
+  const LinearModel& model = near.point.model;
+  if (!set_curve(model, near.modes, small_enough_for_dense) &&
+      !set_range(model, near.modes, small_enough_for_dense))
     throw InputError(fmt::format(
         "the stiffness of this body is not symmetric along its path, and all modes of {} degrees of freedom "
         "together are too many; take a smaller mesh, or a load that does not move",

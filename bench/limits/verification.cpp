@@ -81,9 +81,9 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
 /// velocities.
 Growth growth_of(const Method& method, const Prediction& row, const Linearised& near, std::size_t i) {
   return method.amplification->of_oscillation
-             ? method.amplification->of_oscillation(near.curve
+             ? method.amplification->of_oscillation(near.modes.curve
                                                         ? oscillation_of(near, row.modes.at(i).mode.lambda)
-                                                        : near.spectrum.mechanical.at(i))
+                                                        : near.modes.spectrum.mechanical.at(i))
              : method.amplification->of_eigenmode(row.modes.at(i).told);
 }
 
@@ -181,9 +181,9 @@ Watch watch_all(const Method& method, const Prediction& row, const Linearised& n
                            .fall = start.mode_alone ? 10.0 : 37.0},
               .run = run,
               .distance = start.distance};
-  const bool single = near.model.y.size() == 2;
+  const bool single = near.point.model.y.size() == 2;
   if ((start.mode_alone || single) && growth.polynomial && method.amplification->of_oscillation)
-    take_out_creep(watch, near.model.y, *growth.polynomial, oscillation_of(near, row.limiting->lambda),
+    take_out_creep(watch, near.point.model.y, *growth.polynomial, oscillation_of(near, row.limiting->lambda),
                    *row.h_max);
   return watch;
 }
@@ -209,7 +209,8 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   const Growth growth = growth_of(method, row, near, i);
   Watch watch = watch_all(method, row, near, start, run, i);
   if (of_oscillation) {
-    watch.distance = motion_of_shape(*near.model.mechanical, near.model.y, start.shape, *row.h_max);
+    watch.distance =
+        motion_of_shape(*near.point.model.mechanical, near.point.model.y, start.shape, *row.h_max);
     return watch;
   }
   watch.distance = start.amplitude;
@@ -228,7 +229,7 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   watch.expected.above = std::max(std::log(std::abs(*growing)), 1e-12);
   if (principal == growing) return watch;
   watch.expected.beside = std::log(beside);
-  watch.run = without_roots(run, near.model.y, [=, polynomial = *growth.polynomial](double step) {
+  watch.run = without_roots(run, near.point.model.y, [=, polynomial = *growth.polynomial](double step) {
     const std::vector<Complex> all = polynomial.roots(step);
     const Complex root = *principal_root(all, lambda, step);
     return std::vector<Complex>{root, std::conj(root)};
@@ -250,7 +251,7 @@ Watch watch_coupled(const Prediction& row, const Linearised& near, const ModeSta
                            .beside = std::log(fading(shape.roots(*row.h_max)))},
               .run = run,
               .distance = start.distance};
-  take_out_creep(watch, near.model.y, shape, row.coupled->shape, *row.h_max);
+  take_out_creep(watch, near.point.model.y, shape, row.coupled->shape, *row.h_max);
   return watch;
 }
 
@@ -278,10 +279,10 @@ ObservedLimit observe(const Method& method, const Prediction& row, const Lineari
 /// `most` of itself. About rest at zero nothing is lost by that.
 double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
                           double most) {
-  double size = 1e-6 * std::max(1.0, near.model.y.cwiseAbs().maxCoeff());
+  double size = 1e-6 * std::max(1.0, near.point.model.y.cwiseAbs().maxCoeff());
   const auto change = [&] {
-    const Eigen::VectorXd y = near.model.y + size * direction;
-    return relative_distance(near.model, linear_model(problem, near.model.t, y));
+    const Eigen::VectorXd y = near.point.model.y + size * direction;
+    return relative_distance(near.point.model, linear_model(problem, near.point.model.t, y));
   };
   for (int tenth = 0; tenth < 3 && change() > most; ++tenth) size /= 10;
   return size;
@@ -310,11 +311,11 @@ std::vector<double> steps_without_limit(const Problem& problem, double farthest)
 /// Why runs are not worth their time, or would show something else; empty where they are.
 std::string why_not_verified(const Method& method, const Problem& problem, const Problem& free,
                              const Linearised& near) {
-  const Eigen::Index states = near.model.y.size();
+  const Eigen::Index states = near.point.model.y.size();
   if (is_driven(free) && states > most_driven_states)
     return fmt::format("not verified: a force moves the {} states of the model during the runs", states);
-  if (problem.body && !near.at_equilibrium)
-    return near.status.empty()
+  if (problem.body && !near.point.at_equilibrium)
+    return near.point.status.empty()
                ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
                : "not verified: no equilibrium was found, so that the body moves away from this state; supports and "
                  "a load that leave it one, or --set g=0, can be verified";
@@ -441,11 +442,11 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const MemoryShare memory(memory_of(method, free));
   // The limiting mode, or the slowest.
   const Complex wanted = row.limiting ? row.limiting->lambda : row.modes.front().mode.lambda;
-  Eigen::VectorXd rest = near.model.y;
+  Eigen::VectorXd rest = near.point.model.y;
   take_off_drive(free, rest);
   ModeStart start =
       row.coupled && row.bound == Bound::stability
-          ? start_from_shape(*near.model.mechanical, rest, row.coupled->displacement, *row.h_max)
+          ? start_from_shape(*near.point.model.mechanical, rest, row.coupled->displacement, *row.h_max)
           : start_from_mode(near, rest, wanted, rates.fastest);
   if (free_rigid.cols() > 0) take_out_free_motions(free_rigid, problem.body->mass(), start.displacement);
   // Where a mode is watched alone little is seen that is not its own.

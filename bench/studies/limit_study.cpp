@@ -75,7 +75,7 @@ void keep(Store& store, const std::vector<AskedCase>& asked, const std::vector<S
   for (const AskedCase& each : asked) {
     OperatingPointRow point;
     point.key = each.key;
-    point.words = each.near.state + "\n";
+    point.words = each.near.point.state + "\n";
     point.document = "{}";
     std::vector<LimitRow> own;
     for (const StudyRow& row : computed)

@@ -33,34 +33,35 @@ using Json = nlohmann::ordered_json;
 /// Why the state is not the one that was asked for, and what of the load is not in the limits there.
 /// @param along  whether the motion is looked at
 std::string words_of_state(const Problem& problem, const Linearised& near, bool along) {
-  std::string missing = near.missing;
+  std::string missing = near.point.missing;
   if (!missing.empty() && !along)
-    missing += near.state_kind == StateKind::rest && near.status.empty() ? "; leave out --at rest"
-                                                                         : "; add --along motion";
+    missing += near.point.kind == StateKind::rest && near.point.status.empty() ? "; leave out --at rest"
+                                                                               : "; add --along motion";
   if (missing.empty() && has_moving_load(problem) && !along)
     missing = fmt::format(
         "the load of {} changes with time, and the limits are those of one state; look at the others with --along motion",
         problem.id);
-  return near.status + (near.status.empty() || missing.empty() ? "" : "; ") + missing;
+  return near.point.status + (near.point.status.empty() || missing.empty() ? "" : "; ") + missing;
 }
 
 /// What is known of the model alone.
 Json model_json(const Problem& problem, const Linearised& near) {
   Json eigenvalues = Json::array();
-  for (const Complex lambda : near.spectrum.lambda) eigenvalues.push_back({lambda.real(), lambda.imag()});
+  for (const Complex lambda : near.modes.spectrum.lambda)
+    eigenvalues.push_back({lambda.real(), lambda.imag()});
   Json document{{"problem", problem.id},
                 {"material", problem.material},
-                {"state", near.state},
-                {"state_kind", name_of(near.state_kind)},
-                {"at_equilibrium", near.at_equilibrium},
+                {"state", near.point.state},
+                {"state_kind", name_of(near.point.kind)},
+                {"at_equilibrium", near.point.at_equilibrium},
                 {"eigenvalues", std::move(eigenvalues)}};
-  if (near.curve)
-    document["status"] = near.slow_end
+  if (near.modes.curve)
+    document["status"] = near.modes.slow_end
                              ? "of the fastest mode; the slowest is not computed, because no limit needs it"
                              : "of the slowest and the fastest mode; all others lie between them";
-  if (near.range) document["status"] = "of the fastest modes; damping couples all of them";
-  if (near.model.y.size() <= most_measured_normality) {
-    const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.model);
+  if (near.modes.range) document["status"] = "of the fastest modes; damping couples all of them";
+  if (near.point.model.y.size() <= most_measured_normality) {
+    const Eigen::MatrixXd J = jacobian_in_energy_coordinates(near.point.model);
     const NonNormality normal = non_normality(J);
     document["departure_from_normality"] = normal.departure;
     document["relative_departure"] = normal.relative_departure;
@@ -68,9 +69,10 @@ Json model_json(const Problem& problem, const Linearised& near) {
     if (J.rows() <= most_kreiss_states)
       document["kreiss_constant"] = number_or_word(kreiss_constant(J).value);
   }
-  if (near.model.mechanical) document["damping"] = name_of(near.model.mechanical->damping);
+  if (near.point.model.mechanical) document["damping"] = name_of(near.point.model.mechanical->damping);
   document["body"] = body_json(problem);
-  if (const auto tool = tool_report(problem, near.model.t, near.model.y)) document["tool"] = tool->json();
+  if (const auto tool = tool_report(problem, near.point.model.t, near.point.model.y))
+    document["tool"] = tool->json();
   if (problem.body) document["fastest_mode"] = fastest_mode_json(problem, near);
   return document;
 }
@@ -120,20 +122,21 @@ std::string words_of_part(const Problem& problem, double t_end) {
 /// What the limits of a model hold for, and where it was linearised.
 std::string words_of_model(const LimitQuestion& question, const Problem& problem, const Linearised& near,
                            bool has_path) {
-  std::string words = fmt::format("{}: {}\n", problem.id, near.state);
+  std::string words = fmt::format("{}: {}\n", problem.id, near.point.state);
   if (has_path && question.path_by_default)
     words += fmt::format(
         "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
         "motion to t = {} s\n",
         why_along(problem), short_number(question.end_of(problem)));
-  else if (problem.body && !has_path && near.state_kind == StateKind::equilibrium &&
-           near.model.y.norm() > 0 && !problem.body->settings().model.is_linear)
+  else if (problem.body && !has_path && near.point.kind == StateKind::equilibrium &&
+           near.point.model.y.norm() > 0 && !problem.body->settings().model.is_linear)
     words += "h_max holds for small motions about this state; for a sudden load add --along\n";
   if (has_path && question.path == "motion") {
     words += fmt::format("the motion: dormand_prince_54, {}\n", in_words(motion_tolerances));
     words += words_of_part(problem, question.end_of(problem));
   }
-  if (const auto tool = tool_report(problem, near.model.t, near.model.y); tool && near.at_equilibrium)
+  if (const auto tool = tool_report(problem, near.point.model.t, near.point.model.y);
+      tool && near.point.at_equilibrium)
     words += fmt::format("tool: {}\n", tool->words());
   return words;
 }
@@ -354,7 +357,8 @@ void PredictedRows::tell_of_state(std::size_t which, const Linearised& near, boo
                                   OperatingPointRow& point) const {
   const Problem& problem = problems_[which];
   point.status = words_of_state(problem, near, along);
-  if (near.at_equilibrium) add_line(point.remarks, warning_of_tool(problem, near.model.t, near.model.y));
+  if (near.point.at_equilibrium)
+    add_line(point.remarks, warning_of_tool(problem, near.point.model.t, near.point.model.y));
   if (has_moving_load(problem)) add_line(point.remarks, point.status);
   point.words = words_of_model(question_, problem, near, along);
   if (console_.json || store_) point.document = model_json(problem, near).dump();

@@ -219,7 +219,7 @@ SlidingPicture sliding_picture(const std::string& id) {
     settings.material = material.id;
     const Linearised near = linearised(make_problem("liver_benchmark", settings));
     SlidingSpectrum spectrum{.label = std::string(material.id)};
-    for (const Complex lambda : near.spectrum.lambda)
+    for (const Complex lambda : near.modes.spectrum.lambda)
       spectrum.points.push_back(
           {lambda.real(), lambda.imag(), first_exit(amplification.of_eigenmode(Eigenmode(lambda)))});
     largest = std::max(largest, spectrum.largest_step());

@@ -131,29 +131,29 @@ void write_shapes(const std::string& file, const TissueBody& body, const std::ve
   write_file(file, vtu_text(body.origin()->file, fields));
 }
 
-Json to_json(const ModesOptions& options, const Problem& problem, const Linearised& near,
+Json to_json(const ModesOptions& options, const Problem& problem, const OperatingPoint& point,
              const std::vector<ModeReport>& modes) {
   const std::string status =
-      near.status + (near.status.empty() || near.missing.empty() ? "" : "; ") + near.missing;
+      point.status + (point.status.empty() || point.missing.empty() ? "" : "; ") + point.missing;
   Json list = Json::array();
   for (const ModeReport& mode : modes) list.push_back(to_json(mode));
   return {{"problem", problem.id},
           {"material", problem.material.empty() ? Json() : Json(problem.material)},
           {"dofs", problem.body->dofs()},
-          {"state_kind", name_of(near.state_kind)},
+          {"state_kind", name_of(point.kind)},
           {"status", status.empty() ? Json() : Json(status)},
           {"end", options.fastest ? "fastest" : "slowest"},
           {"modes", list},
           {"output", options.output.empty() ? Json() : Json(options.output)}};
 }
 
-std::string in_words(const Problem& problem, const Linearised& near, const std::vector<ModeReport>& modes,
-                     const Console& console) {
+std::string in_words(const Problem& problem, const OperatingPoint& point,
+                     const std::vector<ModeReport>& modes, const Console& console) {
   std::string text = fmt::format("{}{}: {} degrees of freedom\n\n{}", problem.id,
                                  problem.material.empty() ? "" : ", " + problem.material,
                                  problem.body->dofs(), table_of(modes, console));
-  if (!near.status.empty()) text += "\n" + near.state + "\n";
-  if (!near.missing.empty()) text += "\n" + near.missing + "\n";
+  if (!point.status.empty()) text += "\n" + point.state + "\n";
+  if (!point.missing.empty()) text += "\n" + point.missing + "\n";
   return text +
          "\nTetrahedra have the numbers of their file, or count from 1. Moving points: 1 over the sum of squares of "
          "the\npoints' shares of kinetic energy.\n";
@@ -170,12 +170,12 @@ void modes(const ModesOptions& options, Console& console) {
       std::min<std::int64_t>(parse_count("--count", options.count, 1), body.dofs()));
   const AskedState at = options.at.of(problem);
   announce_equilibrium(console, problem, at);
-  const Linearised near = [&] {
+  const OperatingPoint point = [&] {
     Progress progress(console, "modes");
     LinearisationProgress shown(progress);
-    return without_spectrum(problem, at, shown.watcher());
+    return operating_point(problem, at, shown.watcher());
   }();
-  const MechanicalPart& part = *near.model.mechanical;
+  const MechanicalPart& part = *point.model.mechanical;
   if (!part.symmetric)
     throw InputError("the stiffness of this body is not symmetric here, so it has no modes of free motion");
   const ExtremeStiffnesses found =
@@ -185,8 +185,8 @@ void modes(const ModesOptions& options, Console& console) {
         fmt::format("the modes of {} degrees of freedom did not converge; ask for fewer", body.dofs()));
   const std::vector<ModeReport> reports = reports_of(problem, part, found);
   if (!options.output.empty()) write_shapes(options.output, body, reports);
-  if (console.json) return console.print_json(to_json(options, problem, near, reports));
-  console.print(in_words(problem, near, reports, console));
+  if (console.json) return console.print_json(to_json(options, problem, point, reports));
+  console.print(in_words(problem, point, reports, console));
 }
 
 }  // namespace

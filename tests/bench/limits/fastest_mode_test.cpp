@@ -74,7 +74,7 @@ TEST(FastestMode, OfALinearisedBodyIsThatOfTheBodyAtRest) {
   const FastestMode alone = fastest_mode_of(body, false);
   for (const AskedState at : {AskedState::rest, AskedState::equilibrium}) {
     const Linearised near = linearised(problem, at);
-    EXPECT_EQ(near.fastest_shape.size() > 0, at == AskedState::rest);
+    EXPECT_EQ(near.modes.fastest_shape.size() > 0, at == AskedState::rest);
     const FastestMode mode = fastest_mode_of(body, near, false);
     EXPECT_NEAR(mode.kappa, alone.kappa, 1e-6 * alone.kappa);
     EXPECT_LE(mode.residual, at == AskedState::rest ? 1e-9 : 2e-6);

@@ -173,7 +173,7 @@ TEST(LargestStableStep, OfTheMatricesOfABodyIsThatOfTheBody) {
         "fem_green@phantom", {.material = {}, .parameters = {{"beta", beta}, {"g", 0}}, .y0 = {}});
     ASSERT_TRUE(problem.body);
     const Linearised near = linearised(problem, AskedState::rest);
-    const MechanicalPart& part = near.model.mechanical.value();
+    const MechanicalPart& part = near.point.model.mechanical.value();
     const Sparse K = std::get<Sparse>(part.K), C = std::get<Sparse>(part.C);
     for (const char* name : {"rk4", "explicit_euler", "symplectic_euler", "central_difference"}) {
       const Prediction row = predict(find_method(name), problem, near);

@@ -30,7 +30,7 @@ Problem mesh_problem(const std::string& id, Numbers numbers) {
 /// Every finite limit is observed within half a percent, and every "unbounded" holds.
 void expect_observed(const Problem& problem, const std::vector<std::string>& methods) {
   const Linearised near = linearised(problem);
-  ASSERT_TRUE(near.model.mechanical) << problem.id;
+  ASSERT_TRUE(near.point.model.mechanical) << problem.id;
   for (const std::string& name : methods) {
     const Method method = find_method(name);
     Prediction row = predict(method, problem, near);
@@ -101,7 +101,7 @@ TEST(MeshLimits, AreObservedWhereABodyHangsInItsWeight) {
 TEST(MeshLimits, AreObservedWithDampersAlongSprings) {
   // Without weight such dampers are proportional to the stiffness.
   const Problem problem = mesh_problem("mass_spring@phantom", {{"g", 9.81}, {"alpha", 4}, {"damper", 0.01}});
-  ASSERT_EQ(linearised(problem).model.mechanical->damping, Damping::general);
+  ASSERT_EQ(linearised(problem).point.model.mechanical->damping, Damping::general);
   std::vector<std::string> methods = one_of_each;
   methods.push_back("explicit_euler");
   methods.push_back("newmark:beta=0.1,gamma=0.6");
@@ -149,16 +149,16 @@ TEST(MeshLimits, OfTheEndsAloneAreThoseOfAllModesOrBelow) {
     const Problem problem = mesh_problem("fem_cauchy@phantom", damping);
     const Linearised all = linearised(problem);
     Linearised ends = all;
-    ends.spectrum = {};
-    const auto rayleigh = rayleigh_coefficients(*all.model.mechanical).value();
-    ends.curve = DampingCurve{.alpha = rayleigh[0],
-                              .beta = rayleigh[1],
-                              .kappa_min = all.spectrum.mechanical.front().kappa,
-                              .kappa_max = all.spectrum.mechanical.back().kappa};
-    for (const double kappa : {ends.curve->kappa_min, ends.curve->kappa_max}) {
-      ends.spectrum.mechanical.push_back(ends.curve->at(kappa));
-      for (const Complex lambda : eigenvalues_of(ends.curve->at(kappa)))
-        ends.spectrum.lambda.push_back(lambda);
+    ends.modes.spectrum = {};
+    const auto rayleigh = rayleigh_coefficients(*all.point.model.mechanical).value();
+    ends.modes.curve = DampingCurve{.alpha = rayleigh[0],
+                                    .beta = rayleigh[1],
+                                    .kappa_min = all.modes.spectrum.mechanical.front().kappa,
+                                    .kappa_max = all.modes.spectrum.mechanical.back().kappa};
+    for (const double kappa : {ends.modes.curve->kappa_min, ends.modes.curve->kappa_max}) {
+      ends.modes.spectrum.mechanical.push_back(ends.modes.curve->at(kappa));
+      for (const Complex lambda : eigenvalues_of(ends.modes.curve->at(kappa)))
+        ends.modes.spectrum.lambda.push_back(lambda);
     }
     for (const std::string& name : some_methods) {
       const Method method = find_method(name);
@@ -192,11 +192,11 @@ TEST(MeshLimits, OfTheLargestEigenvaluesAreThoseOfAllOrBelow) {
   for (const double beta : betas) {
     const Problem problem = hanging("fem_green@phantom", beta);
     Linearised all = linearised(problem);
-    ASSERT_EQ(all.model.mechanical->damping, Damping::general);
-    ASSERT_FALSE(all.range);
+    ASSERT_EQ(all.point.model.mechanical->damping, Damping::general);
+    ASSERT_FALSE(all.modes.range);
     Linearised largest = all;
-    largest.spectrum = {};
-    ASSERT_TRUE(set_range(largest, 20));
+    largest.modes.spectrum = {};
+    ASSERT_TRUE(set_range(largest.point.model, largest.modes, 20));
     for (const char* name :
          {"explicit_euler", "rk2_heun", "rk4", "dormand_prince_54", "adams_bashforth_3", "rkc_2",
           "symplectic_euler", "stormer_verlet", "newmark", "implicit_euler", "bdf_3"}) {
@@ -224,7 +224,7 @@ TEST(MeshLimits, OfTheLargestEigenvaluesAreObserved) {
   for (const double beta : betas) {
     const Problem problem = hanging("fem_green@cube:n=5", beta);
     const Linearised near = linearised(problem);
-    ASSERT_TRUE(near.range);
+    ASSERT_TRUE(near.modes.range);
     for (const char* name : {"rk4", "symplectic_euler", "stormer_verlet"}) {
       const Method method = find_method(name);
       Prediction row = predict(method, problem, near);
@@ -241,23 +241,23 @@ TEST(MeshLimits, AtRestAreThoseOfABodyWithoutItsWeight) {
                 free = mesh_problem("fem_green@phantom", {{"alpha", 4}, {"beta", 0.001}});
   const Method method = find_method("rk4");
   const Linearised at_rest = linearised(loaded, AskedState::rest), near = linearised(free);
-  EXPECT_EQ(at_rest.state_kind, StateKind::rest);
-  EXPECT_FALSE(at_rest.at_equilibrium);
-  EXPECT_EQ(near.state_kind, StateKind::equilibrium);
+  EXPECT_EQ(at_rest.point.kind, StateKind::rest);
+  EXPECT_FALSE(at_rest.point.at_equilibrium);
+  EXPECT_EQ(near.point.kind, StateKind::equilibrium);
   EXPECT_DOUBLE_EQ(predict(method, loaded, at_rest).h_max.value(), predict(method, free, near).h_max.value());
   EXPECT_EQ(predict(method, loaded, at_rest).state_kind, StateKind::rest);
-  EXPECT_EQ(linearised(loaded).state_kind, StateKind::equilibrium);
+  EXPECT_EQ(linearised(loaded).point.kind, StateKind::equilibrium);
 }
 
 TEST(MeshLimits, OfLargeMeshesNeedNoDenseMatrix) {
   const Problem problem = mesh_problem("fem_cauchy@ball:n=6", {{"alpha", 3}});
   ASSERT_GT(problem.body->dofs(), most_dense_modes);
   const Linearised near = linearised(problem);
-  ASSERT_TRUE(near.curve);
+  ASSERT_TRUE(near.modes.curve);
   const Prediction row = predict(find_method("symplectic_euler"), problem, near);
   ASSERT_TRUE(row.h_max);
   // 2 / omega without damping; the kick takes some of it away.
-  EXPECT_NEAR(*row.h_max, 2 / std::sqrt(near.curve->kappa_max), 0.01 * *row.h_max);
+  EXPECT_NEAR(*row.h_max, 2 / std::sqrt(near.modes.curve->kappa_max), 0.01 * *row.h_max);
 }
 
 }  // namespace

@@ -178,7 +178,7 @@ TEST(Prediction, IsWhatMethodsOfPositionsAndVelocitiesDoWhereDampingCouplesTheMo
     chain.C = size * A * A.transpose();
     const Problem problem = problem_of(chain);
     const Linearised near = linearised(problem);
-    ASSERT_EQ(near.model.mechanical->damping, Damping::general);
+    ASSERT_EQ(near.point.model.mechanical->damping, Damping::general);
     EXPECT_EQ(expect_observed(methods, problem), static_cast<int>(methods.size()));
     const Prediction row = predict(methods.front(), problem, near);
     EXPECT_TRUE(row.coupled);
@@ -399,8 +399,8 @@ TEST(Prediction, SaysWhatElseLimitsTheStep) {
 TEST(Prediction, OfACubicSpringAtRestIsThatOfItsTangent) {
   const Problem problem = make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 2}}, .y0 = {}});
   const Linearised near = linearised(problem);
-  EXPECT_TRUE(near.at_equilibrium);
-  EXPECT_NE(near.state.find("equilibrium (0, 0)"), std::string::npos) << near.state;
+  EXPECT_TRUE(near.point.at_equilibrium);
+  EXPECT_NE(near.point.state.find("equilibrium (0, 0)"), std::string::npos) << near.point.state;
   for (const char* method : {"explicit_euler", "rk4", "adams_bashforth_3", "stormer_verlet"}) {
     const Prediction row = verified(find_method(method), problem, near);
     ASSERT_TRUE(row.observed) << method;
@@ -502,16 +502,16 @@ TEST(Linearised, RefusesAJacobianThatIsNoNumberAndAMassThatIsNone) {
 
 TEST(Linearised, SaysThatThereIsNoPlaceOfRestAndTakesTheStart) {
   const Linearised near = linearised(problem_of(AnySystem(Runaway{})));
-  EXPECT_FALSE(near.at_equilibrium);
-  EXPECT_EQ(near.state.rfind("initial state (0.5, 1)", 0), 0U) << near.state;
-  EXPECT_NE(near.state.find("equilibrium"), std::string::npos) << near.state;
+  EXPECT_FALSE(near.point.at_equilibrium);
+  EXPECT_EQ(near.point.state.rfind("initial state (0.5, 1)", 0), 0U) << near.point.state;
+  EXPECT_NE(near.point.state.find("equilibrium"), std::string::npos) << near.point.state;
 }
 
 TEST(Linearised, IsTheRestThatConservationLeadsToWhichTheRunThenShows) {
   // Robertson's reaction ends in the third substance, where 1e4 y3 sets the step of explicit methods.
   const Problem problem = make_problem("robertson");
   const Linearised near = linearised(problem);
-  EXPECT_NE(near.state.find("reachable"), std::string::npos) << near.state;
+  EXPECT_NE(near.point.state.find("reachable"), std::string::npos) << near.point.state;
   const Prediction row = predict(find_method("explicit_euler"), problem, near);
   ASSERT_TRUE(row.h_max);
   EXPECT_NEAR(*row.h_max, 2 / (1e4 + 0.04), 1e-8);
@@ -523,7 +523,7 @@ TEST(Linearised, IsTheRestThatConservationLeadsToWhichTheRunThenShows) {
 
 TEST(Linearised, WithoutAJacobianTakesDifferencesAndSaysSo) {
   const Linearised near = linearised(problem_of(AnySystem(Runaway{})));
-  EXPECT_NE(near.state.find("difference"), std::string::npos) << near.state;
+  EXPECT_NE(near.point.state.find("difference"), std::string::npos) << near.point.state;
 }
 
 }  // namespace

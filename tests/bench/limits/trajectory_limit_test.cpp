@@ -163,7 +163,7 @@ TEST(LimitUnderALoad, SeesThatABodyBuckles) {
   Eigen::VectorXd flat = problem.y0;
   for (std::size_t i = 0; i < body.free_points().size(); ++i)
     flat[3 * static_cast<Eigen::Index>(i) + 2] = -0.3 * body.mesh().points(2, body.free_points()[i]);
-  ASSERT_LT(linearised(problem, 0, flat).spectrum.mechanical.front().kappa, 0);
+  ASSERT_LT(linearised(problem, 0, flat).modes.spectrum.mechanical.front().kappa, 0);
   const std::vector<Method> methods{find_method("rk4")};
   const auto limits = limits_along(methods, problem, {.at = {0, 1}, .y = {problem.y0, flat}, .note = {}});
   EXPECT_EQ(limits[0]->growing, 0.5);
@@ -178,8 +178,8 @@ TEST(LimitUnderALoad, IsBelowThatOfAllEigenvaluesWhereDampingCouplesManyModes) {
   const auto limit = limits_along(methods, problem, path).front();
   ASSERT_TRUE(limit);
   for (std::size_t i = 0; i < path.at.size(); ++i) {
-    const LinearModel model = linear_model(problem, 0, path.y[i]);
-    const Linearised whole{.model = model, .spectrum = spectrum_of(model), .state = {}};
+    Linearised whole{.point = operating_point(problem, 0, path.y[i])};
+    whole.modes.spectrum = spectrum_of(whole.point.model);
     const Prediction dense = predict(methods.front(), problem, whole);
     ASSERT_TRUE(dense.h_max);
     EXPECT_GT(limit->h_max[i], 0);

@@ -74,9 +74,9 @@ TEST_F(FreeParts, HaveNoEquilibriumUnderTheirWeight) {
   EXPECT_FALSE(fallen.converged);
   EXPECT_NE(cause_of(problem, fallen).find("49, 50, 51"), std::string::npos) << cause_of(problem, fallen);
   const Linearised near = linearised(problem, AskedState::equilibrium);
-  EXPECT_FALSE(near.at_equilibrium);
-  EXPECT_NE(near.status.find("hold more points"), std::string::npos) << near.status;
-  EXPECT_EQ(near.status.find("smaller load"), std::string::npos) << near.status;
+  EXPECT_FALSE(near.point.at_equilibrium);
+  EXPECT_NE(near.point.status.find("hold more points"), std::string::npos) << near.point.status;
+  EXPECT_EQ(near.point.status.find("smaller load"), std::string::npos) << near.point.status;
 }
 
 TEST_F(FreeParts, AreInEquilibriumWhereNothingPushesThem) {
@@ -87,7 +87,7 @@ TEST_F(FreeParts, AreInEquilibriumWhereNothingPushesThem) {
     const StaticSolution found = found_equilibrium(problem, 1, {}, [] { return 0.0; });
     EXPECT_EQ(found.converged, axis < 0) << cause_of(problem, found);
     EXPECT_EQ(found.singular, axis > 0);
-    EXPECT_EQ(linearised(problem, AskedState::equilibrium).at_equilibrium, axis < 0);
+    EXPECT_EQ(linearised(problem, AskedState::equilibrium).point.at_equilibrium, axis < 0);
   }
 }
 
@@ -95,7 +95,7 @@ TEST_F(FreeParts, TakeNoPartInTheVerificationOfALimit) {
   for (const double alpha : {0.0, 1.0}) {
     const Problem problem = made("fem_green", {first}, {{"g", 0}, {"alpha", alpha}});
     const Linearised near = linearised(problem, AskedState::equilibrium);
-    ASSERT_TRUE(near.at_equilibrium);
+    ASSERT_TRUE(near.point.at_equilibrium);
     for (const char* name : {"rk4", "symplectic_euler", "newmark"}) {
       const Method method = find_method(name);
       Prediction row = predict(method, problem, near);

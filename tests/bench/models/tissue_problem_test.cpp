@@ -102,7 +102,7 @@ std::pair<double, double> rates(const std::string& id,
   parameters.emplace_back("g", 0);
   const Linearised near =
       linearised(make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}));
-  return {near.spectrum.mechanical.front().kappa, near.spectrum.mechanical.back().kappa};
+  return {near.modes.spectrum.mechanical.front().kappa, near.modes.spectrum.mechanical.back().kappa};
 }
 
 TEST(TissueProblem, HasASkinFurtherSpringsAndOtherLawsOnDemand) {

@@ -80,8 +80,8 @@ TEST(Tool, DeeperThanItsDiameterIsFollowedToItsEquilibrium) {
       make_problem("fem_neo_hookean/tool@beam",
                    {.material = {}, .parameters = {{"depth", 0.021}, {"tool_radius", 0.01}}, .y0 = {}});
   const Linearised near = linearised(problem);
-  ASSERT_EQ(near.state_kind, StateKind::equilibrium) << near.status;
-  EXPECT_GT(problem.body->tool_reaches(near.model.t, near.model.y).front().indentation, 0.015);
+  ASSERT_EQ(near.point.kind, StateKind::equilibrium) << near.point.status;
+  EXPECT_GT(problem.body->tool_reaches(near.point.model.t, near.point.model.y).front().indentation, 0.015);
 }
 
 TEST(Tool, PressesAsDeepAsItSaysWhateverTheMeshAndTheDepth) {
@@ -121,8 +121,8 @@ TEST(Tool, IsInTheLimitsOfStepsAtTheEquilibriumUnderIt) {
   for (const double factor : {1.0, 100.0}) {
     const Problem problem = pressed("phantom", {{"tool_stiffness", factor * stiffness}});
     const Linearised near = linearised(problem);
-    ASSERT_EQ(near.state_kind, StateKind::equilibrium) << factor << ": " << near.status;
-    EXPECT_EQ(near.missing, "");
+    ASSERT_EQ(near.point.kind, StateKind::equilibrium) << factor << ": " << near.point.status;
+    EXPECT_EQ(near.point.missing, "");
     Prediction row = predict(method, problem, near);
     ASSERT_EQ(row.bound, Bound::stability) << row.note;
     verify(row, method, problem, near);
@@ -131,7 +131,7 @@ TEST(Tool, IsInTheLimitsOfStepsAtTheEquilibriumUnderIt) {
     last = *row.h_max;
   }
   const Linearised rest = linearised(usual, AskedState::rest);
-  EXPECT_NE(rest.missing, "");
+  EXPECT_NE(rest.point.missing, "");
 }
 
 }  // namespace
