@@ -74,7 +74,7 @@ void look_at_limits(Ground& ground, const std::vector<Candidate>& all, const Wat
   if (problem.body) asked.push_back(find_method("central_difference"));
   const auto along = limits_along(asked, problem, path, watcher);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Prediction start = predict(all[i].method, problem, ground.near);
+    const Prediction start = predict(all[i].method, ground.near);
     ground.h_max.push_back(least_limit(start, along[i]));
     ground.status.push_back(std::isnan(ground.h_max.back()) ? start.note : "");
   }

@@ -41,7 +41,7 @@ Problem problem_of(const AnySystem& system, const Eigen::VectorXd& y) {
 StepAnswer answer_of(const MethodChoice& choice, const Problem& problem, const Linearised& near,
                      bool verified) {
   const Method& method = choice.method();
-  Prediction row = predict(method, problem, near);
+  Prediction row = predict(method, near);
   if (verified) verify(row, method, problem, near);
   StepAnswer answer{.method = row.method,
                     .bound = row.bound,

@@ -58,8 +58,29 @@ LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd
       problem.system);
 }
 
+void ask(OperatingPoint& point, const Problem& problem) {
+  std::visit(
+      [&]<class Sys>(const Sys& system) {
+        point.model_at = [system, t = point.model.t](const Eigen::VectorXd& y) {
+          return linearise(system, t, typename Sys::State(y));
+        };
+        point.radius_bound = nullptr;
+        if constexpr (BoundedSpectrumSystem<Sys>)
+          if (has_spectral_radius(system))
+            point.radius_bound = [system, t = point.model.t, y = point.model.y] {
+              return system.spectral_radius(t, y);
+            };
+      },
+      problem.system);
+}
+
 OperatingPoint operating_point(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  OperatingPoint point{.model = linear_model(problem, t, y)};
+  OperatingPoint point{.problem = problem.id,
+                       .material = problem.material,
+                       .parameters = problem.parameters,
+                       .is_body = problem.body != nullptr,
+                       .model = linear_model(problem, t, y)};
+  ask(point, problem);
   point.state =
       fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(point.model.origin));
   return point;

@@ -28,6 +28,10 @@ bool is_nonlinear(const Problem& problem);
 /// Near a state of its own.
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
 OperatingPoint operating_point(const Problem& problem, double t, const Eigen::VectorXd& y);
+/// Makes radius_bound and model_at of `point` those of `problem`. Two threads need a point and a problem each
+/// where the system has a workspace (problems/formula_system.hpp).
+/// @param problem  that of the point, or one that was made as it was
+void ask(OperatingPoint& point, const Problem& problem);
 /// All modes, or of large structures those that limits need.
 /// @throws InputError  where rates leave the range of numbers, or all modes are asked for and are too many
 ModeSet mode_set(const LinearModel& model);

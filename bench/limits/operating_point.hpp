@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "analysis/amplification/curve_limit.hpp"
 #include "analysis/spectrum/linear_model.hpp"
@@ -51,14 +53,23 @@ constexpr std::string_view name_of(StateKind kind) {
 /// Called with |F| / |F(0)| of each iterate while a static equilibrium is searched for.
 using EquilibriumWatcher = std::function<void(double residual)>;
 
-/// A problem near a state: its linear model, and which state it is.
+/// A problem near a state: its linear model, which state it is, and what else a limit depends on.
 struct OperatingPoint {
+  std::string problem = {}, material = {};  ///< as Problem has them
+  std::vector<std::pair<std::string, double>> parameters = {};
+  bool is_body = false;
   LinearModel model;
   StateKind kind = StateKind::motion;
   bool at_equilibrium = false;
   std::string state = {};    ///< in words: which state, whose Jacobian
   std::string status = {};   ///< why it is not the state that was asked for
   std::string missing = {};  ///< says that a tool does not touch the body in this state
+  /// The bound of the spectral radius here that the system has [1/s]; null where it has none. It takes a
+  /// while for a large body, and few methods ask for it.
+  std::function<double()> radius_bound = {};
+  /// The linear model at another state and the same time, shape (dim): tells whether the Jacobian is
+  /// constant. Only methods that solve nonlinear equations ask for it.
+  std::function<LinearModel(const Eigen::VectorXd& y)> model_at = {};
 };
 
 /// What is known of the modes of a linear model.

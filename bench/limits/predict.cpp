@@ -1,7 +1,6 @@
 #include "bench/limits/predict.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -9,15 +8,9 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/dynamics/coupled_motion.hpp"
-#include "analysis/statics/equilibrium.hpp"
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
-#include "bench/models/body_balance.hpp"
-#include "bench/models/tissue_problem.hpp"
 #include "integrators/spectral_radius.hpp"
-#include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 
@@ -26,10 +19,10 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The amplification as far as the method can be analysed on this model, or why not.
-std::string obstacle(const Method& method, const Linearised& near) {
-  if (method.needs_second_order && !near.point.model.mechanical)
+std::string obstacle(const Method& method, const LinearModel& model) {
+  if (method.needs_second_order && !model.mechanical)
     return "the method steps positions and velocities, which the problem does not have";
-  if (method.needs_split && !near.point.model.J_stiff) return "the problem declares no stiff part";
+  if (method.needs_split && !model.J_stiff) return "the problem declares no stiff part";
   return {};
 }
 
@@ -61,18 +54,17 @@ constexpr const char* without_common_modes =
 constexpr Eigen::Index most_dense_parts = 400;
 
 /// Whether the part that is declared stiff is the whole.
-bool is_all_stiff(const Linearised& near) {
-  return relative_distance(near.point.model.J(), near.point.model.J_stiff()) <= 1e-13;
-}
+bool is_all_stiff(const LinearModel& model) { return relative_distance(model.J(), model.J_stiff()) <= 1e-13; }
 
 /// The share of every eigenvalue that is declared stiff. Where both parts have the same eigenvectors the
 /// Rayleigh quotient with them says it.
-std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const std::vector<Complex>& lambda) {
-  if (is_all_stiff(near)) return lambda;
-  if (near.point.model.y.size() > most_dense_parts) return std::nullopt;
-  const Eigen::MatrixXd J = dense(near.point.model.J()), stiff = dense(near.point.model.J_stiff());
+std::optional<std::vector<Complex>> stiff_parts(const LinearModel& model,
+                                                const std::vector<Complex>& lambda) {
+  if (is_all_stiff(model)) return lambda;
+  if (model.y.size() > most_dense_parts) return std::nullopt;
+  const Eigen::MatrixXd J = dense(model.J()), stiff = dense(model.J_stiff());
   if ((J * stiff - stiff * J).norm() > 1e-10 * J.norm() * stiff.norm()) return std::nullopt;
-  const Eigenvectors vectors = eigenvectors_of(near.point.model);
+  const Eigenvectors vectors = eigenvectors_of(model);
   if (vectors.defective) return std::nullopt;
   std::vector<Complex> parts;
   for (const Complex each : lambda) {
@@ -85,35 +77,25 @@ std::optional<std::vector<Complex>> stiff_parts(const Linearised& near, const st
 }
 
 /// The spectral radius by which a stabilised method chooses its stages: the bound of the system, or what the
-/// estimate of the stepper comes to. Others do not ask for it, and of a large body it takes a while.
-double radius_told(const Method& method, const Problem& problem, const Linearised& near) {
+/// estimate of the stepper comes to. Others do not ask for it.
+double radius_told(const Method& method, const OperatingPoint& point, const ModeSet& modes) {
   if (!method.stages_by_radius) return std::numeric_limits<double>::quiet_NaN();
-  return std::visit(
-      [&]<class Sys>(const Sys& system) -> double {
-        if constexpr (BoundedSpectrumSystem<Sys>)
-          if (has_spectral_radius(system))
-            return system.spectral_radius(near.point.model.t, near.point.model.y);
-        double radius = 0;
-        for (const Complex lambda : near.modes.spectrum.lambda) radius = std::max(radius, std::abs(lambda));
-        return SpectralRadius<Eigen::VectorXd>::margin * radius;
-      },
-      problem.system);
+  if (point.radius_bound) return point.radius_bound();
+  double radius = 0;
+  for (const Complex lambda : modes.spectrum.lambda) radius = std::max(radius, std::abs(lambda));
+  return SpectralRadius<Eigen::VectorXd>::margin * radius;
 }
 
 /// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
-bool has_constant_jacobian(const Problem& problem, const Linearised& near) {
-  const Eigen::VectorXd elsewhere = near.point.model.y + Eigen::VectorXd::Ones(near.point.model.y.size());
-  return relative_distance(near.point.model, linear_model(problem, near.point.model.t, elsewhere)) <= 1e-12;
+bool has_constant_jacobian(const OperatingPoint& point) {
+  const Eigen::VectorXd elsewhere = point.model.y + Eigen::VectorXd::Ones(point.model.y.size());
+  return relative_distance(point.model, point.model_at(elsewhere)) <= 1e-12;
 }
 
-}  // namespace
-
-namespace {
-
 /// What sets the step where no step is unstable.
-Bound bound_without_limit(const Method& method, const Problem& problem, const Linearised& near) {
-  return method.solves_nonlinear_equations() && !has_constant_jacobian(problem, near) ? Bound::newton
-                                                                                      : Bound::accuracy;
+Bound bound_without_limit(const Method& method, const OperatingPoint& point) {
+  return method.solves_nonlinear_equations() && !has_constant_jacobian(point) ? Bound::newton
+                                                                              : Bound::accuracy;
 }
 
 /// An oscillation named by the one of its eigenvalues that grows faster.
@@ -123,11 +105,11 @@ Mode growing_of(const MechanicalMode& oscillation) {
   return mode;
 }
 
-void is_of_growing_model(Prediction& row, const Mode& mode, const Problem& problem, const Linearised& near) {
+void is_of_growing_model(Prediction& row, const Mode& mode, const OperatingPoint& point) {
   row.bound = Bound::model;
   row.limiting = mode;
   const Complex lambda = mode.lambda;
-  if (problem.body && near.point.at_equilibrium && lambda.imag() == 0)
+  if (point.is_body && point.at_equilibrium && lambda.imag() == 0)
     row.note = fmt::format(
         "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
         "exp({:.4g} t) whatever the step; take less load, `--along load` shows up to which share it does not",
@@ -140,11 +122,11 @@ void is_of_growing_model(Prediction& row, const Mode& mode, const Problem& probl
 }
 
 /// Names what limits the step: nothing, or a mode.
-void conclude(Prediction& row, double h_max, const Mode& mode, const Method& method, const Problem& problem,
-              const Linearised& near) {
+void conclude(Prediction& row, double h_max, const Mode& mode, const Method& method,
+              const OperatingPoint& point) {
   row.h_max = h_max;
   if (std::isinf(h_max)) {
-    row.bound = bound_without_limit(method, problem, near);
+    row.bound = bound_without_limit(method, point);
     return;
   }
   row.limiting = mode;
@@ -153,27 +135,27 @@ void conclude(Prediction& row, double h_max, const Mode& mode, const Method& met
 }
 
 /// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
-void predict_on_curve(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (near.modes.curve->kappa_min < 0)
-    return is_of_growing_model(row, growing_of(near.modes.curve->at(near.modes.curve->kappa_min)), problem,
-                               near);
-  LimitOnCurve limit = limit_on_curve(*method.amplification, *near.point.model.mechanical, near.modes,
-                                      radius_told(method, problem, near));
+void predict_on_curve(Prediction& row, const Method& method, const OperatingPoint& point,
+                      const ModeSet& modes) {
+  if (modes.curve->kappa_min < 0)
+    return is_of_growing_model(row, growing_of(modes.curve->at(modes.curve->kappa_min)), point);
+  LimitOnCurve limit = limit_on_curve(*method.amplification, *point.model.mechanical, modes,
+                                      radius_told(method, point, modes));
   row.modes = std::move(limit.modes);
-  conclude(row, limit.h_max, limit.mode, method, problem, near);
+  conclude(row, limit.h_max, limit.mode, method, point);
   if (row.note.empty()) row.note = limit.note;
 }
 
 /// Where only the largest eigenvalues are known, and between which damping and stiffness all modes lie.
-void predict_in_range(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
-  if (near.modes.range->growing)
-    return is_of_growing_model(row, mode_of(*near.modes.range->growing), problem, near);
-  if (method.needs_split && !is_all_stiff(near)) {
+void predict_in_range(Prediction& row, const Method& method, const OperatingPoint& point,
+                      const ModeSet& modes) {
+  if (modes.range->growing) return is_of_growing_model(row, mode_of(*modes.range->growing), point);
+  if (method.needs_split && !is_all_stiff(point.model)) {
     row.note = without_common_modes;
     return;
   }
-  LimitInRange limit = limit_in_range(*method.amplification, *near.point.model.mechanical, near.modes,
-                                      radius_told(method, problem, near));
+  LimitInRange limit = limit_in_range(*method.amplification, *point.model.mechanical, modes,
+                                      radius_told(method, point, modes));
   row.modes = std::move(limit.modes);
   row.unstable_from = limit.unstable_from;
   const std::string found =
@@ -184,7 +166,7 @@ void predict_in_range(Prediction& row, const Method& method, const Problem& prob
     row.note = fmt::format("damping couples the modes, and no bound of their limits is known; {}", found);
     return;
   }
-  conclude(row, limit.h_max, limit.mode, method, problem, near);
+  conclude(row, limit.h_max, limit.mode, method, point);
   if (!row.unstable_from) return;
   row.limiting.reset();
   row.note =
@@ -192,18 +174,19 @@ void predict_in_range(Prediction& row, const Method& method, const Problem& prob
 }
 
 /// Where the steps couple modes the whole model has one limit.
-void predict_coupled(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+void predict_coupled(Prediction& row, const Method& method, const OperatingPoint& point,
+                     const ModeSet& modes) {
   row.state += "; the steps couple the modes, so that all of them are taken together";
-  const std::vector<Mode> modes = modes_of(near.modes.spectrum);
-  for (const Mode& mode : modes)
+  const std::vector<Mode> all = modes_of(modes.spectrum);
+  for (const Mode& mode : all)
     row.modes.push_back({mode, std::numeric_limits<double>::quiet_NaN(), Eigenmode(mode.lambda)});
-  if (near.modes.range && near.modes.range->growing)
-    return is_of_growing_model(row, mode_of(*near.modes.range->growing), problem, near);
-  if (const auto growing = growing_modes(lambda_of(modes)); !growing.empty())
-    return is_of_growing_model(row, modes[growing.front()], problem, near);
-  const MechanicalPart& part = *near.point.model.mechanical;
+  if (modes.range && modes.range->growing)
+    return is_of_growing_model(row, mode_of(*modes.range->growing), point);
+  if (const auto growing = growing_modes(lambda_of(all)); !growing.empty())
+    return is_of_growing_model(row, all[growing.front()], point);
+  const MechanicalPart& part = *point.model.mechanical;
   const MotionMap& map = *method.amplification->motion;
-  if (near.modes.range) row.coupled = proved_first_exit(map, part, *method.amplification);
+  if (modes.range) row.coupled = proved_first_exit(map, part, *method.amplification);
   if (!row.coupled && part.mass.size() <= most_dense_modes)
     row.coupled = CoupledMotion(map, part).first_exit(*method.amplification);
   if (!row.coupled) {
@@ -213,26 +196,26 @@ void predict_coupled(Prediction& row, const Method& method, const Problem& probl
         part.mass.size());
     return;
   }
-  conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, problem, near);
+  conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, point);
 }
 
 /// From all modes, one by one.
-void predict_by_modes(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+void predict_by_modes(Prediction& row, const Method& method, const OperatingPoint& point,
+                      const ModeSet& modes) {
   const Amplification& amplification = *method.amplification;
   const bool of_oscillations = static_cast<bool>(amplification.of_oscillation);
-  std::vector<Mode> modes;
+  std::vector<Mode> all;
   if (of_oscillations)
-    for (const MechanicalMode& oscillation : near.modes.spectrum.mechanical)
-      modes.push_back(mode_of(oscillation));
+    for (const MechanicalMode& oscillation : modes.spectrum.mechanical) all.push_back(mode_of(oscillation));
   else
-    modes = modes_of(near.modes.spectrum);
-  const std::vector<Complex> lambda = lambda_of(modes);
+    all = modes_of(modes.spectrum);
+  const std::vector<Complex> lambda = lambda_of(all);
   std::vector<Eigenmode> told(lambda.begin(), lambda.end());
   if (!of_oscillations) {
-    const double radius = radius_told(method, problem, near);
+    const double radius = radius_told(method, point, modes);
     for (Eigenmode& mode : told) mode.radius = radius;
     if (method.needs_split) {
-      const auto parts = stiff_parts(near, lambda);
+      const auto parts = stiff_parts(point.model, lambda);
       if (!parts) {
         row.note = without_common_modes;
         return;
@@ -241,48 +224,48 @@ void predict_by_modes(Prediction& row, const Method& method, const Problem& prob
     }
   }
   // Both eigenvalues of an oscillation share its limit.
-  const StepLimit limit = of_oscillations ? largest_stable_step(amplification, near.modes.spectrum.mechanical)
+  const StepLimit limit = of_oscillations ? largest_stable_step(amplification, modes.spectrum.mechanical)
                                           : largest_stable_step(amplification, told);
-  for (std::size_t i = 0; i < modes.size(); ++i) row.modes.push_back({modes[i], limit.of_modes[i], told[i]});
-  if (limit.growing.empty()) return conclude(row, limit.h_max, modes[limit.limiting], method, problem, near);
+  for (std::size_t i = 0; i < all.size(); ++i) row.modes.push_back({all[i], limit.of_modes[i], told[i]});
+  if (limit.growing.empty()) return conclude(row, limit.h_max, all[limit.limiting], method, point);
   const std::size_t first = limit.growing.front();
-  is_of_growing_model(row, of_oscillations ? growing_of(near.modes.spectrum.mechanical[first]) : modes[first],
-                      problem, near);
+  is_of_growing_model(row, of_oscillations ? growing_of(modes.spectrum.mechanical[first]) : all[first],
+                      point);
 }
 
 }  // namespace
 
-Prediction predict(const Method& method, const Problem& problem, const Linearised& near) {
+Prediction predict(const Method& method, const OperatingPoint& point, const ModeSet& modes) {
   Prediction row;
-  row.problem = problem.id;
-  row.material = problem.material;
+  row.problem = point.problem;
+  row.material = point.material;
   row.method = method.id;
-  row.parameters = problem.parameters;
-  row.state_kind = near.point.kind;
-  row.state = near.point.state;
+  row.parameters = point.parameters;
+  row.state_kind = point.kind;
+  row.state = point.state;
   if (!method.amplification) {
     row.bound = Bound::error_control;
     row.note = "the method chooses its steps as it runs";
     return row;
   }
-  row.note = obstacle(method, near);
+  row.note = obstacle(method, point.model);
   if (!row.note.empty()) return row;
 
   const std::optional<MotionMap>& motion = method.amplification->motion;
-  if (near.modes.curve && method.needs_split && !is_all_stiff(near))
+  if (modes.curve && method.needs_split && !is_all_stiff(point.model))
     row.note = without_common_modes;
-  else if (near.modes.curve && motion && !motion->lumped.empty() && near.modes.curve->beta != 0)
+  else if (modes.curve && motion && !motion->lumped.empty() && modes.curve->beta != 0)
     row.note =
         "the method solves for a part of the damping alone, which couples the modes of this model; take "
         "explicit_newmark, which solves for all of it, fewer degrees of freedom, or alpha in place of beta";
-  else if (near.modes.curve)
-    predict_on_curve(row, method, problem, near);
-  else if (motion && couples_modes(*motion, *near.point.model.mechanical))
-    predict_coupled(row, method, problem, near);
-  else if (near.modes.range)
-    predict_in_range(row, method, problem, near);
+  else if (modes.curve)
+    predict_on_curve(row, method, point, modes);
+  else if (motion && couples_modes(*motion, *point.model.mechanical))
+    predict_coupled(row, method, point, modes);
+  else if (modes.range)
+    predict_in_range(row, method, point, modes);
   else
-    predict_by_modes(row, method, problem, near);
+    predict_by_modes(row, method, point, modes);
   return row;
 }
 

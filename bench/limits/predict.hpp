@@ -1,4 +1,5 @@
-/// The largest stable step of a method on a problem, predicted from spectrum and amplification.
+/// The largest stable step of a method near an operating point, predicted from its modes and the
+/// amplification.
 #pragma once
 
 #include "bench/limits/linearised_problem.hpp"
@@ -6,8 +7,11 @@
 
 namespace hmax {
 
-/// Predicts for one method.
-/// @param near  the problem linearised, as by linearised(problem)
-Prediction predict(const Method& method, const Problem& problem, const Linearised& near);
+/// Depends on nothing but its arguments.
+/// @param modes  those of point.model, as by mode_set()
+Prediction predict(const Method& method, const OperatingPoint& point, const ModeSet& modes);
+inline Prediction predict(const Method& method, const Linearised& near) {
+  return predict(method, near.point, near.modes);
+}
 
 }  // namespace hmax

@@ -187,7 +187,7 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
     for (std::size_t k = 0; k < methods.size(); ++k) {
       if (!limits[k]) continue;
       TrajectoryLimit& limit = *limits[k];
-      const Prediction here = predict(methods[k], problem, near);
+      const Prediction here = predict(methods[k], near);
       if (here.bound == Bound::model) limit.growing += 1;
       const double h = here.h_max.value_or(std::numeric_limits<double>::quiet_NaN());
       limit.h_max.push_back(h);

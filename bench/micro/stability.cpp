@@ -26,7 +26,7 @@ void predict_one(benchmark::State& state, const std::string& id) {
   const Method method = find_method(id);
   for (auto _ : state) {
     const Linearised near = linearised(problem);
-    benchmark::DoNotOptimize(predict(method, problem, near));
+    benchmark::DoNotOptimize(predict(method, near));
   }
 }
 

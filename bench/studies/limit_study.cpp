@@ -34,7 +34,7 @@ Problem problem_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, dou
 /// motion from the published start, and the one that runs from there show.
 LimitRow limit_of(const LimitCase& each, const Linearised& near, const MotionSize& size, const Method& method) {
   const Problem& problem = each.problem;
-  Prediction prediction = predict(method, problem, near);
+  Prediction prediction = predict(method, near);
   verify(prediction, method, problem, near);
   LimitRow row = limit_row(prediction);
   if (row.verdict.empty()) row.verdict = "not_run";

@@ -64,7 +64,7 @@ std::vector<double> stable_step_rates(std::span<const Method> methods, const Par
   const Linearised near = linearised(problem);
   std::vector<double> rates;
   for (const Method& method : methods) {
-    const Prediction row = predict(method, problem, near);
+    const Prediction row = predict(method, near);
     if (!row.h_max) throw InputError(fmt::format("{} on a body of springs: {}", method.id, row.note));
     rates.push_back(1 / *row.h_max);
   }

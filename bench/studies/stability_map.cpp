@@ -103,7 +103,7 @@ std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, con
       // Without an equilibrium the limit would be that of another state than at the other points.
       const bool lost = problem.body && !near.point.at_equilibrium;
       for (std::size_t i = 0; i < methods.size(); ++i) {
-        const Prediction prediction = lost ? Prediction{} : predict(methods[i], problem, near);
+        const Prediction prediction = lost ? Prediction{} : predict(methods[i], near);
         maps[i].h_max.push_back(prediction.h_max.value_or(std::numeric_limits<double>::quiet_NaN()));
         if (!prediction.h_max && maps[i].note.empty())
           maps[i].note = lost ? near.point.state : prediction.note;

@@ -299,10 +299,17 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
                                 std::vector<LimitRow>& rows) {
   const Problem& problem = problems_[which];
   rows.resize(methods.size());
-  // Formulas have one workspace each; bodies are shared.
+  // Formulas have one workspace each, so that a worker has a problem and a point of its own; bodies are
+  // shared.
   std::vector<Problem> own(1, problem);
-  while (own.size() < std::min(jobs(), methods.size()))
+  std::vector<OperatingPoint> points;
+  while (own.size() < std::min(jobs(), methods.size())) {
     own.push_back(problem.body ? problem : choices_[which].make());
+    if (!problem.body) ask(points.emplace_back(near.point), own.back());
+  }
+  const auto point_of = [&](std::size_t worker) -> const OperatingPoint& {
+    return worker == 0 || points.empty() ? near.point : points[worker - 1];
+  };
   const std::size_t before = rows_.size();
   const std::string task = problem.material + (problem.material.empty() ? "" : " ");
   RowProgress shown(*progress_, task + (question_.verify ? "verifying " : ""),
@@ -312,7 +319,7 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
       [&](std::size_t i, std::size_t worker) {
         const Method& method = methods[i];
         shown.begin(method.id);
-        Prediction prediction = predict(method, own[worker], near);
+        Prediction prediction = predict(method, point_of(worker), near.modes);
         if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
           prediction.newton_step = largest_newton_step(method, own[worker]);
         if (question_.verify) verify(prediction, method, own[worker], near);

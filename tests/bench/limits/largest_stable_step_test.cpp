@@ -176,7 +176,7 @@ TEST(LargestStableStep, OfTheMatricesOfABodyIsThatOfTheBody) {
     const MechanicalPart& part = near.point.model.mechanical.value();
     const Sparse K = std::get<Sparse>(part.K), C = std::get<Sparse>(part.C);
     for (const char* name : {"rk4", "explicit_euler", "symplectic_euler", "central_difference"}) {
-      const Prediction row = predict(find_method(name), problem, near);
+      const Prediction row = predict(find_method(name), near);
       const StepAnswer answer = largest_stable_step(name, K, part.mass, C);
       EXPECT_EQ(answer.bound, row.bound) << name;
       if (row.h_max) {

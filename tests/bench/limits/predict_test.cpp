@@ -28,7 +28,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double tolerance = 1e-3;
 
 Prediction verified(const Method& method, const Problem& problem, const Linearised& near) {
-  Prediction row = predict(method, problem, near);
+  Prediction row = predict(method, near);
   verify(row, method, problem, near);
   return row;
 }
@@ -73,7 +73,7 @@ TEST(Prediction, IsWhatMethodsDoWithoutDamping) {
   int unstable = 0, bounded = 0;
   for (const Method& method : choose_methods({"explicit_runge_kutta", "adams", "structural"}, {problem})) {
     if (!method.fixed_step) continue;
-    Prediction row = predict(method, problem, near);
+    Prediction row = predict(method, near);
     // A part in a thousand beyond their limits these amplify by less than 3e-8 a step, which no run of
     // reasonable length shows.
     if (method.id == "tsitouras_54" || method.id == "abm_pece_5") {
@@ -180,7 +180,7 @@ TEST(Prediction, IsWhatMethodsOfPositionsAndVelocitiesDoWhereDampingCouplesTheMo
     const Linearised near = linearised(problem);
     ASSERT_EQ(near.point.model.mechanical->damping, Damping::general);
     EXPECT_EQ(expect_observed(methods, problem), static_cast<int>(methods.size()));
-    const Prediction row = predict(methods.front(), problem, near);
+    const Prediction row = predict(methods.front(), near);
     EXPECT_TRUE(row.coupled);
     EXPECT_NE(row.state.find("taken together"), std::string::npos) << row.state;
     ASSERT_TRUE(row.limiting);
@@ -211,7 +211,7 @@ TEST(Prediction, OfAnOverdampedLiverHasItsFrequencyBothRatesAndALimitForEachForm
   }
   // Of one equation of first order nothing but its rate is known.
   const Problem decay = make_problem("dahlquist");
-  const Prediction row = predict(find_method("explicit_euler"), decay, linearised(decay));
+  const Prediction row = predict(find_method("explicit_euler"), linearised(decay));
   ASSERT_TRUE(row.limiting);
   EXPECT_FALSE(row.limiting->omega || row.limiting->zeta || row.limiting->rates);
 }
@@ -219,7 +219,7 @@ TEST(Prediction, OfAnOverdampedLiverHasItsFrequencyBothRatesAndALimitForEachForm
 TEST(Prediction, NamesTheModeThatSetsTheStepWhichNeedNotBeTheLargestOfTheSpectrum) {
   const Problem problem = make_problem("spring_chain", {.material = {}, .parameters = {{"n", 6}}, .y0 = {}});
   const Linearised near = linearised(problem);
-  const Prediction row = predict(find_method("explicit_euler"), problem, near);
+  const Prediction row = predict(find_method("explicit_euler"), near);
   ASSERT_TRUE(row.h_max && row.limiting);
   double smallest = infinity, fastest = 0;
   for (const ModeMargin& margin : row.modes) {
@@ -240,7 +240,7 @@ TEST(Prediction, NamesTheModeThatSetsTheStepWhichNeedNotBeTheLargestOfTheSpectru
 
 /// Whether a run of `code` contradicts the prediction of `claimed`.
 bool contradicts(const Method& code, const Method& claimed, const Problem& problem, const Linearised& near) {
-  Prediction row = predict(claimed, problem, near);
+  Prediction row = predict(claimed, near);
   // What a verification knows beside the prediction is what is claimed, too.
   Method run = code;
   run.amplification = claimed.amplification;
@@ -365,7 +365,7 @@ TEST(Prediction, OfANeighbourIsContradictedByTheCode) {
 
 TEST(Prediction, SaysWhatElseLimitsTheStep) {
   const auto bound = [](const char* method, const Problem& problem) {
-    return predict(find_method(method), problem, linearised(problem));
+    return predict(find_method(method), linearised(problem));
   };
   const auto cubic = [](double c) {
     return make_problem("liver_cubic", {.material = {}, .parameters = {{"c", c}}, .y0 = {}});
@@ -396,6 +396,35 @@ TEST(Prediction, SaysWhatElseLimitsTheStep) {
   EXPECT_NE(unknown.note.find("positions and velocities"), std::string::npos);
 }
 
+TEST(Prediction, AsksThePointForCostlyFactsOnlyWhereTheMethodNeedsThem) {
+  Linearised near = linearised(make_problem("liver_linear"));
+  ASSERT_TRUE(near.point.radius_bound);
+  const double bound = near.point.radius_bound();
+  EXPECT_EQ(predict(find_method("rkc_2"), near).modes.front().told.radius, bound);
+  int radii = 0, models = 0;
+  LinearModel elsewhere = near.point.model;
+  near.point.radius_bound = [&] {
+    ++radii;
+    return 2 * bound;
+  };
+  near.point.model_at = [&](const Eigen::VectorXd&) {
+    ++models;
+    return elsewhere;
+  };
+  const auto row_of = [&](const char* id) { return predict(find_method(id), near.point, near.modes); };
+  EXPECT_EQ(row_of("rk4").bound, Bound::stability);
+  EXPECT_EQ(radii + models, 0);
+  EXPECT_EQ(row_of("rkc_2").modes.front().told.radius, 2 * bound);
+  EXPECT_EQ(radii, 1);
+  EXPECT_EQ(models, 0);
+  EXPECT_EQ(row_of("implicit_euler").bound, Bound::accuracy);
+  elsewhere = linearised(make_problem("liver_linear", {.material = {}, .parameters = {{"k1", 80}}, .y0 = {}}))
+                  .point.model;
+  EXPECT_EQ(row_of("implicit_euler").bound, Bound::newton);
+  EXPECT_EQ(models, 2);
+  EXPECT_EQ(radii, 1);
+}
+
 TEST(Prediction, OfACubicSpringAtRestIsThatOfItsTangent) {
   const Problem problem = make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 2}}, .y0 = {}});
   const Linearised near = linearised(problem);
@@ -409,8 +438,7 @@ TEST(Prediction, OfACubicSpringAtRestIsThatOfItsTangent) {
   }
   // Away from rest the tangent is stiffer and the step smaller.
   const Linearised away = linearised(problem, 0, Eigen::Vector2d(1, 0));
-  EXPECT_LT(*predict(find_method("rk4"), problem, away).h_max,
-            *predict(find_method("rk4"), problem, near).h_max);
+  EXPECT_LT(*predict(find_method("rk4"), away).h_max, *predict(find_method("rk4"), near).h_max);
 }
 
 TEST(Prediction, OfADrivenProblemLooksAtTheFreeMotion) {
@@ -512,7 +540,7 @@ TEST(Linearised, IsTheRestThatConservationLeadsToWhichTheRunThenShows) {
   const Problem problem = make_problem("robertson");
   const Linearised near = linearised(problem);
   EXPECT_NE(near.point.state.find("reachable"), std::string::npos) << near.point.state;
-  const Prediction row = predict(find_method("explicit_euler"), problem, near);
+  const Prediction row = predict(find_method("explicit_euler"), near);
   ASSERT_TRUE(row.h_max);
   EXPECT_NEAR(*row.h_max, 2 / (1e4 + 0.04), 1e-8);
   const Prediction seen = verified(find_method("explicit_euler"), problem, near);

@@ -337,7 +337,7 @@ TEST(StepDefect, MakesAVerificationFailWhoseLimitIsNotMoved) {
   RuntimeTableau wrong = at_run_time<tableaux::Rk4>();
   wrong.b[2] *= 1 + planted;
   const Method code = with(make_method(wrong), *rk4.amplification);
-  Prediction row = predict(rk4, problem, near);
+  Prediction row = predict(rk4, near);
   verify(row, code, problem, near);
   ASSERT_TRUE(row.observed);
   EXPECT_TRUE(row.observed->agrees);

@@ -28,7 +28,7 @@ TEST(LimitAlongAMotion, OfALinearModelIsThatAtRestEverywhere) {
     const Method method = find_method(name);
     const auto along = limit_along(method, problem, 10);
     ASSERT_TRUE(along) << name;
-    const double at_rest = predict(method, problem, linearised(problem)).h_max.value();
+    const double at_rest = predict(method, linearised(problem)).h_max.value();
     for (const double h : along->h_max) EXPECT_NEAR(h, at_rest, 1e-9 * at_rest) << name;
   }
 }
@@ -130,7 +130,7 @@ TEST(LimitUnderALoad, OfALinearBodyIsThatAtRestEverywhere) {
   const std::vector<Method> methods{find_method("rk4"), find_method("symplectic_euler")};
   const auto limits = limits_along(methods, problem, load_path(problem, 3));
   for (std::size_t i = 0; i < methods.size(); ++i) {
-    const double at_rest = predict(methods[i], problem, linearised(problem)).h_max.value();
+    const double at_rest = predict(methods[i], linearised(problem)).h_max.value();
     for (const double h : limits[i]->h_max) EXPECT_NEAR(h, at_rest, 1e-6 * at_rest) << methods[i].id;
   }
 }
@@ -147,7 +147,7 @@ TEST(LimitUnderALoad, OfABodyOfManyPointsIsThatOfAllItsModes) {
       EXPECT_EQ(limits[i]->t, path.at);
       EXPECT_EQ(limits[i]->growing, 0);
       for (std::size_t k = 0; k < path.at.size(); ++k) {
-        const double all = predict(methods[i], problem, linearised(problem, 0, path.y[k])).h_max.value();
+        const double all = predict(methods[i], linearised(problem, 0, path.y[k])).h_max.value();
         EXPECT_NEAR(limits[i]->h_max[k], all, 1e-6 * all) << model << " " << methods[i].id << " " << k;
       }
     }
@@ -180,7 +180,7 @@ TEST(LimitUnderALoad, IsBelowThatOfAllEigenvaluesWhereDampingCouplesManyModes) {
   for (std::size_t i = 0; i < path.at.size(); ++i) {
     Linearised whole{.point = operating_point(problem, 0, path.y[i])};
     whole.modes.spectrum = spectrum_of(whole.point.model);
-    const Prediction dense = predict(methods.front(), problem, whole);
+    const Prediction dense = predict(methods.front(), whole);
     ASSERT_TRUE(dense.h_max);
     EXPECT_GT(limit->h_max[i], 0);
     EXPECT_LE(limit->h_max[i], *dense.h_max * (1 + 1e-6)) << path.at[i];
@@ -195,7 +195,7 @@ TEST(LimitAlongAMotion, OfABodyFallsAndRisesAboutThatAtRest) {
   EXPECT_LT(along->least, along->h_max.front());
   EXPECT_GT(along->t_least, 0);
   const double there =
-      predict(find_method("symplectic_euler"), problem, linearised(problem, along->t_least, along->y_least))
+      predict(find_method("symplectic_euler"), linearised(problem, along->t_least, along->y_least))
           .h_max.value();
   EXPECT_NEAR(along->least, there, 1e-6 * there);
 }
@@ -204,7 +204,7 @@ TEST(LimitFromAStart, OfALinearModelIsThatOfItsSpectrum) {
   const Problem problem = oscillator(0.6, 2, 0, {1, 0});
   for (const char* name : {"explicit_euler", "rk4", "central_difference"}) {
     const Method method = find_method(name);
-    const double predicted = predict(method, problem, linearised(problem)).h_max.value();
+    const double predicted = predict(method, linearised(problem)).h_max.value();
     const auto observed = limit_from_start(method, problem, 4000, predicted, size_of_motion(problem, 4000));
     ASSERT_TRUE(observed) << name;
     EXPECT_NEAR(observed->h / predicted, 1, 2e-3) << name;

@@ -98,7 +98,7 @@ TEST_F(FreeParts, TakeNoPartInTheVerificationOfALimit) {
     ASSERT_TRUE(near.point.at_equilibrium);
     for (const char* name : {"rk4", "symplectic_euler", "newmark"}) {
       const Method method = find_method(name);
-      Prediction row = predict(method, problem, near);
+      Prediction row = predict(method, near);
       verify(row, method, problem, near);
       ASSERT_TRUE(row.observed) << name << row.note;
       EXPECT_FALSE(row.observed->contradicts()) << name << " " << row.note;

@@ -123,7 +123,7 @@ TEST(Tool, IsInTheLimitsOfStepsAtTheEquilibriumUnderIt) {
     const Linearised near = linearised(problem);
     ASSERT_EQ(near.point.kind, StateKind::equilibrium) << factor << ": " << near.point.status;
     EXPECT_EQ(near.point.missing, "");
-    Prediction row = predict(method, problem, near);
+    Prediction row = predict(method, near);
     ASSERT_EQ(row.bound, Bound::stability) << row.note;
     verify(row, method, problem, near);
     EXPECT_TRUE(row.observed && row.observed->confirms()) << row.note;

@@ -15,7 +15,7 @@ TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
   const Problem problem = make_problem("liver_benchmark", {.material = "male_slim", .parameters = {}, .y0 = {}});
   const Method method = find_method("rk4");
   const Linearised near = linearised(problem);
-  Prediction prediction = predict(method, problem, near);
+  Prediction prediction = predict(method, near);
   EXPECT_EQ(limit_row(prediction).verdict, "");
   verify(prediction, method, problem, near);
   const LimitRow row = limit_row(prediction);
