@@ -1,20 +1,15 @@
 #include "bench/limits/linearised_problem.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
-#include "analysis/amplification/amplification.hpp"
-#include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/statics/equilibrium.hpp"
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
-#include "integrators/spectral_radius.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
