@@ -365,7 +365,8 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
   recommend(advice.rows, question);
   for (std::size_t i = 0; i < advice.rows.size(); ++i) {
     AdviceRow& row = advice.rows[i];
-    if (!(row.h_max > 0) || std::isinf(row.h_max)) continue;
+    // Nobody takes the others, and some take a million steps.
+    if (!is_suitable(row) || !std::isfinite(row.h_max)) continue;
     now(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(advice.rows.size()),
         "runs beside the limit of " + row.candidate.words());
     row.h_max_observed = observed_limit(row, ground);
