@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "results/fingerprint.hpp"
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 #include "results/row.hpp"
 
 namespace hmax {

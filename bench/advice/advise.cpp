@@ -170,10 +170,9 @@ class StepSearch {
         break;
       }
       failed = steps;
-      // Twice as many steps take about twice the time.
-      const bool too_many = run.reached_end() ? row.frame.p50 > question_.frame_budget()
+      const bool hopeless = run.reached_end() ? time_to_suffice(row) > 2 * question_.frame_budget()
                                               : steps >= most_steps_after_failure * first_steps(row);
-      if (too_many || steps > most_steps) return conclude_failure(row, cause);
+      if (hopeless || steps > most_steps) return conclude_failure(row, cause);
     }
     refine(row, failed, steps, cause);
     row.h_accurate = row.h;
@@ -187,6 +186,12 @@ class StepSearch {
 
  private:
   static constexpr std::int64_t most_steps = 100'000, most_steps_after_failure = 64;
+
+  /// About what a frame takes with as many steps as meet the tolerance, from the order of the method [s].
+  [[nodiscard]] double time_to_suffice(const AdviceRow& row) const {
+    const int order = std::max(1, row.candidate.method.order);
+    return row.frame.p50 * std::max(1.0, std::pow(row.error / question_.tolerance, 1.0 / order));
+  }
 
   [[nodiscard]] std::int64_t first_steps(const AdviceRow& row) const {
     if (!std::isfinite(row.h_max)) return 1;
@@ -227,12 +232,18 @@ class StepSearch {
     row.status = why;
   }
 
-  static void conclude_failure(AdviceRow& row, AdviceBound cause) {
+  void conclude_failure(AdviceRow& row, AdviceBound cause) const {
     row.bound = cause;
+    if (cause == AdviceBound::accuracy && row.frame.p50 > question_.frame_budget()) {
+      row.bound = AdviceBound::budget;
+      row.verdict = AdviceVerdict::too_slow;
+      row.status = "even steps that miss the tolerance take more than the budget";
+      return;
+    }
     row.verdict = cause == AdviceBound::accuracy ? AdviceVerdict::inaccurate : AdviceVerdict::unstable;
     if (row.status.empty())
       row.status = cause == AdviceBound::accuracy
-                       ? "no step that meets the tolerance stays within the budget"
+                       ? "steps that meet the tolerance would take more than the budget"
                        : fmt::format("no step down to {:.3g} s reaches the end of the motion", row.h);
   }
 
@@ -240,6 +251,24 @@ class StepSearch {
   const Ground& ground_;
   const Watcher& watcher_;
 };
+
+/// One candidate at the longest of its steps that suffices.
+/// @param i  its place in Ground::h_max
+AdviceRow tried_row(const Candidate& candidate, std::size_t i, const AdviceQuestion& question,
+                    const Ground& ground, const std::vector<std::pair<double, double>>& modes,
+                    const Watcher& watcher) {
+  AdviceRow row;
+  row.candidate = candidate;
+  row.h_max = is_truncated(candidate) ? AdviceRow::none : ground.h_max[i];
+  if (is_frozen(candidate)) look_at_frozen(row, ground);
+  reset_peak_memory();
+  StepSearch(question, ground, watcher)(row);
+  row.memory = peak_memory();
+  if (row.status.empty()) row.status = ground.status[i];
+  look_at_margin(row);
+  look_at_modes(row, modes);
+  return row;
+}
 
 /// The limit on the motion, by bisection between 0.8 and 1.25 of the prediction, to 2 %.
 double observed_limit(const AdviceRow& row, const Ground& ground) {
@@ -343,21 +372,9 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
   const auto modes = slowest_modes(ground.near.modes.spectrum);
   for (const auto& [omega, zeta] : modes) advice.modes.push_back(omega);
 
-  const StepSearch search(question, ground, watch);
   for (std::size_t i = 0; i < all.size(); ++i) {
     now(0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(all.size()), "steps of " + all[i].words());
-    AdviceRow row;
-    row.candidate = all[i];
-    row.h_max = ground.h_max[i];
-    if (is_truncated(row.candidate)) row.h_max = AdviceRow::none;
-    if (is_frozen(row.candidate)) look_at_frozen(row, ground);
-    reset_peak_memory();
-    search(row);
-    row.memory = peak_memory();
-    if (row.status.empty()) row.status = ground.status[i];
-    look_at_margin(row);
-    look_at_modes(row, modes);
-    advice.rows.push_back(std::move(row));
+    advice.rows.push_back(tried_row(all[i], i, question, ground, modes, watch));
   }
   sort_rows(advice.rows, question);
   now(0.7, "timing the best methods");

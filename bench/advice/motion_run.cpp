@@ -42,8 +42,7 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
 }  // namespace
 
 FrameTimes frame_times(std::vector<double> frames_s) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  if (frames_s.empty()) return {nan, nan, nan};
+  if (frames_s.empty()) return {};
   std::ranges::sort(frames_s);
   const auto quantile = [&](double share) {
     return frames_s[static_cast<std::size_t>(std::ceil(share * static_cast<double>(frames_s.size()))) - 1];

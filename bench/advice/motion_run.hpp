@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct MotionRun {
 
 /// Order statistics of the time of a frame [s].
 struct FrameTimes {
-  double p50 = 0, p99 = 0, max = 0;
+  double p50 = std::numeric_limits<double>::quiet_NaN(), p99 = p50, max = p50;
 };
 /// NaN of no frames.
 FrameTimes frame_times(std::vector<double> frames_s);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include <Eigen/SparseCholesky>
 #include <fmt/format.h>
@@ -49,7 +51,7 @@ PressingForce far_press(const TissueBody& body) {
   return press;
 }
 
-/// The force of 1 N times this moves the body by 2 % of its size, by its stiffness at `q`.
+/// The forces times this move the body by 2 % of its size, by its stiffness at `q`.
 double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   const TissueBody& body = *pressed.body;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
@@ -81,16 +83,26 @@ void come_and_go(std::vector<PressingForce>& forces) {
   forces = std::move(both);
 }
 
-/// The largest share of the load, 1, 1/2, ..., 1/64, that has an equilibrium.
-double borne_share(const Problem& problem, const Watcher& watcher) {
-  StaticSettings settings{.tolerance = 1e-6};
+/// The largest share of the load, 1, 1/2, ..., 1/64, that has an equilibrium; nothing where none has one.
+std::optional<double> share_with_equilibrium(const Problem& problem, const Watcher& watcher) {
+  const StaticSettings settings{.tolerance = 1e-6};
   for (double share = 1; share >= 1.0 / 64; share /= 2) {
     if (watcher) watcher();
     if (found_equilibrium(problem, share, settings, [] { return 0.0; }).converged) return share;
   }
-  throw InputError(fmt::format(
-      "{} has no static equilibrium even under 1/64 of its load; take a smaller --load force or a stiffer material",
-      problem.id));
+  return std::nullopt;
+}
+
+/// The share of its forces that a body is probed with, and what is said of it.
+std::pair<double, std::string> probing_share(const Problem& problem, const Watcher& watcher) {
+  if (const auto share = share_with_equilibrium(problem, watcher))
+    return {*share, *share == 1 ? "the load"
+                                : fmt::format("{:.3g} of the load, the most of 1, 1/2, 1/4, ... with an equilibrium",
+                                              *share)};
+  const double share = force_for_2_percent(problem, Eigen::VectorXd::Zero(problem.body->dofs()));
+  return {share, fmt::format("{:.3g} of the load, which moves the body by about 2 % of its size; 1/64 of it has no "
+                             "equilibrium",
+                             share)};
 }
 
 ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
@@ -117,9 +129,9 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
     settings.forces.front().force *= force;
     words = fmt::format("a press of {:.3g} N at the far end{}", force, heavy ? " beside gravity" : "");
   } else {
-    const double share = borne_share(problem, watcher);
+    double share = 1;
+    std::tie(share, words) = probing_share(problem, watcher);
     for (PressingForce& force : settings.forces) force.force *= share;
-    words = share == 1 ? "the load" : fmt::format("{:.3g} of the load, the most of 1, 1/2, 1/4, ... that has an equilibrium", share);
   }
   come_and_go(settings.forces);
   const double t_end = rise + hold + rise + after;

@@ -21,9 +21,9 @@ struct ProbingMotion {
 /// Of a body whose loads do not change with time: they come within 0.1 s, stay for 0.2 s and go within 0.1 s, and the
 /// body moves freely for 0.2 s. Gravity acts all the time, from its equilibrium on. A body without any other load is
 /// pressed at its far end until it gives way by 2 % of its size. A load without an equilibrium is halved, up to six
-/// times, until it has one. Of bodies whose loads change with time, and of what is no body: the problem's own
-/// motion, up to its end.
-/// @throws InputError  where a body has no equilibrium under gravity, or under a sixty-fourth of its load
+/// times, until it has one, and then taken as large as moves the body by 2 % of its size. Of bodies whose loads
+/// change with time, and of what is no body: the problem's own motion, up to its end.
+/// @throws InputError  where a body has no equilibrium under gravity
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {});
 
 /// The motion as it truly is, at instants that are multiples of a frame.

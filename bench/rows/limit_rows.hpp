@@ -7,7 +7,7 @@
 #include "bench/limits/operating_point.hpp"
 #include "bench/limits/prediction.hpp"
 #include "bench/limits/trajectory_limit.hpp"
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 #include "results/store.hpp"
 
 namespace hmax {

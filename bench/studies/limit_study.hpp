@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/catalogue/method.hpp"
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 #include "results/store.hpp"
 
 namespace hmax {

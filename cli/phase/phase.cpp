@@ -118,6 +118,31 @@ void phase(const PhaseOptions& options, Console& console) {
   console.print(text);
 }
 
+/// The state once in each period of the force, alone or over a parameter.
+void add_section_options(CLI::App& command, PhaseOptions& options) {
+  command.add_flag("--poincare", options.poincare,
+                   fmt::format("Show the Poincare section: the state once in each period of the force, at {}",
+                               in_words(stroboscope_tolerances)));
+  command
+      .add_option("--bifurcation", options.bifurcation,
+                  "Show the bifurcation diagram over this parameter, from --from to --to")
+      ->type_name("NAME");
+  add_number(command, "--from", options.from, "First value of the parameter");
+  add_number(command, "--to", options.to, "Last value of the parameter");
+  command.add_option("--points", options.points, "Number of values of the parameter; 200 by default")
+      ->type_name("NUMBER");
+  command.add_flag("--follow", options.follow,
+                   "Start each value at the end of the previous one, instead of at y0");
+  command
+      .add_option("--periods", options.periods,
+                  "Recorded periods; 2000, with --bifurcation 64 for each value, by default")
+      ->type_name("NUMBER");
+  command.add_option("--skip", options.skip, "Discarded periods before them; 200 by default")
+      ->type_name("NUMBER");
+  add_number(command, "--period", options.period,
+             "Period of the force [s]; that of the oscillator by default");
+}
+
 }  // namespace
 
 Window parse_window(const std::string& text) {
@@ -372,27 +397,7 @@ void add_phase(CLI::App& app, Console& console) {
                                in_words(basin_tolerances)));
   command.add_option("--cells", options->cells, "Columns of the grid of initial states; 120 by default")
       ->type_name("NUMBER");
-  command.add_flag("--poincare", options->poincare,
-                   fmt::format("Show the Poincare section: the state once in each period of the force, at {}",
-                               in_words(stroboscope_tolerances)));
-  command
-      .add_option("--bifurcation", options->bifurcation,
-                  "Show the bifurcation diagram over this parameter, from --from to --to")
-      ->type_name("NAME");
-  add_number(command, "--from", options->from, "First value of the parameter");
-  add_number(command, "--to", options->to, "Last value of the parameter");
-  command.add_option("--points", options->points, "Number of values of the parameter; 200 by default")
-      ->type_name("NUMBER");
-  command.add_flag("--follow", options->follow,
-                   "Start each value at the end of the previous one, instead of at y0");
-  command
-      .add_option("--periods", options->periods,
-                  "Recorded periods; 2000, with --bifurcation 64 for each value, by default")
-      ->type_name("NUMBER");
-  command.add_option("--skip", options->skip, "Discarded periods before them; 200 by default")
-      ->type_name("NUMBER");
-  add_number(command, "--period", options->period,
-             "Period of the force [s]; that of the oscillator by default");
+  add_section_options(command, *options);
   command
       .add_option("--output", options->output,
                   fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",

@@ -7,7 +7,7 @@
 #include "bench/limits/prediction.hpp"
 #include "bench/limits/trajectory_limit.hpp"
 #include "cli/shared/console.hpp"
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 
 namespace hmax {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "cli/shared/console.hpp"
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 
 namespace hmax {
 

@@ -11,7 +11,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "core/parallel_for.hpp"
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 #include "results/store.hpp"
 
 namespace hmax {

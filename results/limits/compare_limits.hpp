@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 
 namespace hmax {
 

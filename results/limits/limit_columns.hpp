@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 
 namespace hmax {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "results/limits/limit_row.hpp"
+#include "results/limit_row.hpp"
 
 namespace hmax {
 

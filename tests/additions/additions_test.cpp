@@ -53,7 +53,7 @@ TEST(Patches, TouchFewFiles) {
 }
 
 TEST(Listed, IsEveryAddition) {
-  EXPECT_EQ(listed("methods", "sdirk_3").at("family"), "diagonally_implicit");
+  EXPECT_EQ(listed("methods", "sdirk_2").at("family"), "diagonally_implicit");
   EXPECT_EQ(listed("methods", "extrapolated_euler_3").at("family"), "extrapolated");
   EXPECT_EQ(listed("problems", "pendulum").at("dimension"), 2);
   EXPECT_FALSE(listed("models", "fem_green_volume").at("is_of_springs"));
@@ -81,10 +81,10 @@ TEST(Family, HasTheLimitsOfItsStabilityFunctionAndRuns) {
 }
 
 TEST(Method, HasItsOrderAndIsPredicted) {
-  EXPECT_EQ(Shell{}.hmax("order --problem liver_cubic --method sdirk_3").exit_code, 0);
+  EXPECT_EQ(Shell{}.hmax("order --problem liver_cubic --method sdirk_2").exit_code, 0);
   // A-stable.
-  EXPECT_EQ(verified_limits("--problem liver_linear", "sdirk_3"), std::vector<double>{0});
-  expect_run("--problem liver_forced --method sdirk_3 --h 0.1");
+  EXPECT_EQ(verified_limits("--problem liver_linear", "sdirk_2"), std::vector<double>{0});
+  expect_run("--problem liver_forced --method sdirk_2 --h 0.1");
 }
 
 TEST(Problem, IsPredictedAndRuns) {

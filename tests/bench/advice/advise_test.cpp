@@ -57,7 +57,16 @@ TEST(ProbingMotion, PressesABodyUnderGravityFromItsEquilibrium) {
 
 TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
   const ProbingMotion motion = probing_motion(cube("press", {{"force", 50}}));
-  EXPECT_NE(motion.words.find("has an equilibrium"), std::string::npos) << motion.words;
+  EXPECT_NE(motion.words.find("equilibrium"), std::string::npos) << motion.words;
+}
+
+TEST(ProbingMotion, TakesAsMuchOfALoadAsMovesTheBodyByTwoPercent) {
+  const ProbingMotion motion = probing_motion(cube("press", {{"force", 1e6}}));
+  const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
+  EXPECT_NE(motion.words.find("2 %"), std::string::npos) << motion.words;
+  // Sides of 0.1 m: the diagonal is 0.173 m.
+  EXPECT_GT(reference.scale, 0.5 * 0.02 * 0.173);
+  EXPECT_LT(reference.scale, 2 * 0.02 * 0.173);
 }
 
 TEST(ReferenceMotion, IsAsCloseAsItSays) {
