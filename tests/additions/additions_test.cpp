@@ -22,7 +22,8 @@ std::vector<double> verified_limits(const std::string& model, const std::string&
   const Told told = Shell{}.hmax("stability predict " + model + " --methods " + methods + " --verify --json");
   EXPECT_EQ(told.exit_code, 0) << told.err;
   std::vector<double> limits;
-  for (const Json& row : told.json().at("rows")) {
+  const Json document = told.json();
+  for (const Json& row : document.at("rows")) {
     EXPECT_EQ(row.at("agrees"), true) << row;
     limits.push_back(row.at("h_max").is_number() ? row.at("h_max").get<double>() : 0);
   }
