@@ -56,9 +56,14 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem)
   return question;
 }
 
+/// What errors are relative to.
+std::string error_scale(const Problem& problem) {
+  return problem.body ? "largest displacement" : "range of each state";
+}
+
 // ---- for programs
 
-Json to_json(const AdviceRow& row, const AdviceQuestion& question) {
+Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::string& error_of) {
   const auto numbers = [](const std::vector<double>& values) {
     Json list = Json::array();
     for (const double value : values) list.push_back(number_or_word(value));
@@ -79,7 +84,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question) {
           {"h_accurate", number_or_word(row.h_accurate)},
           {"bound", name_of(row.bound)},
           {"error", number_or_word(row.error)},
-          {"error_of", "largest displacement"},
+          {"error_of", error_of},
           {"frame_ms",
            {{"p50", number_or_word(1e3 * row.frame.p50)},
             {"p99", number_or_word(1e3 * row.frame.p99)},
@@ -99,7 +104,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question) {
 Json to_json(const Problem& problem, const AdviceQuestion& question, const Advice& advice) {
   Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
   for (const AdviceRow& row : advice.rows) {
-    rows.push_back(to_json(row, question));
+    rows.push_back(to_json(row, question, error_scale(problem)));
     if (row.verdict == AdviceVerdict::tie) ties.push_back(row.candidate.words());
   }
   for (const Remedy& remedy : advice.remedies)
@@ -122,7 +127,7 @@ Json to_json(const Problem& problem, const AdviceQuestion& question, const Advic
           {"budget_ms", 1e3 * question.frame_budget()},
           {"machine", summary(fingerprint())},
           {"rows", std::move(rows)},
-          {"recommended", best ? to_json(*best, question) : Json()},
+          {"recommended", best ? to_json(*best, question, error_scale(problem)) : Json()},
           {"ties", std::move(ties)},
           {"remedies", std::move(remedies)}};
 }
@@ -142,13 +147,13 @@ std::string percent(double share) {
 std::string words_of_bound(const AdviceRow& row) {
   switch (row.bound) {
     case AdviceBound::stability:
-      return "stability: the next longer part of a frame is unstable";
+      return "stability: a longer part of a frame is within 5 % of the limit or beyond it";
     case AdviceBound::accuracy:
       return "accuracy: the next longer part of a frame misses the tolerance";
     case AdviceBound::newton:
       return "Newton's method: it does not converge for the next longer part of a frame";
     case AdviceBound::budget:
-      return "the budget: no step that is long enough suffices";
+      return "the budget: frames take longer than it";
     case AdviceBound::rate:
       break;
   }
@@ -164,19 +169,21 @@ std::string words_of_modes(const AdviceRow& row, const Advice& advice) {
   return words;
 }
 
-std::string words_of_best(const AdviceRow& row, const Advice& advice, const AdviceQuestion& question,
-                          const Console& console) {
+std::string words_of_best(const Problem& problem, const AdviceRow& row, const Advice& advice,
+                          const AdviceQuestion& question, const Console& console) {
   std::string text = console.strong(fmt::format("take {} with h = {} ms, {} step{} a frame", row.candidate.words(),
                                                 milliseconds(row.h, 5), row.steps_per_frame,
                                                 row.steps_per_frame == 1 ? "" : "s")) +
                      "\n";
   text += std::isfinite(row.h_max)
-              ? fmt::format("  stable up to  {} ms predicted, the least along the motion; {} ms observed\n",
-                            milliseconds(row.h_max, 4), milliseconds(row.h_max_observed))
+              ? fmt::format("  stable up to  {} ms predicted, the least along the motion; {}\n",
+                            milliseconds(row.h_max, 4),
+                            std::isnan(row.h_max_observed) ? "growth beyond is too slow to be observed"
+                                                           : milliseconds(row.h_max_observed) + " ms observed")
           : std::isinf(row.h_max) ? "  stable up to  no step is unstable on the linearised model\n"
                                   : "  stable up to  no limit is predicted; the motion was run\n";
   text += fmt::format("  step bound by {}\n", words_of_bound(row));
-  text += fmt::format("  error         {} of the largest displacement\n", percent(row.error));
+  text += fmt::format("  error         {} of the {}\n", percent(row.error), error_scale(problem));
   text += fmt::format("  a frame takes {} ms, 99 of 100 at most {} ms, all at most {} ms: {} times real time\n",
                       milliseconds(row.frame.p50), milliseconds(row.frame.p99), milliseconds(row.frame.max),
                       short_number(row.realtime_factor(question.rate), 3));
@@ -193,7 +200,7 @@ std::string words_of_best(const AdviceRow& row, const Advice& advice, const Advi
 }
 
 std::string words_of_remedies(const Advice& advice) {
-  if (advice.remedies.empty()) return "Nothing that was tried helps: a lower rate, more mass, a softer material.\n";
+  if (advice.remedies.empty()) return "No change that was tried helps.\n";
   std::string text = "What helps, each tried:\n";
   for (const Remedy& remedy : advice.remedies)
     text += fmt::format("  {} {} in place of {}: {} with h = {} ms\n", remedy.change, short_number(remedy.to),
@@ -212,16 +219,42 @@ std::string table_of(const Advice& advice, const Console& console) {
   return table.text(console);
 }
 
+/// Why rows do not suit, each reason once.
+std::string words_of_reasons(const Advice& advice) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
+  for (const AdviceRow& row : advice.rows) {
+    if (row.status.empty() || row.verdict < AdviceVerdict::unstable) continue;
+    const auto same = std::ranges::find(reasons, row.status, &std::pair<std::string, std::vector<std::string>>::first);
+    (same == reasons.end() ? reasons.emplace_back(row.status, std::vector<std::string>{}) : *same)
+        .second.push_back(row.candidate.words());
+  }
+  std::string text;
+  for (const auto& [reason, methods] : reasons) text += fmt::format("{}: {}\n", fmt::join(methods, "; "), reason);
+  return text;
+}
+
+/// Methods that were asked for and do not step this problem.
+std::string words_of_left_out(const AdviseOptions& options, const Problem& problem) {
+  if (!options.methods.empty()) return {};
+  std::vector<std::string> names;
+  for (const std::string& name : simulator_methods())
+    if (!suits(find_method(name), problem)) names.push_back(name);
+  return names.empty() ? ""
+                       : fmt::format("left out: {}, which need positions and velocities or a stiff part that the "
+                                     "problem does not declare\n",
+                                     fmt::join(names, ", "));
+}
+
 std::string for_people(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
                        const Console& console) {
   std::string text =
       fmt::format("{}{}{}: {}\n", problem.id, problem.material.empty() ? "" : ", ", problem.material, advice.motion);
-  text += fmt::format("{} Hz, error at most {} of the largest displacement{}, frames of at most {} ms\n\n",
-                      short_number(question.rate), percent(question.tolerance),
+  text += fmt::format("{} Hz, error at most {} of the {}{}, frames of at most {} ms\n\n",
+                      short_number(question.rate), percent(question.tolerance), error_scale(problem),
                       problem.body ? fmt::format(", {} mm", milliseconds(advice.scale)) : "",
                       milliseconds(question.frame_budget()));
   if (const AdviceRow* best = advice.recommended()) {
-    text += words_of_best(*best, advice, question, console);
+    text += words_of_best(problem, *best, advice, question, console);
     std::vector<std::string> ties;
     for (const AdviceRow& row : advice.rows)
       if (row.verdict == AdviceVerdict::tie)
@@ -230,7 +263,7 @@ std::string for_people(const Problem& problem, const AdviceQuestion& question, c
   } else {
     text += console.strong("no method that was tried meets this") + "\n" + words_of_remedies(advice);
   }
-  return text + "\n" + table_of(advice, console) + "\n" + console.faint(summary(fingerprint())) + "\n";
+  return text + "\n" + table_of(advice, console) + "\n" + words_of_reasons(advice) + console.faint(summary(fingerprint())) + "\n";
 }
 
 void advise_on(const AdviseOptions& options, Console& console) {
@@ -262,7 +295,7 @@ void advise_on(const AdviseOptions& options, Console& console) {
   }
   if (!advice.recommended()) console.exit_code = Exit::failed;
   if (console.json) return console.print_json(to_json(problem, question, advice));
-  console.print(for_people(problem, question, advice, console));
+  console.print(for_people(problem, question, advice, console) + words_of_left_out(options, problem));
 }
 
 }  // namespace

@@ -164,7 +164,9 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
     found.remarks.push_back("Measured under different conditions: " + difference + ".");
   const std::size_t outside = found.rows.size() - found.count(Verdict::same);
   const LimitComparison limits = compare_limits(store_a.limits(), store_b.limits());
-  if (outside > 0 || !limits.changed.empty()) console.exit_code = Exit::failed;
+  const bool nothing_shared =
+      found.rows.empty() && limits.compared == 0 && limits.only_in_a.size() + limits.only_in_b.size() > 0;
+  if (outside > 0 || !limits.changed.empty() || nothing_shared) console.exit_code = Exit::failed;
 
   if (console.json) {
     Json rows = Json::array();

@@ -37,6 +37,17 @@ struct Ground {
   double fastest = 0;               ///< the fastest undamped frequency at the start [rad/s]; 0: not known
 };
 
+/// A body stays where it is after its motion; of other problems the motion must have frames to be timed.
+/// @throws InputError  where it has not
+void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
+  constexpr double least_frames = 5;
+  if (motion.t_end >= least_frames * question.frame()) return;
+  if (!motion.problem.body)
+    throw InputError(fmt::format("the motion of {} ends at {:.6g} s, before {} frames of {:.6g} Hz; take a higher --rate",
+                                 motion.problem.id, motion.t_end, least_frames, question.rate));
+  motion.t_end = least_frames * question.frame();
+}
+
 /// The states of the reference at which limits are looked for.
 Path path_of(const ReferenceMotion& reference) {
   constexpr std::size_t most = 10;
@@ -84,14 +95,16 @@ void look_at_limits(Ground& ground, const std::vector<Candidate>& all, const Wat
 }
 
 /// The slowest oscillations of a spectrum [rad/s] with their damping ratios.
-std::vector<std::pair<double, double>> slowest_modes(const Spectrum& spectrum) {
+std::vector<std::pair<double, double>> slowest_modes(const ModeSet& set) {
   std::vector<std::pair<double, double>> modes;
-  for (const MechanicalMode& each : spectrum.mechanical) {
+  for (const MechanicalMode& each : set.spectrum.mechanical) {
     const Mode mode = mode_of(each);
     if (mode.omega && *mode.omega > 0 && mode.zeta && *mode.zeta < 1) modes.emplace_back(*mode.omega, *mode.zeta);
   }
   std::ranges::sort(modes);
-  if (modes.size() > 3) modes.resize(3);
+  // Of large models the ends alone are known, and sometimes only the fast one.
+  const std::size_t known = set.slow_end ? 0 : set.curve ? 1 : 3;
+  if (modes.size() > known) modes.resize(known);
   return modes;
 }
 
@@ -157,12 +170,16 @@ class StepSearch {
     std::int64_t steps = 1;
     if (std::isfinite(row.h_max) && row.h_max > 0)
       steps = static_cast<std::int64_t>(std::min(1e9, std::ceil(frame / (safety * row.h_max) * (1 - 1e-9))));
-    if (row.h_max == 0) return fail(row, AdviceVerdict::unstable, "every step is unstable");
+    if (row.h_max == 0) return fail(row, AdviceVerdict::unstable, "a mode grows at every step, however slowly, and was not tried");
     AdviceBound cause = steps > 1 ? AdviceBound::stability : AdviceBound::rate;
     std::int64_t failed = steps - 1;  // the most steps that do not suffice
     for (;; steps *= 2) {
+      if (steps > most_steps)
+        return fail(row, AdviceVerdict::unstable,
+                    fmt::format("a stable step would be less than 1/{} of a frame", most_steps));
       const MotionRun run = tried(row, steps);
-      if (!run.reached_end()) {
+      // A run that is off by the whole motion has grown, though it may be bounded.
+      if (!run.reached_end() || run.error > 1) {
         cause = run.outcome == Outcome::newton_failed ? AdviceBound::newton : AdviceBound::stability;
       } else if (run.error > question_.tolerance) {
         cause = AdviceBound::accuracy;
@@ -170,17 +187,20 @@ class StepSearch {
         break;
       }
       failed = steps;
-      const bool hopeless = run.reached_end() ? time_to_suffice(row) > 2 * question_.frame_budget()
+      const bool hopeless = run.reached_end() && run.error <= 1 ? time_to_suffice(row) > 2 * question_.frame_budget()
                                               : steps >= most_steps_after_failure * first_steps(row);
-      if (hopeless || steps > most_steps) return conclude_failure(row, cause);
+      if (hopeless) return conclude_failure(row, cause);
     }
     refine(row, failed, steps, cause);
     row.h_accurate = row.h;
     row.bound = cause;
     row.verdict = AdviceVerdict::suitable;
-    if (row.frame.p50 > question_.frame_budget()) {
+    // One late frame of a short motion may be the machine's.
+    const bool late = row.missed > 1 && 1000 * row.missed > row.frames;
+    if (late || row.frame.p50 > question_.frame_budget()) {
       row.bound = AdviceBound::budget;
       row.verdict = AdviceVerdict::too_slow;
+      row.status = fmt::format("{} of {} frames took more than the budget", row.missed, row.frames);
     }
   }
 
@@ -361,6 +381,7 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
   Ground ground;
   now(0, "finding a load that the model bears");
   ground.motion = probing_motion(problem, watch);
+  lengthen(ground.motion, question);
   now(0.05, "finding the reference motion");
   ground.reference = reference_motion(ground.motion, question.frame(), question.tolerance, watch);
   const std::vector<Candidate> all = candidates(question.methods, ground.motion.problem);
@@ -369,7 +390,7 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
                                  problem.id));
   now(0.2, "limits along the motion");
   look_at_limits(ground, all, watch);
-  const auto modes = slowest_modes(ground.near.modes.spectrum);
+  const auto modes = slowest_modes(ground.near.modes);
   for (const auto& [omega, zeta] : modes) advice.modes.push_back(omega);
 
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -379,6 +400,14 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
   sort_rows(advice.rows, question);
   now(0.7, "timing the best methods");
   time_best(advice.rows, question, ground, watch);
+  // What is recommended is stable where it is run.
+  while (is_suitable(advice.rows.front()) &&
+         !holds(advice.rows.front().candidate, ground.motion, ground.reference, advice.rows.front().h)) {
+    advice.rows.front().verdict = AdviceVerdict::unstable;
+    advice.rows.front().status = "neighbouring runs part at this step";
+    sort_rows(advice.rows, question);
+    time_best(advice.rows, question, ground, watch);
+  }
   recommend(advice.rows, question);
   for (std::size_t i = 0; i < advice.rows.size(); ++i) {
     AdviceRow& row = advice.rows[i];
@@ -387,6 +416,8 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
     now(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(advice.rows.size()),
         "runs beside the limit of " + row.candidate.words());
     row.h_max_observed = observed_limit(row, ground);
+    if (std::isnan(row.h_max_observed) && row.status.empty())
+      row.status = "growth just beyond the limit is too slow to be seen on the motion";
   }
   advice.motion = ground.motion.words;
   advice.scale = ground.reference.scale;

@@ -69,7 +69,7 @@ struct AdviceRow {
 
 /// A change of the model or the question under which a row becomes suitable; it was run.
 struct Remedy {
-  std::string change;   ///< "rate", "rho", "E"
+  std::string change;   ///< "budget_ms", "rate", "rho", "E"
   double from = 0, to = 0;
   std::string method;   ///< as Candidate::words()
   double h = 0;         ///< [s]
@@ -106,7 +106,7 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
 using ProblemWith = std::function<Problem(const std::vector<std::pair<std::string, double>>& values)>;
 
 /// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first: a
-/// lower rate, and of a body more mass or a softer material.
+/// larger budget, a lower rate, and of a body more mass or a softer material.
 /// @param failed  what was found without a change
 std::vector<Remedy> remedies(const Problem& problem, const AdviceQuestion& question, const Advice& failed,
                              const ProblemWith& make, const AdviceWatcher& watcher = {});

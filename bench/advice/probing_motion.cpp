@@ -105,6 +105,20 @@ std::pair<double, std::string> probing_share(const Problem& problem, const Watch
                              share)};
 }
 
+/// The largest share of gravity, 1, 1/2, ..., 1/64, under which a body rests, and how; 0 where there is none.
+std::pair<double, Eigen::VectorXd> resting_under_gravity(const Problem& problem, const Watcher& watcher) {
+  for (double share = 1; share >= 1.0 / 64; share /= 2) {
+    if (watcher) watcher();
+    TissueSettings settings = problem.body->settings();
+    settings.gravity *= share;
+    settings.forces.clear();
+    StaticSolution resting = found_equilibrium(with_settings(problem, std::move(settings)), 1, {.tolerance = 1e-10},
+                                               [] { return 0.0; });
+    if (resting.converged) return {share, std::move(resting.q)};
+  }
+  return {0, {}};
+}
+
 ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   const TissueBody& body = *problem.body;
   const Eigen::Index n = body.dofs();
@@ -115,19 +129,20 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   TissueSettings settings = body.settings();
   const bool heavy = settings.gravity.norm() > 0;
   Eigen::VectorXd start = Eigen::VectorXd::Zero(n);
+  std::string words, gravity;
   if (heavy) {
-    const StaticSolution resting = found_equilibrium(problem, 1, {.tolerance = 1e-10}, [] { return 0.0; });
-    if (!resting.converged)
-      throw InputError(fmt::format("{} has no static equilibrium to start from: {}", problem.id,
-                                   status_of(problem, resting)));
-    start = resting.q;
+    const auto [share, resting] = resting_under_gravity(problem, watcher);
+    settings.gravity *= share;
+    if (share > 0) start = resting;
+    gravity = share == 1  ? " beside gravity"
+              : share > 0 ? fmt::format(" beside {:.3g} of gravity, the most of 1, 1/2, 1/4, ... with an equilibrium", share)
+                          : " without gravity, under which there is no equilibrium";
   }
-  std::string words;
   if (settings.forces.empty()) {
     settings.forces = {far_press(body)};
     const double force = force_for_2_percent(with_settings(problem, settings), start);
     settings.forces.front().force *= force;
-    words = fmt::format("a press of {:.3g} N at the far end{}", force, heavy ? " beside gravity" : "");
+    words = fmt::format("a press of {:.3g} N at the far end{}", force, gravity);
   } else {
     double share = 1;
     std::tie(share, words) = probing_share(problem, watcher);
@@ -156,18 +171,16 @@ std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion,
   return states;
 }
 
-double distance(bool of_body, const Eigen::Ref<const Eigen::VectorXd>& a,
-                const Eigen::Ref<const Eigen::VectorXd>& b) {
+/// The largest distance of a point between two states of a body.
+double distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
   const Eigen::VectorXd difference = a - b;
-  return of_body ? largest_displacement(difference.head(difference.size() / 2))
-                 : difference.cwiseAbs().maxCoeff();
+  return largest_displacement(difference.head(difference.size() / 2));
 }
 
 /// The largest excursion from the start.
-double scale_of(bool of_body, const std::vector<Eigen::VectorXd>& y) {
+double scale_of(const std::vector<Eigen::VectorXd>& y) {
   double scale = 0;
-  for (const Eigen::VectorXd& state : y)
-    scale = std::max(scale, of_body ? distance(true, state, y.front()) : state.cwiseAbs().maxCoeff());
+  for (const Eigen::VectorXd& state : y) scale = std::max(scale, distance(state, y.front()));
   return scale;
 }
 
@@ -175,14 +188,14 @@ ReferenceMotion halved_until_steady(const ProbingMotion& motion, double frame, d
                                     ReferenceMotion reference, const Watcher& watcher) {
   constexpr int most_halvings = 12;
   std::optional<std::vector<Eigen::VectorXd>> coarse;
-  double h = frame;
+  double h = frame / std::ceil(frame / 0.01);
   for (int halving = 0; halving <= most_halvings; ++halving, h /= 2) {
     auto fine = sampled(motion, h, reference.t, watcher);
     if (fine && coarse) {
-      reference.scale = scale_of(true, *fine);
+      reference.scale = scale_of(*fine);
       double change = 0;
       for (std::size_t i = 0; i < fine->size(); ++i)
-        change = std::max(change, distance(true, (*fine)[i], (*coarse)[i]));
+        change = std::max(change, distance((*fine)[i], (*coarse)[i]));
       reference.error_bound = reference.scale > 0 ? change / reference.scale : 0;
       if (reference.error_bound <= tolerance / 10) {
         reference.y = std::move(*fine);
@@ -213,16 +226,30 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
   for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
   if (motion.problem.body) return halved_until_steady(motion, frame, tolerance, std::move(reference), watcher);
   const Reference exact = make_reference(motion.problem, motion.t_end);
-  for (const double t : reference.t) reference.y.push_back(exact.at(std::min(t, exact.valid_until)));
-  reference.scale = scale_of(false, reference.y);
+  reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
+  for (const double t : reference.t) {
+    reference.y.push_back(exact.at(std::min(t, exact.valid_until)));
+    reference.ranges = reference.ranges.cwiseMax((reference.y.back() - reference.y.front()).cwiseAbs());
+  }
+  reference.scale = reference.ranges.maxCoeff();
   reference.error_bound = reference.scale > 0 ? exact.error_bound / reference.scale : 0;
   return reference;
 }
 
 double relative_error(const ProbingMotion& motion, const ReferenceMotion& reference, std::size_t instant,
                       const Eigen::Ref<const Eigen::VectorXd>& y) {
-  const double away = distance(motion.problem.body != nullptr, y, reference.y[instant]);
-  return reference.scale > 0 ? away / reference.scale : away;
+  if (motion.problem.body) {
+    const double away = distance(y, reference.y[instant]);
+    return reference.scale > 0 ? away / reference.scale : away;
+  }
+  double largest = 0;
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    const double away = std::abs(y[i] - reference.y[instant][i]);
+    if (std::isnan(away)) return away;
+    // What does not move has no range of its own.
+    largest = std::max(largest, away / (reference.ranges[i] > 0 ? reference.ranges[i] : std::max(reference.scale, 1e-300)));
+  }
+  return largest;
 }
 
 }  // namespace hmax

@@ -19,22 +19,22 @@ struct ProbingMotion {
 };
 
 /// Of a body whose loads do not change with time: they come within 0.1 s, stay for 0.2 s and go within 0.1 s, and the
-/// body moves freely for 0.2 s. Gravity acts all the time, from its equilibrium on. A body without any other load is
+/// body moves freely for 0.2 s. Gravity, or the most of it that has an equilibrium, acts all the time, from there on. A body without any other load is
 /// pressed at its far end until it gives way by 2 % of its size. A load without an equilibrium is halved, up to six
 /// times, until it has one, and then taken as large as moves the body by 2 % of its size. Of bodies whose loads
 /// change with time, and of what is no body: the problem's own motion, up to its end.
-/// @throws InputError  where a body has no equilibrium under gravity
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {});
 
 /// The motion as it truly is, at instants that are multiples of a frame.
 struct ReferenceMotion {
   std::vector<double> t;           ///< [s], the first is 0
   std::vector<Eigen::VectorXd> y;  ///< shape (dim) each
-  double scale = 0;                ///< the largest displacement of a body [m], or the largest |y_i|
-  double error_bound = 0;          ///< of the instants, relative to `scale`
+  double scale = 0;                ///< the largest displacement of a body [m], or the largest range of a state
+  Eigen::VectorXd ranges;          ///< of what is no body: max |y_i - y_i(0)|, shape (dim); else empty
+  double error_bound = 0;          ///< of the instants, relative as relative_error()
 };
 
-/// At most 50 instants. A body: newmark at a frame, a half, a quarter, ... of it, until the last halving changes
+/// At most 50 instants. A body: newmark at a part of a frame of at most 10 ms, a half, a quarter, ... of it, until the last halving changes
 /// nothing by more than `tolerance` / 10; the change bounds the error. Others: the reference of the catalogue.
 /// @param frame      [s]
 /// @param tolerance  relative to the scale
@@ -42,7 +42,8 @@ struct ReferenceMotion {
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
                                  const Watcher& watcher = {});
 
-/// The distance of a state from the reference, relative to its scale: of a body the largest distance of a point.
+/// The distance of a state from the reference: of a body the largest distance of a point, relative to the scale; of
+/// others the largest of the states, each relative to its own range.
 double relative_error(const ProbingMotion& motion, const ReferenceMotion& reference, std::size_t instant,
                       const Eigen::Ref<const Eigen::VectorXd>& y);
 

@@ -43,6 +43,7 @@ LimitRow limit_of(const LimitCase& each, const Linearised& near, const MotionSiz
   const auto along = limit_along(method, problem, problem.t_end);
   if (along) add_path(row, *along, "");
   const bool guessed = along && along->least > 0 && std::isfinite(along->least);
+  row.from_start_stride = 0;
   if (const auto start = limit_from_start(method, problem, problem.t_end, guessed ? along->least : 1, size))
     add_start(row, *start);
   return row;
@@ -123,7 +124,11 @@ std::vector<StudyRow> limit_study(const std::vector<LimitCase>& cases, CaseKind 
   std::vector<Pair> pairs;
   std::vector<std::size_t> missing;
   for (const AskedCase& each : asked) {
-    const std::vector<LimitRow> known = store ? stored_limits(*store, each.key) : std::vector<LimitRow>{};
+    std::vector<LimitRow> known = store ? stored_limits(*store, each.key) : std::vector<LimitRow>{};
+    // Others may have asked for less.
+    std::erase_if(known, [&](const LimitRow& row) {
+      return row.verdict.empty() || (kind == CaseKind::nonlinear && std::isnan(row.from_start_stride));
+    });
     for (const Method& method : methods) {
       if (!suits(method, cases[each.which].problem)) continue;
       const auto found = std::ranges::find(known, method.id, &LimitRow::method);

@@ -203,7 +203,8 @@ OperatingPointKey PredictedRows::key_of(const Problem& problem) const {
 
 /// Whether a stored row has all that is asked.
 bool PredictedRows::answers(const LimitRow& row) const {
-  return (!question_.verify || !row.verdict.empty()) &&
+  const bool has_modes = row.details != "{}";  // those of a study have none
+  return has_modes && (!question_.verify || !row.verdict.empty()) &&
          (!question_.runs_from_start || !std::isnan(row.from_start_stride));
 }
 

@@ -46,6 +46,8 @@ std::vector<std::string> changes_between(const LimitRow& a, const LimitRow& b) {
   compare("h_max", a.h_max, b.h_max, 1e-6);
   compare("h_unstable", a.h_unstable, b.h_unstable, 1e-6);
   compare("along_least", a.along_least, b.along_least, 1e-6);
+  if (!std::isnan(a.from_start_stride) && !std::isnan(b.from_start_stride))
+    compare("from_start", a.from_start, b.from_start, 1e-3);
   if (a.is_observed() && b.is_observed()) compare("observed", a.observed, b.observed, 1e-3);
   return changes;
 }

@@ -141,6 +141,25 @@ TEST(Advise, FindsNothingWhereNothingIsFastEnough) {
   for (const AdviceRow& row : advice.rows) EXPECT_EQ(row.verdict, AdviceVerdict::too_slow);
 }
 
+TEST(RelativeError, IsThatOfEachStateInItsOwnRange) {
+  const ProbingMotion motion = probing_motion(make_problem("liver_forced"));
+  const ReferenceMotion reference = reference_motion(motion, 0.1, 0.01);
+  ASSERT_EQ(reference.ranges.size(), 2);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    Eigen::VectorXd y = reference.y[7];
+    y[i] += 0.1 * reference.ranges[i];
+    EXPECT_NEAR(relative_error(motion, reference, 7, y), 0.1, 1e-9);
+  }
+}
+
+TEST(Advise, HasFramesToTimeAtLowRates) {
+  const Problem problem = cube("press");
+  const Advice advice = advise(problem, question(2, {"newmark"}, problem));
+  EXPECT_GT(advice.rows.front().frame.p50, 0);
+  const Problem short_one = make_problem("liver_forced");
+  EXPECT_THROW(advise(short_one, question(1e-3, {"rk4"}, short_one)), std::exception);
+}
+
 TEST(Advise, KnowsOscillators) {
   const Problem problem = make_problem("liver_forced");
   const Advice advice = advise(problem, question(50, {"rk4", "implicit_euler"}, problem));
