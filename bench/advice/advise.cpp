@@ -166,29 +166,22 @@ class StepSearch {
       : question_(question), ground_(ground), watcher_(watcher) {}
 
   void operator()(AdviceRow& row) const {
-    const double frame = question_.frame();
-    std::int64_t steps = 1;
-    if (std::isfinite(row.h_max) && row.h_max > 0)
-      steps = static_cast<std::int64_t>(std::min(1e9, std::ceil(frame / (safety * row.h_max) * (1 - 1e-9))));
-    if (row.h_max == 0) return fail(row, AdviceVerdict::unstable, "a mode grows at every step, however slowly, and was not tried");
+    if (row.h_max == 0)
+      return fail(row, "a mode grows at every step size, if only slowly; the method was not run");
+    const std::int64_t first = first_steps(row);
+    std::int64_t steps = first;
     AdviceBound cause = steps > 1 ? AdviceBound::stability : AdviceBound::rate;
     std::int64_t failed = steps - 1;  // the most steps that do not suffice
     for (;; steps *= 2) {
       if (steps > most_steps)
-        return fail(row, AdviceVerdict::unstable,
-                    fmt::format("a stable step would be less than 1/{} of a frame", most_steps));
+        return fail(row, fmt::format("a stable step would be less than 1/{} of a frame", most_steps));
       const MotionRun run = tried(row, steps);
-      // A run that is off by the whole motion has grown, though it may be bounded.
-      if (!run.reached_end() || run.error > 1) {
-        cause = run.outcome == Outcome::newton_failed ? AdviceBound::newton : AdviceBound::stability;
-      } else if (run.error > question_.tolerance) {
-        cause = AdviceBound::accuracy;
-      } else {
-        break;
-      }
+      if (suffices(run)) break;
+      cause = cause_of(run);
       failed = steps;
-      const bool hopeless = run.reached_end() && run.error <= 1 ? time_to_suffice(row) > 2 * question_.frame_budget()
-                                              : steps >= most_steps_after_failure * first_steps(row);
+      const bool hopeless = cause == AdviceBound::accuracy
+                                ? time_to_suffice(row) > 2 * question_.frame_budget()
+                                : steps >= most_steps_after_failure * first;
       if (hopeless) return conclude_failure(row, cause);
     }
     refine(row, failed, steps, cause);
@@ -213,9 +206,22 @@ class StepSearch {
     return row.frame.p50 * std::max(1.0, std::pow(row.error / question_.tolerance, 1.0 / order));
   }
 
+  /// Those of the longest step below the predicted limit; one more than most_steps where they are more.
   [[nodiscard]] std::int64_t first_steps(const AdviceRow& row) const {
     if (!std::isfinite(row.h_max)) return 1;
-    return static_cast<std::int64_t>(std::ceil(question_.frame() / (safety * row.h_max)));
+    // Not one more for rounding.
+    const double steps = std::ceil(question_.frame() / (safety * row.h_max) * (1 - 1e-9));
+    return static_cast<std::int64_t>(std::min(steps, static_cast<double>(most_steps + 1)));
+  }
+
+  [[nodiscard]] bool suffices(const MotionRun& run) const {
+    return run.reached_end() && run.error <= question_.tolerance;
+  }
+
+  /// Why a run does not suffice. One that is off by the whole motion has grown, though it may be bounded.
+  [[nodiscard]] static AdviceBound cause_of(const MotionRun& run) {
+    if (run.outcome == Outcome::newton_failed) return AdviceBound::newton;
+    return run.reached_end() && run.error <= 1 ? AdviceBound::accuracy : AdviceBound::stability;
   }
 
   MotionRun tried(AdviceRow& row, std::int64_t steps) const {
@@ -233,21 +239,19 @@ class StepSearch {
     for (int i = 0; i < 3 && steps - failed > std::max<std::int64_t>(1, steps / 10); ++i) {
       const std::int64_t middle = (failed + steps) / 2;
       const MotionRun run = tried(row, middle);
-      if (run.reached_end() && run.error <= question_.tolerance) {
+      if (suffices(run)) {
         steps = middle;
         best = row;
       } else {
         failed = middle;
-        cause = run.reached_end()                         ? AdviceBound::accuracy
-                : run.outcome == Outcome::newton_failed ? AdviceBound::newton
-                                                        : AdviceBound::stability;
+        cause = cause_of(run);
       }
     }
     row = best;
   }
 
-  static void fail(AdviceRow& row, AdviceVerdict verdict, const std::string& why) {
-    row.verdict = verdict;
+  static void fail(AdviceRow& row, const std::string& why) {
+    row.verdict = AdviceVerdict::unstable;
     row.bound = AdviceBound::stability;
     row.status = why;
   }
