@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "problems/digits.hpp"
+#include "problems/matrix_entries.hpp"
 
 namespace hmax {
 namespace {
@@ -17,18 +18,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
-
-/// Calls visit(i, j, value) for every entry that is stored.
-template <class Visit>
-void each_entry(const MatrixXd& matrix, const Visit& visit) {
-  for (Index j = 0; j < matrix.cols(); ++j)
-    for (Index i = 0; i < matrix.rows(); ++i) visit(i, j, matrix(i, j));
-}
-template <class Visit>
-void each_entry(const Sparse& matrix, const Visit& visit) {
-  for (Index j = 0; j < matrix.outerSize(); ++j)
-    for (Sparse::InnerIterator entry(matrix, j); entry; ++entry) visit(entry.row(), j, entry.value());
-}
 
 std::string shape_of(Index rows, Index columns) {
   return std::to_string(rows) + " x " + std::to_string(columns);
@@ -83,12 +72,7 @@ VectorXd lumped_masses(const StructureMatrix& M) {
   if (columns_of(M) == 1) return dense_of(M);
   if (rows_of(M) != columns_of(M)) return {};  // told by require_whole
   bool diagonal = true;
-  std::visit(
-      [&](const auto& held) {
-        each_entry(held,
-                   [&](Index i, Index j, double value) { diagonal = diagonal && (i == j || value == 0); });
-      },
-      M);
+  each_entry(M, [&](Index i, Index j, double value) { diagonal = diagonal && (i == j || value == 0); });
   if (!diagonal) return {};
   return std::visit([](const auto& held) { return VectorXd(held.diagonal()); }, M);
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/spectrum/lanczos.hpp"
+#include "problems/matrix_entries.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -17,19 +18,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
-
-/// Calls visit(i, j, value) for every entry that is stored.
-template <class Visit>
-void each_entry(const AnyMatrix& matrix, const Visit& visit) {
-  if (const auto* full = std::get_if<MatrixXd>(&matrix)) {
-    for (Index j = 0; j < full->cols(); ++j)
-      for (Index i = 0; i < full->rows(); ++i) visit(i, j, (*full)(i, j));
-    return;
-  }
-  const auto& sparse = std::get<Sparse>(matrix);
-  for (Index j = 0; j < sparse.cols(); ++j)
-    for (Sparse::InnerIterator entry(sparse, j); entry; ++entry) visit(entry.row(), j, entry.value());
-}
 
 void require_masses(const VectorXd& mass) {
   for (Index i = 0; i < mass.size(); ++i)
