@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/digest.hpp"
 #include "core/instruction_set.hpp"
 #include "results/build_info.hpp"
 #include "results/errors.hpp"
@@ -109,6 +110,15 @@ std::string read_virtualisation(const fs::path& root, const CpuInfo& info) {
   return "virtual machine";
 }
 
+std::string digest_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return "unknown";
+  Digest digest;
+  for (char bytes[1 << 16]; in.read(bytes, sizeof bytes), in.gcount() > 0;)
+    digest.add({bytes, static_cast<std::size_t>(in.gcount())});
+  return digest.text();
+}
+
 std::string read_load(const fs::path& file) {
   std::istringstream in(first_line(file));
   std::string one, five, fifteen;
@@ -175,7 +185,8 @@ constexpr std::pair<const char*, std::string Fingerprint::*> texts[] = {
     {"instruction_set", &Fingerprint::instruction_set},
     {"flags", &Fingerprint::flags},
     {"build_type", &Fingerprint::build_type},
-    {"git", &Fingerprint::git}};
+    {"git", &Fingerprint::git},
+    {"program", &Fingerprint::program}};
 
 }  // namespace
 
@@ -192,6 +203,9 @@ Fingerprint fingerprint(const fs::path& root) {
   print.instruction_set = to_string(instruction_sets().front());
   print.load = read_load(root / "proc/loadavg");
   read_build(print);
+  // Some ten megabytes, which do not change while they run.
+  static const std::string program = digest_of("/proc/self/exe");
+  print.program = program;
   return print;
 }
 
@@ -250,7 +264,8 @@ std::vector<std::string> differences(const Fingerprint& before, const Fingerprin
     if (a != b) clauses.push_back(fmt::format("{}: {} -> {}", name, a, b));
   };
   for (const auto& [name, member] : texts) {
-    if (member != &Fingerprint::load) compare(name, before.*member, after.*member);
+    // Every build has another program; what of it can change a time is compared by itself.
+    if (member != &Fingerprint::load && member != &Fingerprint::program) compare(name, before.*member, after.*member);
   }
   std::set<std::string> names;
   for (const auto* libraries : {&before.libraries, &after.libraries}) {

@@ -24,6 +24,7 @@ struct Fingerprint {
   std::string flags = "unknown";            ///< compiler flags of the build type
   std::string build_type = "unknown";       ///< Release, Debug, ...
   std::string git = "unknown";              ///< commit, with "-dirty" when the tree had changes
+  std::string program = "unknown";  ///< digest of the executable: tells builds apart that git does not
   std::map<std::string, std::string> libraries;  ///< name, version
   bool debug_build = false;  ///< assertions on, or sanitizers: times are marked and never published
 
@@ -45,7 +46,7 @@ Fingerprint fingerprint_from_json(std::string_view json);
 std::string summary(const Fingerprint& fingerprint);
 
 /// What differs between two fingerprints and can change a time, one clause per member, "kernel: A -> B"; the
-/// load is left out. Empty when times may be compared.
+/// load and the program are left out. Empty when times may be compared.
 std::vector<std::string> differences(const Fingerprint& before, const Fingerprint& after);
 
 }  // namespace hmax

@@ -80,13 +80,17 @@ void add_start(LimitRow& row, const StartLimit& limit) {
   row.from_start_stride = limit.stride;
 }
 
-std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key) {
+std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key, const WantedLimit& wanted) {
   std::vector<LimitRow> rows = store.limits_at(key);
   if (rows.empty()) return rows;
-  const std::string own = fingerprint().git;
+  const std::string own = fingerprint().program;
   std::map<std::int64_t, bool> is_own;
-  for (const Session& session : store.sessions()) is_own[session.id] = session.fingerprint.git == own;
-  std::erase_if(rows, [&](const LimitRow& row) { return !is_own[row.session]; });
+  for (const Session& session : store.sessions())
+    is_own[session.id] = own != "unknown" && session.fingerprint.program == own;
+  std::erase_if(rows, [&](const LimitRow& row) {
+    return !is_own[row.session] || (wanted.verified && row.verdict.empty()) ||
+           (wanted.from_start && std::isnan(row.from_start_stride)) || (wanted.details && row.details == "{}");
+  });
   return rows;
 }
 

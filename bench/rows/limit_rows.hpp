@@ -27,8 +27,15 @@ void add_path(LimitRow& row, const TrajectoryLimit& along, const std::string& no
 /// Puts the limit of runs from the start into its row.
 void add_start(LimitRow& row, const StartLimit& limit);
 
-/// The limits near this state that the store has from this build of the program; those of others are to be
-/// computed again.
-std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key);
+/// What a stored limit must have to answer a question.
+struct WantedLimit {
+  bool verified = false;    ///< runs on both sides, where there is something to run
+  bool from_start = false;  ///< runs from the start of the motion
+  bool details = false;     ///< the margins of the modes
+};
+
+/// The limits near this state that the store has from this very program and that answer the question; others are to
+/// be computed again.
+std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key, const WantedLimit& wanted);
 
 }  // namespace hmax

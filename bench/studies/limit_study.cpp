@@ -124,11 +124,9 @@ std::vector<StudyRow> limit_study(const std::vector<LimitCase>& cases, CaseKind 
   std::vector<Pair> pairs;
   std::vector<std::size_t> missing;
   for (const AskedCase& each : asked) {
-    std::vector<LimitRow> known = store ? stored_limits(*store, each.key) : std::vector<LimitRow>{};
-    // Others may have asked for less.
-    std::erase_if(known, [&](const LimitRow& row) {
-      return row.verdict.empty() || (kind == CaseKind::nonlinear && std::isnan(row.from_start_stride));
-    });
+    const WantedLimit wanted{.verified = true, .from_start = kind == CaseKind::nonlinear};
+    const std::vector<LimitRow> known =
+        store ? stored_limits(*store, each.key, wanted) : std::vector<LimitRow>{};
     for (const Method& method : methods) {
       if (!suits(method, cases[each.which].problem)) continue;
       const auto found = std::ranges::find(known, method.id, &LimitRow::method);

@@ -201,19 +201,12 @@ OperatingPointKey PredictedRows::key_of(const Problem& problem) const {
                              question_.path == "motion" ? question_.end_of(problem) : 0);
 }
 
-/// Whether a stored row has all that is asked.
-bool PredictedRows::answers(const LimitRow& row) const {
-  const bool has_modes = row.details != "{}";  // those of a study have none
-  return has_modes && (!question_.verify || !row.verdict.empty()) &&
-         (!question_.runs_from_start || !std::isnan(row.from_start_stride));
-}
-
 /// The stored rows that answer the question.
 std::vector<LimitRow> PredictedRows::stored_rows(const OperatingPointKey& key) const {
   if (!store_ || !looks_up_) return {};
-  std::vector<LimitRow> rows = stored_limits(*store_, key);
-  std::erase_if(rows, [&](const LimitRow& row) { return !answers(row); });
-  return rows;
+  return stored_limits(
+      *store_, key,
+      {.verified = question_.verify, .from_start = question_.runs_from_start, .details = true});
 }
 
 void PredictedRows::add(std::size_t which) {

@@ -63,7 +63,6 @@ class PredictedRows {
   [[nodiscard]] double share(std::size_t rows) const;
   [[nodiscard]] Watcher watch(const Problem& problem, std::string_view what);
   [[nodiscard]] OperatingPointKey key_of(const Problem& problem) const;
-  [[nodiscard]] bool answers(const LimitRow& row) const;
   [[nodiscard]] std::vector<LimitRow> stored_rows(const OperatingPointKey& key) const;
   void add(std::size_t which);
   void compute(std::size_t which, const std::vector<Method>& methods, Answer& answer);

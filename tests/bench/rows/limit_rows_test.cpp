@@ -44,7 +44,7 @@ TEST(LimitRows, SayFromWhereThePathGrows) {
   EXPECT_EQ(row.path_note, "ends early");
 }
 
-TEST(LimitRows, OfAnotherBuildAreNotLookedUp) {
+TEST(LimitRows, OfAnotherProgramOrQuestionAreNotLookedUp) {
   const Scratch scratch;
   Store store = Store::open_or_create(scratch / "s.sqlite");
   OperatingPointRow point;
@@ -54,13 +54,21 @@ TEST(LimitRows, OfAnotherBuildAreNotLookedUp) {
   LimitRow row;
   row.method = "rk4";
   Fingerprint other = fingerprint();
-  other.git = "another";
+  other.program = "another";
   store.begin_session(other);
   store.insert_limits(point, std::span(&row, 1));
-  EXPECT_TRUE(stored_limits(store, point.key).empty());
+  EXPECT_TRUE(stored_limits(store, point.key, {}).empty());
   store.begin_session(fingerprint());
   store.insert_limits(point, std::span(&row, 1));
-  EXPECT_EQ(stored_limits(store, point.key).size(), 1U);
+  EXPECT_EQ(stored_limits(store, point.key, {}).size(), 1U);
+  // It was asked for nothing but the prediction.
+  EXPECT_TRUE(stored_limits(store, point.key, {.verified = true}).empty());
+  EXPECT_TRUE(stored_limits(store, point.key, {.from_start = true}).empty());
+  row.verdict = "not_run";
+  row.details = "{}";
+  store.insert_limits(point, std::span(&row, 1));
+  EXPECT_EQ(stored_limits(store, point.key, {.verified = true}).size(), 1U);
+  EXPECT_TRUE(stored_limits(store, point.key, {.details = true}).empty());
 }
 
 }  // namespace
