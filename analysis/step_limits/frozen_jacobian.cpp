@@ -134,6 +134,10 @@ ToleratedRatios tolerated_stiffness(const LinearlyImplicitMethod& method) {
   return ratios_where([&](double ratio) { return std::isinf(frozen_spring_exit(method, ratio)); });
 }
 
+ToleratedRatios tolerated_stiffness(const LinearlyImplicitMethod& method, double omega0_h) {
+  return ratios_where([&](double ratio) { return frozen_spring_exit(method, ratio) >= omega0_h; });
+}
+
 double stiffening_exit(const LinearlyImplicitMethod& method, double ratio, int steps) {
   const auto over_period = [&](const auto& step) {
     Matrix2d period = Matrix2d::Identity();

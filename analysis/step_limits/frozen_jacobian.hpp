@@ -56,6 +56,9 @@ double frozen_spring_exit(const LinearlyImplicitMethod& method, double ratio);
 
 /// Of an undamped spring, by those strides.
 ToleratedRatios tolerated_stiffness(const LinearlyImplicitMethod& method);
+/// The same of one step and every shorter one.
+/// @param omega0_h  of that step, > 0
+ToleratedRatios tolerated_stiffness(const LinearlyImplicitMethod& method, double omega0_h);
 
 /// The largest omega0 h up to which the map over `steps` steps is stable while the stiffness rises from k0,
 /// whose Jacobian is used throughout, in equal parts towards ratio k0, where the Jacobian would be taken

@@ -46,6 +46,7 @@ void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
     throw InputError(fmt::format("the motion of {} ends at {:.6g} s, before {} frames of {:.6g} Hz; take a higher --rate",
                                  motion.problem.id, motion.t_end, least_frames, question.rate));
   motion.t_end = least_frames * question.frame();
+  motion.words += fmt::format(", looked at to t = {:.3g} s", motion.t_end);
 }
 
 /// The states of the reference at which limits are looked for.
@@ -122,24 +123,25 @@ void look_at_modes(AdviceRow& row, const std::vector<std::pair<double, double>>&
 bool is_frozen(const Candidate& candidate) { return candidate.jacobian.every == JacobianUpdate::frozen; }
 bool is_truncated(const Candidate& candidate) { return candidate.linear_solve.iterations > 0; }
 
-/// The predicted limit where the Jacobian is that of the start, and how far the body may still stiffen.
-void look_at_frozen(AdviceRow& row, const Ground& ground) {
-  const auto method = linearly_implicit_method(row.candidate.method.id);
-  if (!method) {
-    row.h_max = AdviceRow::none;
-    return;
-  }
-  const double most = tolerated_stiffness(*method).most;
-  row.stiffening = most / ground.stiffened;
-  row.h_max = row.stiffening >= 1     ? infinity
-              : ground.fastest > 0 ? frozen_spring_exit(*method, ground.stiffened) / ground.fastest
-                                   : AdviceRow::none;
+/// The predicted limit where the Jacobian is that of the start, as of an undamped spring that stiffens as much as the
+/// motion makes the fastest mode stiffen [s].
+double limit_of_frozen(const Candidate& candidate, const Ground& ground) {
+  const auto method = linearly_implicit_method(candidate.method.id);
+  if (!method) return AdviceRow::none;
+  const double exit = frozen_spring_exit(*method, ground.stiffened);
+  return std::isinf(exit) ? infinity : ground.fastest > 0 ? exit / ground.fastest : AdviceRow::none;
 }
 
-/// How far the body may stiffen before the step is unstable: limits of explicit methods fall as the root of the
-/// stiffness.
-void look_at_margin(AdviceRow& row) {
-  if (is_frozen(row.candidate) || is_truncated(row.candidate)) return;
+/// How many times stiffer than on the motion the body may become before the step is unstable: limits of explicit
+/// methods fall as the root of the stiffness, old Jacobians tolerate a ratio.
+void look_at_margin(AdviceRow& row, const Ground& ground) {
+  if (is_truncated(row.candidate)) return;
+  if (is_frozen(row.candidate)) {
+    const auto method = linearly_implicit_method(row.candidate.method.id);
+    if (method && ground.fastest > 0 && row.h > 0)
+      row.stiffening = tolerated_stiffness(*method, row.h * ground.fastest).most / ground.stiffened;
+    return;
+  }
   if (std::isfinite(row.h_max)) row.stiffening = std::pow(row.h_max / row.h, 2);
   if (std::isinf(row.h_max)) row.stiffening = infinity;
 }
@@ -188,6 +190,7 @@ class StepSearch {
     row.h_accurate = row.h;
     row.bound = cause;
     row.verdict = AdviceVerdict::suitable;
+    if (question_.least_error) spend_budget(row);
     // One late frame of a short motion may be the machine's.
     const bool late = row.missed > 1 && 1000 * row.missed > row.frames;
     if (late || row.frame.p50 > question_.frame_budget()) {
@@ -250,6 +253,17 @@ class StepSearch {
     row = best;
   }
 
+  /// Shorter steps as long as they fit into four fifths of the budget and the error falls.
+  void spend_budget(AdviceRow& row) const {
+    while (2 * row.frame.p50 <= 0.8 * question_.frame_budget() && 2 * row.steps_per_frame <= most_steps) {
+      AdviceRow shorter = row;
+      const MotionRun run = tried(shorter, 2 * row.steps_per_frame);
+      if (!suffices(run) || shorter.error > 0.9 * row.error) return;
+      row = shorter;
+      row.bound = AdviceBound::budget;
+    }
+  }
+
   static void fail(AdviceRow& row, const std::string& why) {
     row.verdict = AdviceVerdict::unstable;
     row.bound = AdviceBound::stability;
@@ -284,12 +298,12 @@ AdviceRow tried_row(const Candidate& candidate, std::size_t i, const AdviceQuest
   AdviceRow row;
   row.candidate = candidate;
   row.h_max = is_truncated(candidate) ? AdviceRow::none : ground.h_max[i];
-  if (is_frozen(candidate)) look_at_frozen(row, ground);
+  if (is_frozen(candidate)) row.h_max = limit_of_frozen(candidate, ground);
   reset_peak_memory();
   StepSearch(question, ground, watcher)(row);
   row.memory = peak_memory();
   if (row.status.empty()) row.status = ground.status[i];
-  look_at_margin(row);
+  look_at_margin(row, ground);
   look_at_modes(row, modes);
   return row;
 }

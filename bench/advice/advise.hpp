@@ -32,7 +32,7 @@ enum class AdviceBound {
   stability,  ///< the next longer step is unstable
   accuracy,   ///< it misses the tolerance
   newton,     ///< its equations are not solved
-  budget,     ///< even this one takes more than the budget
+  budget,     ///< even this one takes more than the budget; where errors are ranked: a shorter one would
   rate        ///< the step is a whole frame
 };
 enum class AdviceVerdict { recommended, tie, suitable, unstable, inaccurate, too_slow };

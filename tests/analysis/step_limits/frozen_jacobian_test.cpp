@@ -88,6 +88,13 @@ TEST(FrozenJacobian, LimitsTheStepOfASpringBeyondThoseRatios) {
     EXPECT_NEAR(frozen_spring_exit(euler, ratio) * std::sqrt(ratio - 2), 2, 1e-9) << ratio;
 }
 
+TEST(FrozenJacobian, ToleratesMoreStiffeningTheShorterTheStep) {
+  const LinearlyImplicitMethod euler = method_of<tableaux::LinearlyImplicitEuler>();
+  // k / k0 <= 2 + 4 / (omega0 h)^2, the same bound solved for k.
+  for (const double x : {0.1, 0.5, 2.0, 10.0})
+    EXPECT_NEAR(tolerated_stiffness(euler, x).most / (2 + 4 / (x * x)), 1, 1e-9) << x;
+}
+
 /// Whether a small motion about the place of rest of a loaded cubic spring grows when the Jacobian is that of
 /// the unloaded one.
 template <class T>

@@ -1,11 +1,13 @@
 #include "bench/advice/advise.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
 #include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
 
 namespace hmax {
 namespace {
@@ -157,7 +159,54 @@ TEST(Advise, HasFramesToTimeAtLowRates) {
   const Advice advice = advise(problem, question(2, {"newmark"}, problem));
   EXPECT_GT(advice.rows.front().frame.p50, 0);
   const Problem short_one = make_problem("liver_forced");
-  EXPECT_THROW(advise(short_one, question(1e-3, {"rk4"}, short_one)), std::exception);
+  EXPECT_THROW(advise(short_one, question(1e-3, {"rk4"}, short_one)), InputError);
+}
+
+TEST(Advise, SpendsABudgetOnTheError) {
+  const Problem problem = cube("press");
+  AdviceQuestion asked = question(100, {"newmark"}, problem);
+  const double error = advise(problem, asked).rows.front().error;
+  asked.budget = 1;  // far more than any frame takes
+  asked.least_error = true;
+  const AdviceRow row = advise(problem, asked).rows.front();
+  EXPECT_LT(row.error, 0.1 * error);
+  EXPECT_EQ(row.bound, AdviceBound::budget);
+}
+
+TEST(Advise, TellsHowFarAFrozenJacobianReaches) {
+  const Problem problem = cube("press");
+  const Advice advice = advise(problem, question(100, {"linearly_implicit_euler"}, problem));
+  const auto frozen = std::ranges::find_if(advice.rows, [](const AdviceRow& row) {
+    return row.candidate.jacobian.every == JacobianUpdate::frozen;
+  });
+  ASSERT_NE(frozen, advice.rows.end());
+  // Every step up to twice the stiffness (docs/reference/facts.md), and a short one far beyond.
+  EXPECT_GT(frozen->stiffening * advice.stiffened, 2);
+  EXPECT_TRUE(std::isfinite(frozen->stiffening));
+}
+
+TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) { return cube("press", values); };
+  const Problem problem = make({});
+  AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  asked.budget = 1e-8;
+  const Advice failed = advise(problem, asked);
+  const std::vector<Remedy> found = remedies(problem, asked, failed, make);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front().change, "budget_ms");
+  EXPECT_EQ(found.front().from, 1e-5);
+  asked.budget = found.front().to / 1e3 * 3;  // the machine may be busier now
+  EXPECT_NE(advise(problem, asked).recommended(), nullptr);
+}
+
+TEST(Remedies, AreNoneOfAModelThatCannotBeMade) {
+  const Problem problem = cube("press");
+  AdviceQuestion asked = question(100, {"newmark"}, problem);
+  asked.budget = 1e-8;
+  const Advice failed = advise(problem, asked);
+  const auto refuse = [](const auto&) -> Problem { throw InputError("no such parameter"); };
+  for (const Remedy& remedy : remedies(problem, asked, failed, refuse))
+    EXPECT_TRUE(remedy.change == "budget_ms" || remedy.change == "rate") << remedy.change;
 }
 
 TEST(Advise, KnowsOscillators) {
