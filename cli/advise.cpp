@@ -169,33 +169,37 @@ std::string words_of_modes(const AdviceRow& row, const Advice& advice) {
   return words;
 }
 
+std::string words_of_limit(const AdviceRow& row) {
+  if (std::isinf(row.h_max)) return "stable at every step size (linearised model)";
+  if (std::isnan(row.h_max)) return "no limit is predicted; stable in the run";
+  const std::string seen = std::isnan(row.h_max_observed)
+                               ? "growth just beyond it is too slow to be observed"
+                               : milliseconds(row.h_max_observed) + " ms observed";
+  return fmt::format("h_max {} ms predicted, the smallest along the motion; {}", milliseconds(row.h_max, 4), seen);
+}
+
 std::string words_of_best(const Problem& problem, const AdviceRow& row, const Advice& advice,
                           const AdviceQuestion& question, const Console& console) {
-  std::string text = console.strong(fmt::format("take {} with h = {} ms, {} step{} a frame", row.candidate.words(),
+  const auto line = [](std::string_view name, const std::string& words) {
+    return fmt::format("  {:<13} {}\n", name, words);
+  };
+  std::string text = console.strong(fmt::format("take {} with h = {} ms, {} step{} per frame", row.candidate.words(),
                                                 milliseconds(row.h, 5), row.steps_per_frame,
                                                 row.steps_per_frame == 1 ? "" : "s")) +
                      "\n";
-  text += std::isfinite(row.h_max)
-              ? fmt::format("  stable up to  {} ms predicted, the least along the motion; {}\n",
-                            milliseconds(row.h_max, 4),
-                            std::isnan(row.h_max_observed) ? "growth beyond is too slow to be observed"
-                                                           : milliseconds(row.h_max_observed) + " ms observed")
-          : std::isinf(row.h_max) ? "  stable up to  no step is unstable on the linearised model\n"
-                                  : "  stable up to  no limit is predicted; the motion was run\n";
-  text += fmt::format("  step bound by {}\n", words_of_bound(row));
-  text += fmt::format("  error         {} of the {}\n", percent(row.error), error_scale(problem));
-  text += fmt::format("  a frame takes {} ms, 99 of 100 at most {} ms, all at most {} ms: {} times real time\n",
-                      milliseconds(row.frame.p50), milliseconds(row.frame.p99), milliseconds(row.frame.max),
-                      short_number(row.realtime_factor(question.rate), 3));
-  text += fmt::format("  late          {} of {} frames took more than {} ms\n", row.missed, row.frames,
-                      milliseconds(question.frame_budget()));
+  text += line("stability", words_of_limit(row));
+  text += line("limited by", words_of_bound(row));
+  text += line("error", fmt::format("{} of the {}", percent(row.error), error_scale(problem)));
+  text += line("CPU time", fmt::format("{} ms per frame (median), {} ms (99 %), {} ms (maximum); {} times real time",
+                                       milliseconds(row.frame.p50), milliseconds(row.frame.p99),
+                                       milliseconds(row.frame.max), short_number(row.realtime_factor(question.rate), 3)));
+  text += line("deadline", fmt::format("{} of {} frames took more than {} ms", row.missed, row.frames,
+                                       milliseconds(question.frame_budget())));
   if (!std::isnan(row.stiffening))
-    text += std::isinf(row.stiffening)
-                ? std::string("  margin        stable however stiff the model becomes\n")
-                : fmt::format("  margin        stable until the model is {} times as stiff\n",
-                              short_number(row.stiffening, 3));
-  if (const std::string modes = words_of_modes(row, advice); !modes.empty())
-    text += fmt::format("  adds          {}\n", modes);
+    text += line("margin", std::isinf(row.stiffening)
+                               ? "stable at every stiffness"
+                               : fmt::format("stable up to {} times the stiffness", short_number(row.stiffening, 3)));
+  if (const std::string modes = words_of_modes(row, advice); !modes.empty()) text += line("slow modes", modes);
   return text;
 }
 
@@ -259,7 +263,7 @@ std::string for_people(const Problem& problem, const AdviceQuestion& question, c
     for (const AdviceRow& row : advice.rows)
       if (row.verdict == AdviceVerdict::tie)
         ties.push_back(fmt::format("{} at {} ms", row.candidate.words(), milliseconds(row.h, 4)));
-    if (!ties.empty()) text += fmt::format("  as good       {}\n", fmt::join(ties, "; "));
+    if (!ties.empty()) text += fmt::format("  {:<13} {}\n", "equally good", fmt::join(ties, "; "));
   } else {
     text += console.strong("no method that was tried meets this") + "\n" + words_of_remedies(advice);
   }
@@ -311,7 +315,8 @@ void add_advise(CLI::App& app, Console& console) {
   options->problem.add_to(command);
   add_number(command, "--rate", options->rate, "Frame rate [Hz]; required");
   add_number(command, "--tolerance", options->tolerance,
-             "Largest error of the motion, relative to its largest displacement [1]; 0.01 by default");
+             "Largest error of the motion, relative to the largest displacement of a body, or to the range of each "
+             "state [1]; 0.01 by default");
   add_number(command, "--budget", options->budget,
              "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
              "default");

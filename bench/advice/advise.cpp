@@ -27,7 +27,7 @@ constexpr double safety = 0.95;
 constexpr double noise = 1.10;
 
 /// What is known of the model before anything is tried.
-struct Ground {
+struct AnalysedModel {
   ProbingMotion motion;
   ReferenceMotion reference;
   Linearised near;                  ///< at the start of the motion
@@ -46,7 +46,6 @@ void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
     throw InputError(fmt::format("the motion of {} ends at {:.6g} s, before {} frames of {:.6g} Hz; take a higher --rate",
                                  motion.problem.id, motion.t_end, least_frames, question.rate));
   motion.t_end = least_frames * question.frame();
-  motion.words += fmt::format(", looked at to t = {:.3g} s", motion.t_end);
 }
 
 /// The states of the reference at which limits are looked for.
@@ -77,22 +76,22 @@ double stiffening_along(const TrajectoryLimit& along) {
              : 1;
 }
 
-void look_at_limits(Ground& ground, const std::vector<Candidate>& all, const Watcher& watcher) {
-  const Problem& problem = ground.motion.problem;
-  ground.near = linearised(problem, 0, problem.y0);
-  const Path path = path_of(ground.reference);
+void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher) {
+  const Problem& problem = model.motion.problem;
+  model.near = linearised(problem, 0, problem.y0);
+  const Path path = path_of(model.reference);
   std::vector<Method> asked;
   for (const Candidate& candidate : all) asked.push_back(candidate.method);
   if (problem.body) asked.push_back(find_method("central_difference"));
   const auto along = limits_along(asked, problem, path, watcher);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Prediction start = predict(all[i].method, ground.near);
-    ground.h_max.push_back(least_limit(start, along[i]));
-    ground.status.push_back(std::isnan(ground.h_max.back()) ? start.note : "");
+    const Prediction start = predict(all[i].method, model.near);
+    model.h_max.push_back(least_limit(start, along[i]));
+    model.status.push_back(std::isnan(model.h_max.back()) ? start.note : "");
   }
-  if (problem.body && along.back()) ground.stiffened = stiffening_along(*along.back());
-  for (const MechanicalMode& mode : ground.near.modes.spectrum.mechanical)
-    ground.fastest = std::max(ground.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
+  if (problem.body && along.back()) model.stiffened = stiffening_along(*along.back());
+  for (const MechanicalMode& mode : model.near.modes.spectrum.mechanical)
+    model.fastest = std::max(model.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
 }
 
 /// The slowest oscillations of a spectrum [rad/s] with their damping ratios.
@@ -110,7 +109,7 @@ std::vector<std::pair<double, double>> slowest_modes(const ModeSet& set) {
 }
 
 /// What a step adds to the slowest modes.
-void look_at_modes(AdviceRow& row, const std::vector<std::pair<double, double>>& modes) {
+void set_mode_changes(AdviceRow& row, const std::vector<std::pair<double, double>>& modes) {
   const auto& amplification = row.candidate.method.amplification;
   for (const auto& [omega, zeta] : modes) {
     ShownOscillation shown{.omega = AdviceRow::none, .zeta = AdviceRow::none};
@@ -125,21 +124,21 @@ bool is_truncated(const Candidate& candidate) { return candidate.linear_solve.it
 
 /// The predicted limit where the Jacobian is that of the start, as of an undamped spring that stiffens as much as the
 /// motion makes the fastest mode stiffen [s].
-double limit_of_frozen(const Candidate& candidate, const Ground& ground) {
+double limit_of_frozen(const Candidate& candidate, const AnalysedModel& model) {
   const auto method = linearly_implicit_method(candidate.method.id);
   if (!method) return AdviceRow::none;
-  const double exit = frozen_spring_exit(*method, ground.stiffened);
-  return std::isinf(exit) ? infinity : ground.fastest > 0 ? exit / ground.fastest : AdviceRow::none;
+  const double exit = frozen_spring_exit(*method, model.stiffened);
+  return std::isinf(exit) ? infinity : model.fastest > 0 ? exit / model.fastest : AdviceRow::none;
 }
 
 /// How many times stiffer than on the motion the body may become before the step is unstable: limits of explicit
 /// methods fall as the root of the stiffness, old Jacobians tolerate a ratio.
-void look_at_margin(AdviceRow& row, const Ground& ground) {
+void set_margin(AdviceRow& row, const AnalysedModel& model) {
   if (is_truncated(row.candidate)) return;
   if (is_frozen(row.candidate)) {
     const auto method = linearly_implicit_method(row.candidate.method.id);
-    if (method && ground.fastest > 0 && row.h > 0)
-      row.stiffening = tolerated_stiffness(*method, row.h * ground.fastest).most / ground.stiffened;
+    if (method && model.fastest > 0 && row.h > 0)
+      row.stiffening = tolerated_stiffness(*method, row.h * model.fastest).most / model.stiffened;
     return;
   }
   if (std::isfinite(row.h_max)) row.stiffening = std::pow(row.h_max / row.h, 2);
@@ -147,7 +146,7 @@ void look_at_margin(AdviceRow& row, const Ground& ground) {
 }
 
 /// Puts a run into its row.
-void take(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question) {
+void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question) {
   row.steps_per_frame = steps;
   row.h = question.frame() / static_cast<double>(steps);
   row.error = run.error;
@@ -164,8 +163,8 @@ void take(AdviceRow& row, const MotionRun& run, std::int64_t steps, const Advice
 /// Searches the step of one candidate.
 class StepSearch {
  public:
-  StepSearch(const AdviceQuestion& question, const Ground& ground, const Watcher& watcher)
-      : question_(question), ground_(ground), watcher_(watcher) {}
+  StepSearch(const AdviceQuestion& question, const AnalysedModel& model, const Watcher& watcher)
+      : question_(question), model_(model), watcher_(watcher) {}
 
   void operator()(AdviceRow& row) const {
     if (row.h_max == 0)
@@ -177,7 +176,7 @@ class StepSearch {
     for (;; steps *= 2) {
       if (steps > most_steps)
         return fail(row, fmt::format("a stable step would be less than 1/{} of a frame", most_steps));
-      const MotionRun run = tried(row, steps);
+      const MotionRun run = run_at(row, steps);
       if (suffices(run)) break;
       cause = cause_of(run);
       failed = steps;
@@ -227,11 +226,11 @@ class StepSearch {
     return run.reached_end() && run.error <= 1 ? AdviceBound::accuracy : AdviceBound::stability;
   }
 
-  MotionRun tried(AdviceRow& row, std::int64_t steps) const {
+  MotionRun run_at(AdviceRow& row, std::int64_t steps) const {
     if (watcher_) watcher_();
     MotionRun run =
-        run_motion(row.candidate, ground_.motion, ground_.reference, question_.frame(), steps, 1, watcher_);
-    take(row, run, steps, question_);
+        run_motion(row.candidate, model_.motion, model_.reference, question_.frame(), steps, 1, watcher_);
+    record(row, run, steps, question_);
     row.status = run.note;
     return run;
   }
@@ -241,7 +240,7 @@ class StepSearch {
     AdviceRow best = row;
     for (int i = 0; i < 3 && steps - failed > std::max<std::int64_t>(1, steps / 10); ++i) {
       const std::int64_t middle = (failed + steps) / 2;
-      const MotionRun run = tried(row, middle);
+      const MotionRun run = run_at(row, middle);
       if (suffices(run)) {
         steps = middle;
         best = row;
@@ -257,7 +256,7 @@ class StepSearch {
   void spend_budget(AdviceRow& row) const {
     while (2 * row.frame.p50 <= 0.8 * question_.frame_budget() && 2 * row.steps_per_frame <= most_steps) {
       AdviceRow shorter = row;
-      const MotionRun run = tried(shorter, 2 * row.steps_per_frame);
+      const MotionRun run = run_at(shorter, 2 * row.steps_per_frame);
       if (!suffices(run) || shorter.error > 0.9 * row.error) return;
       row = shorter;
       row.bound = AdviceBound::budget;
@@ -286,32 +285,32 @@ class StepSearch {
   }
 
   const AdviceQuestion& question_;
-  const Ground& ground_;
+  const AnalysedModel& model_;
   const Watcher& watcher_;
 };
 
 /// One candidate at the longest of its steps that suffices.
-/// @param i  its place in Ground::h_max
-AdviceRow tried_row(const Candidate& candidate, std::size_t i, const AdviceQuestion& question,
-                    const Ground& ground, const std::vector<std::pair<double, double>>& modes,
-                    const Watcher& watcher) {
+/// @param i  its place in AnalysedModel::h_max
+AdviceRow searched_row(const Candidate& candidate, std::size_t i, const AdviceQuestion& question,
+                       const AnalysedModel& model, const std::vector<std::pair<double, double>>& modes,
+                       const Watcher& watcher) {
   AdviceRow row;
   row.candidate = candidate;
-  row.h_max = is_truncated(candidate) ? AdviceRow::none : ground.h_max[i];
-  if (is_frozen(candidate)) row.h_max = limit_of_frozen(candidate, ground);
+  row.h_max = is_truncated(candidate) ? AdviceRow::none : model.h_max[i];
+  if (is_frozen(candidate)) row.h_max = limit_of_frozen(candidate, model);
   reset_peak_memory();
-  StepSearch(question, ground, watcher)(row);
+  StepSearch(question, model, watcher)(row);
   row.memory = peak_memory();
-  if (row.status.empty()) row.status = ground.status[i];
-  look_at_margin(row, ground);
-  look_at_modes(row, modes);
+  if (row.status.empty()) row.status = model.status[i];
+  set_margin(row, model);
+  set_mode_changes(row, modes);
   return row;
 }
 
 /// The limit on the motion, by bisection between 0.8 and 1.25 of the prediction, to 2 %.
-double observed_limit(const AdviceRow& row, const Ground& ground) {
+double observed_limit(const AdviceRow& row, const AnalysedModel& model) {
   double low = 0.8 * row.h_max, high = 1.25 * row.h_max;
-  const auto stays = [&](double h) { return holds(row.candidate, ground.motion, ground.reference, h); };
+  const auto stays = [&](double h) { return holds(row.candidate, model.motion, model.reference, h); };
   if (!stays(low) || stays(high)) return AdviceRow::none;
   while (high / low > 1.02) {
     const double middle = std::sqrt(low * high);
@@ -340,7 +339,7 @@ void sort_rows(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
 
 /// Times rows for as many frames as asked, best first, until the best four that suffice are timed; those that miss
 /// more than one frame in a thousand are too slow.
-void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, const Ground& ground,
+void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, const AnalysedModel& model,
                const Watcher& watcher) {
   constexpr std::size_t most_timed = 4;
   const auto is_timed = [&](const AdviceRow& row) { return row.frames >= question.frames; };
@@ -350,9 +349,9 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
       ++i;
       continue;
     }
-    const MotionRun run = run_motion(row.candidate, ground.motion, ground.reference, question.frame(),
+    const MotionRun run = run_motion(row.candidate, model.motion, model.reference, question.frame(),
                                      row.steps_per_frame, question.frames, watcher);
-    take(row, run, row.steps_per_frame, question);
+    record(row, run, row.steps_per_frame, question);
     if (!is_timed(row) || 1000 * row.missed > row.frames) {
       row.verdict = AdviceVerdict::too_slow;
       row.bound = AdviceBound::budget;
@@ -396,35 +395,35 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
     watch();
   };
   Advice advice;
-  Ground ground;
+  AnalysedModel model;
   now(0, "finding a load that the model bears");
-  ground.motion = probing_motion(problem, watch);
-  lengthen(ground.motion, question);
+  model.motion = probing_motion(problem, watch);
+  lengthen(model.motion, question);
   now(0.05, "finding the reference motion");
-  ground.reference = reference_motion(ground.motion, question.frame(), question.tolerance, watch);
-  const std::vector<Candidate> all = candidates(question.methods, ground.motion.problem);
+  model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch);
+  const std::vector<Candidate> all = candidates(question.methods, model.motion.problem);
   if (all.empty())
     throw InputError(fmt::format("none of the methods can step {} at a fixed step; name others with --methods",
                                  problem.id));
   now(0.2, "limits along the motion");
-  look_at_limits(ground, all, watch);
-  const auto modes = slowest_modes(ground.near.modes);
+  predict_limits(model, all, watch);
+  const auto modes = slowest_modes(model.near.modes);
   for (const auto& [omega, zeta] : modes) advice.modes.push_back(omega);
 
   for (std::size_t i = 0; i < all.size(); ++i) {
     now(0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(all.size()), "steps of " + all[i].words());
-    advice.rows.push_back(tried_row(all[i], i, question, ground, modes, watch));
+    advice.rows.push_back(searched_row(all[i], i, question, model, modes, watch));
   }
   sort_rows(advice.rows, question);
   now(0.7, "timing the best methods");
-  time_best(advice.rows, question, ground, watch);
+  time_best(advice.rows, question, model, watch);
   // What is recommended is stable where it is run.
   while (is_suitable(advice.rows.front()) &&
-         !holds(advice.rows.front().candidate, ground.motion, ground.reference, advice.rows.front().h)) {
+         !holds(advice.rows.front().candidate, model.motion, model.reference, advice.rows.front().h)) {
     advice.rows.front().verdict = AdviceVerdict::unstable;
     advice.rows.front().status = "neighbouring runs part at this step";
     sort_rows(advice.rows, question);
-    time_best(advice.rows, question, ground, watch);
+    time_best(advice.rows, question, model, watch);
   }
   recommend(advice.rows, question);
   for (std::size_t i = 0; i < advice.rows.size(); ++i) {
@@ -433,15 +432,15 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
     if (!is_suitable(row) || !std::isfinite(row.h_max)) continue;
     now(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(advice.rows.size()),
         "runs beside the limit of " + row.candidate.words());
-    row.h_max_observed = observed_limit(row, ground);
+    row.h_max_observed = observed_limit(row, model);
     if (std::isnan(row.h_max_observed) && row.status.empty())
       row.status = "growth just beyond the limit is too slow to be seen on the motion";
   }
-  advice.motion = ground.motion.words;
-  advice.scale = ground.reference.scale;
-  advice.reference_error = ground.reference.error_bound;
-  advice.t_end = ground.motion.t_end;
-  advice.stiffened = ground.stiffened;
+  advice.motion = fmt::format("{}; to t = {:.6g} s", model.motion.words, model.motion.t_end);
+  advice.scale = model.reference.scale;
+  advice.reference_error = model.reference.error_bound;
+  advice.t_end = model.motion.t_end;
+  advice.stiffened = model.stiffened;
   return advice;
 }
 

@@ -124,7 +124,7 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   const Eigen::Index n = body.dofs();
   if (is_driven_by_time(body)) {
     const double t_end = end_of_motion(problem);
-    return {problem, t_end, fmt::format("its own load to t = {:.3g} s", t_end)};
+    return {problem, t_end, "its own load"};
   }
   TissueSettings settings = body.settings();
   const bool heavy = settings.gravity.norm() > 0;
@@ -151,8 +151,8 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   come_and_go(settings.forces);
   const double t_end = rise + hold + rise + after;
   ProbingMotion motion{with_settings(problem, std::move(settings)), t_end,
-                       fmt::format("{}: within {:.3g} s, held for {:.3g} s, released, to t = {:.3g} s", words, rise,
-                                   hold, t_end)};
+                       fmt::format("{}, which rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s",
+                                   words, rise, hold, rise)};
   motion.problem.y0.head(n) = start;
   return motion;
 }
@@ -214,7 +214,7 @@ ReferenceMotion halved_until_steady(const ProbingMotion& motion, double frame, d
 
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
   if (problem.body) return of_body(problem, watcher);
-  return {problem, problem.t_end, fmt::format("its own motion to t = {:.6g} s", problem.t_end)};
+  return {problem, problem.t_end, "its own motion"};
 }
 
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,

@@ -15,7 +15,7 @@ namespace hmax {
 struct ProbingMotion {
   Problem problem;
   double t_end = 0;   ///< [s]
-  std::string words;  ///< what acts, how long
+  std::string words;  ///< what acts, and how it comes and goes
 };
 
 /// Of a body whose loads do not change with time: they come within 0.1 s, stay for 0.2 s and go within 0.1 s, and the

@@ -31,7 +31,7 @@ TEST(AdviseCommand, SaysWhatToTakeAndWhy) {
   const Told told = Shell().hmax(small_question);
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_NE(told.out.find("take "), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("step bound by "), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("limited by "), std::string::npos) << told.out;
   EXPECT_NE(told.out.find(" frames took more than 10 ms"), std::string::npos) << told.out;
 }
 
