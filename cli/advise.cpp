@@ -7,14 +7,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/advice/advice_records.hpp"
 #include "bench/advice/advise.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
+#include "results/store.hpp"
 
 namespace hmax {
 
@@ -25,7 +28,7 @@ using Json = nlohmann::ordered_json;
 struct AdviseOptions {
   ProblemChoice problem;
   std::optional<double> rate, tolerance, budget;
-  std::string methods, frames;
+  std::string methods, frames, out;
 };
 
 double positive(const char* option, double value, const char* example) {
@@ -101,6 +104,18 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
           {"status", row.status}};
 }
 
+Json to_json(const std::vector<ProofRun>& proof) {
+  Json list = Json::array();
+  for (const ProofRun& run : proof)
+    list.push_back({{"motion", run.motion},
+                    {"seconds", run.seconds},
+                    {"stable", run.stable},
+                    {"frames", run.frames},
+                    {"missed", run.missed},
+                    {"frame_ms_p999", number_or_word(1e3 * run.frame_p999)}});
+  return list;
+}
+
 Json to_json(const Problem& problem, const AdviceQuestion& question, const Advice& advice) {
   Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
   for (const AdviceRow& row : advice.rows) {
@@ -127,6 +142,7 @@ Json to_json(const Problem& problem, const AdviceQuestion& question, const Advic
           {"budget_ms", 1e3 * question.frame_budget()},
           {"machine", summary(fingerprint())},
           {"rows", std::move(rows)},
+          {"proof", to_json(advice.proof)},
           {"recommended", best ? to_json(*best, question, error_scale(problem)) : Json()},
           {"ties", std::move(ties)},
           {"remedies", std::move(remedies)}};
@@ -195,6 +211,15 @@ std::string words_of_best(const Problem& problem, const AdviceRow& row, const Ad
                                        milliseconds(row.frame.max), short_number(row.realtime_factor(question.rate), 3)));
   text += line("deadline", fmt::format("{} of {} frames took more than {} ms", row.missed, row.frames,
                                        milliseconds(question.frame_budget())));
+  for (const ProofRun& run : advice.proof)
+    text += line(&run == &advice.proof.front() ? "long runs" : "",
+                 fmt::format("{} s, {}: stable, {} of {} frames took more than {} ms",
+                             short_number(run.seconds, 3),
+                             &run == &advice.proof.front() ? "this motion over and over" : run.motion, run.missed,
+                             run.frames, milliseconds(question.frame_budget())));
+  if (!std::isnan(row.newton_per_frame))
+    text += line("iterations", fmt::format("at most {} of Newton's method in 99.9 % of the frames",
+                                           short_number(row.newton_per_frame)));
   if (!std::isnan(row.stiffening))
     text += line("margin", std::isinf(row.stiffening)
                                ? "stable at every stiffness"
@@ -298,6 +323,11 @@ void advise_on(const AdviseOptions& options, Console& console) {
           [&](double share, const std::string& what) { watcher(share, "what would help: " + what); });
   }
   if (!advice.recommended()) console.exit_code = Exit::failed;
+  if (!options.out.empty()) {
+    Store store = Store::open_or_create(store_path(options.out));
+    store.begin_session(fingerprint());
+    store.insert_advice(advice_key(problem, question, advice), advice_records(advice));
+  }
   if (console.json) return console.print_json(to_json(problem, question, advice));
   console.print(for_people(problem, question, advice, console) + words_of_left_out(options, problem));
 }
@@ -327,6 +357,11 @@ void add_advise(CLI::App& app, Console& console) {
       ->type_name("A,B");
   command.add_option("--frames", options->frames, "Number of frames that the best methods are timed for; 1000 by default")
       ->type_name("N");
+  command
+      .add_option("--out", options->out,
+                  "Store of the advice, one row a method: a file that ends in .sqlite, or a name under results/runs; none "
+                  "by default")
+      ->type_name("STORE");
   command.callback([options, &console] { advise_on(*options, console); });
 }
 

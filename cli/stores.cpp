@@ -11,9 +11,10 @@
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/compare.hpp"
-#include "results/limits/compare_limits.hpp"
 #include "results/errors.hpp"
 #include "results/exports.hpp"
+#include "results/limits/advice_exports.hpp"
+#include "results/limits/compare_limits.hpp"
 #include "results/limits/limit_exports.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
@@ -54,7 +55,7 @@ Json array_of_lines(const std::string& lines) {
 }
 
 /// What a store holds.
-constexpr std::array<std::string_view, 2> kinds{"runs", "limits"};
+constexpr std::array<std::string_view, 3> kinds{"runs", "limits", "advice"};
 
 struct ExportOptions {
   std::string store, of{kinds[0]}, format{export_formats().front().name}, output;
@@ -72,11 +73,30 @@ Exported exported_runs(const Store& store, const ExportFormat& format) {
   return {format.text(rows, last_fingerprint(store)), format.opening, rows.size()};
 }
 
-Exported exported_limits(const Store& store, std::string_view format) {
-  const std::vector<LimitRow> rows = store.limits();
-  if (format == "csv") return {limits_to_csv(rows), "problem,material,parameters,y0,model,", rows.size()};
-  if (format == "jsonl") return {limits_to_jsonl(rows), "{\"problem\":\"", rows.size()};
-  throw InputError(fmt::format("--format is '{}', but limits are written as csv or jsonl", format));
+/// Rows that are written as csv or jsonl.
+template <class Record>
+Exported exported(const std::vector<Record>& rows, std::string_view format, std::string_view kind,
+                  std::string (*to_csv)(std::span<const Record>), std::string (*to_jsonl)(std::span<const Record>)) {
+  if (format == "csv") return {to_csv(rows), "problem,material,parameters,y0,model,", rows.size()};
+  if (format == "jsonl") return {to_jsonl(rows), "{\"problem\":\"", rows.size()};
+  throw InputError(fmt::format("--format is '{}', but {} are written as csv or jsonl", format, kind));
+}
+
+Exported exported_rows(const Store& store, std::string_view kind, const ExportFormat& format) {
+  if (kind == kinds[1]) return exported(store.limits(), format.name, "limits", limits_to_csv, limits_to_jsonl);
+  if (kind == kinds[2]) return exported(store.advice(), format.name, "rows of advice", advice_to_csv, advice_to_jsonl);
+  return exported_runs(store, format);
+}
+
+/// What a store has where it has nothing of a kind.
+std::string remark_on_none(const Store& store, std::string_view kind) {
+  const auto lines = std::ranges::find(export_formats(), "jsonl", &ExportFormat::name);
+  std::string others;
+  for (const std::string_view other : kinds)
+    if (exported_rows(store, other, *lines).rows > 0)
+      others += fmt::format("{}--of {}", others.empty() ? "; " : " or ", other);
+  return fmt::format("'{}' holds no {}{}", store.file().string(), kind,
+                     others.empty() ? "" : others + " writes what it has");
 }
 
 void export_rows(const ExportOptions& options, Console& console) {
@@ -87,7 +107,7 @@ void export_rows(const ExportOptions& options, Console& console) {
   const std::string kind = parse_choice("--of", options.of, kinds);
   const auto chosen = std::ranges::find(export_formats(), format, &ExportFormat::name);
   const Store store = open_store(options.store);
-  const Exported out = kind == kinds[0] ? exported_runs(store, *chosen) : exported_limits(store, format);
+  const Exported out = exported_rows(store, kind, *chosen);
   if (!output.empty()) {
     write_file(output, out.text, out.opening);
     if (console.json)
@@ -97,14 +117,13 @@ void export_rows(const ExportOptions& options, Console& console) {
       console.print(fmt::format("{} rows in {}\n", out.rows, output));
   } else if (console.json && format != "gbench") {
     // One document whatever the format.
-    console.print_json(array_of_lines(kind == kinds[0] ? rows_to_jsonl(store.rows())
-                                                       : limits_to_jsonl(store.limits())));
+    const auto lines = std::ranges::find(export_formats(), "jsonl", &ExportFormat::name);
+    console.print_json(array_of_lines(exported_rows(store, kind, *lines).text));
   } else {
     console.print(out.text);
   }
   if (out.rows == 0)
-    console.remark(fmt::format("'{}' holds no {}; --of {} writes the others", store.file().string(), kind,
-                               kind == kinds[0] ? kinds[1] : kinds[0]));
+    console.remark(remark_on_none(store, kind));
 }
 
 Json to_json(const RowComparison& row) {
@@ -224,8 +243,8 @@ void add_export(CLI::App& app, Console& console) {
       ->type_name("NAME");
   command
       .add_option("--of", options->of,
-                  "runs, which `hmax sweep` measured; limits, which `hmax stability predict --out` computed; runs "
-                  "by default")
+                  "runs, which `hmax sweep` measured; limits of `hmax stability predict --out`; advice of `hmax advise "
+                  "--out`; runs by default")
       ->type_name("NAME");
   command.add_option("--output", options->output, "File to write; standard output by default")
       ->type_name("FILE");

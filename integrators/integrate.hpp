@@ -65,6 +65,13 @@ class StepView : public StepEnds<typename Sys::State> {
                            (t - this->t0()) / this->h(), out);
   }
 
+  /// What an implicit method did since the start of the run, this step included.
+  [[nodiscard]] ImplicitWork work() const
+  requires requires(const StepperT& stepper) { stepper.work(); }
+  {
+    return stepper_.work();
+  }
+
  private:
   StepperT& stepper_;
   const Sys& system_;

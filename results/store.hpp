@@ -13,6 +13,7 @@
 
 #include "results/fingerprint.hpp"
 #include "results/limit_row.hpp"
+#include "results/limits/advice_record.hpp"
 #include "results/row.hpp"
 
 namespace hmax {
@@ -39,7 +40,7 @@ class Store {
   /// The number of the table layout in results/sqlite/schema.hpp. A file with a lower one is brought to it when it
   /// is opened, in one transaction, or where it cannot be written read as it is, with NaN for numbers that it
   /// does not have; one with a higher number is refused and left untouched.
-  static constexpr int schema_version = 3;
+  static constexpr int schema_version = 4;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.
   static Store open_or_create(const std::filesystem::path& file);
@@ -78,6 +79,14 @@ class Store {
   std::vector<LimitRow> limits_at(const OperatingPointKey& key) const;
   /// Every limit, ordered by the key of its operating point and by method.
   std::vector<LimitRow> limits() const;
+
+  /// The answer to a question, in one transaction; what was stored for the same question before is replaced.
+  /// AdviceRecord::key of `records` is not read.
+  /// @throws std::logic_error       without begin_session()
+  /// @throws std::invalid_argument  when a number of the key is not finite
+  void insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records);
+  /// Every answer, ordered by its key, and best first.
+  std::vector<AdviceRecord> advice() const;
 
   /// Number of measured rows.
   std::int64_t size() const;

@@ -120,7 +120,10 @@ void set_mode_changes(AdviceRow& row, const std::vector<std::pair<double, double
 }
 
 bool is_frozen(const Candidate& candidate) { return candidate.jacobian.every == JacobianUpdate::frozen; }
-bool is_truncated(const Candidate& candidate) { return candidate.linear_solve.iterations > 0; }
+/// Whether the step is not that of the method itself, so that the limit of the method is not its limit.
+bool is_approximate(const Candidate& candidate) {
+  return candidate.linear_solve.iterations > 0 || candidate.jacobian.every > 1;
+}
 
 /// The predicted limit where the Jacobian is that of the start, as of an undamped spring that stiffens as much as the
 /// motion makes the fastest mode stiffen [s].
@@ -134,7 +137,7 @@ double limit_of_frozen(const Candidate& candidate, const AnalysedModel& model) {
 /// How many times stiffer than on the motion the body may become before the step is unstable: limits of explicit
 /// methods fall as the root of the stiffness, old Jacobians tolerate a ratio.
 void set_margin(AdviceRow& row, const AnalysedModel& model) {
-  if (is_truncated(row.candidate)) return;
+  if (is_approximate(row.candidate)) return;
   if (is_frozen(row.candidate)) {
     const auto method = linearly_implicit_method(row.candidate.method.id);
     if (method && model.fastest > 0 && row.h > 0)
@@ -155,9 +158,7 @@ void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const Advi
   row.frames = run.frames_s.size();
   row.missed = static_cast<std::size_t>(
       std::ranges::count_if(run.frames_s, [&](double s) { return s > question.frame_budget(); }));
-  if (run.stats.newton > 0)
-    row.newton_per_frame = static_cast<double>(run.stats.newton) / static_cast<double>(run.stats.steps) *
-                           static_cast<double>(steps);
+  if (run.stats.newton > 0) row.newton_per_frame = quantile(run.newton, 0.999);
 }
 
 /// Searches the step of one candidate.
@@ -296,7 +297,7 @@ AdviceRow searched_row(const Candidate& candidate, std::size_t i, const AdviceQu
                        const Watcher& watcher) {
   AdviceRow row;
   row.candidate = candidate;
-  row.h_max = is_truncated(candidate) ? AdviceRow::none : model.h_max[i];
+  row.h_max = is_approximate(candidate) ? AdviceRow::none : model.h_max[i];
   if (is_frozen(candidate)) row.h_max = limit_of_frozen(candidate, model);
   reset_peak_memory();
   StepSearch(question, model, watcher)(row);
@@ -362,6 +363,36 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
   }
 }
 
+/// Runs the best row for long; one that does not hold is no longer suitable, and the next best is the best.
+/// @param slowest  the slowest frequency [rad/s]; 0: not known
+std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question,
+                                 const AnalysedModel& model, double slowest, const Watcher& watcher) {
+  constexpr double most_cpu = 10;  // [s] of both motions
+  while (is_suitable(rows.front())) {
+    AdviceRow& best = rows.front();
+    const double affordable = most_cpu / 2 * best.realtime_factor(question.rate);
+    const std::vector<ProofRun> proof =
+        prove(best.candidate, best.steps_per_frame, model.motion, model.reference,
+              {.frame = question.frame(),
+               .budget = question.frame_budget(),
+               .seconds = std::max(std::min(question.proof, affordable), 5 * question.frame()),
+               .slowest = slowest},
+              watcher);
+    const auto failed = std::ranges::find_if_not(proof, &ProofRun::holds);
+    if (failed == proof.end()) return proof;
+    best.verdict = failed->stable ? AdviceVerdict::too_slow : AdviceVerdict::unstable;
+    best.bound = failed->stable ? AdviceBound::budget : AdviceBound::stability;
+    best.status = failed->stable
+                      ? fmt::format("{} of {} frames took more than the budget: {}", failed->missed, failed->frames,
+                                    failed->motion)
+                      : fmt::format("a long run does not stay beside its neighbours, or does not reach its end: {}",
+                                    failed->motion);
+    sort_rows(rows, question);
+    time_best(rows, question, model, watcher);
+  }
+  return {};
+}
+
 void recommend(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
   if (rows.empty() || !is_suitable(rows.front())) return;
   rows.front().verdict = AdviceVerdict::recommended;
@@ -417,14 +448,8 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
   sort_rows(advice.rows, question);
   now(0.7, "timing the best methods");
   time_best(advice.rows, question, model, watch);
-  // What is recommended is stable where it is run.
-  while (is_suitable(advice.rows.front()) &&
-         !holds(advice.rows.front().candidate, model.motion, model.reference, advice.rows.front().h)) {
-    advice.rows.front().verdict = AdviceVerdict::unstable;
-    advice.rows.front().status = "neighbouring runs part at this step";
-    sort_rows(advice.rows, question);
-    time_best(advice.rows, question, model, watch);
-  }
+  now(0.75, "long runs of the best method");
+  advice.proof = prove_best(advice.rows, question, model, modes.empty() ? 0 : modes.front().first, watch);
   recommend(advice.rows, question);
   for (std::size_t i = 0; i < advice.rows.size(); ++i) {
     AdviceRow& row = advice.rows[i];

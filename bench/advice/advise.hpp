@@ -12,6 +12,7 @@
 #include "bench/advice/candidate.hpp"
 #include "bench/advice/motion_run.hpp"
 #include "bench/advice/probing_motion.hpp"
+#include "bench/advice/proof.hpp"
 
 namespace hmax {
 
@@ -21,6 +22,7 @@ struct AdviceQuestion {
   std::optional<double> budget;  ///< CPU time of a frame [s]; the whole frame where there is none
   bool least_error = false;      ///< rank by error within the budget, not by cost within the tolerance
   std::size_t frames = 1000;     ///< that the best methods are timed for
+  double proof = 60;             ///< simulated seconds that the recommended row must hold for; fewer of slow models [s]
   std::vector<Method> methods;   ///< to choose from
 
   [[nodiscard]] double frame() const { return 1 / rate; }
@@ -55,7 +57,7 @@ struct AdviceRow {
   FrameTimes frame;                   ///< CPU time of a frame on one thread [s]
   double first_frame = none;          ///< with what is done once, such as the first factors [s]
   std::size_t frames = 0, missed = 0; ///< frames that were timed, and those over the budget
-  double newton_per_frame = none;     ///< iterations of Newton's method
+  double newton_per_frame = none;     ///< iterations of Newton's method that 99.9 % of the frames do not exceed
   std::optional<std::int64_t> memory; ///< peak of the process while the row was tried [bytes]
   std::vector<double> damping_added;  ///< to the damping ratio of each of Advice::modes
   std::vector<double> frequency_shift;///< relative, of each of them
@@ -83,6 +85,7 @@ struct Advice {
   double stiffened = 1;               ///< how many times stiffer than at its start the motion makes the body
   std::vector<double> modes;          ///< the slowest oscillations at the start, at most 3 [rad/s]
   std::vector<AdviceRow> rows;        ///< best first
+  std::vector<ProofRun> proof;        ///< long runs of the recommended row
   std::vector<Remedy> remedies;       ///< where nothing is recommended
 
   /// The first row, if it is recommended.
@@ -98,7 +101,8 @@ using AdviceWatcher = std::function<void(double share, const std::string& what)>
 ///
 /// The step of a candidate is a whole part of a frame. The search begins with the longest one below 0.95 of the
 /// predicted limit and takes shorter ones until the motion holds and meets the tolerance. The best rows are then timed
-/// over `frames` frames, in turn. Rows within 10 % of the best are ties.
+/// over `frames` frames, in turn; the best must hold for `proof` simulated seconds, as far as they take no more than
+/// 10 s of CPU time. Rows within 10 % of the best are ties.
 /// @throws InputError  as probing_motion() and reference_motion()
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {});
 

@@ -11,11 +11,16 @@ RunSpec Candidate::spec(double h, double t_end) const {
   return spec;
 }
 
-std::string Candidate::words() const {
-  std::string words = method.id;
-  if (jacobian != JacobianUpdate{}) words += fmt::format(", Jacobian {}", to_string(jacobian));
-  if (linear_solve != LinearSolve{}) words += fmt::format(", {}", to_string(linear_solve));
+std::string Candidate::options() const {
+  std::string words;
+  if (jacobian != JacobianUpdate{}) words = fmt::format("Jacobian {}", to_string(jacobian));
+  if (linear_solve != LinearSolve{}) words += (words.empty() ? "" : ", ") + to_string(linear_solve);
   return words;
+}
+
+std::string Candidate::words() const {
+  const std::string chosen = options();
+  return chosen.empty() ? method.id : method.id + ", " + chosen;
 }
 
 std::vector<std::string> simulator_methods() {
@@ -27,7 +32,7 @@ std::vector<std::string> simulator_methods() {
 }
 
 std::vector<Candidate> candidates(const std::vector<Method>& methods, const Problem& problem) {
-  const JacobianUpdate exact{1}, frozen{JacobianUpdate::frozen};
+  const JacobianUpdate exact{1}, tenth{10}, frozen{JacobianUpdate::frozen};
   const LinearSolve direct{.by = LinearSolve::By::direct},
       truncated{.by = LinearSolve::By::conjugate_gradients, .tolerance = 1e-3, .iterations = 20};
   std::vector<Candidate> all;
@@ -37,11 +42,9 @@ std::vector<Candidate> candidates(const std::vector<Method>& methods, const Prob
     if (!method.linearly_implicit) {
       all.push_back({method, {}, {}});
     } else if (!problem.body) {
-      all.push_back({method, exact, {}});
-      all.push_back({method, frozen, {}});
+      for (const JacobianUpdate update : {exact, tenth, frozen}) all.push_back({method, update, {}});
     } else {
-      all.push_back({method, exact, direct});
-      all.push_back({method, frozen, direct});
+      for (const JacobianUpdate update : {exact, tenth, frozen}) all.push_back({method, update, direct});
       all.push_back({method, exact, truncated});
     }
   }

@@ -16,7 +16,9 @@ struct Candidate {
 
   /// A run at fixed steps.
   [[nodiscard]] RunSpec spec(double h, double t_end) const;
-  /// "rk4", "linearly_implicit_euler, Jacobian frozen"
+  /// What is chosen besides the method and its step: "Jacobian frozen, direct"; empty where there is nothing.
+  [[nodiscard]] std::string options() const;
+  /// "rk4", "linearly_implicit_euler, Jacobian frozen, direct"
   [[nodiscard]] std::string words() const;
 };
 
@@ -24,8 +26,8 @@ struct Candidate {
 std::vector<std::string> simulator_methods();
 
 /// Every method with every choice that it has on this problem: of those that solve one linear system a step, the
-/// Jacobian exact and frozen, and on bodies conjugate gradients of at most 20 iterations beside a factorisation.
-/// Methods that only choose their steps themselves, or do not suit the problem, are left out.
+/// Jacobian exact, of every tenth step and frozen, and on bodies conjugate gradients of at most 20 iterations
+/// beside a factorisation. Methods that only choose their steps themselves, or do not suit the problem, are left out.
 std::vector<Candidate> candidates(const std::vector<Method>& methods, const Problem& problem);
 
 }  // namespace hmax

@@ -18,18 +18,24 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
   const double h = frame / static_cast<double>(steps_per_frame);
   std::int64_t step = -1;
   std::size_t instant = 0;
+  ImplicitWork work;
+  std::int64_t newton = 0;
   double last = thread_cpu_seconds();
   const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     ++step;
     if (step % steps_per_frame == 0 && step > 0) {
       const double now = thread_cpu_seconds();
       (step == steps_per_frame ? result.first_frame_s : result.frames_s.emplace_back()) = now - last;
+      result.newton.push_back(static_cast<double>(work.newton - newton));
+      newton = work.newton;
     }
     if (instant < reference.t.size() && t >= reference.t[instant] - 0.25 * h)
       result.error = std::max(result.error, relative_error(motion, reference, instant++, y));
     if (step % steps_per_frame == 0) last = thread_cpu_seconds();
   };
-  const RunRecord record = runner.run(candidate.spec(h, frames * frame), sink);
+  RunSpec spec = candidate.spec(h, frames * frame);
+  spec.work = &work;
+  const RunRecord record = runner.run(spec, sink);
   result.outcome = record.outcome;
   result.t = record.t;
   result.steps += record.stats.steps;
@@ -41,13 +47,15 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
 
 }  // namespace
 
-FrameTimes frame_times(std::vector<double> frames_s) {
-  if (frames_s.empty()) return {};
-  std::ranges::sort(frames_s);
-  const auto quantile = [&](double share) {
-    return frames_s[static_cast<std::size_t>(std::ceil(share * static_cast<double>(frames_s.size()))) - 1];
-  };
-  return {quantile(0.5), quantile(0.99), frames_s.back()};
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(at));
+  return values[at];
+}
+
+FrameTimes frame_times(const std::vector<double>& frames_s) {
+  return {quantile(frames_s, 0.5), quantile(frames_s, 0.99), quantile(frames_s, 1)};
 }
 
 MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,

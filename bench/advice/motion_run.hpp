@@ -18,6 +18,7 @@ struct MotionRun {
   double error = 0;              ///< the largest of the instants, relative; infinity where it did not reach the end
   std::vector<double> frames_s;  ///< CPU time of each frame but the first of each run [s]
   double first_frame_s = 0;      ///< with what a simulator does before it starts: its first factors
+  std::vector<double> newton;    ///< iterations of Newton's method in each frame
   std::int64_t steps = 0;
   Stats stats;
   std::string note;  ///< why equations were not solved
@@ -25,12 +26,15 @@ struct MotionRun {
   [[nodiscard]] bool reached_end() const { return outcome == Outcome::reached_end; }
 };
 
+/// The smallest value that a share of all of them does not exceed; NaN of none.
+double quantile(std::vector<double> values, double share);
+
 /// Order statistics of the time of a frame [s].
 struct FrameTimes {
   double p50 = std::numeric_limits<double>::quiet_NaN(), p99 = p50, max = p50;
 };
 /// NaN of no frames.
-FrameTimes frame_times(std::vector<double> frames_s);
+FrameTimes frame_times(const std::vector<double>& frames_s);
 
 /// Runs the motion with `steps_per_frame` steps in each frame, again from the start until there are so many frames;
 /// once where it does not reach its end. The thread is kept on its processor.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -215,6 +216,33 @@ ReferenceMotion halved_until_steady(const ProbingMotion& motion, double frame, d
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
   if (problem.body) return of_body(problem, watcher);
   return {problem, problem.t_end, "its own motion"};
+}
+
+ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slowest) {
+  ProbingMotion other = motion;
+  other.t_end = t_end;
+  if (!motion.problem.body) {
+    other.problem.y0 /= 2;
+    other.words = "its own motion from half of its initial state";
+    return other;
+  }
+  const TissueBody& body = *motion.problem.body;
+  TissueSettings settings = body.settings();
+  PressingForce press = settings.forces.empty() ? far_press(body) : settings.forces.front();
+  const Eigen::Vector3d along = press.force.normalized(), across = along.unitOrthogonal();
+  press.force = across;
+  press.profile = {};
+  settings.forces = {press};
+  const double force = 0.5 * force_for_2_percent(with_settings(motion.problem, settings),
+                                                 motion.problem.y0.head(body.dofs()));
+  const double omega = slowest > 0 ? slowest / 4 : 1;
+  settings.forces.front().force *= force;
+  settings.forces.front().profile = {.kind = TimeProfile::Kind::sine, .omega = omega};
+  other.words = fmt::format("{:.3g} N across the press, back and forth every {:.3g} s", force,
+                            2 * std::numbers::pi / omega);
+  other.problem = with_settings(motion.problem, std::move(settings));
+  other.problem.y0 = motion.problem.y0;
+  return other;
 }
 
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,

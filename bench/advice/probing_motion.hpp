@@ -25,6 +25,13 @@ struct ProbingMotion {
 /// change with time, and of what is no body: the problem's own motion, up to its end.
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {});
 
+/// A motion that no step was chosen for. A body: beside gravity and loads of its own that change with time, slow
+/// oscillations across the direction of its press, as large as moves it by 1 % of its size. What is no body: its own
+/// motion from half of its initial state.
+/// @param t_end    [s]
+/// @param slowest  the slowest frequency of the body, which the load stays well below [rad/s]; 0: not known
+ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slowest);
+
 /// The motion as it truly is, at instants that are multiples of a frame.
 struct ReferenceMotion {
   std::vector<double> t;           ///< [s], the first is 0

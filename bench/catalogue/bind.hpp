@@ -108,8 +108,9 @@ class AnyObserver {
 
   /// @param every  interval of samples [s]; 0: every accepted step
   /// @param show   may be empty
-  AnyObserver(Span<Real> span, Real every, const State& y0, Show show)
-      : samples_(every > 0), show_(std::move(show)) {
+  /// @param work   as RunSpec::work
+  AnyObserver(Span<Real> span, Real every, const State& y0, Show show, ImplicitWork* work = nullptr)
+      : samples_(every > 0), show_(std::move(show)), work_(work) {
     if (!show_) return;
     if (samples_)
       sample_.emplace(span, every, y0, std::cref(show_));
@@ -121,6 +122,8 @@ class AnyObserver {
 
   template <class View>
   void operator()(View& view) {
+    if constexpr (requires { view.work(); })
+      if (work_) *work_ = view.work();
     if (sample_)
       (*sample_)(view);
     else if (show_)
@@ -130,6 +133,7 @@ class AnyObserver {
  private:
   bool samples_;
   Show show_;
+  ImplicitWork* work_;
   std::optional<SampleEvery<State, std::reference_wrapper<const Show>>> sample_;
 };
 
@@ -147,7 +151,7 @@ Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::
     Stats counts;
     typename AnyObserver<State>::Show show;
     if (sink) show = [&sink](Real t, const State& state) { sink(static_cast<double>(t), state); };
-    AnyObserver<State> observer(span, static_cast<Real>(spec.every), y0, std::move(show));
+    AnyObserver<State> observer(span, static_cast<Real>(spec.every), y0, std::move(show), spec.work);
     const RunEnd<Real> end = engine(Counted<Sys>(system, counts), span, y, spec, observer);
     record.outcome = end.outcome;
     record.t = end.t;

@@ -51,6 +51,7 @@ struct RunSpec {
   NewtonSettings newton{};     ///< read by methods that iterate
   LinearSolve linear_solve{};  ///< of symmetric sparse equations, which second-order systems lead to
   double every = 0;            ///< output interval [s]; 0: none, the sink then sees every accepted step
+  ImplicitWork* work = nullptr;  ///< where a run leaves, before each call of its sink, what was done so far
   std::int64_t max_steps = 1'000'000'000;
 };
 

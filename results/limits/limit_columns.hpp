@@ -1,18 +1,12 @@
-/// The columns of stored limits: one list for the table, the exports and the comparison.
+/// The columns of stored limits: one list for statements, exports and the comparison; schema.hpp has their table.
 #pragma once
 
 #include <array>
-#include <string_view>
 
 #include "results/limit_row.hpp"
+#include "results/limits/columns.hpp"
 
 namespace hmax {
-
-template <class Owner, class T>
-struct Column {
-  std::string_view name;
-  T Owner::*member;
-};
 
 inline constexpr std::array<Column<OperatingPointKey, std::string>, 7> point_key_texts{
     {{"problem", &OperatingPointKey::problem},

@@ -1,18 +1,10 @@
 #include "results/limits/limit_exports.hpp"
 
-#include <cmath>
-
-#include <nlohmann/json.hpp>
-
 #include "results/limits/limit_columns.hpp"
-#include "results/numbers.hpp"
-#include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// text(name, value) and number(name, value) of every exported column, in order.
 template <class Text, class Number>
@@ -28,41 +20,11 @@ void each_column(const LimitRow& row, const Text& text, const Number& number) {
 }  // namespace
 
 std::string limits_to_csv(std::span<const LimitRow> rows) {
-  std::string header, text;
-  const auto name = [&](std::string_view column, const auto&) {
-    header += (header.empty() ? "" : ",") + std::string(column);
-  };
-  each_column({}, name, name);
-  for (const LimitRow& row : rows) {
-    std::string line;
-    bool first = true;
-    const auto add = [&](const std::string& cell) {
-      line += (first ? "" : ",") + cell;
-      first = false;
-    };
-    each_column(
-        row, [&](std::string_view, const std::string& value) { add(csv_cell(value)); },
-        [&](std::string_view, double value) {
-          add(std::isnan(value) ? "" : std::isinf(value) ? "unbounded" : to_text(value));
-        });
-    text += line + "\n";
-  }
-  return header + "\n" + text;
+  return columns_to_csv(rows, [](const auto&... args) { each_column(args...); });
 }
 
 std::string limits_to_jsonl(std::span<const LimitRow> rows) {
-  std::string text;
-  for (const LimitRow& row : rows) {
-    Json object;
-    each_column(
-        row, [&](std::string_view name, const std::string& value) { object[std::string(name)] = value; },
-        [&](std::string_view name, double value) {
-          object[std::string(name)] =
-              std::isnan(value) ? Json() : std::isinf(value) ? Json("unbounded") : Json(value);
-        });
-    text += object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  }
-  return text;
+  return columns_to_jsonl(rows, [](const auto&... args) { each_column(args...); });
 }
 
 std::string limit_name(const LimitRow& row) {

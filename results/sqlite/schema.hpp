@@ -112,7 +112,7 @@ CREATE TABLE limits (
 /// From layout 1, which had no error_l2, to layout 2.
 inline constexpr const char* store_schema_1_to_2 =
     "ALTER TABLE rows ADD COLUMN error_l2 NOT NULL DEFAULT 'nan'; PRAGMA user_version = 2";
-/// Layout 2 had no limits; limit_schema brings it to layout 3.
-inline constexpr const char* store_schema_2_to_3 = "PRAGMA user_version = 3";
+/// Layout 2 had no limits, which limit_schema adds, and layout 3 no advice, which advice_schema() adds.
+inline constexpr const char* store_schema_to_4 = "PRAGMA user_version = 4";
 
 }  // namespace hmax

@@ -14,6 +14,7 @@
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 #include "results/patience.hpp"
+#include "results/sqlite/advice_schema.hpp"
 #include "results/sqlite/schema.hpp"
 #include "results/sqlite/sqlite.hpp"
 #include "results/sqlite/store_impl.hpp"
@@ -147,6 +148,7 @@ void lay_out(sqlite3* database) {
   if (!is_empty(identity(database))) return;
   sqlite::execute(database, store_schema);
   sqlite::execute(database, limit_schema);
+  sqlite::execute(database, advice_schema().c_str());
   sqlite::execute(database, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                         store_application_id, Store::schema_version)
                                 .c_str());
@@ -158,9 +160,10 @@ void bring_up_to_date(sqlite3* database) {
   sqlite::Transaction transaction(database);
   const std::int64_t version = identity(database).version;
   if (version == 1) sqlite::execute(database, store_schema_1_to_2);
-  if (version == 1 || version == 2) {
-    sqlite::execute(database, limit_schema);
-    sqlite::execute(database, store_schema_2_to_3);
+  if (version == 1 || version == 2) sqlite::execute(database, limit_schema);
+  if (version >= 1 && version <= 3) {
+    sqlite::execute(database, advice_schema().c_str());
+    sqlite::execute(database, store_schema_to_4);
   }
   transaction.commit();
 }

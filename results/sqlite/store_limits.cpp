@@ -2,57 +2,17 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "results/limits/limit_columns.hpp"
+#include "results/sqlite/columns.hpp"
 #include "results/sqlite/store_impl.hpp"
 
 namespace hmax {
 
 namespace {
 
+using sqlite::bind_texts, sqlite::joined, sqlite::question_marks, sqlite::read_texts, sqlite::replacing;
 using sqlite::Statement;
-
-/// The names of some columns, each with `before` and `after`, joined by `between`.
-template <class... Columns>
-std::string joined(std::string_view before, std::string_view after, std::string_view between,
-                   const Columns&... lists) {
-  std::string text;
-  const auto add = [&](const auto& columns) {
-    for (const auto& column : columns)
-      text += fmt::format("{}{}{}{}", text.empty() ? "" : between, before, column.name, after);
-  };
-  (add(lists), ...);
-  return text;
-}
-
-std::string question_marks(std::size_t count) {
-  return fmt::format("{}", fmt::join(std::vector<char>(count, '?'), ", "));
-}
-
-/// "a = excluded.a, b = excluded.b": what replaces a row of the same key.
-std::string replacing(const std::string& names) {
-  std::string text = "session = excluded.session";
-  for (std::size_t begin = 0; begin < names.size();) {
-    const std::size_t end = std::min(names.find(", ", begin), names.size());
-    const std::string name = names.substr(begin, end - begin);
-    text += fmt::format(", {0} = excluded.{0}", name);
-    begin = end + 2;
-  }
-  return text;
-}
-
-template <class Owner, std::size_t n>
-void bind_texts(Statement& statement, int& index, const Owner& owner,
-                const std::array<Column<Owner, std::string>, n>& columns) {
-  for (const auto& column : columns) statement.bind(index++, std::string_view(owner.*column.member));
-}
-
-template <class Owner, std::size_t n>
-void read_texts(const Statement& query, int& index, Owner& owner,
-                const std::array<Column<Owner, std::string>, n>& columns) {
-  for (const auto& column : columns) owner.*column.member = query.text(index++);
-}
 
 void bind_key(Statement& statement, int& index, const OperatingPointKey& key) {
   bind_texts(statement, index, key, point_key_texts);
@@ -99,7 +59,7 @@ std::vector<LimitRow> read_limits(Statement& query) {
     int index = 0;
     row.point = read_key(query, index);
     read_texts(query, index, row, limit_texts);
-    for (const auto& column : limit_numbers) row.*column.member = sqlite::exact_number(query, index++);
+    sqlite::read_numbers(query, index, row, limit_numbers);
     row.session = query.integer(index);
     rows.push_back(std::move(row));
   }
@@ -134,7 +94,7 @@ void Store::insert_limits(const OperatingPointRow& point, std::span<const LimitR
     for (const LimitRow& row : rows) {
       index = 0;
       bind_texts(add, index, row, limit_texts);
-      for (const auto& column : limit_numbers) sqlite::bind_exact(add, index++, row.*column.member);
+      sqlite::bind_numbers(add, index, row, limit_numbers);
       add.bind(index++, impl_->session);
       add.bind(index++, id);
       add.run();

@@ -150,7 +150,7 @@ void write_earlier_store(const std::filesystem::path& file) {
     store.begin_session({});
     store.insert(numbered(1));
   }
-  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; PRAGMA user_version = 1");
+  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; PRAGMA user_version = 1");
 }
 
 TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {

@@ -119,7 +119,7 @@ TEST(LimitStore, BringsAStoreWithoutLimitsToTheLayout) {
   // What layout 2 was.
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(database, "DROP TABLE limits; DROP TABLE operating_points; PRAGMA user_version = 2",
+  ASSERT_EQ(sqlite3_exec(database, "DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; PRAGMA user_version = 2",
                          nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(database);

@@ -1,0 +1,36 @@
+/// What is recommended, run for long: on the motion it was chosen for, and on another.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/advice/motion_run.hpp"
+
+namespace hmax {
+
+/// One long run at the recommended step.
+struct ProofRun {
+  std::string motion;   ///< in words
+  double seconds = 0;   ///< simulated [s]
+  bool stable = false;  ///< it reached the end, and a run that starts beside it stays beside it
+  std::size_t frames = 0, missed = 0;
+  double frame_p999 = 0;  ///< CPU time that 99.9 % of the frames do not exceed [s]
+
+  /// Stable, and within the budget in 99.9 % of the frames.
+  [[nodiscard]] bool holds() const { return stable && 1000 * missed <= frames; }
+};
+
+/// What is run, and how long.
+struct ProofPlan {
+  double frame = 0;            ///< [s]
+  double budget = 0;           ///< CPU time of a frame [s]
+  double seconds = 60;         ///< simulated [s], of each motion
+  double slowest = 0;          ///< the slowest frequency of the model [rad/s]; 0: not known
+};
+
+/// The probing motion, over and over, and the other motion once.
+/// @param steps_per_frame  the recommended step
+std::vector<ProofRun> prove(const Candidate& candidate, std::int64_t steps_per_frame, const ProbingMotion& motion,
+                            const ReferenceMotion& reference, const ProofPlan& plan, const Watcher& watcher = {});
+
+}  // namespace hmax

@@ -1,0 +1,52 @@
+/// Advice as it is stored: every method that was tried at its step, for one question.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+namespace hmax {
+
+/// What identifies a question.
+struct AdviceKey {
+  std::string problem;     ///< catalogue id, or the name a user's file gives itself
+  std::string material;    ///< material id, empty when the problem has none
+  std::string parameters;  ///< all parameters, as RowKey::parameters
+  std::string y0;          ///< initial state, as RowKey::y0
+  std::string model;       ///< digest of the right-hand side
+  std::string motion;      ///< the motion by which steps are judged, in words
+  std::string ranked_by;   ///< cost | error
+  double rate = 0;         ///< frames a second [Hz]
+  double tolerance = 0;    ///< relative error
+  double budget = 0;       ///< CPU time of a frame [s]
+
+  bool operator==(const AdviceKey&) const = default;
+};
+
+/// One method with its options at the step that was found. Numbers that do not apply are NaN, limits that no step
+/// reaches are infinite.
+struct AdviceRecord {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+  AdviceKey key;
+  std::string method;   ///< method id
+  std::string options;  ///< what a simulator chooses besides the step: "Jacobian frozen, direct"; may be empty
+  std::string bound;    ///< stability | accuracy | newton | budget | rate
+  std::string verdict;  ///< recommended | tie | suitable | unstable | inaccurate | too_slow
+  std::string status;   ///< what the verdict rests on, or why a number is missing
+  double h = none;                 ///< [s]
+  double steps_per_frame = none;
+  double h_max = none;             ///< predicted [s]
+  double h_max_observed = none;    ///< [s]
+  double h_accurate = none;        ///< [s]
+  double error = none;             ///< relative
+  double frame_p50 = none, frame_p99 = none, frame_max = none;  ///< CPU time [s]
+  double first_frame = none;       ///< [s]
+  double frames = none, missed = none;
+  double newton_per_frame = none;  ///< iterations that 99.9 % of the frames do not exceed
+  double memory = none;            ///< [bytes]
+  double stiffening = none;
+  std::int64_t session = 0;  ///< session that computed it; set by the store, 0 before
+};
+
+}  // namespace hmax
