@@ -26,18 +26,20 @@ class StaticCoefficients {
   static constexpr std::size_t s = tableau.stages;
 
  public:
-  static constexpr int order = Method::order;
-  static constexpr int error_order = Method::error_order;
-  static constexpr bool has_error = has_error_estimate(tableau);
-  static constexpr bool has_low_error = requires { Method::b_err_low; };
-  static constexpr bool fsal = is_fsal(tableau);
-  static constexpr bool has_interpolant = requires { Method::interpolant; };
+  static constexpr int order = Method::order;              ///< of the propagated weights b
+  static constexpr int error_order = Method::error_order;  ///< err = O(h^error_order); 0 without an estimate
+  static constexpr bool has_error = has_error_estimate(tableau);          ///< some b_err_i is not zero
+  static constexpr bool has_low_error = requires { Method::b_err_low; };  ///< two error rows, as of DOP853
+  static constexpr bool fsal = is_fsal(tableau);  ///< a_sj = b_j, c_s = 1: k_s is f(t + h, y_new)
+  static constexpr bool has_interpolant = requires { Method::interpolant; };  ///< else cubic Hermite output
+  /// Stages that only continuous output needs. They are evaluated when it is called.
   static constexpr std::size_t extra_stages = [] {
     if constexpr (has_interpolant)
       return Method::interpolant.extra;
     else
       return 0;
   }();
+  /// D of the continuous output y(t + theta h) = y + h sum_{j < D} q_j theta^(j+1).
   static constexpr std::size_t interpolant_degree = [] {
     if constexpr (has_interpolant)
       return Method::interpolant.degree;
@@ -45,45 +47,52 @@ class StaticCoefficients {
       return 3;  // cubic Hermite
   }();
 
+  /// The slopes k_i: those of the method, then those of the interpolant.
   template <class T>
   using Storage = std::array<T, s + extra_stages>;
 
+  /// Row I of A: the weights of k_0, ..., k_{I-1} in the argument of stage I, stages counted from 0.
   template <std::size_t I>
   struct StageRow {
     static constexpr std::size_t size = I;
     static constexpr long double weight(std::size_t j) { return tableau.a[I][j]; }
   };
+  /// b of y_new = y + h sum_i b_i k_i.
   struct Weights {
     static constexpr std::size_t size = s;
     static constexpr long double weight(std::size_t j) { return tableau.b[j]; }
   };
+  /// b - b_hat of err = h sum_i b_err_i k_i.
   struct ErrorWeights {
     static constexpr std::size_t size = s;
     static constexpr long double weight(std::size_t j) { return tableau.b_err[j]; }
   };
+  /// The second error row, for methods that compute one estimate from two.
   struct LowErrorWeights {
     static constexpr std::size_t size = s;
     static constexpr long double weight(std::size_t j) { return Method::b_err_low[j]; }
   };
+  /// Row E of the extra stages: k_{s+E} = f(t + c_E h, y + h sum_j a_Ej k_j).
   template <std::size_t E>
   struct ExtraRow {
     static constexpr std::size_t size = s + E;
     static constexpr long double weight(std::size_t j) { return Method::interpolant.a[E][j]; }
   };
+  /// The coefficients p_ij of one power j: q_j = sum_i p_ij k_i.
   template <std::size_t Power>
   struct InterpolantColumn {
     static constexpr std::size_t size = s + extra_stages;
     static constexpr long double weight(std::size_t i) { return Method::interpolant.p[i][Power]; }
   };
 
-  static constexpr std::size_t stages() { return s; }
+  static constexpr std::size_t stages() { return s; }  ///< s, without the extra ones
   template <std::size_t I>
   static constexpr auto stage_row(std::integral_constant<std::size_t, I>) {
     return StageRow<I>{};
   }
   static constexpr auto weights() { return Weights{}; }
   static constexpr auto error_weights() { return ErrorWeights{}; }
-  static constexpr long double node(std::size_t i) { return tableau.c[i]; }
+  static constexpr long double node(std::size_t i) { return tableau.c[i]; }  ///< c_i
   /// The first later stage that stands at the same time as stage i; i itself when there is none.
   static constexpr std::size_t first_at_node_of(std::size_t i) {
     std::size_t j = 1;
@@ -96,7 +105,7 @@ class StaticCoefficients {
     while (j < s && tableau.c[j] != 1) ++j;
     return j;
   }
-  static constexpr long double extra_node(std::size_t e) { return Method::interpolant.c[e]; }
+  static constexpr long double extra_node(std::size_t e) { return Method::interpolant.c[e]; }  ///< c_{s+e}
 
   /// Calls f for the stages 1 .. s-1; the index is an integral_constant.
   template <class F>
@@ -115,7 +124,7 @@ class StaticCoefficients {
 /// @cost   s evaluations of f a step, s - 1 when the last stage is the first of the next (FSAL) or after a
 /// rejection;
 ///         no allocation after init()
-/// @source [hairer1993solving] II.1, II.4; continuous output II.6
+/// @source [hairer1993solving] II.1 formulas, II.4 error estimate and step control, II.6 continuous output
 template <class Coefficients, class StateT>
 class ExplicitRk {
  public:
@@ -127,10 +136,13 @@ class ExplicitRk {
   static constexpr bool may_estimate_error = order == 0 || error_order > 0;
   static constexpr bool is_explicit = true;
 
+  /// Without coefficients of its own, for methods that are known at compile time.
   ExplicitRk() = default;
+  /// @param coefficients  a checked tableau: runtime_tableau() throws where one is not explicit or consistent
   explicit ExplicitRk(Coefficients coefficients) : coefficients_(std::move(coefficients)) {}
 
-  /// Sizes the stages and forgets what was known of an earlier run.
+  /// Sizes the stages and forgets what was known of an earlier run. The only call that allocates.
+  /// @param y  state of the run, shape (n); its values are not read
   template <System Sys>
   void init(const Sys& system, Real, const State& y) {
     if constexpr (requires { k_.resize(coefficients_.stages()); }) k_.resize(coefficients_.stages());
@@ -144,12 +156,17 @@ class ExplicitRk {
     first_stage_known_ = end_slope_known_ = polynomial_known_ = false;
   }
 
+  /// y_new = y + h sum_i b_i k_i. May be repeated with another h: k_1 = f(t, y) is evaluated once.
+  /// @param h      step size, h < 0 backwards
+  /// @param y_new  the candidate, shape (n), must not be y
+  /// @returns      always ok: an explicit method solves no equations
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     const bool fsal = coefficients_.fsal;
     if (!first_stage_known_) evaluate_first(system, t, y);
     first_stage_known_ = true;
     end_slope_known_ = polynomial_known_ = false;
+    // g(t + c_i h) of all stages first, see StageTimes.
     const StageTimes<Sys> times(system, t, h);
     if constexpr (keeps_end_part<Sys>) {
       end_time_ = t + h;
@@ -157,6 +174,7 @@ class ExplicitRk {
     }
     coefficients_.for_each_later_stage([&](auto i) {
       if (fsal && i + 1 == coefficients_.stages()) {
+        // The last row of A is b, so the argument of k_s is y_new.
         add_increment(coefficients_.weights(), y, h, k_, y_new);
         evaluate(system, times, i, t, h, y_new);
       } else {
@@ -168,7 +186,9 @@ class ExplicitRk {
     return StepStatus::ok;
   }
 
-  /// Commits the last attempt: y_new is the new state.
+  /// Commits the last attempt: y_new is the new state. k_1 of the next step is k_s where the method is
+  /// first-same-as-last, and f(t + h, y_new) where dense output has evaluated it. Otherwise the next attempt
+  /// evaluates it.
   void accept(const State&) {
     if (coefficients_.fsal)
       move_state(k_[coefficients_.stages() - 1], k_[0]);
@@ -189,12 +209,14 @@ class ExplicitRk {
   /// Square of the weighted error norm of the last attempt; at most 1 means good enough.
   /// With two error rows (DOP853) the estimates e5 and e3 are combined as |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2)
   /// [hairer1993solving, II.10].
+  /// @param norm  carries the tolerances: RmsNorm or MatlabNorm
   template <class Norm>
   requires may_estimate_error Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm)
   const {
     const Real e = weighted_square(coefficients_.error_weights(), h, y, y_new, norm);
     if constexpr (has_low_error()) {
       const Real e_low = weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm);
+      // |e5|^4 / (|e5|^2 + 0.01 |e3|^2), in the squares that the norm returns.
       const Real denominator = e + Real(0.01) * e_low;
       return denominator == 0 ? Real{0} : e * e / denominator;
     }
@@ -204,12 +226,16 @@ class ExplicitRk {
   /// out = y(t + theta h) by the method's own interpolant, or by the cubic Hermite polynomial through both
   /// ends. Costs nothing unless called; the polynomial is made once a step and further points cost O(degree
   /// n).
+  /// @param theta  in [0, 1]: 0 is y, 1 is y_new
+  /// @cost  the extra stages at the first call of a step, or f(t + h, y_new) for the Hermite polynomial of a
+  ///        method without FSAL
   template <System Sys>
   void interpolate(const Sys& system, Real t, Real h, const State& y, const State& y_new, Real theta,
                    State& out) {
     if (!polynomial_known_) make_polynomial(system, t, h, y, y_new);
     const Real scale = h * theta;
     if constexpr (is_small_state<State>) {
+      // Horner's scheme in theta.
       for_each_component<State>([&](Eigen::Index d) {
         typename State::Scalar sum = q_.back()[d];
         for (std::size_t j = q_.size() - 1; j-- > 0;) sum = q_[j][d] + theta * sum;
@@ -276,12 +302,14 @@ class ExplicitRk {
       system.rhs(t + static_cast<Real>(coefficients_.node(i)) * h, argument, k_[i]);
   }
 
+  /// Whether the coefficients have two error rows; those read at run time have one.
   static constexpr bool has_low_error() {
     if constexpr (requires { Coefficients::has_low_error; })
       return Coefficients::has_low_error;
     else
       return false;
   }
+  /// Whether the method has continuous output of its own; those read at run time have cubic Hermite output.
   static constexpr bool has_interpolant() {
     if constexpr (requires { Coefficients::has_interpolant; })
       return Coefficients::has_interpolant;
@@ -289,6 +317,7 @@ class ExplicitRk {
       return false;
   }
 
+  /// Small states are copied; states on the heap exchange their memory.
   static void move_state(State& from, State& to) {
     if constexpr (is_small_state<State>)
       copy_state(from, to);
@@ -296,6 +325,7 @@ class ExplicitRk {
       to.swap(from);
   }
 
+  /// Square of the norm of h sum_i row_i k_i.
   template <class Row, class Norm>
   Real weighted_square(Row row, Real h, const State& y, const State& y_new, const Norm& norm) const {
     return norm.squared(y, y_new, [&](Eigen::Index d) { return increment_component(row, h, k_, d); });
@@ -307,6 +337,7 @@ class ExplicitRk {
     if constexpr (has_interpolant()) {
       constexpr std::size_t s = Coefficients::stages();
       [&]<std::size_t... E>(std::index_sequence<E...>) {
+        // k_{s+e}, in their order: each row may contain the extra stages before it.
         ((stage_argument(typename Coefficients::template ExtraRow<E>{}, y, h, k_, stage_),
           system.rhs(t + static_cast<Real>(Coefficients::extra_node(E)) * h, stage_, k_[s + E])),
          ...);
@@ -321,6 +352,7 @@ class ExplicitRk {
         system.rhs(t + h, y_new, end_slope_);
         end_slope_known_ = true;
       }
+      // Cubic Hermite: q_0 + q_1 + q_2 = (y_new - y) / h, slopes q_0 = f0 and q_0 + 2 q_1 + 3 q_2 = f1.
       const State& f0 = k_[0];
       const State& f1 = coefficients_.fsal ? k_[coefficients_.stages() - 1] : end_slope_;
       q_[0] = f0;
@@ -330,16 +362,19 @@ class ExplicitRk {
     polynomial_known_ = true;
   }
 
+  /// out = sum_i weight_i k_i.
   template <StaticRow Row>
   void set_weighted(Row row, State& out) const {
     for (Eigen::Index d = 0; d < out.size(); ++d) out[d] = increment_component(row, Real{1}, k_, d);
   }
 
   [[no_unique_address]] Coefficients coefficients_;
+  /// k_i, each of shape (n).
   typename Coefficients::template Storage<State> k_;
   State stage_ = blank_state<State>();  // argument of the stage in the making
   State end_slope_ =
       blank_state<State>();  // f at the new point, for the Hermite polynomial of methods without FSAL
+  /// q_j, each of shape (n), valid while polynomial_known_.
   std::array<State, Coefficients::interpolant_degree> q_;
   Real end_time_{}, end_part_{};  // t + h and g(t + h) of the last attempt
   bool first_stage_known_ = false, end_slope_known_ = false, polynomial_known_ = false;

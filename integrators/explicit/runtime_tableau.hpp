@@ -15,22 +15,23 @@ namespace hmax {
 /// Invariants, kept by who makes one: a is strictly lower triangular, shape (s, s), row-major; b, b_err
 /// and c have shape (s); b_err = b - b_hat is all zero without an embedded method; rows of a sum to c.
 struct RuntimeTableau {
-  static constexpr int order = 0, error_order = 0;  ///< known only at run time: see computed_order
-  static constexpr std::size_t interpolant_degree = 3;
+  static constexpr int order = 0, error_order = 0;      ///< known only at run time: see computed_order
+  static constexpr std::size_t interpolant_degree = 3;  ///< cubic Hermite output
   template <class T>
   using Storage = std::vector<T>;
 
-  std::string name;
+  std::string name;  ///< of the file or the user, for messages
   std::vector<long double> a, b, b_err, c;
   int computed_order = 0;  ///< of b; at least 1, otherwise the method is not consistent
   int embedded_order = 0;  ///< of b - b_err; 0 without an embedded method
   bool fsal = false;       ///< the last stage is the first of the next step
 
-  [[nodiscard]] std::size_t stages() const { return b.size(); }
+  [[nodiscard]] std::size_t stages() const { return b.size(); }  ///< s
   [[nodiscard]] bool has_error() const { return embedded_order > 0; }
   [[nodiscard]] std::span<const long double> stage_row(std::size_t i) const {
     return {a.data() + i * b.size(), i};
   }
+  /// The first i entries of row i of a: those at and above the diagonal are zero.
   [[nodiscard]] std::span<const long double> weights() const { return b; }
   [[nodiscard]] std::span<const long double> error_weights() const { return b_err; }
   [[nodiscard]] long double node(std::size_t i) const { return c[i]; }

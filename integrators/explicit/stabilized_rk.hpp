@@ -24,8 +24,9 @@ namespace hmax {
 /// real axis s stages are stable, and which is the smallest number of stages that reaches so far.
 struct Rkc2 {
   static constexpr std::string_view id = "rkc_2", source = "sommeijer1998rkc";
-  static constexpr double damping = 2.0 / 13;
+  static constexpr double damping = 2.0 / 13;  ///< eps of w0 = 1 + eps / s^2
 
+  /// T_j(x) = 2 x T_{j-1}(x) - T_{j-2}(x).
   template <class Real>
   static Real alpha(int) {
     return Real(2);
@@ -34,21 +35,25 @@ struct Rkc2 {
   static Real beta(int) {
     return Real(1);
   }
+  /// w0 = 1 + eps / s^2, eps = 2/13: |R| stays below 1 inside of the interval.
   template <class Real>
   static Real w0(int s) {
     return 1 + Real(2) / (13 * static_cast<Real>(s) * static_cast<Real>(s));
   }
+  /// Where stability ends, as a bound of h times the spectral radius:
   /// beta(s) = (2/3) (s^2 - 1) (1 - (2/15) eps), a little less than the first point where |R| = 1.
   template <class Real>
   static Real reach(int s) {
     return slope<Real>() * (static_cast<Real>(s) * static_cast<Real>(s) - 1);
   }
+  /// The smallest s >= 2 with beta(s) >= x.
   template <class Real>
   static int stages(Real x) {
     return std::max(2, static_cast<int>(std::ceil(std::sqrt(1 + x / slope<Real>()))));
   }
 
  private:
+  /// beta(s) / (s^2 - 1).
   template <class Real>
   static constexpr Real slope() {
     return (Real(2) / 3) * (1 - (Real(2) / 15) * (Real(2) / 13));
@@ -60,6 +65,7 @@ struct Rkc2 {
 struct Rkl2 {
   static constexpr std::string_view id = "rkl_2", source = "meyer2014stabilized";
 
+  /// j P_j(x) = (2 j - 1) x P_{j-1}(x) - (j - 1) P_{j-2}(x), as alpha_j and beta_j.
   template <class Real>
   static Real alpha(int j) {
     return static_cast<Real>(2 * j - 1) / static_cast<Real>(j);
@@ -72,10 +78,12 @@ struct Rkl2 {
   static Real w0(int) {
     return Real(1);
   }
+  /// (s^2 + s - 2) / 2: with many stages a quarter less than the reach of RKC2.
   template <class Real>
   static Real reach(int s) {
     return (static_cast<Real>(s) * static_cast<Real>(s) + static_cast<Real>(s) - 2) / 2;
   }
+  /// The smallest odd s >= 3 with reach(s) >= x.
   template <class Real>
   static int stages(Real x) {
     const int s = std::max(3, static_cast<int>(std::ceil((std::sqrt(9 + 8 * x) - 1) / 2)));
@@ -95,6 +103,8 @@ struct StabilizedStage {
 };
 
 /// Writes the stages j = 1 .. s; that of j = 1 has only mu_f.
+/// @param s       number of stages, at least 2
+/// @param stages  resized to s; entry j - 1 belongs to Y_j
 template <class Polynomials, class Real>
 void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
   // P_j, P_j', P_j'' at w0 for the last three j.
@@ -102,6 +112,7 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
     Real p, d, d2;
   };
   const Real w0 = Polynomials::template w0<Real>(s);
+  // P_j = alpha w0 P_{j-1} - beta P_{j-2} and its derivatives with respect to w0.
   const auto next = [w0](int j, const Values& one, const Values& two) {
     const Real alpha = Polynomials::template alpha<Real>(j), beta = Polynomials::template beta<Real>(j);
     return Values{alpha * w0 * one.p - beta * two.p, alpha * (one.p + w0 * one.d) - beta * two.d,
@@ -110,6 +121,7 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
   const Values first{1, 0, 0}, second{w0, 1, 0};
   Values two = first, one = second;
   for (int j = 2; j <= s; ++j) two = std::exchange(one, next(j, one, two));
+  // w1 = P_s'(w0) / P_s''(w0)
   const Real w1 = one.d / one.d2;
 
   stages.resize(static_cast<std::size_t>(s));
@@ -117,6 +129,7 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
   one = second;
   const Values third = next(2, one, two);
   Real b_two = third.d2 / (third.d * third.d), b_one = b_two;
+  // Y_1 = y + h mu~_1 f(y) with mu~_1 = b_1 w1.
   stages[0] = {0, 0, 1, b_one * w1, 0, 0};
   Real c_two{0}, c_one = stages[0].mu_f;
   for (int j = 2; j <= s; ++j) {
@@ -125,6 +138,7 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
     const Real ratio = Polynomials::template alpha<Real>(j) * b / b_one;
     const Real mu = ratio * w0, nu = -Polynomials::template beta<Real>(j) * b / b_two, mu_f = ratio * w1;
     stages[static_cast<std::size_t>(j - 1)] = {mu, nu, 1 - mu - nu, mu_f, -a_one * mu_f, c_one};
+    // c_j = mu_j c_{j-1} + nu_j c_{j-2} + mu~_j + gamma~_j
     const Real c = mu * c_one + nu * c_two + mu_f * (1 - a_one);
     c_two = std::exchange(c_one, c);
     b_two = std::exchange(b_one, b);
@@ -150,15 +164,17 @@ class StabilizedRk {
   using Real = real_of<State>;
   static constexpr int order = 2, error_order = 3;
   static constexpr bool may_estimate_error = true, is_explicit = true;
-  static constexpr int steps_between_estimates = 25;
+  static constexpr int steps_between_estimates = 25;  ///< accepted steps
 
   /// Rounding enters a step multiplied by some 10 s^2 [sommeijer1998rkc]: with more stages than this half of
-  /// the digits would be lost. A step that needs more is as unstable as that of any explicit method.
+  /// the digits would be lost: 10 s^2 eps = sqrt(eps), 2590 stages of double. A step that needs more is as
+  /// unstable as that of any explicit method.
   static int max_stages() {
     return static_cast<int>(std::pow(std::numeric_limits<Real>::epsilon(), Real(-0.25)) /
                             std::sqrt(Real(10)));
   }
 
+  /// Allocates for max_stages() stages, so that steps allocate nothing.
   template <System Sys>
   void init(const Sys& system, Real, const State&) {
     if constexpr (!is_small_state<State>)
@@ -172,6 +188,8 @@ class StabilizedRk {
     radius_is_due_ = true;
   }
 
+  /// y_new = Y_s. The spectral radius is evaluated first where it is due.
+  /// @returns always ok; an h beyond longest_step() is attempted with max_stages() stages and is unstable
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     if (!first_slope_known_) system.rhs(t, y, first_slope_);
@@ -213,7 +231,8 @@ class StabilizedRk {
   /// An attempt was not good enough: the spectrum may have grown since it was estimated.
   void reject() { radius_is_due_ = !radius_is_of_here_; }
 
-  /// The longest step that is stable with as many stages as there may be.
+  /// The longest step that is stable with max_stages() stages, in the units of t; infinite where the spectral
+  /// radius is zero. Adaptive cuts its steps to it.
   [[nodiscard]] Real longest_step() const {
     return radius_ > 0 ? Polynomials::template reach<Real>(max_stages()) / radius_
                        : std::numeric_limits<Real>::infinity();
@@ -237,6 +256,7 @@ class StabilizedRk {
   [[nodiscard]] int stages() const { return static_cast<int>(stages_.size()); }
 
  private:
+  /// The spectral radius at (t, y): the bound of the system, or the estimate of SpectralRadius.
   template <System Sys>
   void find_radius(const Sys& system, Real t, const State& y) {
     system_knows_ = has_spectral_radius(system);
@@ -248,6 +268,7 @@ class StabilizedRk {
     radius_is_of_here_ = true;
   }
 
+  /// The stages for |h| rho, computed again only when their number changes.
   void prepare_stages(Real h) {
     const Real x = std::abs(h) * radius_, most = Polynomials::template reach<Real>(max_stages());
     const int s = Polynomials::template stages<Real>(x >= 0 ? std::min(x, most) : Real(0));

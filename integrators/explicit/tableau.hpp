@@ -17,8 +17,8 @@ namespace hmax {
 template <std::size_t Stages>
 struct ButcherTableau {
   static constexpr std::size_t stages = Stages;
-  std::array<std::array<long double, Stages>, Stages> a{};
-  std::array<long double, Stages> b{}, b_err{}, c{};
+  std::array<std::array<long double, Stages>, Stages> a{};  ///< a_ij: row i of stage i
+  std::array<long double, Stages> b{}, b_err{}, c{};        ///< weights, b - b_hat, nodes
 };
 
 /// Continuous output as data: y(t + theta h) = y + h sum_i b_i(theta) k_i with b_i(theta) = sum_j p_ij
@@ -28,14 +28,16 @@ struct ButcherTableau {
 template <std::size_t Stages, std::size_t Extra, std::size_t Degree>
 struct Interpolant {
   static constexpr std::size_t stages = Stages, extra = Extra, degree = Degree;
-  std::array<std::array<long double, Degree>, Stages + Extra> p{};
-  std::array<std::array<long double, Stages + Extra>, Extra> a{};
-  std::array<long double, Extra> c{};
+  std::array<std::array<long double, Degree>, Stages + Extra> p{};  ///< p_ij: stage i, power j + 1 of theta
+  std::array<std::array<long double, Stages + Extra>, Extra> a{};   ///< rows of the extra stages
+  std::array<long double, Extra> c{};                               ///< nodes of the extra stages
 };
 
 namespace detail {
+/// std::abs is not constexpr in C++20.
 constexpr long double magnitude(long double x) { return x < 0 ? -x : x; }
 
+/// The rows of a matrix one after the other, shape (N N).
 template <std::size_t N>
 constexpr std::array<long double, N * N> flattened(const std::array<std::array<long double, N>, N>& matrix) {
   std::array<long double, N * N> flat{};
@@ -51,7 +53,8 @@ struct RowDefect {
   long double defect;
 };
 
-/// Views of a tableau of any stage count: a is row-major, shape (s, s); b and c have shape (s).
+/// The row of A whose sum differs most from its node. NaN counts as the largest defect.
+/// @param a  row-major, shape (s, s);  @param c  shape (s)
 constexpr RowDefect largest_row_defect(std::span<const long double> a, std::span<const long double> c) {
   const std::size_t s = c.size();
   RowDefect worst{0, 0};
@@ -77,8 +80,8 @@ template <std::size_t Colours, class Visit>
 constexpr void visit_trees(const std::array<std::span<const long double>, Colours>& parts, std::size_t s,
                            int max_nodes, Visit&& visit) {
   struct Tree {
-    int nodes;
-    long double gamma;
+    int nodes;                        ///< |t|
+    long double gamma;                ///< product, over all nodes, of the size of the subtree at the node
     std::size_t last_child;           // tree and colour of the child grafted last; children never decrease
     std::vector<long double> g, a_g;  // a_g: A g of one colour after the other
   };
@@ -91,6 +94,7 @@ constexpr void visit_trees(const std::array<std::span<const long double>, Colour
     trees.push_back({nodes, gamma, last_child, g, a_g});
     return visit(nodes, gamma, std::span<const long double>(g));
   };
+  // The tree of one node: g = 1, gamma = 1.
   if (!add(1, 1, 0, std::vector<long double>(s, 1))) return;
   for (int nodes = 2; nodes <= max_nodes; ++nodes) {
     const std::size_t known = trees.size();
@@ -130,7 +134,8 @@ constexpr int order_of(std::span<const long double> a, std::span<const long doub
   return order;
 }
 
-/// The order of the propagated weights b, or of the embedded ones b - b_err.
+/// The order of the propagated weights b, or of the embedded ones b - b_err: see above.
+/// @param max_order  the highest order that is checked, and the highest that is returned
 template <std::size_t S>
 constexpr int order_of(const ButcherTableau<S>& tableau, bool embedded = false, int max_order = 8) {
   std::array<long double, S> b = tableau.b;
@@ -138,13 +143,13 @@ constexpr int order_of(const ButcherTableau<S>& tableau, bool embedded = false, 
   return order_of(detail::flattened(tableau.a), b, max_order);
 }
 
-/// True when every row of a sums to its node c to within rounding.
+/// True when every row of a sums to its node: |sum_j a_ij - c_i| <= 1e-14.
 template <std::size_t S>
 constexpr bool rows_are_consistent(const ButcherTableau<S>& tableau) {
   return largest_row_defect(detail::flattened(tableau.a), tableau.c).defect <= 1e-14L;
 }
 
-/// True when no stage needs itself or a later one.
+/// True when no stage needs itself or a later one: a_ij = 0 for j >= i.
 template <std::size_t S>
 constexpr bool is_explicit(const ButcherTableau<S>& tableau) {
   for (std::size_t i = 0; i < S; ++i)
@@ -153,7 +158,8 @@ constexpr bool is_explicit(const ButcherTableau<S>& tableau) {
   return true;
 }
 
-/// First same as last: the last stage is f at the new point and serves as the first stage of the next step.
+/// First same as last: a_sj = b_j, b_s = 0 and c_s = 1. The last stage is then f at the new point and serves
+/// as the first stage of the next step.
 template <std::size_t S>
 constexpr bool is_fsal(const ButcherTableau<S>& tableau) {
   if (S < 2 || tableau.c[S - 1] != 1 || tableau.b[S - 1] != 0) return false;
@@ -162,7 +168,8 @@ constexpr bool is_fsal(const ButcherTableau<S>& tableau) {
   return true;
 }
 
-/// True when the result is the value of the last stage: it then damps infinite stiffness as that stage does.
+/// True when a_sj = b_j: the result is the value of the last stage. Where A is invertible, R(infinity) = 0
+/// [hairer1996solving, IV.3]; an explicit first stage needs a look at R itself.
 template <std::size_t S>
 constexpr bool is_stiffly_accurate(const ButcherTableau<S>& tableau) {
   return tableau.a[S - 1] == tableau.b;
@@ -213,6 +220,7 @@ constexpr int order_of_interpolant(const ButcherTableau<S>& tableau, const Inter
   int order = max_order;
   const auto a = detail::flattened(extended(tableau, interpolant).a);
   visit_trees(a, S + E, max_order, [&](int nodes, long double gamma, std::span<const long double> g) {
+    // sum_i p_ij g_i(t) = theta^|t| / gamma(t), power by power; degree D has no power |t| > D.
     bool satisfied = static_cast<std::size_t>(nodes) <= D;
     for (std::size_t j = 0; satisfied && j < D; ++j) {
       long double sum = static_cast<int>(j) + 1 == nodes ? -1 / gamma : 0.0L;

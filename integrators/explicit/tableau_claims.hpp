@@ -10,16 +10,16 @@ namespace hmax {
 
 /// The first claim of a method that its coefficients do not keep.
 enum class BrokenClaim {
-  none,
-  explicit_stages,
-  diagonally_implicit_stages,
-  stability,
-  row_sums,
-  order,
-  embedded_order,
-  embedded_order_low,
-  error_order,
-  interpolant
+  none,                        ///< every claim holds
+  explicit_stages,             ///< a_ij != 0 for some j >= i
+  diagonally_implicit_stages,  ///< the diagonal is not gamma, or a_ij != 0 above it
+  stability,                   ///< L-stable, but not A-stable and stiffly accurate
+  row_sums,                    ///< sum_j a_ij != c_i
+  order,                       ///< of b: missed or exceeded
+  embedded_order,              ///< of b - b_err: missed or exceeded, or not claimed
+  embedded_order_low,          ///< of b - b_err_low: missed or exceeded
+  error_order,                 ///< not the one that follows from the orders
+  interpolant                  ///< ends, nodes or order of continuous output
 };
 
 /// True when gamma stands on the whole diagonal, but for a first stage that may be explicit, and nothing
@@ -34,7 +34,8 @@ constexpr bool is_diagonally_implicit(const ButcherTableau<S>& tableau, long dou
   return true;
 }
 
-/// True when y(t + h) - y_new = -constant h^3 d^3y/dt^3 + O(h^4): both trees of three nodes have this defect.
+/// True when y(t + h) - y_new = -constant h^3 d^3y/dt^3 + O(h^4): both trees of three nodes have this defect,
+///   sum_i b_i c_i^2 / 2 - 1/6 = sum_ij b_i a_ij c_j - 1/6 = constant.
 template <std::size_t S>
 constexpr bool has_third_derivative_error(const ButcherTableau<S>& tableau, long double constant) {
   long double quadrature = 0, nested = 0;
@@ -101,6 +102,7 @@ constexpr BrokenClaim broken_claim(const decltype(Method::tableau)& tableau = Me
   } else if constexpr (requires { Method::third_derivative_error; }) {
     if (!has_third_derivative_error(tableau, Method::third_derivative_error) || Method::error_order != 3)
       return BrokenClaim::error_order;
+    // err = y_new - y_hat is of the lower order of the two, plus one.
   } else if (Method::error_order !=
              (Method::embedded_order > 0 ? std::min(Method::order, Method::embedded_order) + 1 : 0)) {
     return BrokenClaim::error_order;
@@ -110,6 +112,7 @@ constexpr BrokenClaim broken_claim(const decltype(Method::tableau)& tableau = Me
   return BrokenClaim::none;
 }
 
+/// A method of which every claim is true. The lists of methods are compiled with this constraint.
 template <class Method>
 concept ProvesItsClaims = broken_claim<Method>()
 == BrokenClaim::none;

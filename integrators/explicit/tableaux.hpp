@@ -5,6 +5,9 @@
 /// its companion and `error_order` with err = O(h^error_order), both 0 where there is no companion;
 /// `interpolant` and `interpolant_order` where the literature has continuous output better than cubic Hermite
 /// or a free one.
+///
+/// Limits of h lambda are those of the propagated result: [-r, 0] on the real axis, i [0, s] on the other.
+/// R(z) is the stability function, y_new = R(h lambda) y for y' = lambda y.
 #pragma once
 
 #include <array>
@@ -17,7 +20,7 @@
 
 namespace hmax::tableaux {
 
-/// Explicit (forward) Euler. [hairer1993solving, I.7]
+/// Explicit (forward) Euler, y_new = y + h f(t, y). R(z) = 1 + z, r = 2, s = 0. [hairer1993solving, I.7]
 struct ExplicitEuler {
   static constexpr std::string_view id = "explicit_euler", source = "hairer1993solving";
   static constexpr int order = 1, embedded_order = 0, error_order = 0;
@@ -25,6 +28,7 @@ struct ExplicitEuler {
 };
 
 /// The midpoint rule: one Euler step to the middle, whose slope carries the whole step. [runge1895numerische]
+///   y_new = y + h f(t + h/2, y + h/2 f(t, y)),   R(z) = 1 + z + z^2/2, r = 2, s = 0
 struct Rk2Midpoint {
   static constexpr std::string_view id = "rk2_midpoint", source = "runge1895numerische";
   static constexpr int order = 2, embedded_order = 0, error_order = 0;
@@ -33,6 +37,7 @@ struct Rk2Midpoint {
 };
 
 /// Heun's method of order 2, the explicit trapezoidal rule. [heun1900neue]
+///   y_new = y + h/2 (k_1 + k_2),   k_2 = f(t + h, y + h k_1),   R as for the midpoint rule
 struct Rk2Heun {
   static constexpr std::string_view id = "rk2_heun", source = "heun1900neue";
   static constexpr int order = 2, embedded_order = 0, error_order = 0;
@@ -41,6 +46,7 @@ struct Rk2Heun {
 };
 
 /// The two-stage method of order 2 with the smallest bound on its truncation error. [ralston1962runge]
+///   y_new = y + h/4 (k_1 + 3 k_2),   k_2 = f(t + 2/3 h, y + 2/3 h k_1),   R as for the midpoint rule
 struct Rk2Ralston {
   static constexpr std::string_view id = "rk2_ralston", source = "ralston1962runge";
   static constexpr int order = 2, embedded_order = 0, error_order = 0;
@@ -49,6 +55,7 @@ struct Rk2Ralston {
 };
 
 /// Kutta's method of order 3, Simpson's rule where f depends on t only. [kutta1901beitrag]
+///   R(z) = 1 + z + z^2/2 + z^3/6, r = 2.5127, s = sqrt 3
 struct Rk3Kutta {
   static constexpr std::string_view id = "rk3_kutta", source = "kutta1901beitrag";
   static constexpr int order = 3, embedded_order = 0, error_order = 0;
@@ -60,6 +67,9 @@ struct Rk3Kutta {
 
 /// Shu and Osher's strong-stability-preserving method of order 3: a convex combination of Euler steps.
 /// [shu1988efficient]
+///   Y_1 = y + h f(y),   Y_2 = 3/4 y + 1/4 (Y_1 + h f(Y_1)),   y_new = 1/3 y + 2/3 (Y_2 + h f(Y_2))
+/// Its SSP coefficient is 1: what an Euler step of size h does not increase, this step does not increase. R
+/// is that of every three-stage method of order 3.
 struct Ssprk33 {
   static constexpr std::string_view id = "ssprk_33", source = "shu1988efficient";
   static constexpr int order = 3, embedded_order = 0, error_order = 0;
@@ -70,6 +80,8 @@ struct Ssprk33 {
 };
 
 /// The classical method of order 4. [kutta1901beitrag]
+///   y_new = y + h/6 (k_1 + 2 k_2 + 2 k_3 + k_4)
+///   R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24, r = 2.7853, s = 2 sqrt 2
 struct Rk4 {
   static constexpr std::string_view id = "rk4", source = "kutta1901beitrag";
   static constexpr int order = 4, embedded_order = 0, error_order = 0;
@@ -80,6 +92,7 @@ struct Rk4 {
 };
 
 /// Kutta's 3/8 rule of order 4. [kutta1901beitrag]
+///   y_new = y + h/8 (k_1 + 3 k_2 + 3 k_3 + k_4),   R as for the classical method
 struct Rk4ThreeEighths {
   static constexpr std::string_view id = "rk4_38", source = "kutta1901beitrag";
   static constexpr int order = 4, embedded_order = 0, error_order = 0;
@@ -91,6 +104,8 @@ struct Rk4ThreeEighths {
 
 /// Bogacki and Shampine's pair of order 3(2), first same as last, the method of MATLAB's ode23. Continuous
 /// output is cubic Hermite interpolation, free of further evaluations. [bogacki1989pair]
+/// The result is of order 3 with the R of every three-stage method of order 3, r = 2.5127, s = sqrt 3; the
+/// fourth stage f(t + h, y_new) enters the estimate only.
 struct BogackiShampine32 {
   static constexpr std::string_view id = "bogacki_shampine_32", source = "bogacki1989pair";
   static constexpr std::array<std::string_view, 1> aliases{"ode23"};
@@ -106,6 +121,7 @@ struct BogackiShampine32 {
 /// Dormand and Prince's pair of order 5(4), first same as last, the method of MATLAB's ode45.
 /// [dormand1980family, table 2] Continuous output of order 4, free of further evaluations.
 /// [shampine1986practical]
+///   R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24 + z^5/120 + z^6/600, r = 3.3066, s = 0.9972
 struct DormandPrince54 {
   static constexpr std::string_view id = "dormand_prince_54", source = "dormand1980family";
   static constexpr std::array<std::string_view, 1> aliases{"ode45"};
@@ -162,7 +178,7 @@ struct Tsitouras54 {
 using All = std::tuple<ExplicitEuler, Rk2Midpoint, Rk2Heun, Rk2Ralston, Rk3Kutta, Ssprk33, Rk4,
                        Rk4ThreeEighths, BogackiShampine32, DormandPrince54, Tsitouras54, Fehlberg78, Dop853>;
 
-/// The further names a method is known by, such as MATLAB's.
+/// The further names a method is known by, such as MATLAB's; empty where it has none.
 template <class Method>
 constexpr std::span<const std::string_view> aliases_of() {
   if constexpr (requires { Method::aliases; }) return Method::aliases;

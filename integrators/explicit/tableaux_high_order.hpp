@@ -11,6 +11,7 @@ namespace hmax::tableaux {
 /// Fehlberg's pair of order 7(8) with the result of order 8 propagated (local extrapolation, as Boost.Odeint
 /// does). b - b_hat = 41/840 (-1, 0, ..., 0, -1, 1, 1): two pairs of stages with equal nodes, so the estimate
 /// is exactly zero on y' = f(t) and such problems need a bound on h. [fehlberg1968classical, table X]
+/// Stages 1 and 12 are at c = 0, stages 11 and 13 at c = 1.
 struct Fehlberg78 {
   static constexpr std::string_view id = "fehlberg_78", source = "fehlberg1968classical";
   static constexpr int order = 8, embedded_order = 7, error_order = 8;
@@ -44,6 +45,8 @@ struct Fehlberg78 {
 ///   err = |e_5|^2 / sqrt(|e_5|^2 + 0.01 |e_3|^2),  e_5 = h sum_i b_err_i k_i,  e_3 = h sum_i b_err_low_i
 ///   k_i.
 /// Continuous output of order 7 takes 3 more stages. Published as decimals only. [hairer1993solving, II.10]
+/// The parts below: a, b, c of the step; b_err and b_err_low of its two estimates; the weights d and the
+/// extra stages of continuous output.
 struct Dop853 {
   static constexpr std::string_view id = "dop_853", source = "hairer1993solving";
   static constexpr int order = 8, embedded_order = 5, embedded_order_low = 3, error_order = 8,
@@ -93,6 +96,8 @@ struct Dop853 {
       .c = {0, 0.0526001519587677318785587544488L, 0.0789002279381515978178381316732L,
             0.118350341907227396726757197510L, 0.281649658092772603273242802490L, 1 / 3.0L, 1 / 4.0L,
             4 / 13.0L, 127 / 195.0L, 3 / 5.0L, 6 / 7.0L, 1, 1}};
+  /// b - b_hat of order 3, for e_3. b_hat has three weights only: 31/127, 0.7338 and 3/136, of the stages 1,
+  /// 9, 12.
   static constexpr std::array<long double, 13> b_err_low{
       5.42937341165687622380535766363e-2L - 31 / 127.0L,
       0,
@@ -107,6 +112,7 @@ struct Dop853 {
       2.01365400804030348374776537501e-1L,
       4.47106157277725905176885569043e-2L - 3 / 136.0L,
       0};
+  /// The rows d of nested_interpolant(), then the extra stages at c = 1/10, 1/5 and 7/9 with their rows of a.
   static constexpr auto interpolant = nested_interpolant<13, 3, 4>(
       tableau,
       {{{-0.84289382761090128651353491142e+1L, 0, 0, 0, 0, 0.56671495351937776962531783590L,

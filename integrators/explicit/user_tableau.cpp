@@ -1,3 +1,4 @@
+/// Checks of a user's tableau. Each error names the row or entry at fault and the remedy.
 #include "integrators/explicit/user_tableau.hpp"
 
 #include <cmath>
@@ -10,8 +11,10 @@
 namespace hmax {
 namespace {
 
+/// Order conditions are checked up to this order: 1205 rooted trees have at most 10 nodes.
 constexpr int highest_order = 10;
 
+/// @throws std::invalid_argument  always; the message begins with the name of the tableau
 template <class... Parts>
 [[noreturn]] void refuse(const TableauRows& rows, const Parts&... parts) {
   std::ostringstream sentence;
@@ -21,6 +24,7 @@ template <class... Parts>
   throw std::invalid_argument(sentence.str());
 }
 
+/// Refuses NaN and infinity.
 void require_finite(const TableauRows& rows, const std::vector<long double>& values, const char* what) {
   // Also finite as doubles: 1e4000 is a long double.
   for (const long double value : values)
@@ -28,6 +32,7 @@ void require_finite(const TableauRows& rows, const std::vector<long double>& val
       refuse(rows, what, " holds a coefficient that is not finite; correct it");
 }
 
+/// Refuses weights that are not one finite number for each stage.
 void require_weights(const TableauRows& rows, const std::vector<long double>& weights, const char* what) {
   if (weights.size() != rows.b.size())
     refuse(rows, what, " has ", weights.size(), " entries but b has ", rows.b.size(),
@@ -35,6 +40,7 @@ void require_weights(const TableauRows& rows, const std::vector<long double>& we
   require_finite(rows, weights, what);
 }
 
+/// Refuses weights that violate the condition of order 1, |sum_i b_i - 1| <= tableau_tolerance.
 void require_consistent(const TableauRows& rows, const std::vector<long double>& weights, const char* what) {
   require_weights(rows, weights, what);
   const long double sum = std::accumulate(weights.begin(), weights.end(), 0.0L);
@@ -44,7 +50,10 @@ void require_consistent(const TableauRows& rows, const std::vector<long double>&
            "where decimals were cut short");
 }
 
-/// a as one row-major matrix, strictly lower triangular.
+/// a as one row-major matrix, strictly lower triangular, shape (s, s). Rows may be shorter than s: entries
+/// that are not given are zero.
+/// @throws std::invalid_argument  unless a has one row for each stage, of at most s entries, with zeros on
+///                                and above the diagonal
 std::vector<long double> matrix_of(const TableauRows& rows) {
   const std::size_t s = rows.b.size();
   if (rows.a.size() != s)
@@ -67,6 +76,7 @@ std::vector<long double> matrix_of(const TableauRows& rows) {
   return a;
 }
 
+/// Refuses nodes with |sum_j a_ij - c_i| > tableau_tolerance.
 void require_nodes(const TableauRows& rows, const std::vector<long double>& a) {
   require_weights(rows, rows.c, "c");
   const auto [row, defect] = largest_row_defect(a, rows.c);
@@ -96,6 +106,7 @@ RuntimeTableau completed_tableau(std::string name, std::vector<long double> a, s
     for (std::size_t i = 0; i < s; ++i) tableau.b_err[i] = tableau.b[i] - b_hat[i];
     tableau.embedded_order = order_of(tableau.a, b_hat, highest_order, tableau_tolerance);
   }
+  // First same as last: a_sj = b_j and b_s = 0. c_s = sum_j b_j = 1 follows.
   const auto last = tableau.a.end() - static_cast<std::ptrdiff_t>(s);
   tableau.fsal = s > 1 && tableau.b.back() == 0 && std::equal(tableau.b.begin(), tableau.b.end(), last);
   return tableau;
