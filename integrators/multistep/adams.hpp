@@ -32,7 +32,7 @@ enum class AdamsMode {
 /// formula. Steps of order 1 need no past and take any size.
 /// Dense output is the integral, up to any time within the step, of the polynomial that the step itself
 /// integrated: of order k, meeting both ends, without an evaluation.
-/// @cost   1 evaluation of f a step, 2 with PECE, the last E only when the next step or nobody's; 12 for each
+/// @cost   1 evaluation of f a step, 2 with PECE, whose last E waits for the next step; 12 for each
 ///         Runge-Kutta step; no allocation after init()
 /// @source [hairer1993solving] III.1
 template <class StateT>
@@ -40,12 +40,14 @@ class Adams {
  public:
   using State = StateT;
   using Real = real_of<State>;
-  static constexpr int max_order = 6;
-  static constexpr int order = 0;  // known at run time
+  static constexpr int max_order = 6;  ///< the formulas of k values have order k
+  static constexpr int order = 0;      ///< known at run time
   static constexpr int error_order = 0;
   static constexpr bool may_estimate_error = false;
   static constexpr bool is_explicit = true;
 
+  /// @param k  order and number of values, 1 .. max_order; pairs take predictor and corrector of the same k
+  /// The weights are those of the values f_n-i, from gamma_j and gamma*_j by weights_of_values().
   explicit Adams(AdamsMode mode = AdamsMode::bashforth, int k = 1)
       : mode_(mode), k_(static_cast<std::size_t>(k)) {
     static constexpr auto gamma = adams::gamma<max_order>();
@@ -55,6 +57,7 @@ class Adams {
     for (std::size_t i = 0; i < max_order; ++i) distances_[i] = static_cast<Real>(i + 1);
   }
 
+  /// Forgets the past: the first k - 1 steps of the run are Runge-Kutta steps.
   template <System Sys>
   void init(const Sys& system, Real t, const State& y) {
     for (State& f : f_) f = y;
@@ -65,6 +68,9 @@ class Adams {
     slope_known_ = starting_ = false;
   }
 
+  /// y_new from the past values, by P, or by P, E and C. The last E, f(t + h, y_new), is the first
+  /// evaluation of the next attempt. An h other than that of the past is taken by the Runge-Kutta method.
+  /// @returns always ok: no equations are solved
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     if (!slope_known_) {
@@ -75,14 +81,17 @@ class Adams {
     starting_ = k_ > 1 && (known_ < k_ || h != spacing_);
     if (starting_) [[unlikely]]
       return runge_kutta_step(system, t, y, h, y_new);
+    // P: p = y + h sum_i beta_i f_n-i
     add_combination(y, h, weights(predictor_), past(), y_new);
     if (mode_ != AdamsMode::bashforth) {
+      // E and C: y_new = y + h (beta*_0 f(t + h, p) + sum_{i >= 1} beta*_i f_n+1-i)
       time_part_.rhs(system, t + h, y_new, f_[0]);
       add_combination(y, h, weights(corrector_), newest(), y_new);
     }
     return StepStatus::ok;
   }
 
+  /// Commits the last attempt: f_n-i becomes f_n-i-1. Past values at equal distances count.
   void accept(const State& y_new) {
     for (std::size_t i = k_; i > 0; --i) move_state(f_[i - 1], f_[i]);
     slope_known_ = mode_ == AdamsMode::pec && !starting_;
@@ -91,15 +100,20 @@ class Adams {
       copy_state(starter_.first_stage(), f_[1]);
       slope_known_ = true;
     }
+    // A step of another size leaves two usable values: f at its ends.
     known_ = h_ == spacing_ ? std::min(known_ + 1, k_) : 2;
     spacing_ = h_;
   }
 
+  /// out = y(t + theta h) = y_left + s h sum_i g_i(s) nabla^i f, no evaluation: the formula with its upper
+  /// limit of integration inside of the step. Starting steps use the interpolant of the Runge-Kutta method.
+  /// @param theta  in [0, 1]
   template <System Sys>
   void interpolate(const Sys& system, Real t, Real h, const State& y, const State& y_new, Real theta,
                    State& out) {
     if (starting_) return starter_.interpolate(system, t, h, y, y_new, theta, out);
     // In units of h from the newest value, t for the explicit formula and t + h for the corrector.
+    // s counts in steps from the newest value, so it is negative for the corrector.
     const bool explicitly = mode_ == AdamsMode::bashforth;
     const Real s = explicitly ? theta : theta - 1;
     std::array<Real, max_order> g{}, w{};
@@ -113,6 +127,7 @@ class Adams {
  private:
   using Weights = std::array<Real, max_order>;
 
+  /// Weights of the k values from weights of their backward differences; those beyond k stay zero.
   void set_weights(const std::array<long double, max_order>& differences, Weights& out) const {
     std::array<long double, max_order> values{};
     adams::weights_of_values<long double>(std::span(differences).first(k_), std::span(values).first(k_));
@@ -141,12 +156,14 @@ class Adams {
 
   AdamsMode mode_;
   std::size_t k_;
+  /// beta_i, beta*_i, and the distances 1, 2, ... of the past values from the newest.
   Weights predictor_{}, corrector_{}, distances_{};
-  std::array<State, max_order + 1> f_;  // f_n+1 of the attempt, then f_n, f_n-1, ... at distances `spacing_`
+  /// f_n+1 of the attempt, then f_n, f_n-1, ... at distances `spacing_`.
+  std::array<State, max_order + 1> f_;
   Rk<tableaux::Dop853, State> starter_;
   TimePart<Real> time_part_;
-  Real h_{}, spacing_{};   // of the last attempt, and of the past
-  std::size_t known_ = 1;  // past values at equal distances, f_n among them
+  Real h_{}, spacing_{};   ///< of the last attempt, and of the past
+  std::size_t known_ = 1;  ///< past values at equal distances, f_n among them
   bool slope_known_ = false, starting_ = false;
 };
 

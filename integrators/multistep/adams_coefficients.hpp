@@ -41,6 +41,7 @@ constexpr void weights_of_values(std::span<const Real> g, std::span<Real> w) {
   for (Real& weight : w) weight = 0;
   std::array<Real, 14> signed_binomial{1};  // (-1)^i binomial(j, i) of the row j
   for (std::size_t j = 0; j < g.size(); ++j) {
+    // Row j of Pascal's triangle from row j - 1, with alternating signs.
     for (std::size_t i = j; j > 0 && i > 0; --i) signed_binomial[i] -= signed_binomial[i - 1];
     for (std::size_t i = 0; i <= j; ++i) w[i] += g[j] * signed_binomial[i];
   }

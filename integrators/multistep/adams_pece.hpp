@@ -36,12 +36,13 @@ class AdamsPece {
   using State = StateT;
   using Real = real_of<State>;
   using Control = ShampineGordonControl<Real>;
-  static constexpr int order = 0;  // chosen in the run
+  static constexpr int order = 0;  ///< chosen in the run
   static constexpr int error_order = 0;
   static constexpr bool may_estimate_error = true;
   static constexpr bool is_explicit = true;
-  static constexpr int max_order = 12;
+  static constexpr int max_order = 12;  ///< of the predictor; the corrector has one more
 
+  /// Forgets the past: the run begins at order 1 with one value of f.
   template <System Sys>
   void init(const Sys&, Real, const State& y) {
     for (State& phi : phi_) phi = State::Zero(y.size());
@@ -54,6 +55,9 @@ class AdamsPece {
     end_slope_known_ = false;
   }
 
+  /// y_new = y_n+1 by P, E, C at the order set_order() has chosen. phi(n) stays, so that an attempt may be
+  /// repeated with another h and another order.
+  /// @returns always ok: the pair solves no equations
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     update_differences(system, t, y);
@@ -61,16 +65,19 @@ class AdamsPece {
     set_coefficients(h);
     const std::size_t k = trial_.k;
     std::array<Real, max_order> weights{};
+    // P: g_i phi*_i = (g_i beta_i) phi_i, one pass over the differences; then phi^p_1 = sum_i phi*_i.
     for (std::size_t i = 0; i < k; ++i) weights[i] = g_[i] * beta_[i];
     add_combination(y, h, std::span<const Real>(weights.data(), k), phi_, y_new);
     combine(std::span<const Real>(beta_.data(), k), phi_, predicted_slope_);
     time_part_.rhs(system, t + h, y_new, slope_);
+    // C: y_n+1 = p + h g_k+1 d
     const Real c = h * g_[k];
     detail::assign(
         y_new, [&](auto access) { return access(y_new) + c * (access(slope_) - access(predicted_slope_)); });
     return StepStatus::ok;
   }
 
+  /// Commits the last attempt. The differences move when f(t_n+1, y_n+1) is known.
   void accept(const State&) {
     differences_ = Differences::await_end_slope;
     past_ = trial_;
@@ -123,11 +130,16 @@ class AdamsPece {
   void set_order(int k) { order_ = static_cast<std::size_t>(k); }
   [[nodiscard]] int current_order() const { return static_cast<int>(order_); }
 
-  /// Whether the last k + 1 steps, the attempted one among them, have one size: errors of order k + 1 can
-  /// then be estimated.
+  /// Whether the last k + 1 steps, the attempted one among them, have one size: error_one_above() may be
+  /// called then.
   [[nodiscard]] bool steps_are_equal() const { return trial_.equal > trial_.k; }
 
-  /// Estimates of the local error of the last attempt, as multiples of the tolerance that `weigh` expresses.
+  /// Estimates of the local error of the last attempt, as multiples of the tolerance that `weigh`
+  /// expresses, with d = f_p - phi^p_1 [shampine1975computer]:
+  ///   step      = |h (g_k - g_k+1) d|                               of order k, the error that is tested
+  ///   at_order  = |h gamma*_k sigma_k+1 d|                          as at equal steps
+  ///   one_below = |h gamma*_k-1 sigma_k (phi*_k + d)|               k >= 2
+  ///   two_below = |h gamma*_k-2 sigma_k-1 (phi*_k-1 + phi*_k + d)|  k >= 3
   /// @param weight  callable, weight(i) of component i; norms are |weight(i) e_i|_2
   template <class Weight>
   AdamsErrors<Real> errors(const Weight& weight) const {
@@ -138,6 +150,7 @@ class AdamsPece {
       auto e = slope_[i] - predicted_slope_[i];
       at += Eigen::numext::abs2(e * w);
       if (k < 2) continue;
+      // d + phi*_k, then d + phi*_k + phi*_k-1, with phi*_i = beta_i phi_i.
       e += beta_[k - 1] * phi_[k - 1][i];
       below += Eigen::numext::abs2(e * w);
       if (k < 3) continue;
@@ -152,7 +165,7 @@ class AdamsPece {
     return errors;
   }
 
-  /// The same at order k + 1, after evaluate_end() and if steps_are_equal().
+  /// The same at order k + 1, |h gamma*_k+1 phi_k+2(n+1)|: after evaluate_end() and if steps_are_equal().
   template <class Weight>
   Real error_one_above(const Weight& weight) const {
     const std::size_t k = trial_.k;
@@ -191,6 +204,7 @@ class AdamsPece {
     if (k == trial_.k && h == trial_.h && equal > k && trial_.equal > k) {
       trial_.equal = equal;
       return;
+      // Over the newest `equal` steps the size is constant: alpha_i = 1 / i, beta_i = sigma_i = 1.
     }
     trial_.k = k;
     trial_.h = h;
@@ -204,12 +218,14 @@ class AdamsPece {
         alpha[i] = 1 / number;
         sigma_[i + 1] = 1;
       } else {
+        // psi_i(n+1) = h + psi_i-1(n),  beta_i = beta_i-1 psi_i-1(n+1) / psi_i-1(n)
         trial_.psi[i] = past_.psi[i - 1] + h;
         beta_[i] = beta_[i - 1] * (trial_.psi[i - 1] / past_.psi[i - 1]);
         alpha[i] = h / trial_.psi[i];
         sigma_[i + 1] = number * alpha[i] * sigma_[i];
       }
     }
+    // The triangle c_i,q, one row in the place of the other; row 2 is c_2,q = 1 / (q (q + 1)).
     std::array<Real, max_order + 1> c{};
     for (std::size_t q = 0; q < k; ++q) c[q] = 1 / static_cast<Real>((q + 1) * (q + 2));
     g_[0] = 1;
@@ -234,7 +250,8 @@ class AdamsPece {
     move_differences();
   }
 
-  /// phi(n) becomes phi(n+1), and phi_k+2(n+1) as far as equal steps make it a difference.
+  /// phi(n) becomes phi(n+1), by phi_i(n+1) = phi_i+1(n+1) + phi*_i downwards from phi_k+1(n+1) = f -
+  /// phi^p_1; also phi_k+2(n+1), as far as equal steps make it a difference.
   void move_differences() {
     const std::size_t k = trial_.k;
     const auto move = [&](auto&& part) {
@@ -258,10 +275,10 @@ class AdamsPece {
     differences_ = Differences::known;
   }
 
-  std::array<State, max_order + 2> phi_;          // phi_i(n) is phi_[i - 1]
-  State predicted_slope_ = blank_state<State>();  // phi^p_1
-  State slope_ = blank_state<State>();            // f(t_n+1, p)
-  State end_slope_ = blank_state<State>();        // f(t_n+1, y_n+1)
+  std::array<State, max_order + 2> phi_;          ///< phi_i(n) is phi_[i - 1]
+  State predicted_slope_ = blank_state<State>();  ///< phi^p_1
+  State slope_ = blank_state<State>();            ///< f(t_n+1, p)
+  State end_slope_ = blank_state<State>();        ///< f(t_n+1, y_n+1)
   TimePart<Real> time_part_;
   Steps past_, trial_;
   std::array<Real, max_order> beta_{};

@@ -42,6 +42,9 @@ class ShampineGordonControl {
     tolerances_.atol *= Real(0.7);
   }
 
+  /// Begins a run at order 1 with h = min(h_first, h_max, sqrt(eps / |f(t_0, y_0) / w|_2) / 4). An h_first of
+  /// 0 stands for the length of the span.
+  /// @throws std::invalid_argument  unless there is one positive absolute tolerance for each component
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
     check_atol(tolerances_.atol, y.size());
@@ -62,6 +65,8 @@ class ShampineGordonControl {
   /// The last step is stretched by up to 1 % rather than leaving a sliver.
   Proposal<Real> propose(Real t) const { return destination_.propose(t, h_, Real(1.01)); }
 
+  /// Accepts where |e / w|_2 <= eps. An accepted step whose f(t_n+1, y_n+1) is not finite is retried.
+  /// @returns accept, retry with half the step, or give_up where the step no longer moves t
   template <class Stepper, System Sys>
   Judgement judge(Stepper& stepper, const Sys& system, const Proposal<Real>& step,
                   const typename Sys::State& y, const typename Sys::State& y_new) {
@@ -70,6 +75,7 @@ class ShampineGordonControl {
     const int k = stepper.current_order();
     const Real tolerance = std::max(eps_, rounding_of(y));
     int next = k;
+    // Lower the order where max(e_k-1, e_k-2) <= e_k, or e_1 <= e_2 / 2.
     if (k > 2 ? std::max(errors.one_below, errors.two_below) <= errors.at_order
               : k == 2 && errors.one_below <= errors.at_order / 2)
       next = k - 1;
@@ -83,12 +89,14 @@ class ShampineGordonControl {
     return Judgement::accept;
   }
 
+  /// The stepper made no candidate; the order stays and the step is halved.
   template <class Stepper>
   Judgement failed(Stepper& stepper, const Proposal<Real>& step) {
     return shorten(stepper, step, Real(0), eps_, stepper.current_order());
   }
 
  private:
+  /// eps / (rtol |y_i| + atol_i) = 1 / w_i.
   template <class State>
   Real weight(const State& y, Eigen::Index i) const {
     return eps_ / (tolerances_.rtol * std::abs(y[i]) + detail::atol_of(tolerances_.atol, i));
@@ -99,6 +107,7 @@ class ShampineGordonControl {
   template <class State>
   Real rounding_of(const State& y) const {
     constexpr Real u = std::numeric_limits<Real>::epsilon();
+    // Looser tolerances are far above rounding.
     if (eps_ > Real(1e-10)) return 0;
     Real sum{0};
     for (Eigen::Index i = 0; i < y.size(); ++i) sum += Eigen::numext::abs2(y[i] * weight(y, i));
@@ -115,6 +124,7 @@ class ShampineGordonControl {
     if (doubling_) {
       next = k + 1;
     } else if (next == k && stepper.steps_are_equal()) {
+      // The error at order k + 1, known after k + 1 equal steps only.
       const Real above = stepper.error_one_above(w);
       if (k > 1 && errors.one_below <= std::min(errors.at_order, above)) {
         next = k - 1;
@@ -131,11 +141,15 @@ class ShampineGordonControl {
       h_ = 2 * h;
     else if (aim >= error)
       h_ = h;
+    // h (eps / (2 e))^(1/(k+1)), held between 0.5 h and 0.9 h, with k the order of the next step.
     else
       h_ = h * std::clamp(std::pow(aim / error, 1 / static_cast<Real>(next + 1)), Real(0.5), Real(0.9));
     h_ = destination_.cut(h_, tolerances_.h_max);
   }
 
+  /// The step after a failure: h / 2. From the fourth failure on, h (eps / (2 e))^(1/2) where that is
+  /// shorter.
+  /// @returns give_up below 16 units in the last place of t
   template <class Stepper>
   Judgement shorten(Stepper& stepper, const Proposal<Real>& step, Real error, Real tolerance, int next) {
     doubling_ = false;
@@ -153,7 +167,7 @@ class ShampineGordonControl {
   detail::Destination<Real> destination_;
   Real h_ = 0;
   int failures_ = 0;
-  bool doubling_ = true;  // phase 1 of a run
+  bool doubling_ = true;  ///< phase 1 of a run
 };
 
 }  // namespace hmax

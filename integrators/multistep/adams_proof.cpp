@@ -6,6 +6,8 @@
 namespace hmax::adams {
 
 namespace {
+/// The explicit formula of k values f_n, ..., f_n-k+1 and the implicit one of f_n+1, ..., f_n-k+2 have
+/// order k, not k + 1.
 template <std::size_t K>
 constexpr bool has_order_k() {
   std::array<long double, K> bashforth{}, moulton{};
