@@ -35,10 +35,13 @@ template <class Method, class StateT, class Matrix = jacobian_of<StateT>>
 class Dirk {
   static constexpr const auto& tableau = Method::tableau;
   static constexpr std::size_t s = tableau.stages;
+  /// K_1 = f(t, y), the last slope of the step before.
   static constexpr bool explicit_first = tableau.a[0][0] == 0;
-  static constexpr bool stiffly_accurate = is_stiffly_accurate(tableau);
+  static constexpr bool stiffly_accurate = is_stiffly_accurate(tableau);  ///< y_new is Y_s
+  /// No embedded method: C h^3 y''' from three slopes.
   static constexpr bool estimates_from_slopes = requires { Method::third_derivative_error; };
   static constexpr bool has_interpolant = requires { Method::interpolant; };
+  /// Some Y_i is a point of the solution.
   static constexpr bool has_inner_stage = requires { Method::inner_stage; };
   static_assert(explicit_first ? stiffly_accurate : true, "an explicit first stage is the last one's slope");
 
@@ -50,17 +53,24 @@ class Dirk {
   static constexpr bool may_estimate_error = error_order > 0;
   static constexpr bool is_explicit = false;
 
+  /// When J is evaluated; automatic: after an accepted step with slow convergence, and after a failure with
+  /// an old J.
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
   /// How exactly equations are solved at fixed steps.
   void set_newton(NewtonSettings settings) { norm_.set(settings); }
+  /// For adaptive runs: stages are solved to a share of the error test, see NewtonNorm.
+  /// @param atol  a number, or one for each component, shape (n)
   template <class Atol>
   void set_tolerances(Real rtol, const Atol& atol) {
     norm_.set_tolerances(rtol, atol);
   }
+  /// Factorisations, Newton iterations and the last failure since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
+  /// Sizes the stages, evaluates nothing, forgets slopes, factors and the rate of convergence.
+  /// @param y  state of the run, shape (n)
   template <System Sys>
   void init(const Sys& system, Real, const State& y) {
     const Eigen::Index n = y.size();
@@ -79,6 +89,9 @@ class Dirk {
     old_h_ = 0;
   }
 
+  /// y_new from y at t. May be repeated with another h; what is learned of J and of the rate of convergence
+  /// stays with the attempt until accept().
+  /// @returns newton_failed where a stage equation is not solved; work().failure then names the reason
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     h_ = h;
@@ -93,6 +106,7 @@ class Dirk {
     attempt_memory_ = memory_;
     extrapolates_ = slopes_known_ > 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
     if (!solve(system, t, y, h)) return StepStatus::newton_failed;
+    // Y_s = base + z
     if constexpr (stiffly_accurate)
       detail::assign(y_new, [&](auto access) { return access(base_) + access(z_); });
     else
@@ -106,7 +120,8 @@ class Dirk {
     return StepStatus::ok;
   }
 
-  /// Commits the last attempt: y_new is the new state.
+  /// Commits the last attempt: the slope at its end, where it is known, is that at the start of the next
+  /// step. The slopes of the step extrapolate to the first guess of the next one.
   void accept(const State&) {
     extrapolate_slopes();
     if constexpr (estimates_from_slopes) copy_state(k_[0], old_slope_);
@@ -124,6 +139,7 @@ class Dirk {
   /// Square of the weighted norm of (I - h gamma J)^-1 h sum_i b_err_i k_i, or of the third derivative in its
   /// place. Without the inverse the estimate of a stiff component grows with its stiffness while the
   /// component itself is damped. [hosea1996analysis, 4], [hairer1996solving, IV.8 (8.19)]
+  /// @param norm  RmsNorm or MatlabNorm, which carry the tolerances
   template <class Norm>
   requires may_estimate_error Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm)
   const {
@@ -139,6 +155,7 @@ class Dirk {
         return (access(k_[1]) - access(f1)) * (scale / h2) - (access(f1) - access(f0)) * (scale / h1);
       });
     } else {
+      // h sum_i b_err_i k_i
       detail::assign(error_, [&](auto access) {
         return detail::weighted_sum<ErrorWeights, Real>(
             h, [&](std::size_t j) -> decltype(auto) { return access(k_[j]); });
@@ -150,12 +167,14 @@ class Dirk {
 
   /// out = y(t + theta h) by the method's own interpolant, or by cubic Hermite polynomials through both ends
   /// and an inner stage where there is one. Slopes at the ends that no stage knows are evaluated once.
+  /// @param theta  in [0, 1]: 0 is y, 1 is y_new
   template <System Sys>
   void interpolate(const Sys& system, Real t, Real h, const State& y, const State& y_new, Real theta,
                    State& out) {
     if constexpr (has_interpolant) {
       out = y;
       for (std::size_t i = 0; i < s; ++i) {
+        // y + h sum_i k_i sum_j p_ij theta^(j+1)
         Real weight = 0;
         for (std::size_t j = Method::interpolant.degree; j-- > 0;)
           weight = theta * (static_cast<Real>(Method::interpolant.p[i][j]) + weight);
@@ -180,26 +199,30 @@ class Dirk {
   }
 
  private:
-  /// The stages before stage I; all of its row.
+  /// a_ij, j < I: what the stages before contribute to Y_I.
   template <std::size_t I>
   struct StageRow {
     static constexpr std::size_t size = I;
     static constexpr long double weight(std::size_t j) { return tableau.a[I][j]; }
   };
+  /// All of row I, a_II included: Y_I itself.
   template <std::size_t I>
   struct FullRow {
     static constexpr std::size_t size = I + 1;
     static constexpr long double weight(std::size_t j) { return tableau.a[I][j]; }
   };
+  /// b of y_new = y + h sum_i b_i k_i.
   struct Weights {
     static constexpr std::size_t size = s;
     static constexpr long double weight(std::size_t j) { return tableau.b[j]; }
   };
+  /// b - b_hat of err = h sum_i b_err_i k_i.
   struct ErrorWeights {
     static constexpr std::size_t size = s;
     static constexpr long double weight(std::size_t j) { return tableau.b_err[j]; }
   };
 
+  /// All stages of an attempt, with another Jacobian or by continuation where the first try fails.
   template <System Sys>
   bool solve(const Sys& system, Real t, const State& y, Real h) {
     return solve_or_continue(
@@ -207,6 +230,7 @@ class Dirk {
         [&](std::optional<Real> continuation) { return solve_stages(system, t, y, h, continuation); });
   }
 
+  /// The stages in their order, with one factorisation of I - h gamma J.
   /// @param continuation  the first mu of continue_newton, which then replaces iterate_newton
   template <System Sys>
   bool solve_stages(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
@@ -217,25 +241,32 @@ class Dirk {
     (std::make_index_sequence<s - explicit_first>{});
   }
 
+  /// Factors I - h_gamma J unless the factors at hand are of this h_gamma and J.
+  /// @returns false where the matrix is singular or not finite
   bool factor(Real h_gamma) {
     return solver_.factor(jacobian_.matrix(), jacobian_.id(), h_gamma, work_.factorisations);
   }
+  /// Notes why a stage was not solved; always false.
   bool failed(NewtonEnd end) {
     work_.failure = to_string(end);
     return false;
   }
 
-  /// Solves h gamma f(t + c_i h, base + z) = z and keeps k_i = z / (h gamma).
+  /// Solves h gamma f(t + c_i h, base + z) = z and keeps k_i = z / (h gamma), with base = y + h sum_{j<i}
+  /// a_ij k_j.
+  /// @returns false where the iteration does not converge
   template <std::size_t I, System Sys>
   bool solve_stage(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
     const Real c = static_cast<Real>(tableau.c[I]), h_gamma = h * gamma;
     stage_argument(StageRow<I>{}, y, h, k_, base_);
     const SlopeAt<Sys> slope(system, t + c * h);
+    // d = h gamma f(t + c_i h, base + z) - z
     const auto residual = [&] {
       detail::assign(Y_, [&](auto access) { return access(base_) + access(z_); });
       slope(Y_, d_);
       detail::assign(d_, [&](auto access) { return h_gamma * access(d_) - access(z_); });
     };
+    // (I - h gamma J) d = residual, z += d. In continuation d = share (I - share h gamma J)^-1 residual.
     const auto correct = [&](Real share) {
       solver_.solve(d_);
       detail::assign(d_, [&](auto access) { return share * access(d_); });
@@ -254,6 +285,7 @@ class Dirk {
             return largest_component(d_);
           },
           [&](Real mu) -> std::optional<Real> {
+            // ((1 + mu) I - h gamma J) = (1 + mu) (I - h gamma / (1 + mu) J), J at the iterate.
             jacobian_.take(system, t + c * h, Y_);
             if (!factor(h_gamma / (1 + mu))) return std::nullopt;
             return correct(1 / (1 + mu));
@@ -283,6 +315,7 @@ class Dirk {
   }
 
   /// z = h gamma times the slope extrapolated to t + tau; zero as long as no step is behind.
+  /// @param tau  c_i h, the distance of the stage from t
   void predict(Real tau, Real h_gamma) {
     if (!extrapolates_) {
       z_.setZero(base_.size());
@@ -304,6 +337,7 @@ class Dirk {
     if constexpr (!stiffly_accurate) {
       // Mean slopes belong to the middles of steps. slopes_0 + slopes_1 (-h_old / 2) was the last one.
       static_assert(s == 1, "the mean slope of a step is that of its one stage");
+      // The last mean slope and the one of this step stand (h + h_old) / 2 apart.
       const Real lag = (h_ + old_h_) / 2;
       const Real b = slopes_known_ > 0 ? 1 / lag : Real(0);
       detail::assign(Y_, [&](auto access) {
@@ -317,12 +351,14 @@ class Dirk {
       const State& f1 = k_[s - 1];
       if (explicit_first || start_known_) {
         // q u^2 + (f1 - f0 + q) u + f1 with u = tau / h in [-1, 0] meets both slopes; q from the third datum.
+        // Third datum: the slope of the inner stage, at u = c - 1.
         if constexpr (has_inner_stage) {
           const Real c = static_cast<Real>(tableau.c[Method::inner_stage]), scale = 1 / (c * (c - 1));
           const State& fc = k_[Method::inner_stage];
           detail::assign(slopes_[2], [&](auto access) {
             return (access(fc) - access(f0) - (access(f1) - access(f0)) * c) * scale;
           });
+          // Third datum: the mean slope sum_j b_j k_j, the integral over u, (f0 + f1) / 2 - q / 6.
         } else if constexpr (order > 2) {
           detail::assign(slopes_[2], [&](auto access) {
             return Real(3) * (access(f0) + access(f1)) -
@@ -343,22 +379,28 @@ class Dirk {
   }
 
   static constexpr Real gamma = static_cast<Real>(Method::gamma);
+  /// k_i, each of shape (n).
   std::array<State, s> k_;
+  /// Of the stage at hand: base + z = Y, and the residual or correction d.
   State base_ = blank_state<State>(), z_ = blank_state<State>(), Y_ = blank_state<State>(),
         d_ = blank_state<State>();
   State start_slope_ = blank_state<State>(),
         end_slope_ = blank_state<State>();  // f at the ends, where no stage stands there
-  State old_slope_ = blank_state<State>();  // f at the start of the step before
+  State old_slope_ = blank_state<State>();  ///< f at the start of the step before
+  /// err, shape (n).
   mutable State error_ = blank_state<State>();
+  /// Coefficients of the extrapolated slope, see extrapolate_slopes().
   std::array<State, 3> slopes_;
   Linearisation<State, Matrix> jacobian_;
   mutable ShiftedSolver<Matrix, typename State::Scalar> solver_;
   NewtonNorm<State> norm_;
   ResidualRounding<State> rounding_;
+  /// Of the accepted steps, and as the attempt has changed it.
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
+  /// Step sizes of the last attempt and of the accepted step before.
   Real h_ = 0, old_h_ = 0;
-  int slopes_known_ = 0;
+  int slopes_known_ = 0;  ///< coefficients of slopes_ that hold: 0 .. 3
   bool start_known_ = false, end_known_ = false, extrapolates_ = false;
 };
 

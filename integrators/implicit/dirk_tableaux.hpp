@@ -20,6 +20,7 @@ namespace hmax::tableaux {
 
 /// Implicit (backward) Euler; its slope at the start, known from the step before, serves only the error
 /// estimate h / 2 (k_2 - k_1), the distance to the trapezoidal rule. [hairer1996solving, IV.3]
+///   y_new = y + h f(t + h, y_new),   R(z) = 1 / (1 - z)
 struct ImplicitEuler {
   static constexpr std::string_view id = "implicit_euler", source = "hairer1996solving";
   static constexpr int order = 1, embedded_order = 2, error_order = 2;
@@ -29,7 +30,9 @@ struct ImplicitEuler {
       .a = {{{}, {0, 1}}}, .b = {0, 1}, .b_err = {-1 / 2.0L, 1 / 2.0L}, .c = {0, 1}};
 };
 
-/// The trapezoidal rule, MATLAB's ode23t: |R(iy)| = 1 and R(-infinity) = -1. It does not damp stiff
+/// The trapezoidal rule, MATLAB's ode23t: y_new = y + h/2 (f(t, y) + f(t + h, y_new)).
+///   R(z) = (1 + z/2) / (1 - z/2),   y(t + h) - y_new = -h^3/12 d^3y/dt^3 + O(h^4)
+/// |R(iy)| = 1 and R(-infinity) = -1. It does not damp stiff
 /// components and does not reach the end of Robertson's problem (docs/reference/facts.md). Cubic Hermite
 /// interpolation between its ends is free; there it is a quadratic, and the jump of its second derivative
 /// from step to step tells the third. [shampine1999solving]
@@ -44,6 +47,7 @@ struct Trapezoidal {
 };
 
 /// The implicit midpoint rule, the Gauss method of one stage: symplectic. [hairer2006geometric, II.1]
+///   y_new = y + h k,   k = f(t + h/2, y + h/2 k),   R(z) = (1 + z/2) / (1 - z/2)
 struct ImplicitMidpoint {
   static constexpr std::string_view id = "implicit_midpoint", source = "hairer2006geometric";
   static constexpr int order = 2, embedded_order = 0, error_order = 0;
@@ -54,6 +58,8 @@ struct ImplicitMidpoint {
 
 /// TR-BDF2, MATLAB's ode23tb: the trapezoidal rule to t + (2 - sqrt 2) h, then the BDF of order 2 to the end,
 /// with the same matrix. Its companion of order 3 estimates the error. [hosea1996analysis]
+///   Y = y + gamma h (f(t, y) + f(t + 2 gamma h, Y)),   gamma = 1 - sqrt(2) / 2,
+///   y_new = y + h (w f(t, y) + w f(t + 2 gamma h, Y) + gamma f(t + h, y_new)),   w = sqrt(2) / 4
 struct TrBdf2 {
  private:
   static constexpr long double root2 = 1.41421356237309504880168872420969807857L, w = root2 / 4;
@@ -66,6 +72,7 @@ struct TrBdf2 {
   static constexpr long double gamma = 1 - root2 / 2;
   static constexpr std::size_t inner_stage = 1;
   static constexpr bool damps_error = true;
+  /// b_hat = ((1 - w) / 3, (3 w + 1) / 3, gamma / 3).
   static constexpr ButcherTableau<3> tableau{
       .a = {{{}, {gamma, gamma}, {w, w, gamma}}},
       .b = {w, w, gamma},
@@ -73,7 +80,8 @@ struct TrBdf2 {
       .c = {0, 2 * gamma, 1}};
 };
 
-/// SDIRK of order 4 with five stages and gamma = 1/4. [hairer1996solving, IV.6 table 6.5 and (6.16)]
+/// SDIRK of order 4(3) with five stages and gamma = 1/4, L-stable and stiffly accurate.
+/// [hairer1996solving, IV.6 table 6.5 and (6.16)] Continuous output of order 3 is a polynomial of degree 4.
 struct Sdirk4 {
   static constexpr std::string_view id = "sdirk_4", source = "hairer1996solving";
   static constexpr int order = 4, embedded_order = 3, error_order = 4, interpolant_order = 3;

@@ -18,7 +18,7 @@
 
 namespace hmax {
 
-/// The stiff part of a split system as a system of its own, with its Jacobian.
+/// The stiff part of a split system as a system of its own, with its Jacobian. It refers to the system.
 template <SplitSystem Sys>
 class StiffPart {
  public:
@@ -61,17 +61,24 @@ class ImexRk {
   static constexpr bool may_estimate_error = error_order > 0;
   static constexpr bool is_explicit = false;
 
+  /// When the J of the stiff part is evaluated; automatic: after an accepted step with slow convergence,
+  /// and after a failure with an old J.
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
   /// How exactly equations are solved at fixed steps.
   void set_newton(NewtonSettings settings) { norm_.set(settings); }
+  /// For adaptive runs: stages are solved to a share of the error test, see NewtonNorm.
+  /// @param atol  a number, or one for each component, shape (n)
   template <class Atol>
   void set_tolerances(Real rtol, const Atol& atol) {
     norm_.set_tolerances(rtol, atol);
   }
+  /// Factorisations, Newton iterations and the last failure since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
+  /// Sizes the stages, forgets slopes, factors and the rate of convergence.
+  /// @param y  state of the run, shape (n)
   template <SplitSystem Sys>
   void init(const Sys& system, Real, const State& y) {
     const Eigen::Index n = y.size();
@@ -88,6 +95,9 @@ class ImexRk {
     start_known_ = end_known_ = false;
   }
 
+  /// y_new = y + h sum_i (bE_i kE_i + bI_i kI_i). May be repeated with another h: the slopes at (t, y) are
+  /// evaluated once, and only those that the tableau uses.
+  /// @returns newton_failed where a stage equation is not solved, also with a new Jacobian
   template <SplitSystem Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     end_known_ = false;
@@ -112,7 +122,8 @@ class ImexRk {
     return StepStatus::ok;
   }
 
-  /// Commits the last attempt: y_new is the new state.
+  /// Commits the last attempt: y_new is the new state. Its slopes are known where dense output has
+  /// evaluated them.
   void accept(const State&) {
     jacobian_.accept(attempt_memory_.theta);
     memory_ = {attempt_memory_.eta};
@@ -124,6 +135,8 @@ class ImexRk {
 
   /// Square of the weighted error norm of the last attempt; at most 1 means good enough. For infinitely stiff
   /// components the estimate stays below 0.15 of their size, so that it needs no filter.
+  ///   err = h sum_i (bE_err_i kE_i + bI_err_i kI_i)
+  /// @param norm  RmsNorm or MatlabNorm, which carry the tolerances
   template <class Norm>
   requires may_estimate_error Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm)
   const {
@@ -135,6 +148,7 @@ class ImexRk {
 
   /// out = y(t + theta h) by the cubic Hermite polynomial through both ends, whose last slope is evaluated
   /// once and serves the next step; by a straight line where the method is of order one.
+  /// @param theta  in [0, 1]: 0 is y, 1 is y_new
   template <SplitSystem Sys>
   void interpolate(const Sys& system, Real t, Real h, const State& y, const State& y_new, Real theta,
                    State& out) {
@@ -157,15 +171,18 @@ class ImexRk {
   template <bool Stiff>
   struct Half {
     static constexpr const auto& own = Stiff ? tableau.stiff : tableau.nonstiff;
+    /// a_ij, j < I: the diagonal of the stiff half is in z.
     template <std::size_t I>
     struct StageRow {
       static constexpr std::size_t size = I;
       static constexpr long double weight(std::size_t j) { return own.a[I][j]; }
     };
+    /// b_i.
     struct Weights {
       static constexpr std::size_t size = s;
       static constexpr long double weight(std::size_t j) { return own.b[j]; }
     };
+    /// b_i - b_hat_i.
     struct ErrorWeights {
       static constexpr std::size_t size = s;
       static constexpr long double weight(std::size_t j) { return own.b_err[j]; }
@@ -182,11 +199,14 @@ class ImexRk {
     return any;
   }
 
+  /// h sum_j weight_j k_j as an expression.
   template <class Row, class Access, class Slopes>
   static auto weighted(Real h, const Access& access, const Slopes& k) {
     return detail::weighted_sum<Row, Real>(h, [&](std::size_t j) -> decltype(auto) { return access(k[j]); });
   }
 
+  /// Stages 2 .. s with one factorisation of I - h gamma J; the first stage is explicit, Y_1 = y.
+  /// @returns false where the matrix is singular or an iteration does not converge
   template <SplitSystem Sys>
   bool solve_stages(const Sys& system, Real t, const State& y, Real h) {
     if (!solver_.factor(jacobian_.matrix(), jacobian_.id(), h * gamma, work_.factorisations)) return false;
@@ -196,16 +216,19 @@ class ImexRk {
     (std::make_index_sequence<s - 1>{});
   }
 
-  /// Solves h gamma stiff(t + c_i h, base + z) = z, beginning with the slope of the stage before.
+  /// Solves h gamma stiff(t + c_i h, base + z) = z, beginning with the slope of the stage before; then kI_i
+  /// and, where a later stage or the result uses it, kE_i.
   template <std::size_t I, SplitSystem Sys>
   bool solve_stage(const Sys& system, Real t, const State& y, Real h) {
     const Real at = t + static_cast<Real>(tableau.stiff.c[I]) * h, h_gamma = h * gamma;
+    // base = y + h sum_{j<i} (aE_ij kE_j + aI_ij kI_j)
     stage_argument(typename NonstiffHalf::template StageRow<I>{}, y, h, nonstiff_, base_);
     using StiffRow = typename StiffHalf::template StageRow<I>;
     if constexpr (detail::next_weight<StiffRow>(0) < I)
       detail::assign(base_,
                      [&](auto access) { return access(base_) + weighted<StiffRow>(h, access, stiff_); });
     detail::assign(z_, [&](auto access) { return h_gamma * access(stiff_[I - 1]); });
+    // (I - h gamma J) d = h gamma stiff(t + c_i h, base + z) - z, z += d
     const auto correct = [&] {
       detail::assign(Y_, [&](auto access) { return access(base_) + access(z_); });
       system.rhs_stiff(at, Y_, d_);
@@ -246,15 +269,18 @@ class ImexRk {
                      [&](State& x) { solver_.solve(x); });
   }
 
+  /// The diagonal of the implicit half; the same in all stages but the explicit first one.
   static constexpr Real gamma = static_cast<Real>(tableau.stiff.a[s - 1][s - 1]);
-  std::array<State, s> nonstiff_, stiff_;  // kE_i, kI_i
+  std::array<State, s> nonstiff_, stiff_;  ///< kE_i, kI_i
+  /// Of the stage at hand: base + z = Y, and the residual or correction d.
   State base_ = blank_state<State>(), z_ = base_, Y_ = base_, d_ = base_;
-  State end_nonstiff_ = base_, end_stiff_ = base_;  // at y_new, for the Hermite polynomial
-  State f0_ = base_, f1_ = base_;
+  State end_nonstiff_ = base_, end_stiff_ = base_;  ///< at y_new, for the Hermite polynomial
+  State f0_ = base_, f1_ = base_;                   ///< nonstiff + stiff, at both ends of the step
   Linearisation<State, Matrix> jacobian_;
   ShiftedSolver<Matrix, typename State::Scalar> solver_;
   NewtonNorm<State> norm_;
   ResidualRounding<State> rounding_;
+  /// Of the accepted steps, and as the attempt has changed it.
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
   bool start_known_ = false, end_known_ = false;

@@ -18,8 +18,8 @@ namespace hmax {
 ///   y_new = y + h sum_i (bE_i nonstiff(Y_i) + bI_i stiff(Y_i)),   and the error likewise.
 template <std::size_t Stages>
 struct AdditiveTableau {
-  static constexpr std::size_t stages = Stages;
-  ButcherTableau<Stages> nonstiff, stiff;
+  static constexpr std::size_t stages = Stages;  ///< s, of both halves
+  ButcherTableau<Stages> nonstiff, stiff;        ///< the explicit and the implicit half, with the same nodes
 };
 
 /// The order of the propagated weights, or of the embedded ones: the largest p <= max_order for which every
@@ -78,6 +78,7 @@ constexpr bool keeps_its_claims(const decltype(Method::tableau)& tableau = Metho
 namespace tableaux {
 
 /// Explicit and implicit Euler: y_new = y + h nonstiff(t, y) + h stiff(t + h, y_new) [ascher1997implicit].
+/// For y' = i nu y + lambda y, the first term nonstiff, y_new / y = (1 + i h nu) / (1 - h lambda).
 struct ImexEuler {
   static constexpr std::string_view id = "imex_euler", source = "ascher1997implicit";
   static constexpr int order = 1, embedded_order = 0, error_order = 0;
@@ -101,7 +102,8 @@ constexpr AdditiveTableau<S> common_weights(const std::array<std::array<long dou
 }
 }  // namespace detail
 
-/// ARK3(2)4L[2]SA: the implicit half is L-stable, stiffly accurate, of stage order two.
+/// ARK3(2)4L[2]SA [kennedy2003additive]: order 3(2), four stages, common weights of both halves. The
+/// implicit half is L-stable, stiffly accurate, of stage order two.
 struct ImexArk324 {
   static constexpr std::string_view id = "imex_ark_324", source = "kennedy2003additive";
   static constexpr int order = 3, embedded_order = 2, error_order = 3;
@@ -125,7 +127,7 @@ struct ImexArk324 {
       {0, 2 * gamma, 0.6L, 1});
 };
 
-/// ARK4(3)6L[2]SA: the same with order four.
+/// ARK4(3)6L[2]SA [kennedy2003additive]: the same with order 4(3), six stages and gamma = 1/4.
 struct ImexArk436 {
   static constexpr std::string_view id = "imex_ark_436", source = "kennedy2003additive";
   static constexpr int order = 4, embedded_order = 3, error_order = 4;

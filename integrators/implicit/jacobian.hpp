@@ -27,7 +27,8 @@ struct JacobianUpdate {
 };
 
 namespace detail {
-/// The increment of a forward difference of a quantity of size |y|.
+/// The increment of a forward difference of a quantity of size |y|: sqrt(eps) max(|y|, scale), which
+/// balances truncation O(delta) and rounding O(eps / delta).
 template <class Real>
 Real difference_increment(Real y, Real scale) {
   using std::abs, std::sqrt;
@@ -57,10 +58,13 @@ constexpr bool has_sparsity(const S& system) {
 }
 
 /// The columns of a sparse matrix in groups whose members have no row in common: each column in turn joins
-/// the first group that takes it [curtis1974estimation].
+/// the first group that takes it [curtis1974estimation]. One difference then gives all columns of a group.
 class ColumnGroups {
  public:
+  /// No groups: of an empty pattern.
   ColumnGroups() = default;
+  /// @param pattern  shape (n, n)
+  /// @cost  for each entry the entries before it in its row
   template <class Real>
   explicit ColumnGroups(const Eigen::SparseMatrix<Real>& pattern)
       : group_(static_cast<std::size_t>(pattern.cols())) {
@@ -86,11 +90,12 @@ class ColumnGroups {
  private:
   [[nodiscard]] std::size_t of(Eigen::Index column) const { return group_[static_cast<std::size_t>(column)]; }
 
-  std::vector<std::size_t> group_;  // by column
+  std::vector<std::size_t> group_;  ///< by column
   std::vector<std::vector<Eigen::Index>> members_;
 };
 
 namespace detail {
+/// Whether a matrix of this type is, or may at run time hold, a MechanicalJacobian.
 template <class Matrix>
 inline constexpr bool may_be_mechanical = is_mechanical<Matrix>;
 template <class... Matrices>
@@ -123,6 +128,7 @@ class JacobianSource {
  public:
   using Real = real_of<State>;
 
+  /// Prepares differences where the system has no Jacobian: pattern, column groups and vectors.
   template <System Sys>
   void init(const Sys& system) {
     if (has_jacobian(system)) return;
@@ -142,11 +148,14 @@ class JacobianSource {
   }
 
   /// J = df/dy at (t, y), shape (n, n). Differences cost one evaluation of f for each column, or each group
-  /// of columns, and one more where f0 is not given.
+  /// of columns, and one more where f0 is not given: J_ij = (f_i(t, y + delta_j e_j) - f_i(t, y)) /
+  /// delta_j.
+  /// @param J   keeps its pattern from call to call
   /// @param f0  f(t, y) if it is known
   template <System Sys>
   void evaluate(const Sys& system, Real t, const State& y, Matrix& J, const State* f0 = nullptr) {
     if constexpr (detail::is_mechanical<Matrix>) {
+      // Parts of a second-order system first, then its own Jacobian, then differences.
       write_parts(system, t, y, J);
     } else {
       if constexpr (detail::may_be_mechanical<Matrix>)
@@ -170,6 +179,7 @@ class JacobianSource {
   using Vector = Eigen::Vector<Real, Eigen::Dynamic>;
   static constexpr bool is_sparse = std::is_same_v<Matrix, Sparse>;
 
+  /// J as the alternative Wanted, emplaced where a variant holds another one.
   template <class Wanted>
   static Wanted& as(Matrix& J) {
     if constexpr (detail::is_variant<Matrix>)
@@ -178,7 +188,7 @@ class JacobianSource {
       return J;
   }
 
-  /// M, K and C in the place of J.
+  /// M, K and C in the place of J. M is taken once, since it is constant.
   template <System Sys>
   void write_parts(const Sys& system, Real t, const State& y, Matrix& J) {
     using Parts = MechanicalJacobian<Real>;
@@ -187,6 +197,7 @@ class JacobianSource {
     if (parts.mass.size() != n) parts.mass = system.mass();
     positions_ = y.head(n);
     velocities_ = y.tail(n);
+    // The matrix lends its memory to a variant and takes it back, so that patterns are kept.
     const auto write = [](auto&& verb, Eigen::SparseMatrix<Real>& into) {
       if constexpr (detail::is_variant<typename Sys::DofMatrix>) {
         typename Sys::DofMatrix matrix;
@@ -201,13 +212,16 @@ class JacobianSource {
     write([&](auto& C) { system.damping(t, positions_, velocities_, C); }, parts.damping);
   }
 
-  /// Components far below the others are moved by what the others would be.
+  /// Components far below the others are moved by what the others would be: 1e-5 of the largest, at least
+  /// 1e-8.
   static Real scale_of(const State& y) { return std::max(Real(1e-5) * y.cwiseAbs().maxCoeff(), Real(1e-8)); }
+  /// delta_j = sqrt(eps) max(|y_j|, scale).
   static Real increment(const State& y, Eigen::Index j, Real scale) {
     using std::abs;
     return detail::difference_increment<Real>(Eigen::numext::real(y[j]), std::max(Real(abs(y[j])), scale));
   }
 
+  /// Column j by one evaluation at y + delta_j e_j.
   template <System Sys>
   void differences(const Sys& system, Real t, const State& y, const State& f0, Matrix& J) {
     Dense& out = as<Dense>(J);
@@ -222,6 +236,7 @@ class JacobianSource {
     }
   }
 
+  /// The same by groups of columns, into a dense J or the entries of a sparse one.
   template <System Sys>
   void grouped_differences(const Sys& system, Real t, const State& y, const State& f0, Matrix& J) {
     if constexpr (std::is_same_v<Matrix, Dense>) {
@@ -255,12 +270,15 @@ class JacobianSource {
     }
   }
 
+  /// f(t, y), f at the moved state, and the moved state, shape (n).
   State f0_ = blank_state<State>(), f1_ = f0_, moved_ = f0_;
+  /// q and v of a packed state, shape (n / 2).
   Eigen::Vector<Real, Eigen::Dynamic> positions_, velocities_;
-  bool writes_parts_ = true;           // a system with sparse K and C: until it shows dense ones
-  Eigen::SparseMatrix<Real> pattern_;  // empty: unknown, so every entry
+  bool writes_parts_ = true;           ///< a system with sparse K and C: until it shows dense ones
+  Eigen::SparseMatrix<Real> pattern_;  ///< empty: unknown, so every entry
+  /// Columns that are moved together.
   ColumnGroups groups_;
-  Vector increments_;  // of the columns, in grouped differences
+  Vector increments_;  ///< of the columns, in grouped differences
 };
 
 /// dfdt = partial f / partial t at (t, y), shape (n): the system's own, zero for autonomous systems, or a
@@ -274,6 +292,7 @@ void evaluate_time_derivative(const Sys& system, real_of<typename Sys::State> t,
     dfdt.setZero(y.size());
     return;
   }
+  // partial f / partial t = (f(t + delta, y) - f0) / delta
   if constexpr (TimeDifferentiableSystem<Sys>)
     if (has_time_derivative(system)) return system.time_derivative(t, y, dfdt);
   const Real delta = detail::difference_increment<Real>(t, Real(1e-3));

@@ -34,10 +34,13 @@ class NewtonNorm {
  public:
   using State = StateT;
   using Real = real_of<State>;
+  /// 4 eps: no norm asks for less.
   static constexpr Real rounding = 4 * std::numeric_limits<Real>::epsilon();
 
+  /// @param kappa  share of the error test to which equations are solved in adaptive runs
   explicit NewtonNorm(Real kappa = Real(0.05)) : kappa_(kappa) {}
 
+  /// Tolerance and limit of the user, for runs of fixed steps.
   void set(NewtonSettings settings) { settings_ = settings; }
 
   /// Forgets tolerances and makes room for states of shape (n).
@@ -54,6 +57,7 @@ class NewtonNorm {
     atol_ = kappa_ * detail::largest_atol(atol);
     if constexpr (detail::is_by_component<Atol>) atols_ = kappa_ * atol;
   }
+  /// Whether the run is adaptive: tolerances were set since init().
   [[nodiscard]] bool has_tolerances() const { return rtol_ > 0 || atol_ > 0; }
 
   /// Weighs the corrections of an attempt that starts from y, shape (n).
@@ -111,9 +115,11 @@ class NewtonNorm {
  private:
   [[nodiscard]] Real atol(Eigen::Index i) const { return atols_.size() == 0 ? atol_ : atols_[i]; }
 
+  /// rtol_ and atol_ are kappa times those of the run; scale_ is max |y|.
   Real kappa_, rtol_ = 0, atol_ = 0, scale_ = 0, share_ = rounding;
-  Eigen::Vector<Real, Eigen::Dynamic> atols_;  // of each component; empty: atol_ of all
+  Eigen::Vector<Real, Eigen::Dynamic> atols_;  ///< of each component; empty: atol_ of all
   NewtonSettings settings_;
+  /// 1 / max(atol_i + rtol |y_i|, 4 eps |y_i|), shape (n).
   State per_weight_ = blank_state<State>();
 };
 
@@ -127,6 +133,7 @@ struct NewtonMemory {
   Real error = 0;  ///< norm of what the last iteration left, as its rate of convergence foretells
 };
 
+/// Why an iteration ended.
 enum class NewtonEnd { converged, too_slow, diverged, not_finite, singular };
 
 /// The limit of iterations of continue_newton, and the mu that its callers begin with, one after the other.
@@ -169,6 +176,7 @@ NewtonEnd iterate_newton(int iterations, NewtonMemory<Real>& memory, std::int64_
   using std::sqrt, std::pow;
   constexpr Real broken_off = Real(0.1);  // a rate above which the convergence may be that of rounding
   Real eta = std::max(memory.eta, std::numeric_limits<Real>::epsilon());
+  // eta^(3/4)
   eta = sqrt(eta * sqrt(eta));
   Real last = 0, theta = 0, last_rate = 0;
   for (int k = 1; k <= iterations; ++k) {
@@ -177,6 +185,7 @@ NewtonEnd iterate_newton(int iterations, NewtonMemory<Real>& memory, std::int64_
     if (!(norm <= std::numeric_limits<Real>::max())) return NewtonEnd::not_finite;
     const Real noise = rounding(k > 1 && norm > broken_off * last), unit = std::max(Real(1), noise);
     const bool rounds = k > 1 && norm <= noise;
+    // theta_k = |d_k| / |d_(k-1)|
     const Real rate = k > 1 ? norm / last : Real(0);
     if (k > 1 && !rounds) {
       // Two rates in a row are averaged: with complex eigenvalues they alternate.
@@ -195,6 +204,7 @@ NewtonEnd iterate_newton(int iterations, NewtonMemory<Real>& memory, std::int64_
       return NewtonEnd::converged;
     }
     if (theta >= 1) return NewtonEnd::diverged;
+    // theta^(k_max - k) / (1 - theta) |d_k| > unit
     if (k > 1 && pow(theta, static_cast<Real>(iterations - k)) * eta * norm > theta * unit)
       return NewtonEnd::too_slow;
     last = norm;
@@ -221,6 +231,7 @@ NewtonEnd continue_newton(Real mu, NewtonMemory<Real>& memory, std::int64_t& cou
                           const Correct& correct, const Rounding& rounding) {
   using std::sqrt;
   constexpr Real most = Real(1e4), newton = Real(1e-2);
+  // mu_k = mu_(k-1) |residual_k| / |residual_(k-1)|
   Real before = 0;
   for (int k = 1; k <= most_continuation; ++k) {
     const Real size = residual();
@@ -246,8 +257,10 @@ class Linearisation {
   /// A rate of convergence above this asks for a new Jacobian.
   static constexpr double slow = 1e-2;
 
+  /// When J is evaluated.
   void set_update(JacobianUpdate update) { update_ = update; }
 
+  /// Forgets the Jacobian: the next attempt evaluates one.
   template <System Sys>
   void init(const Sys& system) {
     source_.init(system);
@@ -331,6 +344,7 @@ class Linearisation {
     }
   }
 
+  /// J_ is that of the accepted steps, fresh_ one that the attempt at hand has evaluated.
   JacobianUpdate update_;
   JacobianSource<State, Matrix> source_;
   Matrix J_ = blank_matrix<Matrix>(), fresh_ = J_;
@@ -415,6 +429,7 @@ class ShiftedSolver {
   }
 
  private:
+  /// I - s J, and its solver. id_ and s_ say which factors there are.
   with_scalar<Matrix, Scalar> A_ = blank_matrix<with_scalar<Matrix, Scalar>>();
   LinearSolver<with_scalar<Matrix, Scalar>> solver_;
   std::int64_t id_ = 0;

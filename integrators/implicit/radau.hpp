@@ -30,7 +30,7 @@ namespace hmax {
 /// @tparam Matrix  equations_type of the system
 /// @cost   three f and both solutions an iteration, two factorisations when h or J has changed; no allocation
 ///         after init() for dense J
-/// @source [hairer1996solving] IV.8
+/// @source [hairer1996solving] IV.5 method, IV.8 transformation, starting values, error estimate
 template <class StateT, class Matrix = jacobian_of<StateT>>
 class RadauIIA5 {
  public:
@@ -39,22 +39,29 @@ class RadauIIA5 {
   using Complex = std::complex<Real>;
   static_assert(std::is_same_v<typename State::Scalar, Real>,
                 "the complex equation stands for two real ones");
-  static constexpr int order = 5;
-  static constexpr int error_order = 4;
+  static constexpr int order = 5;        ///< of y_new at the end of a step
+  static constexpr int error_order = 4;  ///< err = O(h^4), of the embedded result of order 3
   static constexpr bool may_estimate_error = true;
   static constexpr bool is_explicit = false;
 
+  /// When J is evaluated; automatic: after an accepted step with slow convergence, and after a failure with
+  /// an old J.
   void set_jacobian_update(JacobianUpdate update) { jacobian_.set_update(update); }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) { real_.set(choice); }
   /// How exactly equations are solved at fixed steps.
   void set_newton(NewtonSettings settings) { norm_.set(settings); }
+  /// For adaptive runs: stages are solved to a share of the error test, see NewtonNorm.
+  /// @param atol  a number, or one for each component, shape (n)
   template <class Atol>
   void set_tolerances(Real rtol, const Atol& atol) {
     norm_.set_tolerances(rtol, atol);
   }
+  /// Factorisations, Newton iterations and the last failure since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
+  /// Sizes all vectors, forgets slopes, factors and the rate of convergence.
+  /// @param y  state of the run, shape (n)
   template <System Sys>
   void init(const Sys& system, Real, const State& y) {
     const Eigen::Index n = y.size();
@@ -74,6 +81,8 @@ class RadauIIA5 {
     old_h_ = 0;
   }
 
+  /// y_new = y + z_3. May be repeated with another h.
+  /// @returns newton_failed where the stage equations are not solved; work().failure then names the reason
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     h_ = h;
@@ -92,12 +101,14 @@ class RadauIIA5 {
     return StepStatus::ok;
   }
 
-  /// Commits the last attempt: y_new is the new state.
+  /// Commits the last attempt: y_new is the new state, and its collocation polynomial predicts the next
+  /// stages.
   void accept(const State&) {
     if (!polynomial_known_) make_polynomial();
     for (std::size_t j = 0; j < 3; ++j) copy_state(polynomial_[j], old_polynomial_[j]);
     // f at the end as the collocation polynomial has it: f(t + h, y_new) would multiply the error of y_new by
     // the stiffness.
+    // y'(t + h) = (p_0 - (c_2 - 1) (p_1 - (c_1 - 1) p_2)) / h, see make_polynomial().
     const Real per_h = 1 / h_;
     detail::assign(slope_, [&](auto access) {
       return (access(polynomial_[0]) - c2m1 * (access(polynomial_[1]) - c1m1 * access(polynomial_[2]))) *
@@ -111,9 +122,11 @@ class RadauIIA5 {
   /// Square of the weighted norm of err = (I - h/gamma J)^-1 (h/gamma f(t, y) + e . z). An error too large
   /// for the step is damped once more by the same matrix: what is left of it for infinite stiffness vanishes.
   /// This is f(t, y + err) in place of f(t, y), with f linearised. [hairer1996solving, IV.8 (8.19), (8.20)]
+  /// @param norm  RmsNorm or MatlabNorm, which carry the tolerances
   template <class Norm>
   Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm) const {
     const Real h_gamma = h / gamma;
+    // h / gamma f(t, y) + e_1 z_1 + e_2 z_2 + e_3 z_3
     detail::assign(error_, [&](auto access) {
       return access(slope_) * h_gamma + access(z_[0]) * e(0) + access(z_[1]) * e(1) + access(z_[2]) * e(2);
     });
@@ -125,11 +138,14 @@ class RadauIIA5 {
     return squared < 1 ? squared : weigh();
   }
 
-  /// out = y(t + theta h) by the collocation polynomial, of degree 3.
+  /// out = y(t + theta h) by the collocation polynomial of degree 3 through y and the three stages; no
+  /// evaluation.
+  /// @param theta  in [0, 1]: 1 is y_new
   template <System Sys>
   void interpolate(const Sys&, Real, Real, const State&, const State& y_new, Real theta, State& out) {
     if (!polynomial_known_) make_polynomial();
     const Real u = theta - 1;
+    // y_new + u (p_0 + (u - (c_2 - 1)) (p_1 + (u - (c_1 - 1)) p_2))
     detail::assign(out, [&](auto access) {
       return access(y_new) + (access(polynomial_[0]) +
                               (access(polynomial_[1]) + access(polynomial_[2]) * (u - c1m1)) * (u - c2m1)) *
@@ -138,12 +154,14 @@ class RadauIIA5 {
   }
 
  private:
+  /// One vector of shape (n) for each stage, or for each component of the transformed equations.
   using Three = std::array<State, 3>;
   static constexpr Real gamma = static_cast<Real>(radau::gamma);
   static constexpr Real c(std::size_t i) { return static_cast<Real>(radau::tableau.c[i]); }
   static constexpr Real e(std::size_t i) { return static_cast<Real>(radau::e[i]); }
   static constexpr Real c1m1 = c(0) - 1, c2m1 = c(1) - 1;
 
+  /// The stages of an attempt, with another Jacobian or by continuation where the first try fails.
   template <System Sys>
   bool solve(const Sys& system, Real t, const State& y, Real h) {
     // The three stages have no potential together: a slower flow would not come nearer.
@@ -152,14 +170,18 @@ class RadauIIA5 {
         [&](std::optional<Real> continuation) { return solve_stages(system, t, y, h, continuation); });
   }
 
+  /// h / (alpha + i beta), the shift of the complex equation.
   static Complex complex_shift(Real h) {
     return h / Complex(static_cast<Real>(radau::alpha), static_cast<Real>(radau::beta));
   }
+  /// Factors I - h/gamma J and I - h/(alpha + i beta) J unless the factors at hand are of this h and J.
+  /// @returns false where one of them is singular or not finite
   bool factor(Real h) {
     return real_.factor(jacobian_.matrix(), jacobian_.id(), h / gamma, work_.factorisations) &&
            complex_.factor(jacobian_.matrix(), jacobian_.id(), complex_shift(h), work_.factorisations);
   }
 
+  /// One try to solve the stage equations; z_ and w_ hold the solution where it succeeds.
   /// @param continuation  the first mu of continue_newton, with the Jacobian at the last stage, which then
   ///                      replaces iterate_newton
   template <System Sys>
@@ -167,6 +189,7 @@ class RadauIIA5 {
     const SlopeAt<Sys> slopes[]{{system, t + c(0) * h}, {system, t + c(1) * h}, {system, t + h}};
     const auto rounds = [&](bool estimate) { return rounding(h, estimate); };
     NewtonEnd end = NewtonEnd::singular;
+    // Continuation begins with all stages at y.
     if (continuation) {
       for (std::size_t i = 0; i < 3; ++i) {
         z_[i].setZero();
@@ -201,7 +224,9 @@ class RadauIIA5 {
     return end == NewtonEnd::converged;
   }
 
-  /// Leaves the right-hand sides of the equations for dw, of the iterate w, z, in f_.
+  /// Leaves the right-hand sides of the equations for dw, of the iterate w, z, in f_:
+  ///   f_0 = h/gamma g_1 - w_1,   f_1 + i f_2 = h/(alpha + i beta) (g_2 + i g_3) - (w_2 + i w_3).
+  /// z_ is overwritten.
   template <class Slopes>
   void find_residual(const Slopes& slopes, const State& y, Real h) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -220,6 +245,7 @@ class RadauIIA5 {
   /// Solves for dw, of which a share is added to w; z becomes that of the new w.
   /// @returns the mean square of the norms of what was added
   Real correct(Real share) {
+    // The complex equation stands for two real ones: (f_1, f_2) = (Re, Im).
     for (Eigen::Index d = 0; d < pair_.size(); ++d) pair_[d] = Complex(f_[1][d], f_[2][d]);
     real_.solve(f_[0]);
     complex_.solve(pair_);
@@ -244,12 +270,15 @@ class RadauIIA5 {
                          [&](State& x) { real_.solve(x); });
   }
 
+  /// z = T w.
   struct Forward {
     static constexpr const radau::Matrix3& matrix = radau::T;
   };
+  /// w = T^-1 z.
   struct Inverse {
     static constexpr const radau::Matrix3& matrix = radau::T_inverse;
   };
+  /// Row I of the 3 x 3 matrix.
   template <class Which, std::size_t I>
   struct MatrixRow {
     static constexpr std::size_t size = 3;
@@ -273,6 +302,7 @@ class RadauIIA5 {
   /// nothing.
   void predict(Real h) {
     for (std::size_t i = 0; i < 3; ++i) {
+      // u of t + c_i h, counted from the end of the last step in its step size.
       const Real u = extrapolates_ ? c(i) * h / old_h_ : Real(0);
       detail::assign(z_[i], [&](auto access) {
         return (access(old_polynomial_[0]) +
@@ -286,6 +316,7 @@ class RadauIIA5 {
   /// Newton's form of the polynomial through z at c_3 = 1, c_2, c_1 and 0, in u = theta - 1, less its value
   /// at the end:  u (p_0 + (u - (c_2 - 1))(p_1 + (u - (c_1 - 1)) p_2)).
   void make_polynomial() {
+    // Divided differences p_0 = z[c_3, c_2], p_1 = z[c_3, c_2, c_1], p_2 = z[c_3, c_2, c_1, 0]; z(0) = 0.
     const Real per_c1 = 1 / c(0), per_c2 = 1 / c(1), per_c12 = 1 / (c(0) - c(1));
     detail::assign(polynomial_[0], [&](auto access) { return (access(z_[1]) - access(z_[2])) * (1 / c2m1); });
     detail::assign(polynomial_[1], [&](auto access) {
@@ -298,16 +329,23 @@ class RadauIIA5 {
     polynomial_known_ = true;
   }
 
+  /// z_i = Y_i - y, w = T^-1 z, slopes or residuals, and the arguments Y_i.
   Three z_, w_, f_, Y_;
+  /// p_0, p_1, p_2 of the last attempt and of the accepted step before.
   Three polynomial_, old_polynomial_;
-  State slope_ = blank_state<State>();  // f at the start of the step
+  State slope_ = blank_state<State>();  ///< f at the start of the step
+  /// err, shape (n).
   mutable State error_ = blank_state<State>();
+  /// dw_2 + i dw_3, shape (n).
   Eigen::Matrix<Complex, State::RowsAtCompileTime, 1> pair_;
   Linearisation<State, Matrix> jacobian_;
+  /// Solvers of the real and of the complex equation.
   mutable ShiftedSolver<Matrix, Real> real_;
   ShiftedSolver<Matrix, Complex> complex_;
+  /// Stages are solved to 0.03 of the error test.
   NewtonNorm<State> norm_{Real(0.03)};
   ResidualRounding<State> rounding_;
+  /// Of the accepted steps, and as the attempt has changed it.
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
   Real h_ = 0, old_h_ = 0;

@@ -25,6 +25,7 @@ void absolute_product(const Eigen::MatrixBase<Derived>& J, const Vector& x, Vect
   out.setZero();
   for (Eigen::Index j = 0; j < J.cols(); ++j) out += x[j] * J.col(j).cwiseAbs();
 }
+/// Sparse J, column by column.
 template <class Scalar, int Options, class Index, class Vector>
 void absolute_product(const Eigen::SparseMatrix<Scalar, Options, Index>& J, const Vector& x, Vector& out) {
   using std::abs;
@@ -33,6 +34,7 @@ void absolute_product(const Eigen::SparseMatrix<Scalar, Options, Index>& J, cons
     for (typename Eigen::SparseMatrix<Scalar, Options, Index>::InnerIterator entry(J, j); entry; ++entry)
       out[entry.row()] += abs(entry.value()) * x[entry.col()];
 }
+/// |J| (q, v) = (v, M^-1 (|K| q + |C| v)) for q, v >= 0: M has positive entries.
 template <class Real, class Vector>
 void absolute_product(const MechanicalJacobian<Real>& J, const Vector& x, Vector& out) {
   const Eigen::Index n = J.mass.size();
@@ -44,6 +46,7 @@ void absolute_product(const MechanicalJacobian<Real>& J, const Vector& x, Vector
   out.head(n) = v;
   out.tail(n) = (of_K + of_C).cwiseQuotient(J.mass);
 }
+/// The kind of J that the variant holds.
 template <class... Matrices, class Vector>
 void absolute_product(const std::variant<Matrices...>& J, const Vector& x, Vector& out) {
   std::visit([&](const auto& held) { absolute_product(held, x, out); }, J);
@@ -64,6 +67,7 @@ class ResidualRounding {
   using Real = real_of<State>;
   static constexpr Real margin = 8;
 
+  /// Takes |X| where the system has an offset; forgets the correction.
   template <System Sys>
   void init(const Sys& system) {
     offset_.setZero(system.dim());
@@ -100,6 +104,7 @@ class ResidualRounding {
   template <class Matrix>
   void make(const Matrix& J, const State& Y, const State& z) {
     using std::abs;
+    // numbers_ = |X| + |Y| + |z|, then margin eps (|s| |J| numbers_ + |z|) with z = s f.
     numbers_ = offset_;
     for (Eigen::Index i = 0; i < Y.size(); ++i) numbers_[i] += abs(Y[i]) + abs(z[i]);
     correction_ = numbers_;
@@ -112,7 +117,9 @@ class ResidualRounding {
     }
   }
 
+  /// |X|, the sizes of the numbers that f reads, and the correction, shape (n).
   State offset_ = blank_state<State>(), numbers_ = offset_, correction_ = offset_;
+  /// Of which matrix and size of Y the correction is.
   std::int64_t id_ = 0;
   Real s_ = 0, size_ = 0;
 };

@@ -25,6 +25,7 @@ struct RosenbrockRows {
   static constexpr std::size_t s = tableau.stages;
 
   /// The argument of stage i is y + sum_j weight_j u_j; i = s is the end of the step.
+  /// a_ij of an inner stage, m_j at the end.
   static constexpr long double argument_weight(std::size_t i, std::size_t j) {
     return i == s ? tableau.m[j] : tableau.a[i][j];
   }
@@ -47,11 +48,13 @@ struct RosenbrockRows {
       if (argument_weight(i, j) != argument_weight(i - 1, j)) return false;
     return true;
   }
+  /// gamma c_ij: what the stages before add to the right-hand side of stage I.
   template <std::size_t I>
   struct Coupling {
     static constexpr std::size_t size = I;
     static constexpr long double weight(std::size_t j) { return tableau.gamma * tableau.c[I][j]; }
   };
+  /// e_i: err = sum_i e_i u_i.
   struct Error {
     static constexpr std::size_t size = s;
     static constexpr long double weight(std::size_t j) { return tableau.e[j]; }
@@ -84,11 +87,14 @@ class Rosenbrock {
   static constexpr bool may_estimate_error = error_order > 0;
   static constexpr bool is_explicit = false;
 
-  /// automatic: exact, a new one every step.
+  /// When J is evaluated: automatic, at every step; K, at every K-th accepted step; frozen, at the first
+  /// step only.
   void set_jacobian_update(JacobianUpdate update) { update_ = update; }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) { solver_.set(choice); }
 
+  /// Sizes the stages, forgets slopes and Jacobian, sets the counts of work() to zero.
+  /// @param y  state of the run, shape (n)
   template <System Sys>
   void init(const Sys& system, Real, const State& y) {
     if constexpr (!is_small_state<State>) {
@@ -104,6 +110,9 @@ class Rosenbrock {
     work_ = {};
   }
 
+  /// y_new = y + sum_i m_i u_i. May be repeated with another h: f, J and df/dt at (t, y) are evaluated
+  /// once.
+  /// @returns newton_failed where I - h gamma J is singular or not finite, else ok
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     if (!slope_known_) system.rhs(t, y, slope_);
@@ -116,6 +125,7 @@ class Rosenbrock {
     const bool driven = !is_autonomous(system);
     if (driven && !time_slope_known_) evaluate_time_derivative(system, t, y, slope_, time_slope_);
     time_slope_known_ = true;
+    // One factorisation of I - h gamma J for all stages.
     const Real scale = static_cast<Real>(tableau.gamma) * h;
     if (!solver_.factor(J_, jacobian_id_, static_cast<Scalar>(scale), work_.factorisations))
       return StepStatus::newton_failed;
@@ -129,7 +139,7 @@ class Rosenbrock {
     return StepStatus::ok;
   }
 
-  /// Commits the last attempt.
+  /// Commits the last attempt. The next attempt evaluates J if its update is due.
   void accept(const State&) {
     if constexpr (is_fsal(tableau))
       std::swap(slope_, stage_slope_);
@@ -141,6 +151,8 @@ class Rosenbrock {
     jacobian_due_ = every != JacobianUpdate::frozen && steps_ % every == 0;
   }
 
+  /// Square of the weighted norm of err = sum_i e_i u_i = y_new - y_hat; at most 1 means good enough.
+  /// @param norm  RmsNorm or MatlabNorm, which carry the tolerances
   template <class Norm>
   requires may_estimate_error Real error_squared(Real, const State& y, const State& y_new, const Norm& norm)
   const {
@@ -149,19 +161,22 @@ class Rosenbrock {
     });
   }
 
-  /// out = y(t + theta h) by the method's own continuous output, at O(s n) without an evaluation.
+  /// out = y(t + theta h) = y + sum_i u_i sum_j p_ij theta^(j+1), at O(s n) without an evaluation.
+  /// @param theta  in [0, 1]
   template <System Sys>
   void interpolate(const Sys&, Real, Real, const State& y, const State&, Real theta, State& out) {
     out.setZero(y.size());
     for (std::size_t i = 0; i < s; ++i) {
       const auto& p = Method::interpolant.p[i];
       Real weight = 0;
+      // Horner's scheme: theta (p_i0 + theta (p_i1 + ...)).
       for (std::size_t j = p.size(); j-- > 0;) weight = theta * (weight + static_cast<Real>(p[j]));
       out += weight * u_[i];
     }
     out += y;
   }
 
+  /// Factorisations since init(); there are no Newton iterations.
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
   /// Whether a step of unchanged size saves a factorisation.
@@ -170,6 +185,7 @@ class Rosenbrock {
  private:
   using Scalar = typename State::Scalar;
 
+  /// A dense J is sized here, so that steps do not allocate; other kinds bring their size.
   void make_room(Eigen::Index n) {
     if constexpr (std::is_same_v<Jacobian, jacobian_of<State>>) J_.setZero(n, n);
   }
@@ -183,7 +199,11 @@ class Rosenbrock {
     std::array<decltype(std::declval<const Sys&>().at(Real{})), s> at;
   };
 
-  /// u_I of an attempt.
+  /// u_I of an attempt, from u_1, ..., u_(I-1):
+  ///   (I - h gamma J) u_I = h gamma (f(t + alpha_I h, argument) + h d_I df/dt) + gamma sum_{j < I} c_Ij
+  ///   u_j.
+  /// @param scale   h gamma
+  /// @param driven  f depends on time, so that df/dt is added
   template <std::size_t I, System Sys>
   void stage(std::integral_constant<std::size_t, I> i, const Sys& system, TimeParts<Sys>& parts, Real t,
              const State& y, Real h, Real scale, bool driven) {
@@ -201,6 +221,7 @@ class Rosenbrock {
       slope = &stage_slope_;
     }
     constexpr auto d = static_cast<Real>(tableau.d[I]);
+    // part + gamma sum_j c_Ij u_j, in one pass.
     const auto set = [&](auto&& part) {
       detail::assign(u_[I], [&](auto access) {
         return detail::fold_weights<typename Rows::template Coupling<I>, Real,
@@ -230,13 +251,13 @@ class Rosenbrock {
   }
 
   JacobianUpdate update_;
-  JacobianSource<State, Jacobian> source_;
+  JacobianSource<State, Jacobian> source_;  ///< where J comes from
   Jacobian J_ = blank_matrix<Jacobian>();
   ShiftedSolver<Jacobian, Scalar> solver_;
-  std::array<State, s> u_;
-  State slope_ = blank_state<State>(), stage_slope_ = slope_;  // f at (t, y), and of the last stage
-  State time_slope_ = slope_;                                  // df/dt at (t, y)
-  State argument_ = slope_;
+  std::array<State, s> u_;                                     ///< u_i, each of shape (n)
+  State slope_ = blank_state<State>(), stage_slope_ = slope_;  ///< f at (t, y), and of the last stage
+  State time_slope_ = slope_;                                  ///< df/dt at (t, y)
+  State argument_ = slope_;                                    ///< of the stage, shape (n)
   std::int64_t jacobian_id_ = 0, steps_ = 0;
   ImplicitWork work_;
   bool jacobian_due_ = true, slope_known_ = false, time_slope_known_ = false;

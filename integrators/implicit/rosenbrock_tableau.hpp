@@ -20,18 +20,19 @@ namespace hmax {
 /// coefficients correct to its last digit, or to the last published one.
 template <std::size_t Stages>
 struct RosenbrockTableau {
-  static constexpr std::size_t stages = Stages;
-  long double gamma = 0;
+  static constexpr std::size_t stages = Stages;  ///< s
+  long double gamma = 0;                         ///< the diagonal of Gamma, the same in all stages
+  /// Rows of the arguments, and of the coupling of the u_i.
   std::array<std::array<long double, Stages>, Stages> a{}, c{};
-  std::array<long double, Stages> m{}, e{};      // e = m - m_hat, all zero without an embedded method
-  std::array<long double, Stages> alpha{}, d{};  // nodes, and the row sums of Gamma
+  std::array<long double, Stages> m{}, e{};      ///< e = m - m_hat, all zero without an embedded method
+  std::array<long double, Stages> alpha{}, d{};  ///< nodes, and the row sums of Gamma
 };
 
 /// Continuous output: y(t + theta h) = y + sum_i u_i sum_j p_ij theta^(j+1), theta in [0, 1].
 template <std::size_t Stages, std::size_t Degree>
 struct RosenbrockInterpolant {
   static constexpr std::size_t degree = Degree;
-  std::array<std::array<long double, Degree>, Stages> p{};
+  std::array<std::array<long double, Degree>, Stages> p{};  ///< p_ij: stage i, power j + 1 of theta
 };
 
 /// The same method in its original variables [hairer1996solving, IV.7 (7.4)]:
@@ -40,14 +41,15 @@ struct RosenbrockInterpolant {
 /// where gamma_ij is lower triangular with gamma on its diagonal.
 template <std::size_t S>
 struct RosenbrockForm {
-  std::array<std::array<long double, S>, S> alpha{}, gamma{};
-  std::array<long double, S> b{}, b_err{};
+  std::array<std::array<long double, S>, S> alpha{}, gamma{};  ///< Gamma with its diagonal
+  std::array<long double, S> b{}, b_err{};                     ///< weights, and b - b_hat
 };
 
 namespace detail {
 template <std::size_t S>
 using Square = std::array<std::array<long double, S>, S>;
 
+/// M^-1 of a lower triangular M with nonzero diagonal, by forward substitution column by column.
 template <std::size_t S>
 constexpr Square<S> inverse_of_lower(const Square<S>& lower) {
   Square<S> inverse{};
@@ -69,6 +71,7 @@ constexpr std::array<long double, S> row_times(const std::array<long double, S>&
   return product;
 }
 
+/// sum_j M_ij of each row i.
 template <std::size_t S>
 constexpr std::array<long double, S> row_sums(const Square<S>& M) {
   std::array<long double, S> sums{};
@@ -87,8 +90,9 @@ constexpr Square<S> inverse_gamma(const RosenbrockTableau<S>& tableau) {
 }
 }  // namespace detail
 
-/// From the original variables to those of the stepper: a = alpha Gamma^-1, c = I / gamma - Gamma^-1, m = b
-/// Gamma^-1, e = b_err Gamma^-1.
+/// From the original variables to those of the stepper, u = h Gamma k [hairer1996solving, IV.7]:
+///   a = alpha Gamma^-1,   c = I / gamma - Gamma^-1,   m = b Gamma^-1,   e = b_err Gamma^-1,
+///   alpha_i = sum_j alpha_ij,   d_i = sum_j gamma_ij.
 template <std::size_t S>
 constexpr RosenbrockTableau<S> transformed(const RosenbrockForm<S>& form) {
   const auto inverse = detail::inverse_of_lower(form.gamma);
@@ -106,7 +110,8 @@ constexpr RosenbrockTableau<S> transformed(const RosenbrockForm<S>& form) {
   return tableau;
 }
 
-/// The way back: what order conditions are written in.
+/// The way back, to the variables of the order conditions: Gamma = (I / gamma - c)^-1, alpha = a Gamma,
+/// b = m Gamma, b_err = e Gamma.
 template <std::size_t S>
 constexpr RosenbrockForm<S> original(const RosenbrockTableau<S>& tableau) {
   RosenbrockForm<S> form{
@@ -117,7 +122,8 @@ constexpr RosenbrockForm<S> original(const RosenbrockTableau<S>& tableau) {
   return form;
 }
 
-/// Continuous output given in the original variables, y + h sum_i k_i sum_j p_ij theta^(j+1).
+/// Continuous output given in the original variables, y + h sum_i k_i sum_j p_ij theta^(j+1). The weights
+/// of u are Gamma^-T p, since h k = Gamma^-1 u.
 template <std::size_t S, std::size_t D>
 constexpr RosenbrockInterpolant<S, D> transformed(const RosenbrockForm<S>& form,
                                                   const std::array<std::array<long double, D>, S>& p) {
@@ -137,6 +143,7 @@ constexpr RosenbrockInterpolant<S, Rows + 1> rodas_interpolant(
   RosenbrockInterpolant<S, Rows + 1> interpolant;
   for (std::size_t i = 0; i < S; ++i) {
     interpolant.p[i][0] = m[i];
+    // theta (1 - theta) theta^n r_(n+1) = (theta^(n+1) - theta^(n+2)) r_(n+1)
     for (std::size_t n = 0; n < Rows; ++n) {
       interpolant.p[i][n] += h[n][i];
       interpolant.p[i][n + 1] -= h[n][i];
@@ -145,7 +152,8 @@ constexpr RosenbrockInterpolant<S, Rows + 1> rodas_interpolant(
   return interpolant;
 }
 
-/// What the matrix of a method is taken to be in its order conditions.
+/// exact: J = df/dy at (t, y). anything: the conditions hold for every matrix in the place of J
+/// (W-methods).
 enum class JacobianIs { exact, anything };
 
 /// Calls visit(nodes, wanted, g) for every tree with at most max_nodes nodes, smaller ones first, until it
@@ -176,6 +184,7 @@ constexpr void visit_trees(const RosenbrockForm<S>& form, JacobianIs jacobian, i
     trees.push_back(tree);
     return visit(tree.nodes, tree.wanted, std::span<const long double>(tree.g));
   };
+  // The tree of one node: wanted = 1, g = 1.
   Vector ones{};
   ones.fill(1);
   if (!add({1, 1, true, 0, ones, ones})) return;
@@ -220,7 +229,9 @@ constexpr int order_of(const RosenbrockForm<S>& form, const std::array<long doub
   return order;
 }
 
-/// The order of continuous output with the exact Jacobian, uniform in theta.
+/// The order of continuous output with the exact Jacobian, uniform in theta: the largest p <= max_order for
+/// which every tree with at most p nodes satisfies  sum_i b_i(theta) g_i = wanted theta^|t|, power by
+/// power.
 template <std::size_t S, std::size_t D>
 constexpr int order_of_interpolant(const RosenbrockTableau<S>& tableau,
                                    const RosenbrockInterpolant<S, D>& interpolant, int max_order = 6,
@@ -248,7 +259,8 @@ constexpr int order_of_interpolant(const RosenbrockTableau<S>& tableau,
 }
 
 /// The stability function with the exact Jacobian, R(z) = 1 + z b^T (I - z (alpha_ij + gamma_ij))^-1 1
-/// [hairer1996solving, IV.7 (7.14)].
+/// [hairer1996solving, IV.7 (7.14)], by forward substitution, since alpha_ij + gamma_ij is lower
+/// triangular.
 template <std::size_t S>
 std::complex<long double> stability_function(const RosenbrockForm<S>& form, std::complex<long double> z) {
   std::array<std::complex<long double>, S> x{};
@@ -279,6 +291,7 @@ constexpr bool is_fsal(const RosenbrockTableau<S>& tableau) {
   return S > 1 && tableau.alpha[S - 1] == 1 && tableau.m[S - 1] == 0 && tableau.a[S - 1] == tableau.m;
 }
 
+/// True when the tableau has an error estimate: some e_i is not zero.
 template <std::size_t S>
 constexpr bool has_error_estimate(const RosenbrockTableau<S>& tableau) {
   for (const long double e : tableau.e)
@@ -288,15 +301,15 @@ constexpr bool has_error_estimate(const RosenbrockTableau<S>& tableau) {
 
 /// The first claim of a method that its coefficients do not keep.
 enum class BrokenRosenbrockClaim {
-  none,
-  triangles,
-  row_sums,
-  order,
-  w_order,
-  embedded_order,
-  error_order,
-  interpolant,
-  l_stable,
+  none,            ///< every claim holds
+  triangles,       ///< a or c is not strictly lower triangular
+  row_sums,        ///< alpha_i or d_i is not the sum of its row
+  order,           ///< with the exact Jacobian: missed or exceeded
+  w_order,         ///< with any Jacobian: missed or exceeded
+  embedded_order,  ///< missed, exceeded or not claimed
+  error_order,     ///< not min(order, embedded_order) + 1
+  interpolant,     ///< ends or order of continuous output
+  l_stable,        ///< R(infinity) = 0 claimed wrongly, or not claimed
   stiffly_accurate
 };
 
@@ -305,6 +318,7 @@ enum class BrokenRosenbrockClaim {
 template <class Method>
 constexpr bool keeps_its_rosenbrock_interpolant_claims(const decltype(Method::interpolant)& interpolant,
                                                        const decltype(Method::tableau)& tableau) {
+  // sum_j p_ij = m_i: the output at theta = 1 is y_new.
   for (std::size_t i = 0; i < tableau.stages; ++i) {
     long double at_end = -tableau.m[i];
     for (const long double p : interpolant.p[i]) at_end += p;
@@ -314,8 +328,9 @@ constexpr bool keeps_its_rosenbrock_interpolant_claims(const decltype(Method::in
          Method::interpolant_order;
 }
 
-/// Checks every claim of `Method` (see rosenbrock_tableaux.hpp) against a tableau, its own unless another one
-/// is given: orders that are reached and not exceeded.
+/// Checks every claim of `Method` (see rosenbrock_tableaux.hpp) against a tableau, its own unless another
+/// one is given: orders that are reached and not exceeded, row sums, R(infinity) = 0 of L-stable methods.
+/// The tests check A-stability.
 template <class Method>
 constexpr BrokenRosenbrockClaim broken_rosenbrock_claim(
     const decltype(Method::tableau)& tableau = Method::tableau) {
@@ -338,6 +353,7 @@ constexpr BrokenRosenbrockClaim broken_rosenbrock_claim(
   if (has_error_estimate(tableau) != (Method::embedded_order > 0)) return embedded_order;
   if (Method::embedded_order > 0) {
     auto b_hat = form.b;
+    // b_hat = b - b_err
     for (std::size_t i = 0; i < s; ++i) b_hat[i] -= form.b_err[i];
     if (!reaches(b_hat, JacobianIs::exact, Method::embedded_order)) return embedded_order;
     const int lower = Method::embedded_order < Method::order ? Method::embedded_order : Method::order;

@@ -20,6 +20,7 @@ namespace hmax::tableaux {
 /// On mechanical systems it is (M - h dF/dv - h^2 dF/dx) dv = h (F + h dF/dx v), x += h (v + dv), the step of
 /// [baraff1998large]. f + h df/dt stands for f(t + h, y), from which it differs by O(h^2): with it the method
 /// is that of the autonomous system with t among its unknowns, like every other of the family.
+/// R(z) = 1 / (1 - z).
 struct LinearlyImplicitEuler {
   static constexpr std::string_view id = "linearly_implicit_euler", source = "baraff1998large";
   static constexpr std::array<std::string_view, 0> aliases{};
@@ -34,7 +35,12 @@ struct LinearlyImplicitEuler {
 /// [shampine1997matlab, section 3]
 ///   W = I - h d J,   W k_1 = f_0 + h d T,   W (k_2 - k_1) = f_1 - k_1,
 ///   W k_3 = f_2 - (6 + sqrt 2)(k_2 - f_1) - 2 (k_1 - f_0) + h d T,   y_new = y + h k_2,
-/// with T = df/dt, f_1 at y + h k_1 / 2 and f_2 at y_new. Since W k = k - h d J k, these are the rows below.
+/// with T = df/dt, f_1 at y + h k_1 / 2 and f_2 at y_new. Since W k = k - h d J k, these are the rows
+/// below.
+///   d = 1 / (2 + sqrt 2),   R(z) = (1 + (1 - 2 d) z) / (1 - d z)^2,   y_hat - y_new = h/6 (k_1 - 2 k_2 +
+///   k_3)
+/// The result of order 2 is propagated; that of order 3 only estimates the error. Continuous output:
+///   y(t + theta h) = y + h / (1 - 2 d) (theta (1 - theta) k_1 + theta (theta - 2 d) k_2)
 struct Rosenbrock23 {
   static constexpr std::string_view id = "rosenbrock_23", source = "shampine1997matlab";
   static constexpr std::array<std::string_view, 1> aliases{"ode23s"};
@@ -44,6 +50,7 @@ struct Rosenbrock23 {
  private:
   static constexpr long double sqrt2 = 1.414213562373095048801688724209698L;
   static constexpr long double gamma = 1 / (2 + sqrt2), e32 = 6 + sqrt2;
+  /// With b_err = b - b_hat, so b_hat = (1/6, 2/3, 1/6).
   static constexpr RosenbrockForm<3> form{
       .alpha = {{{}, {1 / 2.0L}, {0, 1}}},
       .gamma = {{{gamma}, {-gamma, gamma}, {gamma * (e32 - 2), -gamma* e32, gamma}}},
@@ -51,7 +58,7 @@ struct Rosenbrock23 {
       .b_err = {-1 / 6.0L, 1 / 3.0L, -1 / 6.0L}};
 
  public:
-  /// Where the transformation would leave rounding in place of a zero or a one, the exact number.
+  /// In the variables of the stepper, with d_2 = 0 exactly: the transformation would leave rounding there.
   static constexpr RosenbrockTableau<3> tableau = [] {
     auto exact = transformed(form);
     exact.d[1] = 0;
@@ -63,8 +70,9 @@ struct Rosenbrock23 {
                                 {}}});
 };
 
-/// RODAS, order 4(3), stiffly accurate, with continuous output of order 3. [hairer1996solving, IV.7 and
-/// IV.10]
+/// RODAS, order 4(3), gamma = 1/4, six stages. [hairer1996solving, IV.7 and IV.10]
+/// Stiffly accurate: y_new is the last argument plus u_6, the embedded result is the last argument: err =
+/// u_6. Continuous output is of order 3.
 struct Rodas4 {
   static constexpr std::string_view id = "rodas_4", source = "hairer1996solving";
   static constexpr std::array<std::string_view, 1> aliases{"rodas"};
@@ -102,7 +110,7 @@ struct Rodas4 {
 
 /// Rodas5P, order 5(4), stiffly accurate, with continuous output of order 4; made for problems where the
 /// order of others breaks down (Prothero and Robinson's, semi-discretised parabolic ones).
-/// [steinebach2023construction]
+/// [steinebach2023construction] Eight stages, err = u_8 as in RODAS. With an old Jacobian it has order 2.
 struct Rodas5P {
   static constexpr std::string_view id = "rodas_5p", source = "steinebach2023construction";
   static constexpr std::array<std::string_view, 0> aliases{};
