@@ -21,6 +21,7 @@ namespace hmax {
 struct AlphaParameters {
   long double alpha_m = 0;  ///< weight of the old acceleration in the equation of motion
   long double alpha_f = 0;  ///< weight of the old position, velocity and time in it
+  /// q_new = q + h v + h^2 ((1/2 - beta) a + beta a_new),   v_new = v + h ((1 - gamma) a + gamma a_new).
   long double beta = 0.25L, gamma = 0.5L;
 
   bool operator==(const AlphaParameters&) const = default;
@@ -31,18 +32,25 @@ struct AlphaParameters {
 /// solve for the whole damping matrix, v_new = v + h/2 (a + a_new): without damping explicit, with it solved
 /// by
 ///   (M + h/2 C) a_new = F(t + h, q_new, v + h/2 a),    q_new = q + h v + h^2/2 a.
+/// Undamped linear problems: unconditionally stable for 2 beta >= gamma >= 1/2; with gamma = 1/2 and beta <
+/// 1/4 stable for omega h < 1 / sqrt(1/4 - beta) [hughes2000finite, 9.1].
 constexpr AlphaParameters newmark_parameters(long double beta, long double gamma) {
   return {0, 0, beta, gamma};
 }
 
 /// The method of Hilber, Hughes and Taylor [hilber1977improved], alpha in [-1/3, 0]; 0 is the trapezoidal
 /// rule.
+///   beta = (1 - alpha)^2 / 4,   gamma = 1/2 - alpha,   alpha_f = -alpha
+/// The range is not checked here.
 constexpr AlphaParameters hht_parameters(long double alpha) {
   return {0, -alpha, (1 - alpha) * (1 - alpha) / 4, 0.5L - alpha};
 }
 
 /// The generalized-alpha method of Chung and Hulbert [chung1993time] whose amplification of infinitely fast
 /// modes is rho, in [0, 1]: 0 annihilates them within three steps, 1 keeps them.
+///   alpha_m = (2 rho - 1) / (rho + 1),   alpha_f = rho / (rho + 1),
+///   beta = (1 - alpha_m + alpha_f)^2 / 4,   gamma = 1/2 - alpha_m + alpha_f
+/// The range is not checked here.
 constexpr AlphaParameters generalized_alpha_parameters(long double rho) {
   const long double alpha_m = (2 * rho - 1) / (rho + 1), alpha_f = rho / (rho + 1);
   const long double s = 1 - alpha_m + alpha_f;
@@ -83,7 +91,7 @@ class GeneralizedAlpha {
   using State = StateT;
   using Real = real_of<State>;
   using Scalar = typename State::Scalar;
-  static constexpr int order = 0;  // order_of(parameters)
+  static constexpr int order = 0;  ///< order_of(parameters)
   static constexpr int error_order = 0;
   static constexpr bool may_estimate_error = false;
   static constexpr bool is_explicit = false;
@@ -95,6 +103,7 @@ class GeneralizedAlpha {
         beta_(static_cast<Real>(p.beta)),
         gamma_(static_cast<Real>(p.gamma)) {}
 
+  /// When K and C are renewed, see the class.
   void set_jacobian_update(JacobianUpdate update) { update_ = update; }
   /// How symmetric sparse equations are solved.
   void set_linear_solve(LinearSolve choice) {
@@ -107,6 +116,8 @@ class GeneralizedAlpha {
     tolerance_ = std::max(static_cast<Real>(settings.tolerance), rounding);
   }
 
+  /// Evaluates a = M^-1 F(t, q, v) and takes K and C at the start. Dense equations allocate here only.
+  /// @param y  (q, v), shape (2 n)
   template <SecondOrderSystem Sys>
   void init(const Sys& system, Real t, const State& y) {
     const Eigen::Index n = system.dofs();
@@ -140,6 +151,9 @@ class GeneralizedAlpha {
       }
   }
 
+  /// y_new = (q_new, v_new) from y at t. May be repeated with another h.
+  /// @returns newton_failed where the iteration fails with the kept K and C and, if this class may choose
+  ///          them, also with those of every iterate; work().failure then names the reason
   template <SecondOrderSystem Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     if (!linearised_here_ && is_due()) {
@@ -151,6 +165,7 @@ class GeneralizedAlpha {
     new_rate_ = rate_;
     new_slow_ = false;
     if (factor(h)) {
+      // Simplified Newton from a_new = a.
       a_new_ = a_;
       if (iterate(system, t, y, h, y_new, limit(decides() ? 10 : 100), false)) return StepStatus::ok;
     }
@@ -182,6 +197,7 @@ class GeneralizedAlpha {
         out);
   }
 
+  /// Factorisations, iterations, largest error left and the last failure since init().
   [[nodiscard]] ImplicitWork work() const { return work_; }
 
   /// The acceleration at the start of the next step, shape (n).
@@ -190,6 +206,7 @@ class GeneralizedAlpha {
  private:
   /// A rate of convergence above this asks for new K and C.
   static constexpr double slow = 0.03;
+  /// Smallest relative correction that is asked for.
   static constexpr Real rounding = 100 * std::numeric_limits<Real>::epsilon();
 
   /// Whether this class chooses where K and C are taken, at all times or when the iteration fails.
@@ -200,6 +217,7 @@ class GeneralizedAlpha {
   /// The iterations that are allowed where the user sets no limit.
   [[nodiscard]] int limit(int own) const { return iterations_ > 0 ? iterations_ : own; }
 
+  /// (q, v) of a packed state into q_ and v_.
   void unpack(const State& y) {
     const Eigen::Index n = detail::dofs_of(y);
     q_ = y.head(n);
@@ -216,11 +234,14 @@ class GeneralizedAlpha {
       system.stiffness(t, q_, v_, K);
   }
 
+  /// Whether K and C are renewed at the start of this step.
   [[nodiscard]] bool is_due() const {
     if (update_.every == JacobianUpdate::automatic) return slow_;
     return update_.every != JacobianUpdate::frozen && steps_ % update_.every == 0;
   }
 
+  /// Factors A = M + c C + k K of K_ and C_ unless the factors at hand are of this h.
+  /// @returns false where A is singular or not finite
   bool factor(Real h) {
     if (factored_h_ == h) return true;
     if (!factor(h, K_, C_)) return false;
@@ -234,7 +255,8 @@ class GeneralizedAlpha {
     return solver_.factor(A_);
   }
 
-  /// The a_new of q_new = q; a_new = a where q_new does not depend on it.
+  /// The a_new of q_new = q, from 0 = h v + h^2 ((1/2 - beta) a + beta a_new); a_new = a where q_new does
+  /// not depend on it.
   void stand_still(const State& y, Real h) {
     const Eigen::Index n = detail::dofs_of(y);
     if (beta_ == 0)
@@ -255,6 +277,7 @@ class GeneralizedAlpha {
     Real before = 0, rate = newton ? Real(1) : rate_;
     update_candidate(y, h, y_new);
     for (int k = 1; k <= iterations; ++k) {
+      // x_f = (1 - alpha_f) x_new + alpha_f x
       detail::for_each_dof(y, [&](Eigen::Index i) {
         q_[i] = alpha_f_ * y[i] + (1 - alpha_f_) * y_new[i];
         v_[i] = alpha_f_ * y[n + i] + (1 - alpha_f_) * y_new[n + i];
@@ -296,11 +319,12 @@ class GeneralizedAlpha {
     return fails("Newton's method converges too slowly");
   }
 
+  /// Notes why a_new was not found; always false.
   bool fails(std::string_view why) {
     work_.failure = why;
     return false;
   }
-  /// Remembers the error that is left.
+  /// Remembers the error that is left, relative to the motion; always true.
   bool solved(Real left, Real motion) {
     if (motion > 0) work_.newton_error = std::max(work_.newton_error, static_cast<double>(left / motion));
     return true;
@@ -316,7 +340,7 @@ class GeneralizedAlpha {
       return vector.segment(first, mass_.size()).norm();
   }
 
-  /// y_new of a_new_.
+  /// y_new of a_new_, by Newmark's formulas.
   void update_candidate(const State& y, Real h, State& y_new) const {
     const Eigen::Index n = detail::dofs_of(y);
     detail::for_each_dof(y, [&](Eigen::Index i) {
@@ -328,20 +352,20 @@ class GeneralizedAlpha {
   Real alpha_m_ = 0, alpha_f_ = 0, beta_ = Real(0.25), gamma_ = Real(0.5);
   JacobianUpdate update_{};
   Real tolerance_ = rounding;
-  int iterations_ = 0;                                             // limit of the user; 0: none
-  DofsT mass_ = blank_state<DofsT>(), a_ = mass_, a_new_ = mass_;  // shape (n)
-  DofsT q_ = mass_, v_ = mass_, force_ = mass_;                    // at one iterate, shape (n)
+  int iterations_ = 0;                                             ///< limit of the user; 0: none
+  DofsT mass_ = blank_state<DofsT>(), a_ = mass_, a_new_ = mass_;  ///< shape (n)
+  DofsT q_ = mass_, v_ = mass_, force_ = mass_;                    ///< at one iterate, shape (n)
   MatrixT K_ = blank_matrix<MatrixT>(), C_ = K_, K_full_ = K_,
           C_full_ = K_;  // shape (n, n): of the last renewal,
                          // and at the iterates of Newton's method
   MatrixT A_ = K_;
   LinearSolver<MatrixT> solver_;
-  Real offset_ = 0;                       // the norm of the positions that q is added to, with their rounding
-  Real factored_h_ = 0;                   // the h of the factors of K_ and C_; NaN: there are none
-  Real rate_ = 1, new_rate_ = 1;          // of convergence, in the last accepted step and the last attempt
-  std::int64_t steps_ = 0;                // accepted
-  bool slow_ = false, new_slow_ = false;  // the same
-  bool linearised_here_ = false;          // K_ and C_ are those of the start of this step
+  Real offset_ = 0;               ///< the norm of the positions that q is added to, with their rounding
+  Real factored_h_ = 0;           ///< the h of the factors of K_ and C_; NaN: there are none
+  Real rate_ = 1, new_rate_ = 1;  ///< of convergence, in the last accepted step and the last attempt
+  std::int64_t steps_ = 0;        ///< accepted
+  bool slow_ = false, new_slow_ = false;  ///< the same
+  bool linearised_here_ = false;          ///< K_ and C_ are those of the start of this step
   ImplicitWork work_;
 };
 

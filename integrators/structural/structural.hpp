@@ -67,6 +67,8 @@ class SymplecticEuler {
   static constexpr bool may_estimate_error = false;
   static constexpr bool is_explicit = true;
 
+  /// Forgets the acceleration: the first attempt evaluates it.
+  /// @param y  (q, v), shape (2 n)
   template <SecondOrderSystem Sys>
   void init(const Sys& system, Real, const State& y) {
     copy_state(y, slope_);
@@ -75,6 +77,8 @@ class SymplecticEuler {
     slope_known_ = end_slope_known_ = false;
   }
 
+  /// y_new by one evaluation of f at (t, y), which is kept for attempts with another h.
+  /// @returns always ok: no equations are solved
   template <SecondOrderSystem Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     if (!slope_known_) system.rhs(t, y, slope_);
@@ -83,6 +87,7 @@ class SymplecticEuler {
     const Eigen::Index n = detail::dofs_of(y);
     detail::for_each_dof(y, [&](Eigen::Index i) {
       const auto v = y[n + i] + h * slope_[n + i];
+      // q_new = q + h v_new
       y_new[n + i] = v;
       y_new[i] = y[i] + h * v;
     });
@@ -108,6 +113,7 @@ class SymplecticEuler {
   }
 
  private:
+  /// f = (v, a) at both ends of the step, shape (2 n).
   State slope_, end_slope_;
   Eigen::Index n_ = 0;
   bool slope_known_ = false, end_slope_known_ = false;
@@ -172,10 +178,13 @@ class KickDriftKick {
     }
   }
 
+  /// y_new by one evaluation of f at (t + h, q_new, v_half or v_p).
+  /// @returns always ok: the damping equation is diagonal
   template <SecondOrderSystem Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
     const Eigen::Index n = detail::dofs_of(y);
     const Real half = h / 2;
+    // q_new = q + h v_half, and v_half or v_p = v_half + h/2 a in the place of v_new.
     detail::for_each_dof(y, [&](Eigen::Index i) {
       const Scalar v_half = y[n + i] + half * slope_[n + i];
       y_new[i] = y[i] + h * v_half;
@@ -183,11 +192,13 @@ class KickDriftKick {
     });
     system.rhs(t + h, y_new, new_slope_);
     if constexpr (lumped) {
+      // 1 / (1 + h/2 D / M), computed again when h changes.
       if (h != inverse_of_) [[unlikely]] {
         detail::for_each_dof(
             y, [&](Eigen::Index i) { inverse_[i] = Scalar(1) / (Scalar(1) + half * damping_[i]); });
         inverse_of_ = h;
       }
+      // a_new = (M^-1 F(t + h, q_new, v_p) + h/2 M^-1 D a) / (1 + h/2 M^-1 D)
       detail::for_each_dof(y, [&](Eigen::Index i) {
         new_slope_[n + i] = (new_slope_[n + i] + half * damping_[i] * slope_[n + i]) * inverse_[i];
       });
@@ -219,7 +230,7 @@ class KickDriftKick {
   }
 
  private:
-  /// damping_[i] = D_i / m_i.
+  /// damping_[i] = D_i / m_i, D = diag(C) at the start of the run.
   template <SecondOrderSystem Sys>
   void lump_damping(const Sys& system, Real t, const State& y) {
     const Eigen::Index n = system.dofs();
@@ -238,6 +249,7 @@ class KickDriftKick {
 
   /// slope_ = (v, a) at the start of a step, new_slope_ at its end.
   State slope_, new_slope_;
+  /// Only central differences need memory for D.
   struct Nothing {};
   using IfLumped = std::conditional_t<lumped, State, Nothing>;
   [[no_unique_address]] IfLumped damping_;  ///< D / M, in the first half
@@ -245,6 +257,7 @@ class KickDriftKick {
   Real inverse_of_ = 0;                     ///< the h of inverse_
 };
 
+/// Orders where F depends on v: velocity Verlet 1, the other two 2.
 template <class State>
 using VelocityVerlet = KickDriftKick<State, KickDamping::half_step>;
 template <class State>
