@@ -17,7 +17,7 @@ namespace hmax {
 /// The time from t0 to t_end. Where t_end < t0 a run goes backwards, with steps h < 0.
 template <class Real>
 struct Span {
-  Real t0, t_end;
+  Real t0, t_end;  ///< in the unit of the system; s for tissue
 
   /// The sign of the steps: 1, or -1 backwards.
   [[nodiscard]] constexpr Real direction() const { return t_end < t0 ? Real(-1) : Real(1); }
@@ -26,11 +26,11 @@ struct Span {
 /// The step to attempt: from t to t_next = t + h up to rounding; `last` when t_next is the end of the span.
 template <class Real>
 struct Proposal {
-  Real h, t_next;
+  Real h, t_next;  ///< signed; may differ from t_next - t in rounding
   bool last;
 };
 
-/// What became of an attempt.
+/// What became of an attempt: accepted; to be repeated with the step that propose() says; or the run ends.
 enum class Judgement { accept, retry, give_up };
 
 // A control has four verbs. start(stepper, system, span, y) begins a run, after the stepper's init(), and
@@ -39,13 +39,13 @@ enum class Judgement { accept, retry, give_up };
 // made a candidate, and failed(stepper, step) of one that did not.
 
 namespace detail {
-/// What rounding may do to a difference of two times in the span.
+/// What rounding may do to a difference of two times in the span: 4 eps max(|t0|, |t_end|).
 template <class Real>
 Real rounding_of(Span<Real> span) {
   return 4 * std::numeric_limits<Real>::epsilon() * std::max(std::abs(span.t0), std::abs(span.t_end));
 }
 
-/// Below 16 units in the last place of t a step no longer moves time reliably.
+/// 16 eps |t|: a shorter step no longer moves time reliably.
 template <class Real>
 Real smallest_step(Real t) {
   return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t), std::numeric_limits<Real>::min());
@@ -54,12 +54,14 @@ Real smallest_step(Real t) {
 /// The end of a run for controls that choose their steps, h < 0 backwards.
 template <class Real>
 struct Destination {
-  Real t_end = 0, direction = 1;
+  Real t_end = 0, direction = 1;  ///< direction is 1, or -1 backwards
 
   explicit Destination(Span<Real> span) : t_end(span.t_end), direction(span.direction()) {}
   Destination() = default;
 
-  /// A step of h, or the last one where `stretch` h reaches the end: no step passes it, and none is a sliver.
+  /// A step of h, or the last one where `stretch` h reaches the end: no step passes it, and none is a
+  /// sliver.
+  /// @param stretch  >= 1; a last step may be that much longer than h
   [[nodiscard]] Proposal<Real> propose(Real t, Real h, Real stretch) const {
     if (direction * (t_end - (t + stretch * h)) <= 0) [[unlikely]]
       return {t_end - t, t_end, true};
@@ -82,6 +84,7 @@ std::int64_t fixed_step_count(Span<Real> span, Real h) {
   const Real nearest = std::round(quotient);
   const Real sliver = std::max(Real(1e-9), detail::rounding_of(span) / std::abs(h));
   const Real count = std::abs(quotient - nearest) <= sliver ? nearest : std::ceil(quotient);
+  // 9e18 is below the largest 64-bit integer.
   if (!(count < Real(9e18))) return std::numeric_limits<std::int64_t>::max();
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(count));
 }
@@ -97,8 +100,11 @@ std::int64_t fixed_step_count(Real length, Real h) {
 template <class Real>
 class FixedStep {
  public:
+  /// @param h  step size; its sign is that of the span where that runs backwards
   explicit FixedStep(Real h) : h_(h) {}
 
+  /// Counts the steps of the span. An h that does not lead to the end becomes 0, which ends the run at
+  /// once.
   template <class Stepper, System Sys>
   void start(const Stepper&, const Sys&, Span<Real> span, const typename Sys::State&) {
     span_ = span;
@@ -110,12 +116,14 @@ class FixedStep {
     last_h_ = std::abs(rest - h_) <= detail::rounding_of(span) ? h_ : rest;
   }
 
+  /// t_next = t0 + (n + 1) h, or t_end for the last step.
   Proposal<Real> propose(Real) const {
     if (n_ == last_) [[unlikely]]
       return {last_h_, span_.t_end, true};
     return {h_, at(n_ + 1), false};
   }
 
+  /// Every attempt that made a candidate is accepted: there is no error test.
   template <class Stepper, class Sys, class State>
   Judgement judge(const Stepper&, const Sys&, const Proposal<Real>&, const State&, const State&) {
     ++n_;
@@ -129,15 +137,18 @@ class FixedStep {
   }
 
  private:
+  /// t0 + n h.
   [[nodiscard]] Real at(std::int64_t n) const { return span_.t0 + static_cast<Real>(n) * h_; }
 
-  Real h_;
+  Real h_;  ///< signed; 0 where it does not lead to the end
   Span<Real> span_{};
-  std::int64_t n_ = 0, last_ = 0;
-  Real last_h_ = 0;
+  std::int64_t n_ = 0, last_ = 0;  ///< accepted steps, and the number of the last one
+  Real last_h_ = 0;                ///< its size
 };
 
-/// Steps steered by the error estimate of the method: `Controller` decides the size, `Norm` weighs the error.
+/// Steps steered by the error estimate of the method: `Controller` decides the size, `Norm` weighs the
+/// error. An attempt is accepted where err <= 1 in this norm, and the next step is h_next of the
+/// controller, at most h_max and at most the longest_step() of the stepper.
 /// A norm by component takes an absolute tolerance for each component; start() throws std::invalid_argument
 /// where there is not one for each.
 template <class Real, template <class> class Controller, template <class> class Norm = RmsNorm>
@@ -151,9 +162,14 @@ class Adaptive {
                  Norm<Real>{tolerances.rtol, tolerances.atol}) {}
 
   /// For a controller and a norm that are chosen at run time.
+  /// @param controller  constructed with the same error_order;  @param norm  with the same tolerances
   Adaptive(Tolerances<Real, Atol> tolerances, int error_order, Controller<Real> controller, Norm<Real> norm)
       : tolerances_(tolerances), norm_(norm), controller_(controller), error_order_(error_order) {}
 
+  /// Begins a run: gives the stepper its tolerances and chooses the first step, h_first or else that of
+  /// hairer_initial_step(), under MATLAB's rules that of matlab_initial_step() with h_max = |t_end - t0| /
+  /// 10.
+  /// @throws std::invalid_argument  unless there is one positive absolute tolerance for each component
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
     check_atol(tolerances_.atol, y.size());
@@ -177,6 +193,9 @@ class Adaptive {
     return destination_.propose(t, h_, matlab_rules() ? Real(1.1) : Real(1.01));
   }
 
+  /// Accepts where the error norm is at most 1.
+  /// @returns accept, retry with the shorter step of the controller, or give_up where that no longer moves
+  ///   t
   template <class Stepper, class Sys, class State>
   Judgement judge(const Stepper& stepper, const Sys&, const Proposal<Real>& step, const State& y,
                   const State& y_new) {
@@ -192,7 +211,7 @@ class Adaptive {
     return retry_or_give_up(step);
   }
 
-  /// An implicit equation without a solution: a shorter step starts nearer to it.
+  /// An implicit equation without a solution: a quarter of the step starts nearer to it.
   template <class Stepper>
   Judgement failed(const Stepper&, const Proposal<Real>& step) {
     h_ = step.h / 4;
@@ -200,6 +219,7 @@ class Adaptive {
   }
 
  private:
+  /// Whether steps and end of the run follow MATLAB's rules too.
   bool matlab_rules() const {
     if constexpr (requires { controller_.matlab_rules(); })
       return controller_.matlab_rules();
@@ -207,6 +227,7 @@ class Adaptive {
       return std::is_same_v<Controller<Real>, MatlabController<Real>>;
   }
 
+  /// give_up where the step is too short to move t, 16 eps |t|.
   Judgement retry_or_give_up(const Proposal<Real>& step) const {
     return std::abs(h_) <= detail::smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
   }
@@ -216,7 +237,7 @@ class Adaptive {
   Controller<Real> controller_;
   int error_order_;
   detail::Destination<Real> destination_;
-  Real h_ = 0;
+  Real h_ = 0;  ///< of the next attempt, signed
 };
 
 }  // namespace hmax

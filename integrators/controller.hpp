@@ -21,9 +21,12 @@ struct Verdict {
 /// square of the error norm; the error is acceptable when it is at most 1, and NaN is a rejection.
 template <class Real>
 class IntegralController {
+  /// @param error_order  q of err = O(h^q)
  public:
   explicit IntegralController(int error_order) : exponent_(Real(-0.5) / static_cast<Real>(error_order)) {}
 
+  /// @param error_squared  err^2;  @param h  of the attempt, signed; h_next has its sign
+  /// Factors lie in [0.2, 5], or in [0.2, 1] right after a rejection; an err that is not finite gives 0.2.
   Verdict<Real> judge(Real error_squared, Real h) {
     const bool accept = error_squared <= 1;  // false for NaN
     Real factor = std::isfinite(error_squared) ? Real(0.9) * std::pow(error_squared, exponent_) : Real(0.1);
@@ -33,8 +36,8 @@ class IntegralController {
   }
 
  private:
-  Real exponent_;
-  bool rejected_ = false;
+  Real exponent_;          ///< -1 / (2 q): of err^2
+  bool rejected_ = false;  ///< the last attempt was rejected
 };
 
 /// Proportional-integral controller: h_next = h 0.9 err^(-0.7/q) err_old^(0.4/q), smoother where stability
@@ -42,11 +45,14 @@ class IntegralController {
 template <class Real>
 class PiController {
  public:
+  /// @param error_order  q of err = O(h^q)
   explicit PiController(int error_order)
       : integral_(Real(-0.35) / static_cast<Real>(error_order)),
         proportional_(Real(0.2) / static_cast<Real>(error_order)),
         elementary_(Real(-0.5) / static_cast<Real>(error_order)) {}
 
+  /// A rejected attempt shrinks by the elementary formula. Factors lie in [0.2, 5], or in [0.2, 1] for the
+  /// first step after a rejection; an err that is not finite gives 0.2.
   Verdict<Real> judge(Real error_squared, Real h) {
     const bool accept = error_squared <= 1;
     if (!accept) {
@@ -54,6 +60,7 @@ class PiController {
       const Real factor =
           std::isfinite(error_squared) ? Real(0.9) * std::pow(error_squared, elementary_) : Real(0.1);
       return {false, h * std::clamp(factor, Real(0.2), Real(1))};
+      // h 0.9 err^(-0.7/q) err_old^(0.4/q), in squares: exponents -0.35 / q and 0.2 / q.
     }
     // An error of exactly zero must not make the next proportional term vanish.
     const Real error = std::max(error_squared, Real(1e-8));
@@ -65,8 +72,8 @@ class PiController {
   }
 
  private:
-  Real integral_, proportional_, elementary_;
-  Real previous_ = 1;
+  Real integral_, proportional_, elementary_;  ///< exponents of squares
+  Real previous_ = 1;                          ///< err^2 of the last accepted step, at least 1e-8
   bool rejected_ = false;
 };
 
@@ -81,6 +88,8 @@ class DeadbandController {
  public:
   explicit DeadbandController(int error_order) : exponent_(-0.5F / static_cast<float>(error_order)) {}
 
+  /// h where err is in (0.4, 0.8], else h 0.9 err^(-1/q), at most 5 h. A rejected attempt shrinks to 0.2 h
+  /// at least; an err that is not finite gives 0.1 h.
   Verdict<Real> judge(Real error_squared, Real h) {
     if (error_squared <= 1) [[likely]] {
       if (error_squared > Real(0.16) && error_squared <= Real(0.64)) [[likely]]
@@ -92,6 +101,7 @@ class DeadbandController {
   }
 
  private:
+  /// 0.9 err^(-1/q).
   Real factor(Real error_squared) const {
     const Real bounded = std::min(error_squared, Real(1e30));
     return Real(0.9F * std::exp2(exponent_ * std::log2(static_cast<float>(bounded))));
@@ -106,6 +116,8 @@ class MatlabController {
  public:
   explicit MatlabController(int error_order) : exponent_(Real(-0.5) / static_cast<Real>(error_order)) {}
 
+  /// Accepted: h min(5, 0.8 err^(-1/q)), or h right after a failure. Rejected: h max(0.1, 0.8 err^(-1/q))
+  /// at first, then h / 2; an err that is not finite gives h / 2.
   Verdict<Real> judge(Real error_squared, Real h) {
     if (!(error_squared <= 1)) {
       const bool first = !failed_;
@@ -119,8 +131,8 @@ class MatlabController {
   }
 
  private:
-  Real exponent_;
-  bool failed_ = false;
+  Real exponent_;        ///< -1 / (2 q): of err^2
+  bool failed_ = false;  ///< the attempt before was rejected
 };
 
 /// One of the controllers above, chosen at run time: for methods whose step costs far more than this choice.
@@ -133,6 +145,7 @@ class AnyController {
   Verdict<Real> judge(Real error_squared, Real h) {
     return std::visit([&](auto& controller) { return controller.judge(error_squared, h); }, controller_);
   }
+  /// Whether runs follow the other rules of MATLAB's solvers too, see Adaptive.
   [[nodiscard]] bool matlab_rules() const {
     return std::holds_alternative<MatlabController<Real>>(controller_);
   }

@@ -14,9 +14,10 @@ namespace hmax {
 /// @tparam Atol  Real, the same for all components, or a vector with one for each
 template <class Real, class Atol>
 struct WeightedRms {
-  Real rtol;
-  Atol atol;
+  Real rtol;  ///< relative tolerance
+  Atol atol;  ///< one number, or a vector of shape (n), in the units of the state
 
+  /// (1/n) sum_i (e_i / (atol_i + rtol max(|y_i|, |y_new,i|)))^2; NaN where an e_i is NaN.
   /// @param error  callable, error(i) = component i of the local error
   template <class State, class Error>
   Real squared(const State& y, const State& y_new, const Error& error) const {
@@ -33,9 +34,11 @@ struct WeightedRms {
 /// rtol [shampine1997matlab]; here divided by rtol, squared.
 template <class Real, class Atol>
 struct WeightedMaximum {
-  Real rtol;
-  Atol atol;
+  Real rtol;  ///< relative tolerance
+  Atol atol;  ///< one number, or a vector of shape (n), in the units of the state
 
+  /// max_i (e_i / max(rtol |y_i|, rtol |y_new,i|, atol_i))^2; NaN where an e_i is NaN.
+  /// @param error  callable, error(i) = component i of the local error
   template <class State, class Error>
   Real squared(const State& y, const State& y_new, const Error& error) const {
     Real largest{0};
@@ -43,6 +46,7 @@ struct WeightedMaximum {
       const Real weight =
           std::max({rtol * std::abs(y[i]), rtol * std::abs(y_new[i]), detail::atol_of(atol, i)});
       const Real e = Eigen::numext::abs2(error(i) / weight);
+      // A comparison alone would overlook NaN.
       if (e > largest || std::isnan(e)) largest = e;
     }
     return largest;
@@ -63,7 +67,7 @@ using ComponentMatlabNorm = WeightedMaximum<Real, Eigen::Vector<Real, Eigen::Dyn
 template <class Real>
 struct AnyNorm {
   Real rtol, atol;
-  bool matlab = false;
+  bool matlab = false;  ///< MatlabNorm, else RmsNorm
 
   template <class State, class Error>
   Real squared(const State& y, const State& y_new, const Error& error) const {

@@ -16,7 +16,8 @@ inline auto hermite(Real theta, const Y0& y0, const Y1& y1, const D0& d0, const 
          (theta * rest) * ((Real(2) * theta - Real(1)) * (y1 - y0) + rest * d0 - theta * d1);
 }
 
-/// out = u(theta) for a step of size h with the slopes f0, f1 at its ends. `out` is none of the others.
+/// out = u(theta) for a step of size h with the slopes f0, f1 at its ends, d0 = h f0 and d1 = h f1. `out`
+/// is none of the others.
 template <class State>
 void hermite_step(real_of<State> h, const State& y0, const State& y1, const State& f0, const State& f1,
                   real_of<State> theta, State& out) {

@@ -9,8 +9,10 @@
 
 namespace hmax {
 
-/// The starting step of [hairer1993solving, II.4]: an explicit Euler step estimates the second derivative,
-/// and h is chosen so that h^q max(|f|, |y''|) = 0.01. Two evaluations of f.
+/// The starting step of [hairer1993solving, II.4]: an explicit Euler step of h0 estimates the second
+/// derivative, and h is chosen so that h^q max(|f|, |y''|) = 0.01. Two evaluations of f.
+///   h0 = 0.01 |y| / |f|,   |y''| ~ |f(t + h0, y + h0 f) - f| / h0,   h = min(100 h0, (0.01 / max(|f|,
+///   |y''|))^(1/q))
 /// @param error_order  q, order of the local error estimate
 /// @param norm         RmsNorm or MatlabNorm, which carry the tolerances
 /// @param span         t_end - t0, negative backwards
@@ -26,6 +28,7 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   auto size_of = [&](auto&& component) { return std::sqrt(norm.squared(y, y, component)); };
   const Real d0 = size_of([&](Eigen::Index i) { return y[i]; });
   const Real d1 = size_of([&](Eigen::Index i) { return f0[i]; });
+  // 1e-6 where y or f says nothing.
   Real h0 = d0 < Real(1e-5) || d1 < Real(1e-5) ? Real(1e-6) : Real(0.01) * d0 / d1;
   if (!std::isfinite(h0)) h0 = Real(1e-6);
   const Real length = std::abs(span);
@@ -35,6 +38,7 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   system.rhs(t + step, y1, f1);
   const Real d2 = size_of([&](Eigen::Index i) { return (f1[i] - f0[i]) / h0; });
   const Real steepest = std::max(d1, d2);
+  // Where f and y'' vanish: max(1e-6, h0 / 1000).
   const Real h1 = steepest <= Real(1e-15)
                       ? std::max(Real(1e-6), h0 * Real(1e-3))
                       : std::pow(Real(0.01) / steepest, Real(1) / static_cast<Real>(error_order));
@@ -42,8 +46,9 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   return h > 0 && std::isfinite(h) ? h : h0;
 }
 
-/// The starting step of MATLAB's ode23 and ode45: h = 0.8 rtol^(1/q) / |f / max(|y|, atol/rtol)|_inf, at most
-/// h_max [shampine1997matlab]. One evaluation of f.
+/// The starting step of MATLAB's ode23 and ode45: h = 0.8 rtol^(1/q) / |f / max(|y|, atol/rtol)|_inf, at
+/// most h_max [shampine1997matlab]. One evaluation of f.
+/// @param error_order  q, order of the local error estimate
 /// @param atol  a number, or one for each component
 template <System Sys, class Atol>
 real_of<typename Sys::State> matlab_initial_step(const Sys& system, real_of<typename Sys::State> t,
@@ -57,6 +62,7 @@ real_of<typename Sys::State> matlab_initial_step(const Sys& system, real_of<type
   for (Eigen::Index i = 0; i < y.size(); ++i)
     rate = std::max(rate, std::abs(f0[i]) / std::max(std::abs(y[i]), detail::atol_of(atol, i) / rtol));
   const Real h = Real(0.8) * std::pow(rtol, Real(1) / static_cast<Real>(error_order));
+  // h_max where f = 0.
   return h_max * rate > h ? h / rate : h_max;
 }
 

@@ -17,11 +17,14 @@
 
 namespace hmax {
 
+/// It refers to the states of the loop and is valid during the call of the observer only.
 /// What every view of a step has: both ends, and the request to end the run.
 template <class State>
 class StepEnds {
  public:
   using Real = real_of<State>;
+  /// @param h       t1 - t0 up to rounding, negative backwards
+  /// @param y0, y1  states at t0 and t1, shape (n); they must outlive this view
   StepEnds(Real t0, Real t1, Real h, const State& y0, const State& y1)
       : t0_(t0), t1_(t1), h_(h), y0_(y0), y1_(y1) {}
 
@@ -35,6 +38,7 @@ class StepEnds {
   void stop_at(Real t) {
     if (!stop_ || std::abs(t - t0_) < std::abs(*stop_ - t0_)) stop_ = t;
   }
+  /// The request of an observer, if there is one.
   [[nodiscard]] const std::optional<Real>& stop() const { return stop_; }
   /// The time up to which the step counts: t1, or the stop that an observer before has requested.
   [[nodiscard]] Real t_end() const { return stop_ ? *stop_ : t1_; }
@@ -52,11 +56,13 @@ class StepView : public StepEnds<typename Sys::State> {
   using State = typename Sys::State;
   using Real = real_of<State>;
 
+  /// @param stepper  after a successful attempt of `step` from y0, before accept()
   StepView(StepperT& stepper, const Sys& system, Real t0, const Proposal<Real>& step, const State& y0,
            const State& y1)
       : StepEnds<State>(t0, step.t_next, step.h, y0, y1), stepper_(stepper), system_(system) {}
 
-  /// out = y(t) by dense output, t in [t0, t1]; costs nothing unless called and never shortens a step.
+  /// out = y(t) by dense output, t in [t0, t1], shape (n); costs nothing unless called and never shortens a
+  /// step. At t1 it is y1 exactly.
   void at(Real t, State& out) {
     if (t == this->t1())
       copy_state(this->y1(), out);
@@ -83,15 +89,16 @@ struct ObserveNothing {};
 /// How a run ended: at time t, or diverged at time t (the last admissible state is kept).
 template <class Real>
 struct RunEnd {
-  Outcome outcome;
-  Real t;
-  Stats stats;  ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
+  Outcome outcome;  ///< why the run ended
+  Real t;           ///< where it ended or failed
+  Stats stats;      ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
   std::string_view note{};  ///< why equations were not solved; a foreign engine's own words for a failure
   Real t_state = t;         ///< of the state that is kept: before t where the run diverged
 };
 
 /// For engines that step forwards only.
 /// @throws std::invalid_argument  where the span runs backwards
+/// @param engine  its name, the subject of the message
 template <class Real>
 void expect_forwards(Span<Real> span, std::string_view engine) {
   if (span.t_end < span.t0)
@@ -102,6 +109,7 @@ void expect_forwards(Span<Real> span, std::string_view engine) {
 
 namespace detail {
 
+/// The loop of integrate(): attempt, judgement, observer, accept, until the span or the run ends.
 template <class StepperT, System Sys, class Control, class Observer>
 inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& system,
                                                  Span<real_of<typename Sys::State>> span,

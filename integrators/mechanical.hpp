@@ -17,6 +17,7 @@ namespace hmax {
 
 /// The Jacobian of M q'' = F(t, q, v) in its parts, all of n rows:
 ///   J = ( 0, I; -M^-1 K, -M^-1 C ),   K = -dF/dq,   C = -dF/dv.
+/// M is lumped, so M^-1 divides each row by m_i. Units for tissue: m [kg], K [N/m], C [N s/m].
 template <class RealT>
 struct MechanicalJacobian {
   using Real = RealT;
@@ -25,6 +26,7 @@ struct MechanicalJacobian {
   Eigen::Vector<Real, Eigen::Dynamic> mass;  ///< the diagonal of M, shape (n)
   Sparse stiffness, damping;                 ///< K and C, shape (n, n)
 
+  /// Exchanges memory; no copies.
   void swap(MechanicalJacobian& other) {
     mass.swap(other.mass);
     stiffness.swap(other.stiffness);
@@ -33,20 +35,21 @@ struct MechanicalJacobian {
   friend void swap(MechanicalJacobian& a, MechanicalJacobian& b) { a.swap(b); }
 };
 
-/// I - s J of a mechanical system, reduced to its velocities:
+/// I - s J of a mechanical system, reduced to its velocities. Elimination of x = b + s w gives
 ///   (I - s J)(x, w) = (b, d)   <=>   (M + s C + s^2 K) w = M d - s K b,   x = b + s w.
 /// @tparam Scalar  of s; complex where a method needs complex shifts
 template <class ScalarT>
 struct ShiftedMechanical {
   using Scalar = ScalarT;
   using Real = typename Eigen::NumTraits<Scalar>::Real;
-  Scalar s{};
+  Scalar s{};                                ///< the shift, h gamma of a stage [s]
   Eigen::Vector<Real, Eigen::Dynamic> mass;  ///< shape (n)
   Eigen::SparseMatrix<Real> stiffness;       ///< K, shape (n, n)
   Eigen::SparseMatrix<Scalar> reduced;       ///< M + s C + s^2 K, shape (n, n)
 };
 
 namespace detail {
+/// Whether two compressed sparse matrices have entries at the same places.
 template <class A, class B>
 bool same_pattern(const A& a, const B& b) {
   return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() && a.isCompressed() && b.isCompressed() &&
@@ -54,7 +57,8 @@ bool same_pattern(const A& a, const B& b) {
          std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
 }
 
-/// Copies values alone where the pattern is there already, which it then answers.
+/// Copies values alone where the pattern is there already; then nothing is allocated.
+/// @returns whether it was there
 template <class Matrix>
 bool copy_sparse(const Matrix& from, Matrix& to) {
   const bool same = same_pattern(from, to);
@@ -67,8 +71,8 @@ bool copy_sparse(const Matrix& from, Matrix& to) {
 }
 }  // namespace detail
 
-/// A = diag(m) + c C + k K for sparse C and K, written in place where they have one pattern with a full
-/// diagonal and A has it too.
+/// A = diag(m) + c C + k K for sparse C and K, shape (n, n), m of shape (n). Written in place where C, K
+/// and A have one pattern with a full diagonal; otherwise A gets the common pattern and allocates.
 template <class Real, class Scalar>
 void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar c,
                             const Eigen::SparseMatrix<Real>& C, Scalar k, const Eigen::SparseMatrix<Real>& K,
@@ -83,6 +87,7 @@ void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar
   }
   const Real *const of_C = C.valuePtr(), *const of_K = K.valuePtr();
   Scalar* const values = A.valuePtr();
+  // One pattern: entry by entry, then m on the diagonal, found by bisection in each column.
   for (Eigen::Index i = 0; i < A.nonZeros(); ++i) values[i] = c * of_C[i] + k * of_K[i];
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
     const auto *from = A.innerIndexPtr() + A.outerIndexPtr()[j],
@@ -91,6 +96,7 @@ void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar
   }
 }
 
+/// A = I - s J, as (s, M, K, M + s C + s^2 K).
 template <class Real, class Scalar>
 void set_shifted(const MechanicalJacobian<Real>& J, Scalar s, ShiftedMechanical<Scalar>& A) {
   A.s = s;
@@ -100,6 +106,7 @@ void set_shifted(const MechanicalJacobian<Real>& J, Scalar s, ShiftedMechanical<
 }
 
 namespace detail {
+/// Whether T is a MechanicalJacobian.
 template <class T>
 inline constexpr bool is_mechanical = false;
 template <class Real>
@@ -115,6 +122,7 @@ requires std::is_base_of_v < Eigen::SparseMatrixBase<typename Sys::DofMatrix>,
 typename Sys::DofMatrix > struct EquationsType<Sys> {
   using type = MechanicalJacobian<real_of<typename Sys::State>>;
 };
+/// The type of K and C of systems that decide at run time; their equations are dense, sparse or in parts.
 template <class Real>
 using DenseOrSparse =
     std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>>;

@@ -18,6 +18,9 @@ template <class State, class Sink>
 class SampleEvery {
  public:
   using Real = real_of<State>;
+  /// Calls sink(t0, y0) at once.
+  /// @param interval  > 0; its sign is taken from the span
+  /// @param sink      callable sink(t, y), y of shape (n); y is valid during the call only
   SampleEvery(Span<Real> span, Real interval, const State& y0, Sink sink)
       : span_(span),
         interval_(span.t_end < span.t0 ? -std::abs(interval) : interval),
@@ -27,6 +30,7 @@ class SampleEvery {
     sink_(span.t0, y0);
   }
 
+  /// Samples of one step: those in (t0, t1], or up to the stop that an observer before has requested.
   template <class View>
   void operator()(View& view) {
     for (; j_ <= count_; ++j_) {
@@ -39,20 +43,21 @@ class SampleEvery {
 
  private:
   Span<Real> span_;
-  Real interval_;
-  std::int64_t count_, j_ = 1;
+  Real interval_;               ///< signed
+  std::int64_t count_, j_ = 1;  ///< number of samples after t0, and the next one
   State sample_;
   Sink sink_;
 };
 
 /// Which sign changes of an event function count, in the order of the run.
+/// rising: g < 0 before and g >= 0 after the step. falling: g > 0 before and g <= 0 after it.
 enum class Crossing { rising, falling, any };
 
 /// A located event.
 template <class State>
 struct Event {
   real_of<State> t;
-  State y;
+  State y;  ///< by dense output at t, shape (n)
 };
 
 /// Records the zeros of g(t, y) along the dense output; a terminal event ends the run there.
@@ -62,10 +67,13 @@ struct Event {
 template <class State, class G>
 class EventFinder {
  public:
+  /// @param terminal  whether the first event ends the run
+  /// @param found     events are appended in the order of the run; must outlive the run
   using Real = real_of<State>;
   EventFinder(G g, Crossing crossing, bool terminal, std::vector<Event<State>>& found)
       : g_(std::move(g)), crossing_(crossing), terminal_(terminal), found_(found) {}
 
+  /// Looks for a sign change of g between the ends of the step, and for its place by bisection.
   template <class View>
   void operator()(View& view) {
     const Real g0 = g_(view.t0(), view.y0()), g1 = end_value(view);
@@ -73,6 +81,7 @@ class EventFinder {
     if (!(rises && crossing_ != Crossing::falling) && !(falls && crossing_ != Crossing::rising)) return;
     Real before = view.t0(), after = view.t_end();
     State y = view.y1();
+    // [before, after] always brackets the zero; it ends when no number lies between them.
     for (;;) {
       const Real middle = before + (after - before) / 2;
       if (middle == before || middle == after) break;
@@ -106,11 +115,13 @@ class EventFinder {
 
 /// Several observers as one, called in their order for each step. One made by observe() refers to those that
 /// have a name and owns the others.
+/// @tparam Observers  lvalue references for observers that have a name, values for the others
 template <class... Observers>
 class ObserverList {
  public:
   explicit ObserverList(Observers&&... observers) : observers_(std::forward<Observers>(observers)...) {}
 
+  /// Shows the step to each observer in turn.
   template <class View>
   void operator()(View& view) {
     std::apply([&](auto&... observer) { (observer(view), ...); }, observers_);

@@ -7,14 +7,17 @@
 
 namespace hmax {
 
-/// f at one time, for all iterations of a stage: what depends on time alone is evaluated once.
+/// f at one time, for all iterations of a stage: what depends on time alone is evaluated once. It refers to
+/// the system.
 template <System Sys>
 class SlopeAt {
   using State = typename Sys::State;
   using Real = real_of<State>;
 
  public:
+  /// @param t  the time of the stage, t_n + c_i h
   SlopeAt(const Sys& system, Real t) : system_(system), t_(part(system, t)) {}
+  /// dydt = f(t, y).
   void operator()(const State& y, State& dydt) const {
     if constexpr (TimeSplitSystem<Sys>)
       system_.rhs_at(t_, y, dydt);
@@ -23,6 +26,7 @@ class SlopeAt {
   }
 
  private:
+  /// g(t) of a system that splits it off, else t itself.
   static auto part(const Sys& system, Real t) {
     if constexpr (TimeSplitSystem<Sys>)
       return system.at(t);

@@ -28,6 +28,7 @@ class SpectralRadius {
   static constexpr int max_iterations = 50;
   static constexpr double margin = 1.2;  ///< of the result over the estimate
 
+  /// Forgets the direction of the run before.
   template <System Sys>
   void init(const Sys& system) {
     const Eigen::Index n = system.dim();
@@ -43,6 +44,7 @@ class SpectralRadius {
   Real estimate(const Sys& system, Real t, const State& y, const State& f0) {
     using std::abs, std::sqrt;
     first_direction(f0);
+    // Length of the difference: sqrt(eps) max(|y|, 1e-6 |f|).
     const Real y_norm = y.norm(), f_norm = f0.norm();
     Real d = sqrt(std::numeric_limits<Real>::epsilon());
     if (const Real size = std::max(y_norm, Real(1e-6) * f_norm); size > 0) d *= size;
@@ -52,6 +54,7 @@ class SpectralRadius {
       argument_ = y + d * direction_;
       system.rhs(t, argument_, slope_);
       slope_ -= f0;
+      // |f(t, y + d e_k) - f(t, y)| / d = sigma
       const Real length = slope_.norm(), sigma = length / d;
       if (!std::isfinite(sigma)) return radius_;
       if (length == 0) {
@@ -62,6 +65,7 @@ class SpectralRadius {
         continue;
       }
       slope_ /= length;
+      // The estimate: sigma for a real eigenvalue, the modulus of a complex pair otherwise.
       const Real pair = pair_modulus(sigma_before, sigma);
       const auto settled = [](Real a, Real b) { return abs(a - b) <= Real(0.01) * a; };
       before_.swap(direction_);
@@ -84,6 +88,7 @@ class SpectralRadius {
       const Real length = f0.norm();
       if (length > 0 && std::isfinite(length)) direction_ = f0 / length;
     }
+    // A component of random sign and at most 0.2 / sqrt(n), by a linear congruential generator.
     const Real part = Real(0.2) / std::sqrt(static_cast<Real>(direction_.size()));
     std::uint32_t random = 1;
     for (Eigen::Index i = 0; i < direction_.size(); ++i) {
@@ -100,18 +105,22 @@ class SpectralRadius {
     if constexpr (Eigen::NumTraits<typename State::Scalar>::IsComplex)
       return sigma;
     else {
+      // Normal equations of the two directions, with g = e_k . e_{k-1}, r1 = e_{k+1} . e_k, r0 = e_{k+1} .
+      // e_{k-1}.
       const Real g = before_.dot(direction_), r1 = slope_.dot(direction_), r0 = slope_.dot(before_);
       const Real determinant = 1 - g * g;
       if (!(determinant > Real(1e-6)) || sigma_before == 0) return sigma;
       const Real p = sigma * (r1 - g * r0) / determinant;
       const Real q = sigma_before * sigma * (r0 - g * r1) / determinant;
+      // Roots (p +- sqrt(p^2 + 4 q)) / 2; a complex pair has the modulus sqrt(-q).
       const Real discriminant = p * p + 4 * q;
       return discriminant < 0 ? sqrt(-q) : (abs(p) + sqrt(discriminant)) / 2;
     }
   }
 
+  /// e_k, e_{k-1}, y + d e_k, and its slope, shape (n).
   State direction_ = blank_state<State>(), before_ = direction_, argument_ = direction_, slope_ = direction_;
-  Real radius_ = 0;
+  Real radius_ = 0;  ///< result of the last estimate [1/s]
 };
 
 }  // namespace hmax

@@ -19,11 +19,13 @@ namespace hmax {
 /// buffer.
 inline constexpr int max_scalar_states = 8;
 
+/// Whether a state has a fixed size of at most max_scalar_states numbers.
 template <class State>
 inline constexpr bool is_small_state =
     State::SizeAtCompileTime != Eigen::Dynamic&& State::SizeAtCompileTime <= max_scalar_states;
 
 namespace detail {
+/// f(0), ..., f(N - 1), without a loop.
 template <class F, std::size_t... D>
 inline void unrolled(F&& f, std::index_sequence<D...>) {
   (f(static_cast<Eigen::Index>(D)), ...);
@@ -40,6 +42,7 @@ inline void for_each_component(F&& f) {
 /// A state for a member that init() will size: zero where the size is fixed, since a stepper is copied into
 /// its run and numbers without a value must not be.
 template <class State>
+/// @returns an empty vector where the size is not known, zeros where it is
 inline State blank_state() {
   if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
     return State();
@@ -62,6 +65,7 @@ template <class State>
 inline bool is_bounded(const State& y) {
   using Real = real_of<State>;
   if constexpr (is_small_state<State>) {
+    // One pass without a branch: any overflow or NaN reaches the sum.
     Real sum{0};
     for_each_component<State>([&](Eigen::Index d) { sum += Eigen::numext::abs2(y[d]); });
     return sum <= std::numeric_limits<Real>::max();
@@ -71,9 +75,8 @@ inline bool is_bounded(const State& y) {
 }
 
 /// Whether a solution of the system can be at y. A run that leaves what its system admits is
-/// `diverged`: of
-/// concentrations that add up to one, of a body that would be a million times its size. A type says so by
-/// `bool admits(const State& y) const`; others admit every bounded state.
+/// `diverged`: of concentrations that add up to one, of a body that would be a million times its size. A type
+/// says so by `bool admits(const State& y) const`; others admit every bounded state.
 template <System S>
 constexpr bool admits(const S& system, const typename S::State& y) {
   if constexpr (requires { system.admits(y); })
@@ -110,6 +113,7 @@ constexpr std::size_t next_weight(std::size_t j) {
 
 /// left + sum_{j >= J} (h weight_j) term(j) as one expression, from left to right.
 template <StaticRow Row, class Real, std::size_t J, class Term, class Left>
+/// @tparam J  the first weight that is used; zero weights are skipped by the compiler
 inline auto fold_weights(Real h, const Term& term, const Left& left) {
   if constexpr (J >= Row::size)
     return left;
@@ -118,7 +122,8 @@ inline auto fold_weights(Real h, const Term& term, const Left& left) {
         h, term, left + (h * static_cast<Real>(Row::weight(J))) * term(J));
 }
 
-/// sum_j (h weight_j) term(j) as one expression; the row has at least one weight that is not zero.
+/// sum_j (h weight_j) term(j) as one expression; the row has at least one weight that is not zero, else it
+/// does not compile.
 template <StaticRow Row, class Real, class Term>
 inline auto weighted_sum(Real h, const Term& term) {
   constexpr std::size_t first = next_weight<Row>(0);
@@ -129,6 +134,7 @@ inline auto weighted_sum(Real h, const Term& term) {
 
 /// Writes expression(access) into out, where access(v) is a component or the whole of a vector: number by
 /// number for small states, one Eigen expression and one pass over memory for the others.
+/// The expression may contain out: number i of the result depends on number i of each vector alone.
 template <class State, class Expression>
 inline void assign(State& out, const Expression& expression) {
   if constexpr (is_small_state<State>)
@@ -165,7 +171,7 @@ inline void add_increment(Row, const State& y, real_of<State> h, const Stages& k
   });
 }
 
-/// Component d of h sum_j weight_j k_j.
+/// Component d of h sum_j weight_j k_j; k[j] of shape (n).
 template <StaticRow Row, class Stages, class Real>
 inline auto increment_component(Row, Real h, const Stages& k, Eigen::Index d) {
   return detail::weighted_sum<Row, Real>(h, [&](std::size_t j) { return k[j][d]; });
@@ -180,6 +186,7 @@ inline auto increment_component(std::span<const long double> weights, Real h, co
     if (weights[j] != 0) sum += (h * static_cast<Real>(weights[j])) * k[j][d];
   return sum;
 }
+/// out = y + h sum_j weights_j k_j, with weights known at run time; k[j] and y of shape (n).
 template <class State, class Stages>
 inline void add_increment(std::span<const long double> weights, const State& y, real_of<State> h,
                           const Stages& k, State& out) {
@@ -206,6 +213,7 @@ inline void for_each_block(Eigen::Index n, F&& f) {
 /// of shape (n). One pass over memory.
 template <class Real, class Terms, class State>
 inline void combine(std::span<const Real> weights, const Terms& terms, State& out) {
+  // Small: numbers in registers; large: blocks that stay in the cache while all terms are added.
   if constexpr (is_small_state<State>) {
     for_each_component<State>([&](Eigen::Index d) {
       typename State::Scalar sum = weights[0] * terms[0][d];

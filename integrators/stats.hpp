@@ -25,30 +25,35 @@ struct Stats {
 
 /// What an implicit method did inside its attempts; the loop adds it to the Stats of the run.
 struct ImplicitWork {
-  std::int64_t factorisations = 0, newton = 0;
-  double newton_error = 0;     ///< as in Stats
-  std::string_view failure{};  ///< why the last equations that were not solved were not
+  std::int64_t factorisations = 0, newton = 0;  ///< as in Stats
+  double newton_error = 0;                      ///< as in Stats
+  std::string_view failure{};                   ///< why the last equations that were not solved were not
 };
 
 /// A system that counts the calls of its verbs into the Stats of the caller; everything else is the system's
 /// own. It holds a copy of the system.
 template <System S>
+/// @tparam S  any system; Counted<S> has every verb that S has
 class Counted : public S {
  public:
   using State = typename S::State;
   using Real = real_of<State>;
+  /// @param stats  must live as long as this system and its copies
   Counted(const S& system, Stats& stats) : S(system), stats_(&stats) {}
 
+  /// f(t, y), one evaluation.
   void rhs(Real t, const State& y, State& dydt) const {
     ++stats_->rhs;
     S::rhs(t, y, dydt);
   }
+  /// f(g(t), y), one evaluation; g itself is not counted.
   template <class TimePart>
   requires TimeSplitSystem<S>
   void rhs_at(const TimePart& part, const State& y, State& dydt) const {
     ++stats_->rhs;
     S::rhs_at(part, y, dydt);
   }
+  /// df/dy, one evaluation; differences count as evaluations of f instead.
   template <class Matrix>
   requires DifferentiableSystem<S>
   void jacobian(Real t, const State& y, Matrix& J) const {
@@ -79,6 +84,7 @@ class Counted : public S {
     ++stats_->rhs;
     S::rhs_nonstiff(t, y, dydt);
   }
+  /// The Jacobian of the stiff part, one evaluation of df/dy.
   template <class Matrix>
   requires SplitSystem<S>
   void jacobian_stiff(Real t, const State& y, Matrix& J) const {
@@ -87,7 +93,7 @@ class Counted : public S {
   }
 
  private:
-  Stats* stats_;
+  Stats* stats_;  ///< not owned
 };
 
 }  // namespace hmax

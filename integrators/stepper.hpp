@@ -16,12 +16,12 @@ enum class StepStatus {
 
 /// How a run ended.
 enum class Outcome {
-  reached_end,
+  reached_end,     ///< the state is that at the end of the span
   stopped,         ///< an observer asked for it (a terminal event)
   diverged,        ///< the state is not finite, or not what the system admits
   step_too_small,  ///< a step no longer changes t, or the error test fails at one that hardly does
-  too_many_steps,
-  newton_failed,
+  too_many_steps,  ///< max_steps attempts, rejected ones included
+  newton_failed,   ///< stage equations are not solved and the step cannot be cut
 };
 
 /// The word that stores, tables and JSON use.

@@ -23,7 +23,9 @@ template <class S>
 concept System = requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
                           typename S::State& dydt) {
   typename S::State;
+  // n, the number of first-order equations
   { system.dim() } -> std::convertible_to<Eigen::Index>;
+  // dydt = f(t, y)
   system.rhs(t, y, dydt);
 };
 
@@ -31,6 +33,7 @@ concept System = requires(const S& system, real_of<typename S::State> t, const t
 template <class State>
 using jacobian_of = Eigen::Matrix<typename State::Scalar, State::RowsAtCompileTime, State::RowsAtCompileTime>;
 
+/// S::Jacobian where a system declares it.
 namespace detail {
 template <class S>
 struct JacobianType {
@@ -43,9 +46,9 @@ struct JacobianType<S> {
 };
 }  // namespace detail
 
-/// The type a system writes its Jacobian into: S::Jacobian where it declares one (a dense matrix, an
-/// Eigen::SparseMatrix, or a std::variant of both for systems that decide at run time), else the dense matrix
-/// of its state.
+/// The type a system writes its Jacobian into, shape (dim, dim): S::Jacobian where it declares one (a dense
+/// matrix, an Eigen::SparseMatrix, or a std::variant of both for systems that decide at run time), else the
+/// dense matrix of its state.
 template <class S>
 using jacobian_type = typename detail::JacobianType<S>::type;
 
@@ -58,7 +61,7 @@ concept DifferentiableSystem = System<S> &&
 };
 
 /// A system that knows df/dt, shape (dim), which Rosenbrock methods ask for. One that does not depend on time
-/// says so instead: `static constexpr bool autonomous = true`.
+/// says so instead: `static constexpr bool autonomous = true`. dfdt_i = partial f_i / partial t at fixed y.
 template <class S>
 concept TimeDifferentiableSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
@@ -74,6 +77,7 @@ template <class S>
 concept SecondOrderSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::Dofs& q,
              const typename S::Dofs& v, typename S::Dofs& f, typename S::DofMatrix& matrix) {
+  // f = F [N] for displacements q [m] and velocities v [m/s] of tissue; matrix = K [N/m] or C [N s/m]
   { system.dofs() } -> std::convertible_to<Eigen::Index>;
   { system.mass() } -> std::convertible_to<typename S::Dofs>;
   system.force(t, q, v, f);
@@ -138,6 +142,7 @@ constexpr bool has_jacobian(const S& system) {
   else
     return DifferentiableSystem<S>;
 }
+/// Whether the system writes df/dt itself.
 template <System S>
 constexpr bool has_time_derivative(const S& system) {
   if constexpr (requires { system.has_time_derivative(); })
@@ -145,6 +150,7 @@ constexpr bool has_time_derivative(const S& system) {
   else
     return TimeDifferentiableSystem<S>;
 }
+/// Whether the system bounds the spectral radius of df/dy.
 template <System S>
 constexpr bool has_spectral_radius(const S& system) {
   if constexpr (requires { system.has_spectral_radius(); })
@@ -153,6 +159,7 @@ constexpr bool has_spectral_radius(const S& system) {
     return BoundedSpectrumSystem<S>;
 }
 
+/// Whether the numbers of the state are added to larger ones.
 template <System S>
 constexpr bool has_offset(const S& system) {
   if constexpr (requires { system.has_offset(); })
@@ -161,7 +168,7 @@ constexpr bool has_offset(const S& system) {
     return OffsetSystem<S>;
 }
 
-/// True when f is known not to depend on time.
+/// True when f is known not to depend on time: df/dt = 0, and a difference in t is not worth an evaluation.
 template <System S>
 constexpr bool is_autonomous(const S& system) {
   if constexpr (requires { system.is_autonomous(); })

@@ -15,6 +15,7 @@ namespace hmax {
 template <class Real>
 class TimePart {
  public:
+  /// dydt = f(t, y); g(t) is evaluated only where t differs by more than 4 eps |t| from the time before.
   template <System Sys>
   void rhs(const Sys& system, Real t, const typename Sys::State& y, typename Sys::State& dydt) {
     if constexpr (is_kept<Sys>()) {
@@ -27,9 +28,11 @@ class TimePart {
       system.rhs(t, y, dydt);
     }
   }
+  /// For a new run: the next evaluation computes g.
   void forget() { t_ = std::numeric_limits<Real>::quiet_NaN(); }
 
  private:
+  /// Whether g of the system is one number of the type Real.
   template <class Sys>
   static constexpr bool is_kept() {
     if constexpr (TimeSplitSystem<Sys>)
@@ -38,7 +41,7 @@ class TimePart {
       return false;
   }
 
-  Real t_ = std::numeric_limits<Real>::quiet_NaN(), part_{};
+  Real t_ = std::numeric_limits<Real>::quiet_NaN(), part_{};  ///< time of part_, NaN: none; g at that time
 };
 
 }  // namespace hmax

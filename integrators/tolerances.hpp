@@ -20,10 +20,10 @@ inline constexpr double default_rtol = 1e-6, default_atol = 1e-9;
 /// @tparam AtolT  Real: one absolute tolerance for all components; a vector: one for each, shape (n)
 template <class Real, class AtolT = Real>
 struct Tolerances {
-  Real rtol = static_cast<Real>(default_rtol);
-  AtolT atol = AtolT(default_atol);  ///< in the units of the state
-  Real h_first = 0;                  ///< 0: chosen from the right-hand side
-  Real h_max = std::numeric_limits<Real>::infinity();
+  Real rtol = static_cast<Real>(default_rtol);         ///< relative, > 0
+  AtolT atol = AtolT(default_atol);                    ///< in the units of the state
+  Real h_first = 0;                                    ///< 0: chosen from the right-hand side
+  Real h_max = std::numeric_limits<Real>::infinity();  ///< longest step, in the unit of time
 };
 
 /// With an absolute tolerance for each component: ComponentTolerances<double>{1e-6, Eigen::Vector2d(1e-9,
@@ -59,6 +59,7 @@ auto largest_atol(const Atol& atol) {
 
 }  // namespace detail
 
+/// Checks an absolute tolerance for each component; one number for all is not checked here.
 /// @param n  components of the state
 /// @throws std::invalid_argument  unless a vector has a positive and finite number for each of them
 template <class Atol>
@@ -98,6 +99,7 @@ auto default_tolerances(const State& y0, std::initializer_list<Eigen::Index> blo
                                 " numbers; give lengths that add up to it");
   const Tolerances<Real> whole = default_tolerances(y0);
   ComponentTolerances<Real> tolerances{.rtol = whole.rtol, .atol = {}};
+  // Every component first takes the tolerance of the whole state, which blocks of zeros keep.
   tolerances.atol.setConstant(y0.size(), whole.atol);
   Eigen::Index first = 0;
   for (const Eigen::Index length : blocks) {
