@@ -103,8 +103,7 @@ class FixedStep {
   /// @param h  step size; its sign is that of the span where that runs backwards
   explicit FixedStep(Real h) : h_(h) {}
 
-  /// Counts the steps of the span. An h that does not lead to the end becomes 0, which ends the run at
-  /// once.
+  /// Counts the steps of the span. An h that does not lead to the end becomes 0: the run ends.
   template <class Stepper, System Sys>
   void start(const Stepper&, const Sys&, Span<Real> span, const typename Sys::State&) {
     span_ = span;
@@ -167,8 +166,8 @@ class Adaptive {
       : tolerances_(tolerances), norm_(norm), controller_(controller), error_order_(error_order) {}
 
   /// Begins a run: gives the stepper its tolerances and chooses the first step, h_first or else that of
-  /// hairer_initial_step(), under MATLAB's rules that of matlab_initial_step() with h_max = |t_end - t0| /
-  /// 10.
+  /// hairer_initial_step(), under MATLAB's rules that of matlab_initial_step() and an h_max of at most
+  /// a tenth of the span.
   /// @throws std::invalid_argument  unless there is one positive absolute tolerance for each component
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
@@ -194,8 +193,7 @@ class Adaptive {
   }
 
   /// Accepts where the error norm is at most 1.
-  /// @returns accept, retry with the shorter step of the controller, or give_up where that no longer moves
-  ///   t
+  /// @returns accept, retry with the shorter step of the controller, or give_up where that is too short
   template <class Stepper, class Sys, class State>
   Judgement judge(const Stepper& stepper, const Sys&, const Proposal<Real>& step, const State& y,
                   const State& y_new) {

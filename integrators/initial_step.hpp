@@ -11,8 +11,8 @@ namespace hmax {
 
 /// The starting step of [hairer1993solving, II.4]: an explicit Euler step of h0 estimates the second
 /// derivative, and h is chosen so that h^q max(|f|, |y''|) = 0.01. Two evaluations of f.
-///   h0 = 0.01 |y| / |f|,   |y''| ~ |f(t + h0, y + h0 f) - f| / h0,   h = min(100 h0, (0.01 / max(|f|,
-///   |y''|))^(1/q))
+///   h0 = 0.01 |y| / |f|,   |y''| ~ |f(t + h0, y + h0 f) - f| / h0,
+///   h = min(100 h0, (0.01 / max(|f|, |y''|))^(1/q))
 /// @param error_order  q, order of the local error estimate
 /// @param norm         RmsNorm or MatlabNorm, which carry the tolerances
 /// @param span         t_end - t0, negative backwards

@@ -65,7 +65,7 @@ class SpectralRadius {
         continue;
       }
       slope_ /= length;
-      // The estimate: sigma for a real eigenvalue, the modulus of a complex pair otherwise.
+      // The larger root of the recurrence: it settles for a complex pair too, where sigma does not.
       const Real pair = pair_modulus(sigma_before, sigma);
       const auto settled = [](Real a, Real b) { return abs(a - b) <= Real(0.01) * a; };
       before_.swap(direction_);
@@ -105,8 +105,7 @@ class SpectralRadius {
     if constexpr (Eigen::NumTraits<typename State::Scalar>::IsComplex)
       return sigma;
     else {
-      // Normal equations of the two directions, with g = e_k . e_{k-1}, r1 = e_{k+1} . e_k, r0 = e_{k+1} .
-      // e_{k-1}.
+      // Normal equations with g = e_k . e_{k-1}, r1 = e_{k+1} . e_k, r0 = e_{k+1} . e_{k-1}.
       const Real g = before_.dot(direction_), r1 = slope_.dot(direction_), r0 = slope_.dot(before_);
       const Real determinant = 1 - g * g;
       if (!(determinant > Real(1e-6)) || sigma_before == 0) return sigma;

@@ -27,14 +27,17 @@ struct BlockStructure {
     if (A.cols() % B != 0) return false;
     outer.assign(1, 0);
     inner.clear();
+    // starts[j]: first entry of column j; rows[p]: row of entry p.
     const int *starts = A.outerIndexPtr(), *rows = A.innerIndexPtr();
     for (Eigen::Index b = 0; b < A.cols() / B; ++b) {
       const int first = starts[B * b], length = starts[B * b + 1] - first;
+      // The B columns of a block column have one pattern.
       if (length % B != 0) return false;
       for (int c = 1; c < B; ++c)
         if (starts[B * b + c + 1] - starts[B * b + c] != length ||
             !std::equal(rows + first, rows + first + length, rows + starts[B * b + c]))
           return false;
+      // Their rows come in groups b B, b B + 1, ..., b B + B - 1.
       for (int p = first; p < first + length; p += B) {
         if (rows[p] % B != 0) return false;
         for (int r = 1; r < B; ++r)
@@ -46,7 +49,8 @@ struct BlockStructure {
     return true;
   }
 
-  /// y = A x for a symmetric A of this structure, shape (n): by columns, which are its rows.
+  /// y = A x for a symmetric A of this structure, shape (n): by columns, which are its rows. A may have
+  /// another scalar than x; y is sized by the caller.
   template <class Matrix, class X, class Y>
   void multiply(const Matrix& A, const X& x, Y& y) const {
     const auto* values = A.valuePtr();
@@ -57,6 +61,7 @@ struct BlockStructure {
       for (int c = 0; c < B; ++c) column[c] = values + A.outerIndexPtr()[B * b + c];
       for (int k = outer[b]; k < outer[b + 1]; ++k) {
         const auto* part = from + B * inner[k];
+        // total_c += sum_r A(r, c) x_r of one block
         for (int c = 0; c < B; ++c) {
           auto dot = column[c][0] * part[0];
           for (int r = 1; r < B; ++r) dot += column[c][r] * part[r];
@@ -76,10 +81,11 @@ class SymmetricBlocks {
   using Block = Eigen::Matrix<Real, B, B>;
   using Part = Eigen::Matrix<Real, B, 1>;
 
-  std::vector<int> outer{0}, inner;  ///< strictly lower blocks by rows: starts of rows, and columns in them
-  std::vector<Block> lower, diagonal;
+  std::vector<int> outer{0}, inner;    ///< strictly lower blocks by rows: starts of rows, and columns in them
+  std::vector<Block> lower, diagonal;  ///< A_ij, j < i, as in inner, and A_ii
 
   /// Makes room for the lower half of a pattern.
+  /// @param pattern  of the full matrix, block rows ascending in each column
   /// @returns false when a diagonal block is missing
   bool analyse(const BlockStructure<B>& pattern) {
     const std::size_t n = pattern.outer.size() - 1;
@@ -88,6 +94,7 @@ class SymmetricBlocks {
     diagonal.resize(n);
     bool full = true;
     for (std::size_t i = 0; i < n; ++i) {  // by rows: those of the symmetric matrix are its columns
+      // Those left of the diagonal block: its lower half.
       const int *from = pattern.inner.data() + pattern.outer[i],
                 *to = pattern.inner.data() + pattern.outer[i + 1];
       const int* own = std::lower_bound(from, to, static_cast<int>(i));
@@ -115,7 +122,7 @@ class SymmetricBlocks {
     }
   }
 
-  /// y = A x, shape (n).
+  /// y = A x, shape (n): each block below the diagonal serves twice, as itself and transposed.
   template <class X, class Y>
   void multiply(const X& x, Y& y) const {
     for (std::size_t i = 0; i < diagonal.size(); ++i) {
@@ -130,7 +137,8 @@ class SymmetricBlocks {
   }
 };
 
-/// L L^T ~ A with blocks only where A has them, A symmetric.
+/// L L^T ~ A with blocks only where A has them, A symmetric: L_ij for j < i, and L_ii a Cholesky factor.
+///   L_ij = (A_ij - sum_k L_ik L_jk^T) L_jj^-T,   L_ii L_ii^T = A_ii - sum_k L_ik L_ik^T
 /// @source [saad2003iterative] 10.3, with blocks for numbers; [manteuffel1980incomplete] for the shift
 template <class Real, int B>
 class IncompleteCholesky {
@@ -138,7 +146,8 @@ class IncompleteCholesky {
   using Block = Eigen::Matrix<Real, B, B>;
   using Part = Eigen::Matrix<Real, B, 1>;
 
-  /// Takes the pattern of A.
+  /// Takes the pattern of A and lists, for each block (i, j), the pairs L_ik, L_jk whose product it takes
+  /// up.
   void analyse(const SymmetricBlocks<Real, B>& A) {
     outer_ = A.outer;
     inner_ = A.inner;
@@ -159,6 +168,8 @@ class IncompleteCholesky {
       }
   }
 
+  /// Factors A + shift diag(A) with the first shift of 0, 1e-3, 2e-3, 4e-3, ... below 1 that works, else
+  /// the block diagonal of A alone.
   /// @returns false when a diagonal block of A is not positive definite
   bool factor(const SymmetricBlocks<Real, B>& A) {
     // What is left out may leave too little of a pivot, and then L grows without bound: A with a stronger
@@ -171,7 +182,7 @@ class IncompleteCholesky {
     return true;
   }
 
-  /// z = (L L^T)^-1 r, shape (n).
+  /// z = (L L^T)^-1 r, shape (n), by forward and backward substitution with blocks.
   template <class Vector>
   void apply(const Vector& r, Vector& z) const {
     const int n = static_cast<int>(inverse_.size());
@@ -190,12 +201,14 @@ class IncompleteCholesky {
   }
 
  private:
-  /// The factor of A + shift diag A. @returns false where too little of a pivot is left
+  /// The factor of A + shift diag A, row by row of blocks. @returns false where too little of a pivot is
+  /// left
   bool factor(const SymmetricBlocks<Real, B>& A, Real shift) {
     for (std::size_t i = 0; i < inverse_.size(); ++i) {
       Block d = (1 + shift) * A.diagonal[i];
       for (int p = outer_[i]; p < outer_[i + 1]; ++p) {
         Block b = A.lower[p];
+        // b = A_ij - sum_k L_ik L_jk^T, then L_ij = b L_jj^-T
         for (std::size_t k = first_product_[p]; k < first_product_[p + 1]; ++k)
           b.noalias() -= lower_[products_[k].own] * lower_[products_[k].other].transpose();
         lower_[p].noalias() = b * inverse_[inner_[p]].transpose();
@@ -207,10 +220,12 @@ class IncompleteCholesky {
   }
 
   /// The inverse of the Cholesky factor L of d: L L^T = d.
+  /// @returns false where d is not positive definite or the inverse not finite
   static bool invert(const Block& d, Block& inverse) {
     using std::sqrt;
     Block L;
     inverse.setZero();
+    // Column c of L below the diagonal; the diagonal as 1 / L_cc.
     for (int c = 0; c < B; ++c) {
       Real pivot = d(c, c);
       for (int k = 0; k < c; ++k) pivot -= L(c, k) * L(c, k);
@@ -222,6 +237,7 @@ class IncompleteCholesky {
         L(r, c) = entry * inverse(c, c);
       }
     }
+    // Forward substitution L X = I below the diagonal.
     for (int c = 0; c < B; ++c)
       for (int r = c + 1; r < B; ++r) {
         Real sum = 0;
@@ -234,11 +250,11 @@ class IncompleteCholesky {
   struct Product {
     int own, other;
   };
-  std::vector<int> outer_, inner_;          // strictly lower blocks by rows
-  std::vector<Block> lower_;                // L below its diagonal
-  std::vector<Block> inverse_;              // of the diagonal blocks of L
-  std::vector<Product> products_;           // of blocks of L that meet in one
-  std::vector<std::size_t> first_product_;  // of each block
+  std::vector<int> outer_, inner_;          ///< strictly lower blocks by rows
+  std::vector<Block> lower_;                ///< L below its diagonal
+  std::vector<Block> inverse_;              ///< of the diagonal blocks of L
+  std::vector<Product> products_;           ///< of blocks of L that meet in one
+  std::vector<std::size_t> first_product_;  ///< of each block
 };
 
 /// A x = b for a sparse symmetric positive definite A, shape (n, n), by preconditioned conjugate gradients.
@@ -253,6 +269,7 @@ class ConjugateGradients {
   /// Keeps a copy of A and makes its preconditioner.
   /// @param known  A has the pattern of the matrix that was prepared before
   /// @returns false when A has diagonal blocks that are not positive definite
+  /// @cost  one incomplete factorisation, or a few where the pivots need a shift
   bool prepare(const Matrix& A, bool known = false) {
     if (known) {
       std::copy_n(A.valuePtr(), A.nonZeros(), A_.valuePtr());
@@ -272,6 +289,7 @@ class ConjugateGradients {
     return full_ && (by_three_ ? three_.take(A_) : one_.take(A_));
   }
 
+  /// The copy of A.
   [[nodiscard]] const Matrix& matrix() const { return A_; }
 
   struct End {
@@ -279,23 +297,29 @@ class ConjugateGradients {
     int iterations;
   };
 
+  /// Begins at x = 0 and ends at |b - A x| <= tolerance |b|, in Euclidean norms, of the residual that the
+  /// iteration updates.
   /// @param most  iterations at most; 0: as many as it takes, with a bound that only rounding reaches
+  /// @returns solved = false also where A shows p^T A p <= 0, so that it is not positive definite
   template <class B, class X>
   End solve(const B& b, X& x, double tolerance, int most) {
     return by_three_ ? iterate(three_, b, x, tolerance, most) : iterate(one_, b, x, tolerance, most);
   }
 
  private:
+  /// A and its preconditioner, in blocks of one size.
   template <int Size>
   struct Parts {
     SymmetricBlocks<Real, Size> A;
     IncompleteCholesky<Real, Size> factor;
 
+    /// @returns false when a diagonal block is missing
     bool analyse(const BlockStructure<Size>& pattern) {
       const bool full = A.analyse(pattern);
       factor.analyse(A);
       return full;
     }
+    /// @returns false when a diagonal block is not positive definite
     template <class Matrix>
     bool take(const Matrix& values) {
       A.take(values);
@@ -303,6 +327,8 @@ class ConjugateGradients {
     }
   };
 
+  /// With M = L L^T:  alpha = r.z / p.A p,  x += alpha p,  r -= alpha A p,  z = M^-1 r,  beta = r_new.z_new
+  /// / r.z, p = z + beta p.
   template <int Size, class B, class X>
   End iterate(const Parts<Size>& parts, const B& b, X& x, double tolerance, int most) {
     r_ = b;
@@ -316,6 +342,7 @@ class ConjugateGradients {
     Real rz = r_.dot(z_);
     for (int k = 1; k <= limit; ++k) {
       parts.A.multiply(p_, q_);
+      // p^T A p
       const Real curvature = p_.dot(q_);
       if (!(curvature > 0) || !(rz > 0)) return {false, k};
       const Real step = rz / curvature;
@@ -334,6 +361,7 @@ class ConjugateGradients {
   bool by_three_ = false, full_ = false;
   Parts<3> three_;
   Parts<1> one_;
+  /// r = b - A x, z = M^-1 r, the direction p, and q = A p, shape (n).
   Vector r_, z_, p_, q_;
 };
 

@@ -19,6 +19,8 @@
 namespace hmax {
 
 namespace detail {
+/// Type of I - s J by type of J: dense stays dense, sparse stays sparse, parts become ShiftedMechanical, a
+/// variant becomes the variant of those.
 template <class Matrix, class Scalar>
 struct WithScalar {
   using type = Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, Matrix::ColsAtCompileTime>;
@@ -36,6 +38,7 @@ struct WithScalar<std::variant<Matrices...>, Scalar> {
   using type = std::variant<typename WithScalar<Matrices, Scalar>::type...>;
 };
 
+/// Whether T is a std::variant.
 template <class T>
 inline constexpr bool is_variant = false;
 template <class... T>
@@ -55,6 +58,8 @@ using with_scalar = typename detail::WithScalar<Matrix, Scalar>::type;
 
 /// A = I - s J. Its scalar may be complex where that of J is real.
 /// @param J  shape (n, n): dense, sparse, or a variant of these and of a MechanicalJacobian
+/// @param s  the shift, h gamma of a stage [s] where J is in 1/s
+/// @param A  keeps its memory where it has the size of J; dense: no allocation then
 template <class Matrix, class Scalar>
 void set_shifted(const Matrix& J, Scalar s, with_scalar<Matrix, Scalar>& A) {
   if constexpr (detail::is_variant<Matrix>) {
@@ -73,7 +78,9 @@ void set_shifted(const Matrix& J, Scalar s, with_scalar<Matrix, Scalar>& A) {
   }
 }
 
-/// A = diag(m) + c C + k K: the matrix of a second-order method, with m the lumped masses, shape (n).
+/// A = diag(m) + c C + k K: the matrix of a second-order method, with m the lumped masses, shape (n). C, K
+/// and A have shape (n, n); of variants, C must hold the same alternative as K.
+/// @throws std::bad_variant_access  where it does not
 template <class Vector, class Matrix, class Real>
 void set_combination(const Vector& m, Real c, const Matrix& C, Real k, const Matrix& K, Matrix& A) {
   if constexpr (detail::is_variant<Matrix>) {
@@ -104,6 +111,7 @@ Matrix blank_matrix() {
 /// solved here: Eigen's general routines would spend more time on their blocks and temporaries than on the
 /// arithmetic (two unknowns of dynamic size, factored once and solved eight times: 70 instead of 250 ns).
 template <class Matrix>
+/// @tparam Matrix  Eigen matrix of real or complex numbers, fixed or dynamic size
 class DenseLu {
  public:
   using Scalar = typename Matrix::Scalar;
@@ -122,6 +130,7 @@ class DenseLu {
     pivots_.resize(n);
   }
 
+  /// P A = L U.
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
     if (A.rows() != factors_.rows()) resize(A.rows());
@@ -133,12 +142,14 @@ class DenseLu {
         return pivots.allFinite() && pivots.minCoeff() > 0;
       }
     }
+    // Up to 16 unknowns: our own elimination.
     factors_ = A;
     if constexpr (fixed == 1) return is_pivot(A(0, 0));
     return A.rows() == 2 ? eliminate_two() : eliminate();
   }
 
-  /// x = A^-1 x, shape (n).
+  /// x = A^-1 x, shape (n): row exchanges and forward substitution with L, then backward substitution with
+  /// U.
   template <class Vector>
   void solve(Vector& x) {
     if constexpr (fixed == 1) {
@@ -165,6 +176,7 @@ class DenseLu {
   }
 
  private:
+  /// Unknowns up to which eliminate() is used.
   static constexpr Eigen::Index fixed = Matrix::RowsAtCompileTime, largest_small = 16;
   static constexpr bool may_be_large = fixed == Eigen::Dynamic || fixed > largest_small;
   static constexpr bool is_small(Eigen::Index n) { return n <= largest_small; }
@@ -210,6 +222,7 @@ class DenseLu {
     return is_pivot(a) && is_pivot(last);
   }
 
+  /// Whether |x| is finite and not subnormal.
   static bool is_pivot(Scalar x) {
     const Real size = std::abs(x);
     return size >= std::numeric_limits<Real>::min() && size <= std::numeric_limits<Real>::max();
@@ -223,12 +236,15 @@ class DenseLu {
   };
   struct Nothing {};
 
+  /// L below the diagonal, U above it, 1 / u_kk on it.
   Matrix factors_ = blank_matrix<Matrix>();
+  /// Row pivots_[k] was exchanged with row k in step k.
   Pivots pivots_ = blank_matrix<Pivots>();
   [[no_unique_address]] std::conditional_t<may_be_large, Large, Nothing> large_;
 };
 
 /// Solves A x = b, shape (n, n): dense by LU with partial pivoting, sparse by what fits the matrix.
+/// @tparam Matrix  dense or sparse Eigen matrix, ShiftedMechanical, or a variant of these
 template <class Matrix>
 class LinearSolver {
  public:
@@ -282,6 +298,7 @@ class LinearSolver {
   }
 
  private:
+  /// Sparse solvers are made when the first matrix comes: they are large.
   template <bool Sparse, class M>
   struct Choose {
     using type = DenseLu<M>;
@@ -294,14 +311,18 @@ class LinearSolver {
   LinearSolve choice_;
 };
 
-/// (I - s J) x = b of a mechanical system, by its n velocities.
+/// (I - s J) x = b of a mechanical system, by its n velocities. With x = (q, v) and b = (b, d):
+///   (M + s C + s^2 K) v = M d - s K b,   q = b + s v.
 template <class Scalar>
 class LinearSolver<ShiftedMechanical<Scalar>> {
  public:
   using Vector = Eigen::Vector<Scalar, Eigen::Dynamic>;
 
+  /// How the reduced equations are solved, where they are symmetric.
   void set(LinearSolve choice) { solver_.set(choice); }
 
+  /// Factors M + s C + s^2 K.
+  /// @returns false when it is singular or not finite; solve() must not be called then
   bool factor(const ShiftedMechanical<Scalar>& A) {
     // K is needed until the last solve: copied, since a matrix may move between factor() and solve().
     s_ = A.s;
@@ -316,31 +337,36 @@ class LinearSolver<ShiftedMechanical<Scalar>> {
     const Eigen::Index n = mass_.size();
     moved_ = x.head(n);
     velocity_.resize(n);
+    // K b; by blocks of 3 x 3 where K has them and is symmetric, since multiply() reads columns as rows.
     if (in_space_ && solver_.is_symmetric())  // K then is, as M and C are
       blocks_.multiply(stiffness_, moved_, velocity_);
     else
       velocity_.noalias() = stiffness_ * moved_;
+    // M d - s K b
     velocity_ = mass_.template cast<Scalar>().cwiseProduct(x.tail(n)) - s_ * velocity_;
     solver_.solve(velocity_);
     x.tail(n) = velocity_;
+    // q = b + s v
     x.head(n) = moved_ + s_ * velocity_;
   }
 
  private:
   Scalar s_{};
+  /// M and K of the last factor(), shapes (n) and (n, n).
   Eigen::Vector<typename Eigen::NumTraits<Scalar>::Real, Eigen::Dynamic> mass_;
   Eigen::SparseMatrix<typename Eigen::NumTraits<Scalar>::Real> stiffness_;
-  BlockStructure<3> blocks_;  // of K, if that is made of them
+  BlockStructure<3> blocks_;  ///< of K, if that is made of them
   bool in_space_ = false;
   LinearSolver<Eigen::SparseMatrix<Scalar>> solver_;
   Vector moved_, velocity_;
 };
 
-/// The same for a matrix whose kind is chosen at run time.
+/// The same for a matrix whose kind is chosen at run time. A change of kind makes a new solver.
 template <class... Matrices>
 class LinearSolver<std::variant<Matrices...>> {
  public:
   void set(LinearSolve choice) { choice_ = choice; }
+  /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const std::variant<Matrices...>& A) {
     return std::visit(
         [&]<class Matrix>(const Matrix& held) {
@@ -350,6 +376,7 @@ class LinearSolver<std::variant<Matrices...>> {
         },
         A);
   }
+  /// x = A^-1 x, shape (n).
   template <class Vector>
   void solve(Vector& x) {
     std::visit([&](auto& solver) { solver.solve(x); }, solver_);

@@ -1,3 +1,5 @@
+/// The plan of a multifrontal factorisation, step by step: groups of unknowns, order, elimination tree,
+/// panels, rows, and the places of all numbers.
 #include "integrators/linear/panel_analysis.hpp"
 
 #include <algorithm>
@@ -19,7 +21,7 @@ struct Graph {
   Indices first{0}, to;
 
   [[nodiscard]] Index size() const { return static_cast<Index>(first.size()) - 1; }
-  [[nodiscard]] std::span<const Index> of(Index v) const {
+  [[nodiscard]] std::span<const Index> of(Index v) const {  ///< neighbours of v
     return std::span(to).subspan(first[v], first[v + 1] - first[v]);
   }
 };
@@ -28,17 +30,20 @@ struct Graph {
 struct Groups {
   Indices first{0};  ///< unknown of each group, and one more
   Indices of;        ///< group of each unknown
-  Graph graph;
+  Graph graph;       ///< an edge where an entry of A connects two groups
 
+  /// @param outer, inner  symmetric pattern of n columns, rows ascending; shapes (n + 1), (entries)
   Groups(std::span<const Index> outer, std::span<const Index> inner) {
     const auto n = static_cast<Index>(outer.size()) - 1;
     const auto column = [&](Index j) { return inner.subspan(outer[j], outer[j + 1] - outer[j]); };
     of.resize(n);
     for (Index j = 0; j < n; ++j) {
+      // Equal patterns of adjacent columns: one group.
       if (j > 0 && !std::ranges::equal(column(j), column(j - 1))) first.push_back(j);
       of[j] = static_cast<Index>(first.size()) - 1;
     }
     if (n > 0) first.push_back(n);
+    // Edges: each neighbour once, though its unknowns stand side by side in the column.
     for (Index g = 0; g + 1 < static_cast<Index>(first.size()); ++g) {
       Index last = -1;
       for (const Index i : column(first[g])) {
@@ -49,10 +54,10 @@ struct Groups {
     }
   }
   [[nodiscard]] Index count() const { return graph.size(); }
-  [[nodiscard]] Index size(Index g) const { return first[g + 1] - first[g]; }
+  [[nodiscard]] Index size(Index g) const { return first[g + 1] - first[g]; }  ///< unknowns of group g
 };
 
-/// The vertices in an order of minimum degree.
+/// The vertices in an order of approximate minimum degree, which keeps the fill of L small.
 Indices minimum_degree(const Graph& graph) {
   const Index n = graph.size();
   Eigen::SparseMatrix<double> pattern(n, n);
@@ -84,6 +89,8 @@ Graph renamed(const Graph& graph, const Indices& order) {
 Indices elimination_tree(const Graph& graph) {
   Indices parent(graph.size(), -1), root(graph.size(), -1);
   for (Index k = 0; k < graph.size(); ++k)
+    // Up from each earlier neighbour of k to the root of its subtree, whose parent k becomes. root[]
+    // compresses the path.
     for (Index v : graph.of(k)) {
       while (v != -1 && v < k) {
         const Index above = root[v];
@@ -95,10 +102,11 @@ Indices elimination_tree(const Graph& graph) {
   return parent;
 }
 
-/// The vertices with every subtree together, roots last.
+/// The vertices with every subtree together, roots last: a depth-first search without recursion.
 Indices postorder(const Indices& parent) {
   const auto n = static_cast<Index>(parent.size());
   Indices child(n, -1), next(n, -1), order, way;
+  // Children of each vertex as a list, the first one the smallest.
   for (Index v = n; v-- > 0;)
     if (parent[v] >= 0) {
       next[v] = child[parent[v]];
@@ -142,6 +150,7 @@ class Merging {
           height_[v] += width_[i];
         }
     }
+    // First, children whose rows are the unknowns and rows of their parent: no zeros are added.
     merge([](double, double, double zeros) { return zeros == 0; });
     // A few zeros are cheaper than many small panels [ashcraft1989influence].
     merge([](double width, double entries, double zeros) {
@@ -151,6 +160,7 @@ class Merging {
 
   /// The last vertex of the panel that v is in.
   [[nodiscard]] Index panel_of(Index v) {
+    // Path halving.
     while (into_[v] != v) v = into_[v] = into_[into_[v]];
     return v;
   }
@@ -180,12 +190,13 @@ class Merging {
     }
   }
 
+  /// Of each panel, at its last vertex: the parent vertex of the tree, unknowns, and rows below.
   Indices parent_, width_, height_;
-  std::vector<double> zeros_;
-  Indices into_;
+  std::vector<double> zeros_;  ///< entries that are zero in L, by merging
+  Indices into_;               ///< next vertex on the way to the last one of the panel
 };
 
-/// Sums of a to b - 1 squares.
+/// Sums of squares: from^2 excluded ... to^2, that is sum_{from < m <= to} m^2.
 double squares(double from, double to) {
   const auto up_to = [](double m) { return m * (m + 1) * (2 * m + 1) / 6; };
   return up_to(to) - up_to(from);

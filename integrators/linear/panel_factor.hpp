@@ -23,10 +23,12 @@ namespace detail {
 template <class ScalarT>
 struct SingleLane {
   using Scalar = ScalarT;
+  /// Width of a register, tile of columns and registers.
   static constexpr int width = 1, columns = 4, vectors = 2;
   using V = Scalar;
   static V load(const Scalar* p) { return *p; }
   static void store(Scalar* p, const V& v) { *p = v; }
+  /// Complex products by their formula; an infinite or NaN pivot is found after the elimination.
 };
 /// Of complex numbers, whose operators take infinities into account, which here mean failure anyway.
 template <class Real>
@@ -49,6 +51,7 @@ struct SingleLane<std::complex<Real>> {
 
 /// Memory at addresses that the widest registers may load from.
 template <class T>
+/// The interface that std::vector asks of an allocator, with addresses that are multiples of 64.
 struct AlignedAllocator {
   using value_type = T;
   static constexpr std::align_val_t alignment{64};
@@ -63,6 +66,7 @@ struct AlignedAllocator {
   bool operator==(const AlignedAllocator&) const = default;
 };
 
+/// The kernels of the processor for double; for other scalars the same loops, one number at a time.
 template <class Scalar>
 const PanelKernels<Scalar>& panel_kernels() {
   if constexpr (std::is_same_v<Scalar, double>) {
@@ -87,9 +91,10 @@ class PanelFactor {
   using Matrix = Eigen::SparseMatrix<Scalar>;
 
   PanelFactor() = default;
+  /// @param kernels  for tests of one instruction set; by default those of the processor
   explicit PanelFactor(const PanelKernels<Scalar>& kernels) : kernels_(&kernels) {}
 
-  /// Takes the pattern of a compressed A, which is symmetric; allocates.
+  /// Takes the pattern of a compressed A, shape (n, n), which is symmetric and given in full; allocates.
   void analyse(const Matrix& A) {
     const auto n = static_cast<std::size_t>(A.cols());
     plan_ = PanelAnalysis({A.outerIndexPtr(), n + 1},
@@ -102,16 +107,19 @@ class PanelFactor {
     part_.resize(PanelShape::padded(plan_.tallest) + PanelShape::lanes);
   }
 
-  /// Operations of one factorisation, of which half are multiplications.
+  /// Operations of one factorisation, sum over the columns j of L of (entries below and on the diagonal)^2,
+  /// of which half are multiplications.
   [[nodiscard]] double work() const { return plan_.work; }
 
-  /// Of the matrix that was analysed, or another one of its pattern.
+  /// P A P^T = L D L^T of the matrix that was analysed, or another one of its pattern. Both triangles are
+  /// stored in A; those entries that are eliminated later than their column are read.
   /// @returns false when a pivot is zero or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
     if (values_.empty()) {  // the first time, since iterations may come to need none
       values_.resize(plan_.values);
       for (int k : {0, 1}) stacks_[k].resize(plan_.stacks[k]);
     }
+    // Children before their parents: updates wait on two stacks for the panel that takes them up.
     waiting_.clear();
     for (std::size_t p = 0; p < plan_.panels.size(); ++p)
       if (!eliminate(p, A.valuePtr())) return false;
@@ -122,12 +130,15 @@ class PanelFactor {
   /// negative eigenvalues.
   [[nodiscard]] std::span<const Scalar> pivots() const { return d_; }
 
-  /// x = A^-1 x, shape (n). No allocation.
+  /// x = A^-1 x = P^T L^-T D^-1 L^-1 P x, shape (n). No allocation. Only after a factor() that returned
+  /// true.
   template <class X>
   void solve(X& x) {
     const Index n = static_cast<Index>(plan_.to.size());
+    // x_ = P x
     for (Index i = 0; i < n; ++i) x_[plan_.to[i]] = x[i];
     Scalar *const own = own_.data(), *const part = part_.data();
+    // L^-1, panel by panel: own unknowns from the triangle T, then rows below from B.
     for (const Panel& panel : plan_.panels) {
       const auto [T, B] = parts(panel);
       Scalar* const unknowns = x_.data() + panel.first;
@@ -137,7 +148,9 @@ class PanelFactor {
       std::copy_n(own, panel.width, unknowns);
       for (Index i = 0; i < panel.height; ++i) x_[rows[i]] += part[i];
     }
+    // D^-1
     for (Index i = 0; i < n; ++i) x_[i] *= inverse_[i];
+    // L^-T, from the last panel to the first.
     for (auto panel = plan_.panels.rbegin(); panel != plan_.panels.rend(); ++panel) {
       const auto [T, B] = parts(*panel);
       Scalar* const unknowns = x_.data() + panel->first;
@@ -154,6 +167,7 @@ class PanelFactor {
  private:
   using Panel = PanelAnalysis::Panel;
   using AlignedVector = std::vector<Scalar, detail::AlignedAllocator<Scalar>>;
+  /// Of a panel: triangle of its own unknowns, and the rows below.
   struct Parts {
     Scalar *T, *B;
   };
@@ -161,14 +175,18 @@ class PanelFactor {
     Scalar* const T = values_.data() + panel.values;
     return {T, T + PanelShape::padded(panel.width) * panel.width};
   }
+  /// The update of a panel, lower triangle of shape (padded height, height).
   Scalar* update(const Panel& panel) { return stacks_[panel.stack].data() + panel.update; }
 
+  /// Copies `count` numbers and fills up to the padded length with zeros.
   static void load(const Scalar* from, Index count, Scalar* to) {
     std::copy_n(from, count, to);
     std::fill(to + count, to + PanelShape::padded(count), Scalar(0));
   }
 
-  /// The front of a panel is a matrix of its unknowns and rows; its columns of unknowns are the panel itself.
+  /// The front of a panel is a matrix of its unknowns and rows; its columns of unknowns are the panel
+  /// itself.
+  /// @returns false where a pivot is zero or not finite
   bool eliminate(std::size_t p, const Scalar* A) {
     const Panel& panel = plan_.panels[p];
     const auto [T, B] = parts(panel);
@@ -178,11 +196,13 @@ class PanelFactor {
     for (std::ptrdiff_t j = 0; j < w; ++j)
       std::fill(T + j * tall + j / PanelShape::lanes * PanelShape::lanes, T + (j + 1) * tall, Scalar(0));
     std::fill(B, B + PanelShape::padded(h) * w, Scalar(0));
+    // (T; B) = A and what the children leave of it.
     take_entries(p, A);
     std::size_t first = waiting_.size();  // of its children
     while (first > 0 && plan_.panels[waiting_[first - 1]].parent == static_cast<Index>(p)) --first;
     for (std::size_t c = first; c < waiting_.size(); ++c) join_unknowns(plan_.panels[waiting_[c]], panel);
     Scalar* const d = d_.data() + panel.first;
+    // L and d of the columns; U = -B D B^T goes to the parent.
     kernels_->eliminate(T, B, w, h, d);
     for (Index i = 0; i < w; ++i) {
       if (!(std::abs(d[i]) > 0) || !std::isfinite(std::abs(d[i]))) return false;
@@ -195,6 +215,7 @@ class PanelFactor {
     return true;
   }
 
+  /// Copies the entries of A that belong to a panel, in runs that are contiguous on both sides.
   void take_entries(std::size_t p, const Scalar* A) {
     const auto& all = plan_.entries;
     const std::size_t end = p + 1 < plan_.panels.size() ? plan_.panels[p + 1].entries : all.size();
@@ -212,11 +233,13 @@ class PanelFactor {
     }
   }
 
-  /// Adds the columns of a child's update that are unknowns of its parent to the panel of that.
+  /// Adds the columns of a child's update that are unknowns of its parent to the panel of that: to T the
+  /// rows that are unknowns of the parent too, to B the others.
   void join_unknowns(const Panel& child, const Panel& parent) {
     const auto [T, B] = parts(parent);
     const auto* const joins = plan_.joins.data();
     for (std::size_t c = child.joins[0]; c < child.joins[1]; ++c)
+      // Column k of the run c: the lower triangle only, from its diagonal on.
       for (Index k = 0; k < joins[c].length; ++k) {
         const auto column = static_cast<std::ptrdiff_t>(joins[c].to) + k;
         const Scalar* const U = update(child) + PanelShape::padded(child.height) * (joins[c].from + k);
@@ -230,7 +253,8 @@ class PanelFactor {
       }
   }
 
-  /// Adds the other ones to the update of its parent.
+  /// Adds the other columns of a child's update, whose rows are rows of the parent, to the update of its
+  /// parent.
   void join_rows(const Panel& child, const Panel& parent) {
     const auto* const joins = plan_.joins.data();
     for (std::size_t c = child.joins[1]; c < child.joins[2]; ++c)
@@ -250,9 +274,11 @@ class PanelFactor {
 
   const PanelKernels<Scalar>* kernels_ = &detail::panel_kernels<Scalar>();
   PanelAnalysis plan_;
+  /// Panels, updates by stack, and the vectors of one panel in solve().
   AlignedVector values_, stacks_[2], own_, part_;
+  /// D, its reciprocals and the unknowns, in the order of elimination, shape (n).
   std::vector<Scalar> d_, inverse_, x_;
-  std::vector<Index> waiting_;  // panels whose updates have not been taken up
+  std::vector<Index> waiting_;  ///< panels whose updates have not been taken up
 };
 
 }  // namespace hmax

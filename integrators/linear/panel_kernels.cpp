@@ -1,3 +1,4 @@
+/// Which kernels there are, by the instruction sets that the processor has.
 #include "integrators/linear/panel_kernels.hpp"
 
 #include <vector>
@@ -6,6 +7,7 @@
 
 namespace hmax {
 
+/// Each is defined in its own source, compiled for its instruction set.
 extern const PanelKernels<double> panel_kernels_portable;
 #ifdef HMAX_X86_KERNELS
 extern const PanelKernels<double> panel_kernels_avx2, panel_kernels_avx512;
@@ -13,6 +15,7 @@ extern const PanelKernels<double> panel_kernels_avx2, panel_kernels_avx512;
 
 namespace {
 
+/// Sets without kernels of their own get the portable ones.
 const PanelKernels<double>* kernels_for([[maybe_unused]] InstructionSet set) {
 #ifdef HMAX_X86_KERNELS
   if (set == InstructionSet::avx512) return &panel_kernels_avx512;
@@ -23,6 +26,7 @@ const PanelKernels<double>* kernels_for([[maybe_unused]] InstructionSet set) {
 
 }  // namespace
 
+// Asked once: the instruction sets of a processor do not change.
 std::span<const PanelKernels<double>* const> available_panel_kernels() {
   static const std::vector<const PanelKernels<double>*> available = [] {
     std::vector<const PanelKernels<double>*> all;

@@ -5,6 +5,7 @@
 namespace hmax {
 namespace {
 
+/// Four doubles a register; tiles of 8 rows and 4 columns: 8 of 16 registers hold sums.
 struct Lanes {
   using Scalar = double;
   static constexpr int width = 4, columns = 4, vectors = 2;

@@ -5,6 +5,7 @@
 namespace hmax {
 namespace {
 
+/// Eight doubles a register; tiles of 8 rows and 8 columns: 8 of 32 registers hold sums.
 struct Lanes {
   using Scalar = double;
   static constexpr int width = 8, columns = 8, vectors = 1;

@@ -4,6 +4,7 @@
 namespace hmax {
 namespace {
 
+/// Two doubles a register; tiles of 4 rows and 4 columns.
 struct Lanes {
   using Scalar = double;
   static constexpr int width = 2, columns = 4, vectors = 2;

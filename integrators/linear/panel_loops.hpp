@@ -12,12 +12,14 @@
 
 namespace hmax::panel_loops {
 
+/// Signed, as lengths and differences of addresses are.
 using Index = std::ptrdiff_t;
 
 /// So many columns are subtracted from a tile before it is written back, and so many rows of them serve all
 /// tiles beside one another: both stay in the caches.
 inline constexpr Index depth = 128, rows_at_once = 256;
 
+/// A number as a type, so that loops over it are unrolled.
 template <int N>
 struct Count {
   static constexpr int value = N;
@@ -45,10 +47,13 @@ struct DiagonalBlock {
   Scalar inverse[NC], factor[NC][NC];
 };
 
+/// No diagonal block: the tile is left unfinished.
 struct Nothing {};
 
-/// A tile of NV registers of rows and NC columns: C - A factors, finished by a diagonal block if there is
-/// one.
+/// A tile of NV registers of rows and NC columns, in registers: C <- C - A factors, or -A factors where it
+/// overwrites. With a diagonal block it is finished, L = C (D L_T^T)^-1 column by column.
+/// @param C  first number of the tile, columns ldc apart;  @param A  k columns, lda apart
+/// @param factors  shape (NC, k), those of one column of A side by side
 template <class Lanes, int NC, int NV, bool overwrites, class Block, class Scalar>
 inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar* factors, Index k,
                  const Block& block) {
@@ -73,6 +78,7 @@ inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar*
 #pragma GCC unroll 4
       for (int v = 0; v < NV; ++v) sum[c][v] -= column[v] * factors[c];
   }
+  // c_p /= d_p, then c_c -= c_p d_p L(c, p) for the columns c > p.
   if constexpr (requires { block.inverse; }) {
 #pragma GCC unroll 8
     for (int p = 0; p < NC; ++p)
@@ -89,7 +95,8 @@ inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar*
     for (int v = 0; v < NV; ++v) Lanes::store(C + c * ldc + v * W, sum[c][v]);
 }
 
-/// The same for all rows from `from` to `to`.
+/// The same for all rows from `from` to `to`, multiples of the width; what is left of them by single
+/// registers.
 template <class Lanes, int NC, bool overwrites, class Block, class Scalar>
 inline void tiles(Index from, Index to, Scalar* C, Index ldc, const Scalar* A, Index lda,
                   const Scalar* factors, Index k, const Block& block) {
@@ -101,12 +108,15 @@ inline void tiles(Index from, Index to, Scalar* C, Index ldc, const Scalar* A, I
 }
 
 /// C <- C - A diag(d) S^T, or without C where it is overwritten, shape (rows, columns) with k columns of A.
+/// Blocks of depth columns and rows_at_once rows stay in the caches.
 /// @param lower  what stands above the diagonal is of no use
 template <class Lanes, class Scalar>
 inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, const Scalar* A, Index lda,
                              const Scalar* S, Index lds, const Scalar* d, Index k, bool lower,
                              bool overwrites) {
+  // d_q S(c, q) of one block of columns
   Scalar factors[depth * Lanes::columns];
+  // After the first block of columns C is no longer overwritten.
   for (Index q = 0; q < k; q += depth, overwrites = false) {
     const Index deep = k - q < depth ? k - q : depth;
     for (Index top = 0; top < rows; top += rows_at_once) {
@@ -128,7 +138,8 @@ inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, co
   }
 }
 
-/// L D L^T of the NC columns of a diagonal block, in place.
+/// L D L^T of the NC columns of a diagonal block, in place:
+///   d_p = T(p, p),   L(r, p) = T(r, p) / d_p,   T(r, c) -= L(r, p) d_p L(c, p).
 template <class Lanes, int NC, class Scalar>
 inline void factor_diagonal(Scalar* T, Index ldt, Scalar* d, DiagonalBlock<NC, Scalar>& block) {
   for (int p = 0; p < NC; ++p) {
@@ -143,6 +154,9 @@ inline void factor_diagonal(Scalar* T, Index ldt, Scalar* d, DiagonalBlock<NC, S
   }
 }
 
+/// PanelKernels::eliminate, from left to right: a group of columns takes the updates of the columns before
+/// it in its block, is factored, and every complete block of `depth` columns then updates all columns after
+/// it.
 template <class Lanes>
 void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, Index h,
                typename Lanes::Scalar* d) {
@@ -171,6 +185,7 @@ void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, In
   }
 }
 
+/// PanelKernels::update, U = -B diag(d) B^T.
 template <class Lanes>
 void update(const typename Lanes::Scalar* B, Index w, Index h, const typename Lanes::Scalar* d,
             typename Lanes::Scalar* U) {
@@ -178,7 +193,7 @@ void update(const typename Lanes::Scalar* B, Index w, Index h, const typename La
   subtract_product<Lanes>(U, ld, ld, h, B, ld, B, ld, d, w, true, true);
 }
 
-/// y <- y - A x for NC columns.
+/// y <- y - A x for NC columns and the rows from `from` to `to`.
 template <class Lanes, int NC, class Scalar>
 inline void subtract_columns(Index from, Index to, const Scalar* A, Index lda, const Scalar* x, Scalar* y) {
   using V = typename Lanes::V;
@@ -191,6 +206,7 @@ inline void subtract_columns(Index from, Index to, const Scalar* A, Index lda, c
   }
 }
 
+/// PanelKernels::forward: eight columns at a time, T^-1 by substitution, then what they subtract below.
 template <class Lanes>
 void forward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, Index w, Index h,
              typename Lanes::Scalar* x, typename Lanes::Scalar* part) {
@@ -203,6 +219,7 @@ void forward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, I
       for (int c = 0; c < NC; ++c)
         for (int r = c + 1; r < NC; ++r) x[j + r] -= own[c * ldt + j + r] * x[j + c];
       Scalar given[NC];
+      // A copy: x is written while its eight newest numbers are read.
       for (int c = 0; c < NC; ++c) given[c] = x[j + c];
       subtract_columns<Lanes, NC>(j + 8, ldt, own, ldt, given, x);
       subtract_columns<Lanes, NC>(0, ldb, B + j * ldb, ldb, given, part);
@@ -223,6 +240,7 @@ inline void add_dots(Index from, Index to, const Scalar* A, Index lda, const Sca
     }
 }
 
+/// PanelKernels::backward: x_c -= B_c . part + sum_r T(r, c) x_r, eight columns at a time from the last.
 template <class Lanes>
 void backward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, Index w, Index h,
               typename Lanes::Scalar* x, const typename Lanes::Scalar* part) {
@@ -239,17 +257,20 @@ void backward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, 
           for (int v = 0; v < 8 / Lanes::width; ++v) sums[c][v] = V{};
         add_dots<Lanes, NC>(0, ldb, B + first * ldb, ldb, part, sums);
         add_dots<Lanes, NC>(j + 8, ldt, T + first * ldt, ldt, x, sums);
+        // The same order of summation for every width of the registers.
         for (int c = 0; c < NC; ++c) {
           alignas(64) Scalar s[8];
           for (int v = 0; v < 8 / Lanes::width; ++v) Lanes::store(s + v * Lanes::width, sums[c][v]);
           x[first + c] -= ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
         }
       });
+    // Inside of the eight columns.
     for (Index c = end - 1; c >= j; --c)
       for (Index r = c + 1; r < end; ++r) x[c] -= T[c * ldt + r] * x[r];
   }
 }
 
+/// The table of the loops above for one instruction set.
 template <class Lanes>
 constexpr PanelKernels<typename Lanes::Scalar> kernels_of(const char* name) {
   return {name, eliminate<Lanes>, update<Lanes>, forward<Lanes>, backward<Lanes>};

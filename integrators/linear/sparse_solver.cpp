@@ -1,3 +1,5 @@
+/// Explicit instantiations: solvers of double and long double, and Eigen's L U for all four scalars,
+/// compiled once, here.
 #include "integrators/linear/sparse_solver.hpp"
 
 namespace hmax {

@@ -35,10 +35,13 @@ class SparseSolver {
   using Matrix = Eigen::SparseMatrix<Scalar>;
   using Real = typename Eigen::NumTraits<Scalar>::Real;
   using Vector = Eigen::Vector<Scalar, Eigen::Dynamic>;
+  /// Of complex matrices only direct ones.
   static constexpr bool may_iterate = !Eigen::NumTraits<Scalar>::IsComplex;
 
+  /// For the factorisations that follow.
   void set(LinearSolve choice) { choice_ = choice; }
 
+  /// Factors A, or keeps it for conjugate gradients. A is compressed, shape (n, n).
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
     const bool known = same_as_analysed(A);
@@ -52,6 +55,8 @@ class SparseSolver {
     if constexpr (may_iterate) {
       iterates_ = choice_.by == LinearSolve::By::conjugate_gradients;
       if (choice_.by == LinearSolve::By::automatic) {
+        // Expected cost of the iterations against that of the factorisation; what is left of it is paid off
+        // by pay().
         work_left_ = factorisation_work(A) - iterations_to_prepare * iteration_work(A);
         iterates_ = iteration_work(A) * std::max(solutions, 1.0) * expected_iterations_ < work_left_;
       }
@@ -61,11 +66,13 @@ class SparseSolver {
       }
       iterates_ = false;
     }
+    // L D L^T first; factors that do not solve a test equation give way to L U with pivoting.
     symmetric_ = factor_symmetric(A);
     return symmetric_ || factor_general(A);
   }
 
-  /// x = A^-1 x, shape (n); not a number where conjugate gradients find that A is singular.
+  /// x = A^-1 x, shape (n); NaN where conjugate gradients find that A is singular. With a limit of
+  /// iterations x is what they have reached.
   template <class X>
   [[gnu::noinline]] void solve(X& x) {  // lest what it calls is compiled where it is called, see below
     ++solutions_;
@@ -95,9 +102,11 @@ class SparseSolver {
     x = scratch_;
   }
 
+  /// Whether A is solved as a symmetric matrix: by conjugate gradients or L D L^T.
   [[nodiscard]] bool is_symmetric() const { return symmetric_; }
 
-  /// How many eigenvalues of a real symmetric A are negative, where L D L^T was made and so tells.
+  /// How many eigenvalues of a real symmetric A are negative: by Sylvester's law of inertia the negative
+  /// pivots of L D L^T. Empty where no L D L^T was made.
   [[nodiscard]] std::optional<std::int64_t> negative_eigenvalues() const requires may_iterate {
     if (!symmetric_ || iterates_) return std::nullopt;
     return std::ranges::count_if(panels_.pivots(), [](Scalar d) { return d < 0; });
@@ -108,7 +117,7 @@ class SparseSolver {
 
  private:
   static constexpr double never = std::numeric_limits<double>::infinity();
-  static constexpr double iterations_to_prepare = 4;  // that take as long as the preconditioner
+  static constexpr double iterations_to_prepare = 4;  ///< that take as long as the preconditioner
   using Lu = Eigen::SparseLU<Matrix, Eigen::COLAMDOrdering<int>>;
 
   /// |x| of real numbers; of complex ones the sum of the sizes of their parts, which needs no root.
@@ -119,6 +128,8 @@ class SparseSolver {
       return std::abs(x);
   }
 
+  /// Whether all entries are finite; the sum of the parts of a complex entry may overflow, which counts as
+  /// infinite.
   static bool is_finite(const Matrix& A) {
     int wrong = 0;  // in every number the same, so that several are looked at at once
     for (Eigen::Index i = 0; i < A.nonZeros(); ++i)
@@ -126,6 +137,7 @@ class SparseSolver {
     return wrong == 0;
   }
 
+  /// Whether A has the pattern that was analysed.
   [[nodiscard]] bool same_as_analysed(const Matrix& A) const {
     return outer_.size() == static_cast<std::size_t>(A.outerSize()) + 1 &&
            inner_.size() == static_cast<std::size_t>(A.nonZeros()) &&
@@ -157,7 +169,7 @@ class SparseSolver {
       }
   }
 
-  /// False also when something is not finite.
+  /// Whether |a_ij - a_ji| <= 64 eps max |a_ij| for all entries. False also when something is not finite.
   [[nodiscard]] bool has_symmetric_values(const Matrix& A) const {
     const Scalar* values = A.valuePtr();
     // Four at a time: one maximum would wait for itself. A maximum overlooks NaN, a sum does not.
@@ -178,17 +190,20 @@ class SparseSolver {
            std::ranges::max(apart) <= 64 * std::numeric_limits<Real>::epsilon() * std::ranges::max(largest);
   }
 
+  /// The plan of L D L^T, once for each pattern.
   void analyse_symmetric(const Matrix& A) {
     if (!panels_known_) panels_.analyse(A);
     panels_known_ = true;
   }
 
+  /// L D L^T. An indefinite A, or a complex one, has to pass a test equation, since there is no pivoting.
+  /// @returns false where a pivot is zero or the factors do not solve
   bool factor_symmetric(const Matrix& A) {
     analyse_symmetric(A);
     return panels_.factor(A) && (is_positive_definite() || solves(A));
   }
 
-  /// Such matrices need no pivoting.
+  /// Such matrices need no pivoting: all d_i > 0.
   [[nodiscard]] bool is_positive_definite() const {
     if constexpr (may_iterate)
       return std::ranges::all_of(panels_.pivots(), [](Scalar d) { return d > 0; });
@@ -196,7 +211,8 @@ class SparseSolver {
       return false;
   }
 
-  /// Tries the factors, made without pivoting, on a right-hand side.
+  /// Tries the factors, made without pivoting, on b = (1, ..., 2):
+  ///   |b - A x| <= 1e4 eps (|A| |x| + |b|) in Euclidean and Frobenius norms.
   bool solves(const Matrix& A) {
     const Vector b = Vector::LinSpaced(A.rows(), Scalar(1), Scalar(2));
     scratch_ = b;
@@ -205,6 +221,8 @@ class SparseSolver {
     return (b - A * scratch_).norm() <= 1e4 * std::numeric_limits<Real>::epsilon() * size;
   }
 
+  /// L U with partial pivoting; the order of columns is analysed once for each pattern.
+  /// @returns false where A is singular or not finite
   bool factor_general(const Matrix& A) {
     if (!is_finite(A)) return false;
     if (!lu_) {
@@ -215,7 +233,8 @@ class SparseSolver {
     return lu_->info() == Eigen::Success;
   }
 
-  /// Infinite where the factors of a body in space take too long.
+  /// Operations of L D L^T; infinite for more than most_factored_often unknowns, where the factors of a
+  /// body in space take too long.
   double factorisation_work(const Matrix& A) {
     if (A.rows() > most_factored_often) return std::numeric_limits<double>::infinity();
     analyse_symmetric(A);
@@ -226,6 +245,7 @@ class SparseSolver {
   /// but not so many at once.
   static double iteration_work(const Matrix& A) { return 16.0 * static_cast<double>(A.nonZeros()); }
 
+  /// Takes iterations off the work that a factorisation would be. When nothing is left, A is factored.
   void pay(int iterations) {
     work_left_ -= iteration_work(gradients_.matrix()) * iterations;
     if (work_left_ > 0) return;
@@ -234,17 +254,18 @@ class SparseSolver {
   }
 
   LinearSolve choice_;
+  /// Places of a_ij and a_ji in the values of A.
   struct Pair {
     int upper, lower;
   };
-  std::vector<int> outer_, inner_;  // the pattern that was analysed
-  std::vector<Pair> across_;        // its entries on both sides of the diagonal
+  std::vector<int> outer_, inner_;  ///< the pattern that was analysed
+  std::vector<Pair> across_;        ///< its entries on both sides of the diagonal
   int iterations_ = 0;
   bool symmetric_pattern_ = false, symmetric_ = false, iterates_ = false;
-  bool panels_known_ = false, gradients_known_ = false;  // whether each has the pattern that is analysed
-  double work_left_ = never;                             // until a factorisation pays
-  double solutions_ = 0;                                 // with this matrix so far
-  double expected_iterations_ = 20;                      // of a solution
+  bool panels_known_ = false, gradients_known_ = false;  ///< whether each has the pattern that is analysed
+  double work_left_ = never;                             ///< until a factorisation pays
+  double solutions_ = 0;                                 ///< with this matrix so far
+  double expected_iterations_ = 20;                      ///< of a solution
   PanelFactor<Scalar> panels_;
   std::unique_ptr<Lu> lu_;
   ConjugateGradients<Real> gradients_;
