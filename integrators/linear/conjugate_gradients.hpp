@@ -327,8 +327,9 @@ class ConjugateGradients {
     }
   };
 
-  /// With M = L L^T:  alpha = r.z / p.A p,  x += alpha p,  r -= alpha A p,  z = M^-1 r,  beta = r_new.z_new
-  /// / r.z, p = z + beta p.
+  /// With M = L L^T, from x = 0, r = b, p = z = M^-1 r, until |r| <= tolerance |b|:
+  ///   alpha = r.z / p.Ap,   x += alpha p,   r_new = r - alpha A p,   z_new = M^-1 r_new,
+  ///   p = z_new + (r_new.z_new / r.z) p.
   template <int Size, class B, class X>
   End iterate(const Parts<Size>& parts, const B& b, X& x, double tolerance, int most) {
     r_ = b;

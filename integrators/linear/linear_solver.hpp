@@ -222,7 +222,7 @@ class DenseLu {
     return is_pivot(a) && is_pivot(last);
   }
 
-  /// Whether |x| is finite and not subnormal.
+  /// Whether x can be divided by: neither zero nor subnormal, infinite or NaN.
   static bool is_pivot(Scalar x) {
     const Real size = std::abs(x);
     return size >= std::numeric_limits<Real>::min() && size <= std::numeric_limits<Real>::max();
@@ -311,7 +311,7 @@ class LinearSolver {
   LinearSolve choice_;
 };
 
-/// (I - s J) x = b of a mechanical system, by its n velocities. With x = (q, v) and b = (b, d):
+/// (I - s J)(q, v) = (b, d) of a mechanical system, by its n velocities:
 ///   (M + s C + s^2 K) v = M d - s K b,   q = b + s v.
 template <class Scalar>
 class LinearSolver<ShiftedMechanical<Scalar>> {

@@ -21,7 +21,7 @@ struct Graph {
   Indices first{0}, to;
 
   [[nodiscard]] Index size() const { return static_cast<Index>(first.size()) - 1; }
-  [[nodiscard]] std::span<const Index> of(Index v) const {  ///< neighbours of v
+  [[nodiscard]] std::span<const Index> of(Index v) const {
     return std::span(to).subspan(first[v], first[v + 1] - first[v]);
   }
 };

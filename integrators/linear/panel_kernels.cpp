@@ -26,7 +26,7 @@ const PanelKernels<double>* kernels_for([[maybe_unused]] InstructionSet set) {
 
 }  // namespace
 
-// Asked once: the instruction sets of a processor do not change.
+/// Asked once: the instruction sets of a processor do not change.
 std::span<const PanelKernels<double>* const> available_panel_kernels() {
   static const std::vector<const PanelKernels<double>*> available = [] {
     std::vector<const PanelKernels<double>*> all;

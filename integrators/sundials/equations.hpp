@@ -14,10 +14,12 @@
 
 namespace hmax::sundials {
 
+/// Frees a matrix of the library by its own function.
 struct DestroyMatrix {
   void operator()(SUNMatrix A) const { SUNMatDestroy(A); }
 };
 using MatrixHandle = std::unique_ptr<_generic_SUNMatrix, DestroyMatrix>;
+/// Frees a solver of the library by its own function.
 struct FreeLinearSolver {
   void operator()(SUNLinearSolver solver) const { SUNLinSolFree(solver); }
 };
@@ -30,7 +32,8 @@ Matrix& matrix_of(SUNMatrix A) {
   return *static_cast<Matrix*>(A->content);
 }
 
-/// An empty matrix of ours as a SUNMatrix.
+/// An empty matrix of ours as a SUNMatrix of the kind `custom`; sized by the first set_shifted().
+/// @throws std::bad_alloc
 template <class Matrix>
 MatrixHandle make_matrix(SUNContext context) {
   auto content = std::make_unique<Matrix>();
@@ -47,6 +50,8 @@ MatrixHandle make_matrix(SUNContext context) {
 
 /// LinearSolver<Matrix> as a SUNLinearSolver: set up by factoring, solved by substitution. A singular matrix
 /// is a failure that the library may recover from, with a shorter step.
+/// @tparam State   the state in the vectors of the run;  @tparam Matrix  type of I - gamma J
+/// @throws std::bad_alloc
 template <class State, class Matrix>
 LinearSolverHandle make_linear_solver(SUNContext context) {
   using Solver = LinearSolver<Matrix>;
@@ -55,6 +60,7 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
   if (made == nullptr) throw std::bad_alloc();
   made->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
   made->ops->getid = [](SUNLinearSolver) { return SUNLINEARSOLVER_CUSTOM; };
+  // Exceptions may not pass through the library: they become its flags.
   made->ops->setup = [](SUNLinearSolver solver, SUNMatrix A) -> int {
     try {
       return static_cast<Solver*>(solver->content)->factor(matrix_of<Matrix>(A)) ? SUNLS_SUCCESS
@@ -66,6 +72,7 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
   made->ops->solve = [](SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, realtype) -> int {
     try {
       State& solution = state_of<State>(x);
+      // Solved in place, in the vector of the solution.
       if (x != b) solution = state_of<State>(b);
       static_cast<Solver*>(solver->content)->solve(solution);
       return SUNLS_SUCCESS;
@@ -83,13 +90,15 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
   return LinearSolverHandle(made);
 }
 
-/// A sparse matrix of the library for the pattern of I - gamma J.
+/// A sparse matrix of the library for the pattern of I - gamma J, shape (n, n), by columns.
+/// @throws std::bad_alloc
 MatrixHandle make_klu_matrix(const Eigen::SparseMatrix<double>& pattern, SUNContext context);
-/// KLU for such a matrix.
+/// KLU for such a matrix: L U with its own order and pivoting, analysed at the first setup.
 /// @param like  any vector of the run
 LinearSolverHandle make_klu_solver(N_Vector like, SUNMatrix A, SUNContext context);
 
-/// Copies a matrix of the same pattern into one made by make_klu_matrix.
+/// Copies a matrix into one made by make_klu_matrix; it gets more memory where there are more entries.
+/// @throws std::bad_alloc
 void copy_to_klu_matrix(const Eigen::SparseMatrix<double>& from, SUNMatrix A);
 
 }  // namespace hmax::sundials

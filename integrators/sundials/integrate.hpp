@@ -25,6 +25,7 @@ class View : public StepEnds<State> {
   View(Solver& solver, double t0, double t1, const State& y0, const State& y1, N_Vector inside)
       : StepEnds<State>(t0, t1, t1 - t0, y0, y1), solver_(solver), inside_(inside) {}
 
+  /// out = y(t), t in [t0, t1], by the library; at t1 the state itself.
   void at(double t, State& out) {
     if (t == this->t1()) return copy_state(this->y1(), out);
     solver_.interpolate(t, inside_);
@@ -33,7 +34,7 @@ class View : public StepEnds<State> {
 
  private:
   Solver& solver_;
-  N_Vector inside_;
+  N_Vector inside_;  ///< holds the interpolated state
 };
 
 /// The system behind the callbacks. The library is C: an exception of the system waits here until the library
@@ -51,6 +52,8 @@ class Binding {
     source_.init(system);
   }
 
+  /// The functions that the library calls, with this binding as their user data. They are C functions: no
+  /// exception may pass through the library.
   Callbacks callbacks() {
     Callbacks calls;
     calls.rhs = call<Part::whole>;
@@ -70,7 +73,9 @@ class Binding {
     return calls;
   }
 
-  /// The matrix and the solver that fit the Jacobian: KLU for sparse ones where it is wanted, ours otherwise.
+  /// The matrix and the solver of (I - gamma J) x = b: KLU for sparse Jacobians where it is wanted, ours
+  /// otherwise.
+  /// @param t, y  start of the run, shape (n);  @param klu  whether sparse equations go to KLU
   Equations equations(double t, const State& y, bool klu, SUNContext context) {
     if constexpr (hmax::detail::is_variant<Matrix>) {
       // Only the Jacobian itself says whether it is sparse. It serves as that of the start.
@@ -87,15 +92,18 @@ class Binding {
     return {make_matrix<Shifted>(context), make_linear_solver<State, Shifted>(context)};
   }
 
+  /// Throws what the system has thrown in a callback, after the library has returned.
   void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
   }
 
  private:
+  /// What a callback returns: 0; > 0, the library may try a shorter step; < 0, it gives up.
   static constexpr int done = 0, try_shorter = 1, give_up = -1;
 
   static Binding& of(void* self) { return *static_cast<Binding*>(self); }
 
+  /// Which part of f = stiff + nonstiff; whole: f.
   enum class Part { whole, stiff, nonstiff };
 
   /// A right-hand side as the library calls it. A result that is not finite asks for a shorter step.
@@ -119,6 +127,7 @@ class Binding {
     }
   }
 
+  /// J_ = df/dy at (t, y), or the Jacobian of the stiff part.
   void evaluate(double t, const State& y) {
     evaluated_ = true;
     if constexpr (SplitSystem<Sys>)
@@ -152,14 +161,15 @@ class Binding {
     }
   }
 
+  /// J_ is kept between calls, since the library may ask for another gamma with the same Jacobian.
   const Sys& system_;
   bool split_;
   JacobianUpdate update_;
   JacobianSource<State, Matrix> source_;
   Matrix J_;
-  bool evaluated_ = false, klu_ = false;
-  Eigen::SparseMatrix<double> shifted_;
-  std::exception_ptr thrown_;
+  bool evaluated_ = false, klu_ = false;  ///< a J was evaluated; KLU solves
+  Eigen::SparseMatrix<double> shifted_;   ///< I - gamma J for KLU
+  std::exception_ptr thrown_;             ///< of a callback
 };
 
 }  // namespace detail
@@ -179,6 +189,7 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
   if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
 
+  // next: memory of the library's state, which copies of y go through; inside: that of dense output.
   SUNContext context = this_context();
   detail::Binding<Sys> binding(system, method.package == Package::imex, settings.jacobian);
   const Vector next = make_vector<State>(y.size(), context), inside = make_vector<State>(y.size(), context);
@@ -196,11 +207,13 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
     end.t_state = t;
     return end;
   };
+  // A fixed run of N steps ends at t_end exactly, as FixedStep has it.
   const std::int64_t fixed_steps =
       settings.adaptive ? std::numeric_limits<std::int64_t>::max() : fixed_step_count(span, settings.h);
   for (std::int64_t steps = 1;; ++steps) {
     if (steps > max_steps) return finish(Outcome::too_many_steps, t);
     double t_next = t;
+    // One step of the library, or several restarted attempts of ERKStep.
     const int flag = solver->step(span.t_end, next.get(), t_next);
     binding.rethrow();
     if (flag < 0) {

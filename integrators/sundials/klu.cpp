@@ -8,6 +8,7 @@
 
 namespace hmax::sundials {
 
+/// Both sides store columns, with row indices that ascend; the indices of the library have 64 bits.
 MatrixHandle make_klu_matrix(const Eigen::SparseMatrix<double>& pattern, SUNContext context) {
   SUNMatrix A = SUNSparseMatrix(pattern.rows(), pattern.cols(), pattern.nonZeros(), CSC_MAT, context);
   if (A == nullptr) throw std::bad_alloc();
@@ -16,6 +17,7 @@ MatrixHandle make_klu_matrix(const Eigen::SparseMatrix<double>& pattern, SUNCont
   return made;
 }
 
+/// The solver keeps no reference to `like`; A gives the size and the kind.
 LinearSolverHandle make_klu_solver(N_Vector like, SUNMatrix A, SUNContext context) {
   LinearSolverHandle made(SUNLinSol_KLU(like, A, context));
   if (!made) throw std::bad_alloc();
@@ -23,6 +25,7 @@ LinearSolverHandle make_klu_solver(N_Vector like, SUNMatrix A, SUNContext contex
 }
 
 void copy_to_klu_matrix(const Eigen::SparseMatrix<double>& from, SUNMatrix A) {
+  // More entries than before: the library needs more memory.
   if (from.nonZeros() > SUNSparseMatrix_NNZ(A) &&
       SUNSparseMatrix_Reallocate(A, from.nonZeros()) != SUNMAT_SUCCESS)
     throw std::bad_alloc();

@@ -1,3 +1,5 @@
+/// CVODE, ERKStep, ARKStep and MRIStep of SUNDIALS 6.4 [hindmarsh2005sundials, reynolds2023arkode] as
+/// Solvers. Every call of the library returns a flag; negative ones are failures.
 #include "integrators/sundials/solver.hpp"
 
 #include <algorithm>
@@ -17,24 +19,30 @@ namespace {
 
 /// At fixed steps nothing but rounding is to disturb the order: the stage equations are solved to this.
 constexpr double tight = 1e-12;
+/// Newton iterations of a stage at fixed steps, where a step cannot be cut.
 constexpr int patient_iterations = 20;
 /// The library counts steps of one call, and a call is one step here.
 constexpr long no_limit = -1;
 
+/// In the place of the library's handler, which prints to standard error.
 void be_silent(int, const char*, const char*, char*, void*) {}
 
+/// @throws std::runtime_error  where the flag is negative; `what` names what was to be set
 void check(int flag, const char* what) {
   if (flag < 0)
     throw std::runtime_error("SUNDIALS refuses " + std::string(what) + " (flag " + std::to_string(flag) +
                              ")");
 }
+/// @throws std::runtime_error  where the library returns no object
 void* checked(void* made, const char* what) {
   if (made == nullptr) throw std::runtime_error("SUNDIALS cannot make " + std::string(what));
   return made;
 }
 
+/// Flags ARK_RHSFUNC_FAIL = -8 down to ARK_UNREC_RHSFUNC_ERR = -11: f failed, or was not finite.
 bool is_rhs_failure(int flag) { return flag <= ARK_RHSFUNC_FAIL && flag >= ARK_UNREC_RHSFUNC_ERR; }
 
+/// One count of an integrator, by its own function.
 std::int64_t count_of(int (*read)(void*, long int*), void* memory) {
   long int count = 0;
   read(memory, &count);
@@ -43,6 +51,7 @@ std::int64_t count_of(int (*read)(void*, long int*), void* memory) {
 
 /// The memory of one integrator, freed by the function of its kind.
 using Memory = std::unique_ptr<void, void (*)(void*)>;
+/// @throws std::runtime_error  where `made` is null
 template <void (*Free)(void**)>
 Memory own(void* made, const char* what) {
   return {checked(made, what), [](void* memory) { Free(&memory); }};
@@ -50,6 +59,7 @@ Memory own(void* made, const char* what) {
 
 /// Tells an integrator its tolerances.
 /// @param scalar, vector  its functions for one absolute tolerance and for one for each component
+/// @throws std::runtime_error  where the library refuses them, as negative ones
 void set_tolerances(void* memory, const Settings& settings, N_Vector y0, int (*scalar)(void*, double, double),
                     int (*vector)(void*, double, N_Vector)) {
   if (settings.atols.size() == 0)
@@ -59,10 +69,15 @@ void set_tolerances(void* memory, const Settings& settings, N_Vector y0, int (*s
   check(vector(memory, settings.rtol, atols.get()), "the tolerances");
 }
 
+/// Of functional iteration; Newton's is the default of the library and owned by it.
 struct FreeNonlinearSolver {
   void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
 };
 
+/// CVODE: variable order and step: BDF of order 1 to 5, or Adams-Moulton of order 1 to 12, in Nordsieck
+/// form. Each step solves
+///   y_new - gamma f(t_new, y_new) = known,   (I - gamma J) d = residual for BDF,
+/// by Newton's method, or y_new = gamma f(t_new, y_new) + known by functional iteration for Adams.
 class Cvode final : public Solver {
  public:
   Cvode(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
@@ -75,6 +90,7 @@ class Cvode final : public Solver {
     check(CVodeInit(cvode, calls.rhs, t0, y0), "the initial state");
     check(CVodeSetUserData(cvode, calls.user), "the system");
     set_tolerances(cvode, settings, y0, CVodeSStolerances, CVodeSVtolerances);
+    // The stop time is exact: no step passes the end of the run.
     check(CVodeSetMaxNumSteps(cvode, no_limit), "steps without limit");
     check(CVodeSetStopTime(cvode, t_end), "the end time");
     if (method.package == Package::cvode_adams) {
@@ -85,6 +101,7 @@ class Cvode final : public Solver {
     }
     check(CVodeSetLinearSolver(cvode, equations_.solver.get(), equations_.matrix.get()), "the linear solver");
     check(CVodeSetLinSysFn(cvode, calls.cvode_system), "the linear equations");
+    // K >= 1: J at every K-th step. frozen is the business of the callback, automatic that of CVODE.
     if (settings.jacobian.every >= 1) {
       check(CVodeSetJacEvalFrequency(cvode, settings.jacobian.every), "the interval of Jacobians");
       check(CVodeSetLSetupFrequency(cvode, settings.jacobian.every), "the interval of factorisations");
@@ -94,6 +111,7 @@ class Cvode final : public Solver {
   int step(double t_end, N_Vector y, double& t) override {
     return CVode(memory_.get(), t_end, y, &t, CV_ONE_STEP);
   }
+  // Derivative of order 0 of the Nordsieck polynomial.
   void interpolate(double t, N_Vector out) override { CVodeGetDky(memory_.get(), t, 0, out); }
   [[nodiscard]] Stats stats() const override {
     void* cvode = memory_.get();
@@ -111,6 +129,7 @@ class Cvode final : public Solver {
   Memory memory_;
 };
 
+/// Embedded explicit Runge-Kutta methods, y_new = y + h sum_i b_i k_i.
 class ErkStep final : public Solver {
  public:
   ErkStep(const Method& method, const Settings& settings, const Callbacks& calls, double t0, double t_end,
@@ -120,16 +139,20 @@ class ErkStep final : public Solver {
     void* erk = memory_.get();
     check(ERKStepSetErrHandlerFn(erk, be_silent, nullptr), "an error handler");
     check(ERKStepSetUserData(erk, calls.user), "the system");
+    // Corrected where ERKStep would take it wrongly for first-same-as-last.
     const Table table = explicit_table(static_cast<ARKODE_ERKTableID>(method.explicit_table));
     check(ERKStepSetTable(erk, table.get()), "the table");
     check(ERKStepSetMaxNumSteps(erk, no_limit), "steps without limit");
     check(ERKStepSetStopTime(erk, t_end), "the end time");
+    // At fixed steps there is no error test.
     if (settings.adaptive)
       set_tolerances(erk, settings, y0, ERKStepSStolerances, ERKStepSVtolerances);
     else
       check(ERKStepSetFixedStep(erk, settings.h), "the step");
   }
 
+  /// @returns the flag of the library; a step with an f that is not finite is cut by 4 until it no longer
+  ///   moves t
   int step(double t_end, N_Vector y, double& t) override {
     void* erk = memory_.get();
     const double start = t;
@@ -160,6 +183,8 @@ class ErkStep final : public Solver {
   bool adaptive_;
 };
 
+/// Diagonally implicit methods, (I - h gamma J) d = residual in each stage, and additive pairs with f =
+/// nonstiff + stiff, of which the second is implicit.
 class ArkStep final : public Solver {
  public:
   ArkStep(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
@@ -182,6 +207,7 @@ class ArkStep final : public Solver {
     if (settings.adaptive) {
       set_tolerances(ark, settings, y0, ARKStepSStolerances, ARKStepSVtolerances);
     } else {
+      // Without an error test the tolerances serve the stage equations alone.
       check(ARKStepSStolerances(ark, tight, tight), "the tolerances");
       check(ARKStepSetMaxNonlinIters(ark, patient_iterations), "the number of iterations");
       check(ARKStepSetFixedStep(ark, settings.h), "the step");

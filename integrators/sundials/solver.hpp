@@ -27,10 +27,12 @@ enum class Package {
   mri,          ///< MRIStep over ARKStep: the stiff part in many small explicit steps inside each slow one
 };
 
+/// Whether a package solves (I - gamma J) x = b in each step.
 constexpr bool solves_equations(Package package) {
   return package == Package::cvode_bdf || package == Package::dirk || package == Package::imex;
 }
 
+/// A method of the library, with the options of the catalogue.
 struct Method {
   Package package;
   int explicit_table = ARKODE_ERK_NONE;   ///< of erk and imex
@@ -39,12 +41,13 @@ struct Method {
   int fast_steps = 5;                     ///< of mri: h is this many steps of the fast part
 };
 
+/// How a run chooses its steps, and what is exact enough.
 struct Settings {
   bool adaptive = true;
   double h = 0;                                     ///< when not adaptive
   double rtol = default_rtol, atol = default_atol;  ///< when adaptive
-  JacobianUpdate jacobian{};
-  Eigen::VectorXd atols{};  ///< an absolute tolerance for each component in place of atol; empty: atol
+  JacobianUpdate jacobian{};  ///< frozen: J of the start; K: every K-th step; automatic: the library's rule
+  Eigen::VectorXd atols{};    ///< an absolute tolerance for each component in place of atol; empty: atol
 };
 
 /// What the library calls; `user` is handed to each.

@@ -8,6 +8,7 @@
 
 namespace hmax::sundials {
 
+/// c_s = 1, but a_sj != b_j for some j, within 1e-14.
 bool is_taken_for_fsal(const ARKodeButcherTableMem& table) {
   constexpr double rounding = 1e-14;
   const int last = table.stages - 1;
@@ -17,6 +18,8 @@ bool is_taken_for_fsal(const ARKodeButcherTableMem& table) {
   return false;
 }
 
+/// (A, b, c) -> ((A, 0; b^T, 0), (b, 0), (c, 1)), d -> (d, 0): stage s + 1 is f(t + h, y_new). Order and
+/// embedded order stay.
 Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
   const int s = table.stages;
   Table longer(ARKodeButcherTable_Alloc(s + 1, table.d != nullptr ? SUNTRUE : SUNFALSE));
@@ -35,6 +38,8 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
 
 namespace {
 /// @param first, last  ids of the kind that the library knows
+/// @throws std::invalid_argument  where the library has no table of this id
+/// @param load  the function of the library that makes the table
 template <class Id>
 Table checked(ARKodeButcherTable (*load)(Id), Id id, int first, int last, const char* kind) {
   const int number = id;

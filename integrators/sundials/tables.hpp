@@ -9,6 +9,7 @@
 
 namespace hmax::sundials {
 
+/// Frees a table by the function of the library.
 struct FreeTable {
   void operator()(ARKodeButcherTable table) const { ARKodeButcherTable_Free(table); }
 };

@@ -23,6 +23,7 @@ State& state_of(N_Vector v) {
   return static_cast<VectorContent<State>*>(static_cast<_N_VectorContent_Serial*>(v->content))->state;
 }
 
+/// Frees a vector by its own function, and the state with it.
 struct DestroyVector {
   void operator()(N_Vector v) const { N_VDestroy(v); }
 };
@@ -30,18 +31,22 @@ using Vector = std::unique_ptr<_generic_N_Vector, DestroyVector>;
 
 namespace detail {
 
+/// Gives v a state of zeros, shape (length).
+/// @returns false where memory ran out
 template <class State>
 bool fill_content(N_Vector v, sunindextype length) {
   auto* content = new (std::nothrow) VectorContent<State>;
   if (content == nullptr) return false;
   content->state.setZero(length);
   content->length = length;
+  // The state owns the data, not the library.
   content->own_data = SUNFALSE;
   content->data = content->state.data();
   v->content = static_cast<_N_VectorContent_Serial*>(content);
   return true;
 }
 
+/// Deletes the state, then the vector around it.
 template <class State>
 void destroy_vector(N_Vector v) {
   delete static_cast<VectorContent<State>*>(static_cast<_N_VectorContent_Serial*>(v->content));
