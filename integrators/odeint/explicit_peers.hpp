@@ -30,8 +30,11 @@ class FixedPeer {
   using Real = real_of<typename Sys::State>;
   using Values = values_of<typename Sys::State>;
 
+  /// @param system  must outlive the peer
   explicit FixedPeer(const Sys& system) : rhs_(system) {}
 
+  /// y_new at t + h.
+  /// @param y, y_new  shape (n);  @param h  size, > 0
   void step(const Values& y, Real t, Values& y_new, Real h) {
     // The history of a multistep method belongs to one step size: a shorter last step starts anew.
     if (h != h_) stepper_ = StepperT();
@@ -39,6 +42,7 @@ class FixedPeer {
     stepper_.do_step(std::ref(rhs_), y, t, y_new, h);
   }
 
+  /// out = y(t), t in (t0, t1), by one step of a fresh stepper from t0.
   void inside(const Values& y0, Real t0, const Values&, Real, Real t, Values& out) {
     StepperT fresh;
     fresh.do_step(std::ref(rhs_), y0, t0, out, t - t0);
@@ -66,6 +70,7 @@ class ControlledPeer {
     return controlled_.try_step(std::ref(rhs_), y, t, y_new, h) == native::success;
   }
 
+  /// out = y(t), t in (t0, t1), by one step of a fresh stepper from t0, without a test of its error.
   void inside(const Values& y0, Real t0, const Values&, Real, Real t, Values& out) {
     ErrorStepper fresh;
     fresh.do_step(std::ref(rhs_), y0, t0, out, t - t0);
@@ -87,12 +92,17 @@ class Dopri5Peer {
   Dopri5Peer(const Sys& system, Real rtol, Real atol)
       : rhs_(system), controlled_(typename Controlled::error_checker_type(atol, rtol)) {}
 
+  /// @param h  the step to try in, the next one out
+  /// @returns whether y_new at t + h is accepted
   bool try_step(const Values& y, Real t, Values& y_new, Real& h) {
+    // k_1 of the first step; later ones have it from the step before.
     if (!started_) {
       start_ = end_ = y;
       rhs_(y, end_, t);
       started_ = true;
     }
+    // After an accepted step its last slope is the first one of the next; a rejected step keeps its first
+    // one.
     if (accepted_) std::swap(start_, end_);
     accepted_ = controlled_.try_step(std::ref(rhs_), y, start_, t, y_new, end_, h) == native::success;
     return accepted_;
@@ -101,6 +111,7 @@ class Dopri5Peer {
   /// Takes back a step that Odeint accepted though it is not finite.
   void take_back() { accepted_ = false; }
 
+  /// out = y(t) from y and f at both ends of the step: no evaluation.
   void inside(const Values& y0, Real t0, const Values& y1, Real t1, Real t, Values& out) {
     controlled_.stepper().calc_state(t, out, y0, start_, t0, y1, end_, t1);
   }
@@ -110,12 +121,12 @@ class Dopri5Peer {
   using Controlled = native::controlled_runge_kutta<Stepper>;
   Rhs<Sys> rhs_;
   Controlled controlled_;
-  Values start_{}, end_{};  // f at both ends of the step
+  Values start_{}, end_{};  ///< f at both ends of the step
   bool started_ = false, accepted_ = false;
 };
 
-/// Extrapolation of Bulirsch and Stoer, order and step chosen together. Inside a step a fresh one steps
-/// there.
+/// Extrapolation of Bulirsch and Stoer, order and step chosen together. It has no dense output: inside a
+/// step a fresh stepper steps to the time that is asked for, with the same tolerances.
 template <System Sys>
 class BulirschStoerPeer {
  public:
@@ -125,6 +136,8 @@ class BulirschStoerPeer {
   BulirschStoerPeer(const Sys& system, Real rtol, Real atol)
       : rhs_(system), stepper_(atol, rtol), fresh_(stepper_) {}
 
+  /// @param h  the step to try in, the next one out
+  /// @returns whether y_new at t + h is accepted
   bool try_step(const Values& y, Real t, Values& y_new, Real& h) {
     return stepper_.try_step(std::ref(rhs_), y, t, y_new, h) == native::success;
   }
@@ -134,6 +147,7 @@ class BulirschStoerPeer {
     out = y0;
     Values next = y0;
     Real at = t0, h = t - t0;
+    // Ends at t exactly. After 1000 attempts out is where it has come to.
     for (int attempts = 0; attempts < 1000 && at < t; ++attempts) {
       h = std::min(h, t - at);
       const bool last = at + h >= t;
@@ -158,7 +172,10 @@ class BulirschStoerDensePeer {
 
   BulirschStoerDensePeer(const Sys& system, Real rtol, Real atol) : rhs_(system), stepper_(atol, rtol) {}
 
+  /// Always accepts: Odeint repeats a step by itself until its error is small enough.
+  /// @param h  the step to try in, the next one out; reached() says where the step ended
   bool try_step(const Values& y, Real t, Values& y_new, Real& h) {
+    // A step that differs from Odeint's own proposal starts anew from y.
     if (!started_ || h != stepper_.current_time_step()) {
       stepper_.initialize(y, t, h);
       started_ = true;
@@ -174,6 +191,7 @@ class BulirschStoerDensePeer {
   [[nodiscard]] Real reached() const { return reached_; }
   void take_back() { started_ = false; }
 
+  /// out = y(t) by the extrapolated interpolant of the step, no evaluation.
   void inside(const Values&, Real, const Values&, Real, Real t, Values& out) { stepper_.calc_state(t, out); }
 
  private:

@@ -11,7 +11,8 @@ namespace hmax::odeint {
 
 namespace detail {
 
-/// A system with its derivatives as plain functions on arrays.
+/// A system with its derivatives as plain functions on arrays, for sources that do not know its type.
+/// calls() hands out its address, so it is neither copied nor moved.
 template <System Sys>
 class Derivatives {
  public:
@@ -25,6 +26,7 @@ class Derivatives {
   Derivatives(const Derivatives&) = delete;
   Derivatives& operator=(const Derivatives&) = delete;
 
+  /// Valid as long as this object.
   SystemCalls<Real> calls() {
     return {this, [](void* self, Real t, const Real* y, Real* dydt) { of(self).rhs(t, y, dydt); },
             [](void* self, Real t, const Real* y, Real* J) { of(self).jacobian(t, y, J); },
@@ -35,14 +37,18 @@ class Derivatives {
   using Matrix = jacobian_type<Sys>;
   using RowMajor = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+  /// The object behind `system` of SystemCalls.
   static Derivatives& of(void* self) { return *static_cast<Derivatives*>(self); }
+  /// y_ = y, shape (n).
   void read(const Real* y) { y_ = Eigen::Map<const State>(y, y_.size()); }
 
+  /// dydt = f(t, y), shape (n).
   void rhs(Real t, const Real* y, Real* dydt) {
     read(y);
     system_.rhs(t, y_, out_);
     Eigen::Map<State>(dydt, out_.size()) = out_;
   }
+  /// J = df/dy, dense and row by row, shape (n, n), of the system or by differences.
   void jacobian(Real t, const Real* y, Real* J) {
     read(y);
     source_.evaluate(system_, t, y_, J_);
@@ -52,6 +58,7 @@ class Derivatives {
     else
       out = J_;
   }
+  /// dfdt = partial f / partial t, shape (n). Differences need f(t, y), which is evaluated only then.
   void time_derivative(Real t, const Real* y, Real* dfdt) {
     read(y);
     f_.setZero();
@@ -63,12 +70,13 @@ class Derivatives {
   const Sys& system_;
   JacobianSource<State, Matrix> source_;
   Matrix J_;
+  /// y, f(t, y) and results, shape (n).
   State y_, f_, out_;
 };
 
 }  // namespace detail
 
-/// The Rosenbrock method of order 4, at fixed steps or with Odeint's step control.
+/// The Rosenbrock method of order 4, RODAS, at fixed steps or with Odeint's step control.
 template <System Sys>
 class Rosenbrock4Peer {
  public:
@@ -78,12 +86,18 @@ class Rosenbrock4Peer {
   Rosenbrock4Peer(const Sys& system, Real rtol, Real atol)
       : derivatives_(system),
         stepper_(derivatives_.calls(), static_cast<std::size_t>(system.dim()), rtol, atol) {}
+  /// At fixed steps no tolerance matters.
   explicit Rosenbrock4Peer(const Sys& system) : Rosenbrock4Peer(system, 1, 1) {}
 
+  /// @param h  the step to try in, the next one out
+  /// @returns whether y_new at t + h is accepted
+  /// @throws NotSolved  where the Jacobian is not finite
   bool try_step(const Values& y, Real t, Values& y_new, Real& h) {
     return stepper_.try_step(y.data(), t, y_new.data(), h);
   }
+  /// y_new at t + h, without a test of its error.
   void step(const Values& y, Real t, Values& y_new, Real h) { stepper_.step(y.data(), t, y_new.data(), h); }
+  /// out = y(t) by the method's dense output of the step from t0 to t1.
   void inside(const Values& y0, Real t0, const Values& y1, Real t1, Real t, Values& out) {
     stepper_.inside(y0.data(), t0, y1.data(), t1, t, out.data());
   }
@@ -93,7 +107,8 @@ class Rosenbrock4Peer {
   Rosenbrock4<Real> stepper_;
 };
 
-/// Implicit Euler at fixed steps; inside one, a step to the time that is asked for.
+/// Implicit Euler at fixed steps, y_new = y + h f(t + h, y_new), by Newton's method with the Jacobian at (t
+/// + h, y). It has no dense output: inside a step it takes a step to the time that is asked for.
 template <System Sys>
 class ImplicitEulerPeer {
  public:
@@ -103,6 +118,7 @@ class ImplicitEulerPeer {
   explicit ImplicitEulerPeer(const Sys& system)
       : derivatives_(system), stepper_(derivatives_.calls(), static_cast<std::size_t>(system.dim())) {}
 
+  /// @throws NotSolved  where Newton's method meets a singular matrix or takes more than most_iterations
   void step(const Values& y, Real t, Values& y_new, Real h) { stepper_.step(y.data(), t, y_new.data(), h); }
   void inside(const Values& y0, Real t0, const Values&, Real, Real t, Values& out) {
     stepper_.step(y0.data(), t0, out.data(), t - t0);

@@ -17,11 +17,13 @@ namespace ublas = boost::numeric::ublas;
 
 namespace {
 
+/// What Odeint's implicit steppers compute in: dense and row by row.
 template <class Real>
 using Vector = ublas::vector<Real>;
 template <class Real>
 using Matrix = ublas::matrix<Real>;
 
+/// The first number of a vector; vectors are contiguous.
 template <class Real>
 const Real* data(const Vector<Real>& v) {
   return &*v.begin();
@@ -31,6 +33,7 @@ Real* data(Vector<Real>& v) {
   return &*v.begin();
 }
 
+/// f in the form of Odeint.
 template <class Real>
 struct Rhs {
   SystemCalls<Real> calls;
@@ -39,6 +42,8 @@ struct Rhs {
   }
 };
 
+/// df/dy and df/dt in the form that Odeint's Rosenbrock stepper calls.
+/// @throws NotSolved  where df/dy is not finite, since Odeint would factor it all the same
 template <class Real>
 struct Jacobian {
   SystemCalls<Real> calls;
@@ -57,11 +62,13 @@ struct Coefficients : native::default_rosenbrock_coefficients<Real> {
   const Real d4 = static_cast<Real>(-0.0362);
 };
 
+/// RODAS with Odeint's step control; components are weighed by atol + rtol max(|y_i|, |y_new,i|).
 template <class Real>
 using Controlled = native::rosenbrock4_controller<native::rosenbrock4<Real, Coefficients<Real>>>;
 
 }  // namespace
 
+/// What the header hides from C++20: the system and the work vectors in uBLAS, shape (n).
 template <class Real>
 struct Rosenbrock4<Real>::Memory {
   std::pair<Rhs<Real>, Jacobian<Real>> system;
@@ -79,6 +86,7 @@ Rosenbrock4<Real>::Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Re
 template <class Real>
 Rosenbrock4<Real>::~Rosenbrock4() = default;
 
+// h is that of the next attempt afterwards, whatever the result.
 template <class Real>
 bool Rosenbrock4<Real>::try_step(const Real* y, Real t, Real* y_new, Real& h) {
   Memory& m = *memory_;
@@ -96,6 +104,7 @@ void Rosenbrock4<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   std::copy(m.y_new.begin(), m.y_new.end(), y_new);
 }
 
+// Odeint computes the coefficients of dense output only when it is asked for them.
 template <class Real>
 void Rosenbrock4<Real>::inside(const Real* y0, Real t0, const Real* y1, Real t1, Real t, Real* out) {
   Memory& m = *memory_;
@@ -106,6 +115,7 @@ void Rosenbrock4<Real>::inside(const Real* y0, Real t0, const Real* y1, Real t1,
   std::copy(m.out.begin(), m.out.end(), out);
 }
 
+/// `rehearsed` is the copy on which a factorisation is tried.
 template <class Real>
 struct ImplicitEuler<Real>::Memory {
   SystemCalls<Real> calls;
@@ -125,15 +135,18 @@ template <class Real>
 void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   Memory& m = *memory_;
   ublas::permutation_matrix<std::size_t> pivots(m.y.size());
+  // A factorisation of the copy in the place of Odeint's own, which would end the process.
   const auto rehearse = [&] {
     if (ublas::lu_factorize(m.rehearsed, pivots) != 0) throw NotSolved();
   };
   int iterations = 0;
+  // Odeint calls f once an iteration: the count and the second factorisation of a matrix happen here.
   const auto f = [&](const Vector<Real>& at, Vector<Real>& dydt, Real time) {
     if (++iterations > most_iterations) throw NotSolved();
     m.calls.rhs(m.calls.system, time, data(at), data(dydt));
     if (iterations > 1) rehearse();
   };
+  // Odeint factors h J - I.
   const auto J = [&](const Vector<Real>& at, Matrix<Real>& matrix, Real time) {
     m.calls.jacobian(m.calls.system, time, data(at), &*matrix.data().begin());
     m.rehearsed = matrix;

@@ -36,6 +36,7 @@ class Rosenbrock4 {
   /// @param h  the step to try in, the next one out
   /// @returns whether y_new at t + h stands
   bool try_step(const Real* y, Real t, Real* y_new, Real& h);
+  /// One step from y at t to y_new at t + h, without a test of its error.
   void step(const Real* y, Real t, Real* y_new, Real h);
   /// out = y(t) inside the last step, which led from y0 at t0 to y1 at t1.
   void inside(const Real* y0, Real t0, const Real* y1, Real t1, Real t, Real* out);

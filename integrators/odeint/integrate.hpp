@@ -30,6 +30,7 @@ class View : public StepEnds<State> {
   View(Peer& peer, Real t0, Real t1, const Values& y0, const Values& y1, const State& start, const State& end)
       : StepEnds<State>(t0, t1, t1 - t0, start, end), peer_(peer), values0_(y0), values1_(y1) {}
 
+  /// out = y(t), t in [t0, t1]; at both ends the states themselves, inside by the peer.
   void at(Real t, State& out) {
     if (t == this->t1()) return copy_state(this->y1(), out);
     if (t == this->t0()) return copy_state(this->y0(), out);
@@ -43,7 +44,7 @@ class View : public StepEnds<State> {
   const Values &values0_, &values1_;
 };
 
-/// True when Odeint's numbers are finite and can be squared.
+/// True when the sum of the squares of Odeint's numbers is finite; false for NaN.
 template <class Values>
 bool is_bounded(const Values& values) {
   using Real = std::remove_cvref_t<decltype(*values.begin())>;
@@ -52,14 +53,16 @@ bool is_bounded(const Values& values) {
   return sum <= std::numeric_limits<Real>::max();
 }
 
-/// Keeps the state of a run and shows its steps.
+/// Keeps the state of a run and shows its steps: `now` at t, and `next`, the candidate.
 template <class Peer, class State, class Observer>
 class Walk {
  public:
   using Real = real_of<State>;
   using Values = typename Peer::Values;
+  /// There is an observer.
   static constexpr bool watched = !std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>;
 
+  /// @param y  initial state in, shape (n); the last accepted state is written to it
   Walk(Peer& peer, Real start, State& y, Observer& observer)
       : t(start), peer_(peer), y_(y), end_(y), observer_(observer), run_{Outcome::reached_end, start, {}} {
     to_values(y, now);
@@ -86,7 +89,7 @@ class Walk {
     t = t_next;
     return false;
   }
-  void reject() { ++run_.stats.rejected; }
+  void reject() { ++run_.stats.rejected; }  ///< counts a rejected attempt
 
   /// Whether a solution can be at `next`, as hmax::admits tells.
   template <class Sys>
@@ -99,6 +102,9 @@ class Walk {
     return true;
   }
 
+  /// Writes the last accepted state to y and says how the run ended.
+  /// @param at    where it ended or failed
+  /// @param note  why equations were not solved
   RunEnd<Real> finish(Outcome outcome, Real at, std::string_view note = {}) {
     to_state(now, y_);
     run_.outcome = outcome;
@@ -119,6 +125,7 @@ class Walk {
   RunEnd<Real> run_;
 };
 
+/// Notes of failed runs.
 inline constexpr std::string_view not_solved = "Odeint does not solve the stage equation";
 inline constexpr std::string_view not_finite = "the derivative is not finite however short the step";
 
@@ -127,6 +134,10 @@ inline constexpr std::string_view not_finite = "the derivative is not finite how
 /// Fixed steps over `span`, as hmax::integrate does them: time is t0 + n h, the last step may be shorter.
 /// @tparam Peer      step(y, t, y_new, h) and inside(...), as in explicit_peers.hpp
 /// @param y          initial state in, last bounded state out, shape (n)
+/// @param h          > 0
+/// @param observer   called as observer(View&) once for each accepted step
+/// @param max_steps  steps allowed
+/// @throws std::invalid_argument  where the span runs backwards
 template <class Peer, System Sys, class Observer>
 RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
                                                      Span<real_of<typename Sys::State>> span,
@@ -138,6 +149,7 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
   Peer peer(system);
   detail::Walk<Peer, typename Sys::State, std::remove_reference_t<Observer>> walk(peer, span.t0, y, observer);
+  // The times of hmax: t0 + n h, the end exactly.
   FixedStep<Real> control(h);
   control.start(peer, system, span, y);
   for (std::int64_t steps = 0;; ++steps) {
@@ -158,7 +170,11 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
 
 /// Steps steered by Odeint; it wants to be told the first one, which hmax chooses as for its own methods.
 /// @tparam Peer         try_step(y, t, y_new, h) -> bool and inside(...), as in explicit_peers.hpp
+/// @param y             initial state in, last accepted state out, shape (n)
+/// @param rtol, atol    Odeint's own test: how they weigh the error is up to its stepper
 /// @param first_order   order of the error estimate that the first step is chosen for
+/// @param max_steps     attempts allowed
+/// @throws std::invalid_argument  where the span runs backwards
 template <class Peer, System Sys, class Observer>
 RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
                                                         Span<real_of<typename Sys::State>> span,
@@ -178,10 +194,12 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
   for (std::int64_t attempts = 0;; ++attempts) {
     const Real t = walk.t;
     if (attempts == max_steps) return walk.finish(Outcome::too_many_steps, t);
+    // 16 units in the last place of t: below that a step no longer moves the time.
     const Real shortest = 16 * std::numeric_limits<Real>::epsilon() * std::abs(t);
     if (!(h > shortest) || !(t + h > t))
       return was_finite ? walk.finish(Outcome::step_too_small, t)
                         : walk.finish(Outcome::diverged, t, detail::not_finite);
+    // The last step is cut to the end of the span.
     bool last = t + h >= span.t_end;
     if (last) h = span.t_end - t;
     const Real tried = h;
@@ -204,6 +222,7 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
       continue;
     }
     Real t_next = last ? span.t_end : t + tried;
+    // A stepper with dense output may have stopped short of what was tried.
     if constexpr (requires { peer.reached(); }) {
       last = last && peer.reached() >= t + tried;
       t_next = last ? span.t_end : peer.reached();

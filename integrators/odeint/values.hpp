@@ -11,6 +11,7 @@
 namespace hmax::odeint {
 
 namespace detail {
+/// std::array where the size is fixed, else std::vector.
 template <class State, int n = State::RowsAtCompileTime>
 struct ValuesOf {
   using type = std::array<typename State::Scalar, n>;
@@ -25,30 +26,34 @@ struct ValuesOf<State, Eigen::Dynamic> {
 template <class State>
 using values_of = typename detail::ValuesOf<State>::type;
 
+/// values = y, resized where that is possible.
 template <class State, class Values>
 void to_values(const State& y, Values& values) {
   if constexpr (requires { values.resize(std::size_t{}); }) values.resize(static_cast<std::size_t>(y.size()));
   std::copy(y.data(), y.data() + y.size(), values.begin());
 }
 
+/// y = values; y has their size already.
 template <class Values, class State>
 void to_state(const Values& values, State& y) {
   std::copy(values.begin(), values.end(), y.data());
 }
 
-/// f(t, y) in Odeint's order of arguments. States of fixed size pass through registers; those of dynamic size
-/// are copied both ways, which Odeint's choice of std::vector costs.
+/// f(t, y) in Odeint's order of arguments, f(y, dydt, t). States of fixed size pass through registers;
+/// those of dynamic size are copied both ways, which Odeint's choice of std::vector costs.
 template <System Sys>
 class Rhs {
  public:
   using State = typename Sys::State;
   using Real = real_of<State>;
 
+  /// @param system  must outlive this function; Odeint copies it, and copies share the system
   explicit Rhs(const Sys& system) : system_(&system) {
     in_.resize(system.dim());
     out_.resize(system.dim());
   }
 
+  /// dydt = f(t, y); of dynamic size it gets the size of the system.
   template <class Values>
   void operator()(const Values& y, Values& dydt, Real t) {
     if constexpr (State::RowsAtCompileTime == Eigen::Dynamic) {
@@ -65,7 +70,7 @@ class Rhs {
 
  private:
   const Sys* system_;
-  State in_, out_;
+  State in_, out_;  ///< of dynamic size: the copies of y and dydt, shape (n)
 };
 
 }  // namespace hmax::odeint
