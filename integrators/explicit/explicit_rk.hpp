@@ -90,6 +90,7 @@ class StaticCoefficients {
   static constexpr auto stage_row(std::integral_constant<std::size_t, I>) {
     return StageRow<I>{};
   }
+  /// The rows as values, as RuntimeTableau returns spans.
   static constexpr auto weights() { return Weights{}; }
   static constexpr auto error_weights() { return ErrorWeights{}; }
   static constexpr long double node(std::size_t i) { return tableau.c[i]; }  ///< c_i
@@ -201,6 +202,7 @@ class ExplicitRk {
   /// The first stage f(t, y) of the next attempt, for methods that start from this one and keep slopes of
   /// their own: known after accept() if the last stage is the first of the next step.
   [[nodiscard]] const State& first_stage() const { return k_[0]; }
+  /// Gives f(t, y) of the next attempt, shape (n), from where it is known.
   void set_first_stage(const State& slope) {
     copy_state(slope, k_[0]);
     first_stage_known_ = true;
@@ -371,12 +373,14 @@ class ExplicitRk {
   [[no_unique_address]] Coefficients coefficients_;
   /// k_i, each of shape (n).
   typename Coefficients::template Storage<State> k_;
-  State stage_ = blank_state<State>();  // argument of the stage in the making
+  State stage_ = blank_state<State>();  ///< argument of the stage in the making
+  /// Valid while end_slope_known_.
   State end_slope_ =
       blank_state<State>();  // f at the new point, for the Hermite polynomial of methods without FSAL
   /// q_j, each of shape (n), valid while polynomial_known_.
   std::array<State, Coefficients::interpolant_degree> q_;
-  Real end_time_{}, end_part_{};  // t + h and g(t + h) of the last attempt
+  Real end_time_{}, end_part_{};  ///< t + h and g(t + h) of the last attempt
+  /// k_1 of the next attempt, f at the end of the last attempt and its polynomial are valid.
   bool first_stage_known_ = false, end_slope_known_ = false, polynomial_known_ = false;
 };
 

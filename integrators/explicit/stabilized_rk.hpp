@@ -118,6 +118,7 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
     return Values{alpha * w0 * one.p - beta * two.p, alpha * (one.p + w0 * one.d) - beta * two.d,
                   alpha * (2 * one.d + w0 * one.d2) - beta * two.d2};
   };
+  // P_0 = 1 and P_1 = x with their derivatives at w0.
   const Values first{1, 0, 0}, second{w0, 1, 0};
   Values two = first, one = second;
   for (int j = 2; j <= s; ++j) two = std::exchange(one, next(j, one, two));
@@ -127,10 +128,12 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
   stages.resize(static_cast<std::size_t>(s));
   two = first;
   one = second;
+  // b_0 = b_1 = b_2 = P_2'' / P_2'^2
   const Values third = next(2, one, two);
   Real b_two = third.d2 / (third.d * third.d), b_one = b_two;
   // Y_1 = y + h mu~_1 f(y) with mu~_1 = b_1 w1.
   stages[0] = {0, 0, 1, b_one * w1, 0, 0};
+  // c_0 = 0, c_1 = mu~_1
   Real c_two{0}, c_one = stages[0].mu_f;
   for (int j = 2; j <= s; ++j) {
     const Values now = next(j, one, two);
@@ -162,6 +165,7 @@ class StabilizedRk {
  public:
   using State = StateT;
   using Real = real_of<State>;
+  /// Of y_new, and of err = O(h^3).
   static constexpr int order = 2, error_order = 3;
   static constexpr bool may_estimate_error = true, is_explicit = true;
   static constexpr int steps_between_estimates = 25;  ///< accepted steps
@@ -275,13 +279,17 @@ class StabilizedRk {
     if (s != stages()) make_stages<Polynomials>(s, stages_);
   }
 
-  State first_slope_ = blank_state<State>(), end_slope_ = first_slope_;  // f at both ends of the step
+  State first_slope_ = blank_state<State>(), end_slope_ = first_slope_;  ///< f at both ends of the step
+  /// f(Y_{j-1}), and the other one of Y_{j-1} and Y_{j-2}.
   State slope_ = first_slope_, stage_ = first_slope_;
+  /// Coefficients for the number of stages of the last attempt.
   std::vector<StabilizedStage<Real>> stages_;
   SpectralRadius<State> estimate_;
+  /// Spectral radius in use [1/s].
   Real radius_ = 0;
   std::int64_t accepted_ = 0;
   bool system_knows_ = false, first_slope_known_ = false;
+  /// Whether it is to be evaluated before the next attempt, and whether it is that of the present state.
   bool radius_is_due_ = true, radius_is_of_here_ = false;
 };
 

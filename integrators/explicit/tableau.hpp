@@ -85,6 +85,7 @@ constexpr void visit_trees(const std::array<std::span<const long double>, Colour
     std::size_t last_child;           // tree and colour of the child grafted last; children never decrease
     std::vector<long double> g, a_g;  // a_g: A g of one colour after the other
   };
+  // All trees so far, by number of nodes: the parts of larger ones.
   std::vector<Tree> trees;
   auto add = [&](int nodes, long double gamma, std::size_t last_child, std::vector<long double> g) {
     std::vector<long double> a_g(Colours * s, 0);

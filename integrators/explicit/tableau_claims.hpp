@@ -54,6 +54,7 @@ requires requires { Method::interpolant; }
 constexpr bool keeps_its_interpolant_claims(const decltype(Method::interpolant)& interpolant,
                                             const decltype(Method::tableau)& tableau = Method::tableau) {
   constexpr bool implicit = requires { Method::gamma; };
+  // Stages of the method and of the interpolant: the extra ones obey the same rules.
   const auto all = extended(tableau, interpolant);
   return meets_both_ends(tableau, interpolant) && (implicit || is_explicit(all)) &&
          rows_are_consistent(all) &&
@@ -67,6 +68,7 @@ template <class Method>
 requires requires { Method::b_err_low; }
 constexpr bool keeps_its_low_order_claim(const decltype(Method::b_err_low)& b_err_low,
                                          const decltype(Method::tableau)& tableau = Method::tableau) {
+  // The same tableau with the second error row in the place of the first one.
   auto low = tableau;
   low.b_err = b_err_low;
   return order_of(low, true, Method::embedded_order_low + 1) == Method::embedded_order_low;

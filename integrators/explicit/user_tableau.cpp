@@ -17,6 +17,7 @@ constexpr int highest_order = 10;
 /// @throws std::invalid_argument  always; the message begins with the name of the tableau
 template <class... Parts>
 [[noreturn]] void refuse(const TableauRows& rows, const Parts&... parts) {
+  // 15 digits show the defect of coefficients that were cut short.
   std::ostringstream sentence;
   sentence.precision(15);
   sentence << "the tableau '" << rows.name << "': ";
@@ -43,6 +44,7 @@ void require_weights(const TableauRows& rows, const std::vector<long double>& we
 /// Refuses weights that violate the condition of order 1, |sum_i b_i - 1| <= tableau_tolerance.
 void require_consistent(const TableauRows& rows, const std::vector<long double>& weights, const char* what) {
   require_weights(rows, weights, what);
+  // Order 1: sum_i b_i = 1.
   const long double sum = std::accumulate(weights.begin(), weights.end(), 0.0L);
   if (!(std::fabs(sum - 1) <= tableau_tolerance))
     refuse(rows, "the weights ", what, " sum to ", sum,
@@ -79,6 +81,7 @@ std::vector<long double> matrix_of(const TableauRows& rows) {
 /// Refuses nodes with |sum_j a_ij - c_i| > tableau_tolerance.
 void require_nodes(const TableauRows& rows, const std::vector<long double>& a) {
   require_weights(rows, rows.c, "c");
+  // The largest |sum_j a_ij - c_i|, with its row for the message.
   const auto [row, defect] = largest_row_defect(a, rows.c);
   if (defect <= tableau_tolerance) return;
   const long double sum = std::accumulate(rows.a[row].begin(), rows.a[row].end(), 0.0L);
@@ -115,6 +118,7 @@ RuntimeTableau completed_tableau(std::string name, std::vector<long double> a, s
 RuntimeTableau runtime_tableau(const TableauRows& rows) {
   if (rows.b.empty()) refuse(rows, "b is empty; a method has at least one stage");
   require_consistent(rows, rows.b, "b");
+  // The shape of a before its sums, so that the first fault is the one that is named.
   std::vector<long double> a = matrix_of(rows);
   if (!rows.c.empty()) require_nodes(rows, a);
   if (!rows.b_hat.empty()) {

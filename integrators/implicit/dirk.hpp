@@ -48,6 +48,7 @@ class Dirk {
  public:
   using State = StateT;
   using Real = real_of<State>;
+  /// Of y_new, and of err = O(h^error_order), 0 without an estimate.
   static constexpr int order = Method::order;
   static constexpr int error_order = Method::error_order;
   static constexpr bool may_estimate_error = error_order > 0;
@@ -378,12 +379,14 @@ class Dirk {
     }
   }
 
+  /// The diagonal of A, the same for all implicit stages.
   static constexpr Real gamma = static_cast<Real>(Method::gamma);
   /// k_i, each of shape (n).
   std::array<State, s> k_;
   /// Of the stage at hand: base + z = Y, and the residual or correction d.
   State base_ = blank_state<State>(), z_ = blank_state<State>(), Y_ = blank_state<State>(),
         d_ = blank_state<State>();
+  /// Valid while start_known_ and end_known_.
   State start_slope_ = blank_state<State>(),
         end_slope_ = blank_state<State>();  // f at the ends, where no stage stands there
   State old_slope_ = blank_state<State>();  ///< f at the start of the step before
@@ -401,6 +404,7 @@ class Dirk {
   /// Step sizes of the last attempt and of the accepted step before.
   Real h_ = 0, old_h_ = 0;
   int slopes_known_ = 0;  ///< coefficients of slopes_ that hold: 0 .. 3
+  /// extrapolates_: z of an attempt begins with the extrapolated slope, else with zero.
   bool start_known_ = false, end_known_ = false, extrapolates_ = false;
 };
 

@@ -26,6 +26,7 @@ class StiffPart {
   using Real = real_of<State>;
   using Jacobian = jacobian_type<Sys>;
 
+  /// @param system  must outlive this one
   explicit StiffPart(const Sys& system) : system_(system) {}
   [[nodiscard]] Eigen::Index dim() const { return system_.dim(); }
   void rhs(Real t, const State& y, State& dydt) const { system_.rhs_stiff(t, y, dydt); }
@@ -56,6 +57,7 @@ class ImexRk {
  public:
   using State = StateT;
   using Real = real_of<State>;
+  /// Of y_new, and of err = O(h^error_order), 0 without an estimate.
   static constexpr int order = Method::order;
   static constexpr int error_order = Method::error_order;
   static constexpr bool may_estimate_error = error_order > 0;
@@ -283,6 +285,7 @@ class ImexRk {
   /// Of the accepted steps, and as the attempt has changed it.
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
+  /// Whether the slopes at the start, and at the end of the last attempt, are known.
   bool start_known_ = false, end_known_ = false;
 };
 

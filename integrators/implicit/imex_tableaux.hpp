@@ -30,6 +30,7 @@ constexpr int order_of(const AdditiveTableau<S>& tableau, bool embedded, int max
                        long double tolerance = 1e-15L) {
   const auto a = std::array{detail::flattened(tableau.nonstiff.a), detail::flattened(tableau.stiff.a)};
   const std::array<const ButcherTableau<S>*, 2> halves{&tableau.nonstiff, &tableau.stiff};
+  // Colour 0: nonstiff, colour 1: stiff. Each tree has one condition for each colour of its root.
   const std::array<std::span<const long double>, 2> parts{a[0], a[1]};
   int order = max_order;
   visit_trees(parts, S, max_order, [&](int nodes, long double gamma, std::span<const long double> g) {
@@ -64,6 +65,7 @@ constexpr bool is_imex(const AdditiveTableau<S>& tableau) {
 /// last stage is the result; error weights only where there is a companion.
 template <class Method>
 constexpr bool keeps_its_claims(const decltype(Method::tableau)& tableau = Method::tableau) {
+  // Exactly this order: reached, and not exceeded.
   const auto has_order = [&](bool embedded, int order) {
     return order_of(tableau, embedded, order + 1) == order;
   };
@@ -108,6 +110,7 @@ struct ImexArk324 {
   static constexpr std::string_view id = "imex_ark_324", source = "kennedy2003additive";
   static constexpr int order = 3, embedded_order = 2, error_order = 3;
   static constexpr long double gamma = 1767732205903.0L / 4055673282236.0L;
+  /// The weights, and the last row of the implicit half.
   static constexpr std::array<long double, 4> b{1471266399579.0L / 7840856788654.0L,
                                                 -4482444167858.0L / 7529755066697.0L,
                                                 11266239266428.0L / 11593286722821.0L, gamma};
@@ -131,6 +134,7 @@ struct ImexArk324 {
 struct ImexArk436 {
   static constexpr std::string_view id = "imex_ark_436", source = "kennedy2003additive";
   static constexpr int order = 4, embedded_order = 3, error_order = 4;
+  /// The weights, and the last row of the implicit half.
   static constexpr std::array<long double, 6> b{
       82889.0L / 524892.0L, 0, 15625.0L / 83664.0L, 69875.0L / 102672.0L, -2260.0L / 8211.0L, 0.25L};
   static constexpr AdditiveTableau<6> tableau = detail::common_weights<6>(

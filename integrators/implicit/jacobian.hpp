@@ -91,6 +91,7 @@ class ColumnGroups {
   [[nodiscard]] std::size_t of(Eigen::Index column) const { return group_[static_cast<std::size_t>(column)]; }
 
   std::vector<std::size_t> group_;  ///< by column
+  /// Columns of each group.
   std::vector<std::vector<Eigen::Index>> members_;
 };
 
@@ -295,6 +296,7 @@ void evaluate_time_derivative(const Sys& system, real_of<typename Sys::State> t,
   // partial f / partial t = (f(t + delta, y) - f0) / delta
   if constexpr (TimeDifferentiableSystem<Sys>)
     if (has_time_derivative(system)) return system.time_derivative(t, y, dfdt);
+  // sqrt(eps) max(|t|, 1e-3)
   const Real delta = detail::difference_increment<Real>(t, Real(1e-3));
   system.rhs(t + delta, y, dfdt);
   dfdt = (dfdt - f0) / delta;

@@ -113,6 +113,7 @@ class NewtonNorm {
   [[nodiscard]] bool may_continue() const { return !has_tolerances() && settings_.iterations == 0; }
 
  private:
+  /// kappa atol_i.
   [[nodiscard]] Real atol(Eigen::Index i) const { return atols_.size() == 0 ? atol_ : atols_[i]; }
 
   /// rtol_ and atol_ are kappa times those of the run; scale_ is max |y|.
@@ -178,6 +179,7 @@ NewtonEnd iterate_newton(int iterations, NewtonMemory<Real>& memory, std::int64_
   Real eta = std::max(memory.eta, std::numeric_limits<Real>::epsilon());
   // eta^(3/4)
   eta = sqrt(eta * sqrt(eta));
+  // |d_(k-1)|, theta, and the rate before it.
   Real last = 0, theta = 0, last_rate = 0;
   for (int k = 1; k <= iterations; ++k) {
     ++count;
@@ -230,6 +232,7 @@ template <class Real, class Residual, class Correct, class Rounding>
 NewtonEnd continue_newton(Real mu, NewtonMemory<Real>& memory, std::int64_t& count, const Residual& residual,
                           const Correct& correct, const Rounding& rounding) {
   using std::sqrt;
+  // mu stays below `most`; below `newton` the steps are Newton's, and rounding may end them.
   constexpr Real most = Real(1e4), newton = Real(1e-2);
   // mu_k = mu_(k-1) |residual_k| / |residual_(k-1)|
   Real before = 0;
@@ -348,7 +351,9 @@ class Linearisation {
   JacobianUpdate update_;
   JacobianSource<State, Matrix> source_;
   Matrix J_ = blank_matrix<Matrix>(), fresh_ = J_;
+  /// Numbers of J_ and fresh_; how many were evaluated; accepted steps.
   std::int64_t id_ = 0, fresh_id_ = 0, evaluations_ = 0, steps_ = 0;
+  /// due_: J_ is to be evaluated. is_current_, fresh_known_: J_, fresh_ are of the start of this step.
   bool due_ = true, is_current_ = false, fresh_known_ = false, uses_fresh_ = false;
 };
 
@@ -434,6 +439,7 @@ class ShiftedSolver {
   LinearSolver<with_scalar<Matrix, Scalar>> solver_;
   std::int64_t id_ = 0;
   Scalar s_{};
+  /// Whether the factors may be used.
   bool regular_ = false;
 };
 

@@ -159,6 +159,7 @@ class RadauIIA5 {
   static constexpr Real gamma = static_cast<Real>(radau::gamma);
   static constexpr Real c(std::size_t i) { return static_cast<Real>(radau::tableau.c[i]); }
   static constexpr Real e(std::size_t i) { return static_cast<Real>(radau::e[i]); }
+  /// c_1 - 1 and c_2 - 1: nodes counted from the end of the step.
   static constexpr Real c1m1 = c(0) - 1, c2m1 = c(1) - 1;
 
   /// The stages of an attempt, with another Jacobian or by continuation where the first try fails.
@@ -348,7 +349,9 @@ class RadauIIA5 {
   /// Of the accepted steps, and as the attempt has changed it.
   NewtonMemory<Real> memory_, attempt_memory_;
   ImplicitWork work_;
+  /// Of the last attempt and of the accepted step before; 0: there is none.
   Real h_ = 0, old_h_ = 0;
+  /// The attempt begins with the polynomial of the step before.
   bool extrapolates_ = false;
   bool slope_known_ = false, polynomial_known_ = false;
 };

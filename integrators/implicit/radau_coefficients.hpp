@@ -70,6 +70,7 @@ namespace detail {
 struct ComplexConstant {
   long double re = 0, im = 0;
 
+  /// Real numbers convert, so that eigenvector() is written once.
   constexpr ComplexConstant(long double real, long double imaginary = 0) : re(real), im(imaginary) {}
   friend constexpr ComplexConstant operator-(ComplexConstant a) { return {-a.re, -a.im}; }
   friend constexpr ComplexConstant operator-(ComplexConstant a, ComplexConstant b) {
@@ -88,6 +89,7 @@ struct ComplexConstant {
 template <class Number>
 constexpr std::array<Number, 2> eigenvector(Number w) {
   const auto& a = tableau.a;
+  // (I - w A) (v_1, v_2) = w (a_13, a_23) in the first two rows, by Cramer's rule.
   const Number m00 = Number(1) - w * a[0][0], m01 = -w * a[0][1], m10 = -w * a[1][0];
   const Number m11 = Number(1) - w * a[1][1], b0 = w * a[0][2], b1 = w * a[1][2];
   const Number determinant = m00 * m11 - m01 * m10;
@@ -113,6 +115,7 @@ inline constexpr Row e{(-13 - 7 * root6) / (3 * gamma), (-13 + 7 * root6) / (3 *
 constexpr bool splits_the_equations(const ButcherTableau<3>& method, const Matrix3& vectors,
                                     const Matrix3& inverse, long double real, long double re,
                                     long double im) {
+  // T^-1 A^-1 T
   const Matrix3 blocks{{{real, 0, 0}, {0, re, -im}, {0, im, re}}};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {

@@ -65,6 +65,7 @@ class ResidualRounding {
  public:
   using State = StateT;
   using Real = real_of<State>;
+  /// Factor on the estimate below which a correction counts as rounding.
   static constexpr Real margin = 8;
 
   /// Takes |X| where the system has an offset; forgets the correction.
@@ -121,6 +122,7 @@ class ResidualRounding {
   State offset_ = blank_state<State>(), numbers_ = offset_, correction_ = offset_;
   /// Of which matrix and size of Y the correction is.
   std::int64_t id_ = 0;
+  /// s of the matrix, and max |Y| for which the correction was estimated.
   Real s_ = 0, size_ = 0;
 };
 

@@ -82,6 +82,7 @@ class Rosenbrock {
  public:
   using State = StateT;
   using Real = real_of<State>;
+  /// Of y_new with the exact J, and of err = O(h^error_order), 0 without an estimate.
   static constexpr int order = Method::order;
   static constexpr int error_order = Method::error_order;
   static constexpr bool may_estimate_error = error_order > 0;
@@ -258,8 +259,10 @@ class Rosenbrock {
   State slope_ = blank_state<State>(), stage_slope_ = slope_;  ///< f at (t, y), and of the last stage
   State time_slope_ = slope_;                                  ///< df/dt at (t, y)
   State argument_ = slope_;                                    ///< of the stage, shape (n)
+  /// Number of J_, for the solver to see a new one; accepted steps.
   std::int64_t jacobian_id_ = 0, steps_ = 0;
   ImplicitWork work_;
+  /// J is to be evaluated; f and df/dt at the start of the next attempt are known.
   bool jacobian_due_ = true, slope_known_ = false, time_slope_known_ = false;
 };
 

@@ -173,6 +173,7 @@ constexpr void visit_trees(const RosenbrockForm<S>& form, JacobianIs jacobian, i
     Vector product;          // of its children, each summed over alpha_ij
     Vector g;
   };
+  // M v
   auto times = [](const detail::Square<S>& M, const Vector& v) {
     Vector result{};
     for (std::size_t i = 0; i < S; ++i)
@@ -263,6 +264,7 @@ constexpr int order_of_interpolant(const RosenbrockTableau<S>& tableau,
 /// triangular.
 template <std::size_t S>
 std::complex<long double> stability_function(const RosenbrockForm<S>& form, std::complex<long double> z) {
+  // x = (I - z beta)^-1 1 row by row; R = 1 + z b . x
   std::array<std::complex<long double>, S> x{};
   std::complex<long double> sum = 0;
   for (std::size_t i = 0; i < S; ++i) {

@@ -234,6 +234,7 @@ class DenseLu {
     Eigen::PartialPivLU<Matrix> lu;
     Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, 1> scratch;
   };
+  /// In the place of Large.
   struct Nothing {};
 
   /// L below the diagonal, U above it, 1 / u_kk on it.
@@ -356,7 +357,7 @@ class LinearSolver<ShiftedMechanical<Scalar>> {
   Eigen::Vector<typename Eigen::NumTraits<Scalar>::Real, Eigen::Dynamic> mass_;
   Eigen::SparseMatrix<typename Eigen::NumTraits<Scalar>::Real> stiffness_;
   BlockStructure<3> blocks_;  ///< of K, if that is made of them
-  bool in_space_ = false;
+  bool in_space_ = false;     ///< K is made of blocks
   LinearSolver<Eigen::SparseMatrix<Scalar>> solver_;
   Vector moved_, velocity_;
 };

@@ -20,7 +20,7 @@ using Indices = std::vector<Index>;
 struct Graph {
   Indices first{0}, to;
 
-  [[nodiscard]] Index size() const { return static_cast<Index>(first.size()) - 1; }
+  [[nodiscard]] Index size() const { return static_cast<Index>(first.size()) - 1; }  ///< vertices
   [[nodiscard]] std::span<const Index> of(Index v) const {
     return std::span(to).subspan(first[v], first[v + 1] - first[v]);
   }
@@ -206,10 +206,11 @@ double squares(double from, double to) {
 struct Elimination {
   Indices order;   ///< group of each vertex
   Indices parent;  ///< in the elimination tree
-  Graph graph;
-  Indices size;  ///< unknowns of each vertex
+  Graph graph;     ///< edges to later and to earlier vertices
+  Indices size;    ///< unknowns of each vertex
 
   explicit Elimination(const Groups& groups) : order(minimum_degree(groups.graph)) {
+    // By degree first, then a postorder of that tree: subtrees become contiguous, the fill stays the same.
     const Graph by_degree = renamed(groups.graph, order);
     const Indices tree = elimination_tree(by_degree);
     // A tree of any order is that of its postorder, renamed.
@@ -234,22 +235,31 @@ class Planner {
   Planner(PanelAnalysis& plan, std::span<const Index> outer, std::span<const Index> inner)
       : plan_(plan), outer_(outer), inner_(inner), groups_(outer, inner), vertices_(groups_) {}
 
+  /// The vertices of each panel, by merging; then panel_ and members_.
   void gather_panels();
+  /// plan_.to, and of each panel its first unknown, width and parent.
   void number_unknowns();
+  /// plan_.rows, and the height of each panel.
   void find_rows();
+  /// Where T and B of each panel are; tallest, widest and work of the plan.
   void place_values();
+  /// Where updates are, and how large the two stacks become.
   void place_updates();
+  /// plan_.joins: runs of rows of a panel that are contiguous in its parent.
   void join_rows();
+  /// plan_.entries: runs of entries of A that are contiguous in a panel.
   void place_entries();
 
  private:
-  [[nodiscard]] Index count() const { return static_cast<Index>(plan_.panels.size()); }
+  [[nodiscard]] Index count() const { return static_cast<Index>(plan_.panels.size()); }  ///< panels
+  /// The vertices of panel p, ascending.
   [[nodiscard]] std::span<const Index> members_of(Index p) const {
     return std::span(members_).subspan(members_first_[p], members_first_[p + 1] - members_first_[p]);
   }
   void join_rows_of(PanelAnalysis::Panel& here);
   void place_entries_of(Index p, const Indices& row_at);
 
+  /// The plan that is filled, and the pattern of A; they must outlive the planner.
   PanelAnalysis& plan_;
   std::span<const Index> outer_, inner_;
   Groups groups_;
@@ -266,6 +276,7 @@ void Planner::gather_panels() {
   Indices number(n, -1);
   for (Index v = 0; v < n; ++v)
     if (merging.panel_of(v) == v) {
+      // A panel is where its last vertex is.
       number[v] = count();
       plan_.panels.push_back({});
     }
@@ -275,6 +286,7 @@ void Planner::gather_panels() {
     panel_[v] = number[merging.panel_of(v)];
     ++members_first_[panel_[v] + 1];
   }
+  // Counts to places, then each vertex into its place.
   std::partial_sum(members_first_.begin(), members_first_.end(), members_first_.begin());
   members_.resize(n);
   Indices next(members_first_.begin(), members_first_.end() - 1);
@@ -295,6 +307,7 @@ void Planner::number_unknowns() {
         plan_.to[groups_.first[vertices_.order[v]] + k] = unknowns++;
     }
     here.width = unknowns - here.first;
+    // The parent of a panel is the panel of the parent of its last vertex.
     const Index above = vertices_.parent[members_of(p).back()];
     here.parent = above < 0 ? -1 : panel_[above];
   }
@@ -304,6 +317,7 @@ void Planner::number_unknowns() {
 void Planner::find_rows() {
   std::vector<Indices> touched(count());
   for (Index p = 0; p < count(); ++p) {
+    // The rows that children have handed on, and the later neighbours.
     Indices& mine = touched[p];
     for (const Index v : members_of(p))
       for (const Index u : vertices_.graph.of(v))
@@ -315,6 +329,7 @@ void Planner::find_rows() {
     for (const Index v : mine)
       for (Index k = 0; k < vertices_.size[v]; ++k) plan_.rows.push_back(first_[v] + k);
     here.height = static_cast<Index>(plan_.rows.size() - here.rows);
+    // Rows beyond the parent's own unknowns are rows of the parent too.
     if (here.parent >= 0)
       for (const Index v : mine)
         if (panel_[v] > here.parent) touched[here.parent].push_back(v);
@@ -327,6 +342,7 @@ void Planner::place_values() {
   for (PanelAnalysis::Panel& here : plan_.panels) {
     const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
     const auto wide = static_cast<std::size_t>(PanelShape::padded(here.width));
+    // T, shape (padded width, width), then B, shape (padded height, width).
     here.values = plan_.values;
     plan_.values += (tall + wide) * static_cast<std::size_t>(here.width);
     plan_.tallest = std::max(plan_.tallest, here.height);
@@ -338,6 +354,7 @@ void Planner::place_values() {
 /// Where updates lie: on the two stacks by turns, down the tree.
 void Planner::place_updates() {
   std::vector<PanelAnalysis::Panel>& panels = plan_.panels;
+  // Depth in the tree: a panel and its children use different stacks.
   Indices depth(count(), 0), eldest(count(), -1);
   for (Index p = count(); p-- > 0;)
     if (panels[p].parent >= 0) depth[p] = depth[panels[p].parent] + 1;
@@ -349,6 +366,7 @@ void Planner::place_updates() {
     here.update = top[here.stack];
     top[here.stack] += tall * static_cast<std::size_t>(here.height);
     plan_.stacks[here.stack] = std::max(plan_.stacks[here.stack], top[here.stack]);
+    // The updates of the children are used up: their stack falls to where the eldest began.
     if (eldest[p] >= 0) top[1 - here.stack] = panels[eldest[p]].update;
     if (here.parent >= 0 && eldest[here.parent] < 0) eldest[here.parent] = p;
   }
@@ -362,6 +380,7 @@ void Planner::join_rows() {
   }
 }
 
+/// Writes the runs of one panel: to unknowns of the parent while the row is below `end`, then to its rows.
 void Planner::join_rows_of(PanelAnalysis::Panel& here) {
   const Indices& rows = plan_.rows;
   std::vector<PanelAnalysis::Run>& joins = plan_.joins;
@@ -379,6 +398,7 @@ void Planner::join_rows_of(PanelAnalysis::Panel& here) {
       while (rows[at] != row) ++at;
     const std::size_t place = inside ? static_cast<std::size_t>(row - above.first) : at - above.rows;
     const bool begins = joins.size() == here.joins[inside ? 0 : 1];
+    // A run goes on where the next row stands next to the last one.
     if (!begins && joins.back().to + joins.back().length == place)
       ++joins.back().length;
     else
@@ -399,6 +419,8 @@ void Planner::place_entries() {
   }
 }
 
+/// Writes the runs of the columns of one panel.
+/// @param row_at  of an unknown of L that is a row of the panel: its number among the rows
 void Planner::place_entries_of(Index p, const Indices& row_at) {
   const PanelAnalysis::Panel& here = plan_.panels[p];
   const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
@@ -408,6 +430,7 @@ void Planner::place_entries_of(Index p, const Indices& row_at) {
     for (Index k = 0; k < vertices_.size[v]; ++k) {
       const Index j = groups_.first[vertices_.order[v]] + k;
       const auto column = static_cast<std::size_t>(plan_.to[j] - here.first);
+      // Entries of one group of rows are contiguous in A and in the panel.
       for (Index from = outer_[j]; from < outer_[j + 1];) {
         const Index group = groups_.of[inner_[from]], length = groups_.size(group);
         const Index row = plan_.to[groups_.first[group]];

@@ -54,11 +54,12 @@ template <class T>
 /// The interface that std::vector asks of an allocator, with addresses that are multiples of 64.
 struct AlignedAllocator {
   using value_type = T;
-  static constexpr std::align_val_t alignment{64};
+  static constexpr std::align_val_t alignment{64};  ///< bytes, as PanelShape asks for
 
   AlignedAllocator() = default;
   template <class U>
   explicit AlignedAllocator(const AlignedAllocator<U>&) {}
+  /// @throws std::bad_alloc
   static T* allocate(std::size_t count) {
     return static_cast<T*>(::operator new(count * sizeof(T), alignment));
   }
@@ -268,6 +269,7 @@ class PanelFactor {
       }
   }
 
+  /// to += from, `count` numbers side by side.
   static void add(Index count, const Scalar* from, Scalar* to) {
     for (Index i = 0; i < count; ++i) to[i] += from[i];
   }

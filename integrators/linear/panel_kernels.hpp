@@ -10,7 +10,8 @@ namespace hmax {
 /// addresses that are multiples of 64. A panel of w columns is a triangle T, shape (padded w, w), unit lower
 /// with its diagonal not used, above B, shape (padded h, w).
 struct PanelShape {
-  static constexpr std::ptrdiff_t lanes = 8;
+  static constexpr std::ptrdiff_t lanes = 8;  ///< doubles of the widest register
+  /// The next multiple of `lanes`; n itself where it is one.
   static constexpr std::ptrdiff_t padded(std::ptrdiff_t n) { return (n + lanes - 1) / lanes * lanes; }
 };
 
@@ -19,7 +20,7 @@ struct PanelShape {
 template <class Scalar>
 struct PanelKernels {
   using Index = std::ptrdiff_t;
-  const char* name;
+  const char* name;  ///< of the instruction set
   /// (T; B) <- L and d with L diag(d) L_T^T = (T; B), of whose T the lower triangle is read. A pivot that is
   /// zero or not finite shows in d.
   void (*eliminate)(Scalar* T, Scalar* B, Index w, Index h, Scalar* d);

@@ -260,14 +260,17 @@ class SparseSolver {
   };
   std::vector<int> outer_, inner_;  ///< the pattern that was analysed
   std::vector<Pair> across_;        ///< its entries on both sides of the diagonal
-  int iterations_ = 0;
+  int iterations_ = 0;  ///< of the last solution
+  /// The pattern is symmetric; the matrix is, and is solved as such; conjugate gradients solve it.
   bool symmetric_pattern_ = false, symmetric_ = false, iterates_ = false;
   bool panels_known_ = false, gradients_known_ = false;  ///< whether each has the pattern that is analysed
   double work_left_ = never;                             ///< until a factorisation pays
   double solutions_ = 0;                                 ///< with this matrix so far
   double expected_iterations_ = 20;                      ///< of a solution
   PanelFactor<Scalar> panels_;
+  /// L U, made when a matrix needs it.
   std::unique_ptr<Lu> lu_;
+  /// Holds a copy of the matrix while it iterates.
   ConjugateGradients<Real> gradients_;
   Vector scratch_;
 };
