@@ -101,8 +101,7 @@ class Dopri5Peer {
       rhs_(y, end_, t);
       started_ = true;
     }
-    // After an accepted step its last slope is the first one of the next; a rejected step keeps its first
-    // one.
+    // The last slope of an accepted step is the first one of the next; a rejected step keeps its own.
     if (accepted_) std::swap(start_, end_);
     accepted_ = controlled_.try_step(std::ref(rhs_), y, start_, t, y_new, end_, h) == native::success;
     return accepted_;

@@ -86,7 +86,7 @@ Rosenbrock4<Real>::Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Re
 template <class Real>
 Rosenbrock4<Real>::~Rosenbrock4() = default;
 
-// h is that of the next attempt afterwards, whatever the result.
+/// Afterwards h is that of the next attempt, whatever the result.
 template <class Real>
 bool Rosenbrock4<Real>::try_step(const Real* y, Real t, Real* y_new, Real& h) {
   Memory& m = *memory_;
@@ -104,7 +104,7 @@ void Rosenbrock4<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   std::copy(m.y_new.begin(), m.y_new.end(), y_new);
 }
 
-// Odeint computes the coefficients of dense output only when it is asked for them.
+/// Odeint computes the coefficients of dense output only when it is asked for them.
 template <class Real>
 void Rosenbrock4<Real>::inside(const Real* y0, Real t0, const Real* y1, Real t1, Real t, Real* out) {
   Memory& m = *memory_;

@@ -17,7 +17,6 @@ MatrixHandle make_klu_matrix(const Eigen::SparseMatrix<double>& pattern, SUNCont
   return made;
 }
 
-/// The solver keeps no reference to `like`; A gives the size and the kind.
 LinearSolverHandle make_klu_solver(N_Vector like, SUNMatrix A, SUNContext context) {
   LinearSolverHandle made(SUNLinSol_KLU(like, A, context));
   if (!made) throw std::bad_alloc();

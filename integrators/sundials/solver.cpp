@@ -151,8 +151,8 @@ class ErkStep final : public Solver {
       check(ERKStepSetFixedStep(erk, settings.h), "the step");
   }
 
-  /// @returns the flag of the library; a step with an f that is not finite is cut by 4 until it no longer
-  ///   moves t
+  /// Where f is not finite the step is cut to a quarter, until it no longer moves t.
+  /// @returns the flag of the library
   int step(double t_end, N_Vector y, double& t) override {
     void* erk = memory_.get();
     const double start = t;
