@@ -41,8 +41,8 @@ inline void for_each_component(F&& f) {
 
 /// A state for a member that init() will size: zero where the size is fixed, since a stepper is copied into
 /// its run and numbers without a value must not be.
-template <class State>
 /// @returns an empty vector where the size is not known, zeros where it is
+template <class State>
 inline State blank_state() {
   if constexpr (State::SizeAtCompileTime == Eigen::Dynamic)
     return State();
@@ -112,8 +112,8 @@ constexpr std::size_t next_weight(std::size_t j) {
 }
 
 /// left + sum_{j >= J} (h weight_j) term(j) as one expression, from left to right.
-template <StaticRow Row, class Real, std::size_t J, class Term, class Left>
 /// @tparam J  the first weight that is used; zero weights are skipped by the compiler
+template <StaticRow Row, class Real, std::size_t J, class Term, class Left>
 inline auto fold_weights(Real h, const Term& term, const Left& left) {
   if constexpr (J >= Row::size)
     return left;

@@ -32,8 +32,8 @@ struct ImplicitWork {
 
 /// A system that counts the calls of its verbs into the Stats of the caller; everything else is the system's
 /// own. It holds a copy of the system.
-template <System S>
 /// @tparam S  any system; Counted<S> has every verb that S has
+template <System S>
 class Counted : public S {
  public:
   using State = typename S::State;

@@ -238,6 +238,7 @@ class ImexRk {
       solver_.solve(d_);
       detail::assign(z_, [&](auto access) { return access(z_) + access(d_); });
     };
+    // One correction solves linear equations exactly; a failure shows in numbers that are not finite.
     if (has_linear_stiff_part(system)) {
       correct();
       ++work_.newton;

@@ -168,6 +168,7 @@ class JacobianSource {
         system.rhs(t, y, f0_);
         f0 = &f0_;
       }
+      // moved_ is y but for the columns of the difference at hand.
       moved_ = y;
       if (pattern_.size() > 0) return grouped_differences(system, t, y, *f0, J);
       if constexpr (!is_sparse) differences(system, t, y, *f0, J);

@@ -97,6 +97,7 @@ class SymmetricBlocks {
       // Those left of the diagonal block: its lower half.
       const int *from = pattern.inner.data() + pattern.outer[i],
                 *to = pattern.inner.data() + pattern.outer[i + 1];
+      // The diagonal block, or where it is missing the first one after it.
       const int* own = std::lower_bound(from, to, static_cast<int>(i));
       full = full && own != to && *own == static_cast<int>(i);
       inner.insert(inner.end(), from, own);

@@ -110,8 +110,8 @@ Matrix blank_matrix() {
 /// An LU factorisation of a dense A, shape (n, n), with partial pivoting. The equations of a few unknowns are
 /// solved here: Eigen's general routines would spend more time on their blocks and temporaries than on the
 /// arithmetic (two unknowns of dynamic size, factored once and solved eight times: 70 instead of 250 ns).
-template <class Matrix>
 /// @tparam Matrix  Eigen matrix of real or complex numbers, fixed or dynamic size
+template <class Matrix>
 class DenseLu {
  public:
   using Scalar = typename Matrix::Scalar;
@@ -163,12 +163,14 @@ class DenseLu {
         return;
       }
     }
+    // L z = P x
     const Eigen::Index n = size();
     const Scalar* column = factors_.data();
     for (Eigen::Index k = 0; k + 1 < n; ++k, column += n) {
       std::swap(x[k], x[pivots_[k]]);
       for (Eigen::Index i = k + 1; i < n; ++i) x[i] -= column[i] * x[k];
     }
+    // U x = z, the diagonal holding 1 / u_kk
     for (Eigen::Index k = n; k-- > 0; column -= n) {
       x[k] *= column[k];
       for (Eigen::Index i = 0; i < k; ++i) x[i] -= column[i] * x[k];
@@ -189,17 +191,20 @@ class DenseLu {
     const Eigen::Index n = size();
     Scalar* column = factors_.data();
     for (Eigen::Index k = 0; k < n; ++k, column += n) {
+      // The largest entry on or below the diagonal.
       Eigen::Index pivot = k;
       for (Eigen::Index i = k + 1; i < n; ++i)
         if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
       if (!is_pivot(column[pivot])) return false;
       pivots_[k] = pivot;
       std::swap(column[k], column[pivot]);
+      // l_ik = a_ik / u_kk
       column[k] = Scalar(1) / column[k];
       for (Eigen::Index i = k + 1; i < n; ++i) column[i] *= column[k];
       for (Eigen::Index j = k + 1; j < n; ++j) {
         Scalar* other = factors_.data() + j * n;
         std::swap(other[k], other[pivot]);
+        // a_ij -= l_ik u_kj
         for (Eigen::Index i = k + 1; i < n; ++i) other[i] -= column[i] * other[k];
       }
     }
@@ -208,6 +213,7 @@ class DenseLu {
 
   /// The same for two unknowns, without loops.
   bool eliminate_two() {
+    // A = (f_0, f_2; f_1, f_3), by columns.
     Scalar* const f = factors_.data();
     const bool exchange = std::abs(f[1]) > std::abs(f[0]);
     const Scalar a = exchange ? f[1] : f[0], b = exchange ? f[3] : f[2];

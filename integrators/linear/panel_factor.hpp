@@ -50,8 +50,8 @@ struct SingleLane<std::complex<Real>> {
 };
 
 /// Memory at addresses that the widest registers may load from.
-template <class T>
 /// The interface that std::vector asks of an allocator, with addresses that are multiples of 64.
+template <class T>
 struct AlignedAllocator {
   using value_type = T;
   static constexpr std::align_val_t alignment{64};  ///< bytes, as PanelShape asks for

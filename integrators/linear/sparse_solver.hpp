@@ -116,6 +116,7 @@ class SparseSolver {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
+  /// The work that pays a factorisation where none is to be made.
   static constexpr double never = std::numeric_limits<double>::infinity();
   static constexpr double iterations_to_prepare = 4;  ///< that take as long as the preconditioner
   using Lu = Eigen::SparseLU<Matrix, Eigen::COLAMDOrdering<int>>;
@@ -214,6 +215,7 @@ class SparseSolver {
   /// Tries the factors, made without pivoting, on b = (1, ..., 2):
   ///   |b - A x| <= 1e4 eps (|A| |x| + |b|) in Euclidean and Frobenius norms.
   bool solves(const Matrix& A) {
+    // No component is zero, so that every row of the factors takes part.
     const Vector b = Vector::LinSpaced(A.rows(), Scalar(1), Scalar(2));
     scratch_ = b;
     panels_.solve(scratch_);

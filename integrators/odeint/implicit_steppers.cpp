@@ -77,6 +77,7 @@ struct Rosenbrock4<Real>::Memory {
 };
 
 template <class Real>
+/// Odeint's controller takes the tolerances in the order atol, rtol.
 Rosenbrock4<Real>::Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Real rtol, Real atol)
     : memory_(new Memory{{{calls}, {calls}},
                          Vector<Real>(n),
@@ -96,6 +97,7 @@ bool Rosenbrock4<Real>::try_step(const Real* y, Real t, Real* y_new, Real& h) {
   return stands;
 }
 
+/// The stepper inside the controller, without its error test.
 template <class Real>
 void Rosenbrock4<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   Memory& m = *memory_;
@@ -125,6 +127,7 @@ struct ImplicitEuler<Real>::Memory {
 };
 
 template <class Real>
+/// The iteration ends where |d|_2 <= tolerance.
 ImplicitEuler<Real>::ImplicitEuler(const SystemCalls<Real>& calls, std::size_t n)
     : memory_(new Memory{calls, Vector<Real>(n), Matrix<Real>(n, n),
                          native::implicit_euler<Real>(static_cast<Real>(tolerance))}) {}
@@ -132,6 +135,8 @@ template <class Real>
 ImplicitEuler<Real>::~ImplicitEuler() = default;
 
 template <class Real>
+/// Odeint's simplified Newton method: with J at (t + h, y), d = (h J - I)^-1 (y + h f(t + h, Y) - Y), Y -=
+/// d.
 void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   Memory& m = *memory_;
   ublas::permutation_matrix<std::size_t> pivots(m.y.size());
@@ -159,6 +164,7 @@ void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   std::copy(m.y.begin(), m.y.end(), y_new);
 }
 
+/// The types that the catalogue runs.
 template class Rosenbrock4<double>;
 template class Rosenbrock4<long double>;
 template class ImplicitEuler<double>;

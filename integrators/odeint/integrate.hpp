@@ -41,6 +41,7 @@ class View : public StepEnds<State> {
 
  private:
   Peer& peer_;
+  /// The same states in Odeint's types.
   const Values &values0_, &values1_;
 };
 
@@ -120,6 +121,7 @@ class Walk {
  private:
   Peer& peer_;
   State& y_;
+  /// `next` as a state of hmax, for the observer and for admits().
   State end_;
   Observer& observer_;
   RunEnd<Real> run_;
@@ -188,8 +190,10 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
   Peer peer(system, rtol, atol);
   detail::Walk<Peer, typename Sys::State, std::remove_reference_t<Observer>> walk(peer, span.t0, y, observer);
+  // Odeint takes the first step as an argument; later ones are its own.
   Real h =
       hairer_initial_step(system, span.t0, y, first_order, RmsNorm<Real>{rtol, atol}, span.t_end - span.t0);
+  // A step that shrinks to nothing has diverged where the last candidate was not finite.
   bool was_finite = true;
   for (std::int64_t attempts = 0;; ++attempts) {
     const Real t = walk.t;

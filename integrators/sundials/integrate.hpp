@@ -101,6 +101,7 @@ class Binding {
   /// What a callback returns: 0; > 0, the library may try a shorter step; < 0, it gives up.
   static constexpr int done = 0, try_shorter = 1, give_up = -1;
 
+  /// The binding behind the user data of a callback.
   static Binding& of(void* self) { return *static_cast<Binding*>(self); }
 
   /// Which part of f = stiff + nonstiff; whole: f.
@@ -163,6 +164,7 @@ class Binding {
 
   /// J_ is kept between calls, since the library may ask for another gamma with the same Jacobian.
   const Sys& system_;
+  /// Whether J is that of the stiff part alone.
   bool split_;
   JacobianUpdate update_;
   JacobianSource<State, Matrix> source_;

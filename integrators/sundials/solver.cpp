@@ -64,6 +64,7 @@ void set_tolerances(void* memory, const Settings& settings, N_Vector y0, int (*s
                     int (*vector)(void*, double, N_Vector)) {
   if (settings.atols.size() == 0)
     return check(scalar(memory, settings.rtol, settings.atol), "the tolerances");
+  // The library copies the vector.
   const Vector atols(static_cast<N_Vector>(checked(N_VClone(y0), "a vector of tolerances")));
   std::copy(settings.atols.begin(), settings.atols.end(), N_VGetArrayPointer(atols.get()));
   check(vector(memory, settings.rtol, atols.get()), "the tolerances");
@@ -74,12 +75,13 @@ struct FreeNonlinearSolver {
   void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
 };
 
-/// CVODE: variable order and step: BDF of order 1 to 5, or Adams-Moulton of order 1 to 12, in Nordsieck
+/// CVODE, variable order and step: BDF of order 1 to 5, or Adams-Moulton of order 1 to 12, in Nordsieck
 /// form. Each step solves
 ///   y_new - gamma f(t_new, y_new) = known,   (I - gamma J) d = residual for BDF,
 /// by Newton's method, or y_new = gamma f(t_new, y_new) + known by functional iteration for Adams.
 class Cvode final : public Solver {
  public:
+  /// @throws std::runtime_error  where the library refuses a setting
   Cvode(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
         double t0, double t_end, N_Vector y0, SUNContext context)
       : equations_(std::move(equations)),
@@ -94,6 +96,7 @@ class Cvode final : public Solver {
     check(CVodeSetMaxNumSteps(cvode, no_limit), "steps without limit");
     check(CVodeSetStopTime(cvode, t_end), "the end time");
     if (method.package == Package::cvode_adams) {
+      // No Jacobian and no factorisation: the iteration converges where gamma |J| < 1.
       functional_iteration_.reset(SUNNonlinSol_FixedPoint(y0, 0, context));
       checked(functional_iteration_.get(), "a functional iteration");
       check(CVodeSetNonlinearSolver(cvode, functional_iteration_.get()), "the functional iteration");
@@ -108,11 +111,13 @@ class Cvode final : public Solver {
     }
   }
 
+  /// One step of the library's own size.
   int step(double t_end, N_Vector y, double& t) override {
     return CVode(memory_.get(), t_end, y, &t, CV_ONE_STEP);
   }
   // Derivative of order 0 of the Nordsieck polynomial.
   void interpolate(double t, N_Vector out) override { CVodeGetDky(memory_.get(), t, 0, out); }
+  /// A step is rejected by its error test or by its iteration.
   [[nodiscard]] Stats stats() const override {
     void* cvode = memory_.get();
     Stats stats;
@@ -125,13 +130,16 @@ class Cvode final : public Solver {
 
  private:
   Equations equations_;
-  std::unique_ptr<_generic_SUNNonlinearSolver, FreeNonlinearSolver> functional_iteration_;
+  std::unique_ptr<_generic_SUNNonlinearSolver, FreeNonlinearSolver> functional_iteration_;  ///< of Adams only
+  /// Declared last: freed before the equations that it uses.
   Memory memory_;
 };
 
 /// Embedded explicit Runge-Kutta methods, y_new = y + h sum_i b_i k_i.
 class ErkStep final : public Solver {
  public:
+  /// @throws std::runtime_error, std::invalid_argument  where the library refuses a setting or has no such
+  ///   table
   ErkStep(const Method& method, const Settings& settings, const Callbacks& calls, double t0, double t_end,
           N_Vector y0, SUNContext context)
       : memory_(own<ERKStepFree>(ERKStepCreate(calls.rhs, t0, y0, context), "ERKStep")),
@@ -158,6 +166,7 @@ class ErkStep final : public Solver {
     const double start = t;
     int flag = ERKStepEvolve(erk, t_end, y, &t, ARK_ONE_STEP);
     // Where CVODE and ARKStep try a shorter step, ERKStep gives up: it is begun anew at the last good state.
+    // The step that failed; the rest of the run where the library does not tell it.
     double h = t_end - start;
     if (is_rhs_failure(flag)) ERKStepGetCurrentStep(erk, &h);
     while (is_rhs_failure(flag) && adaptive_) {
@@ -180,18 +189,20 @@ class ErkStep final : public Solver {
 
  private:
   Memory memory_;
-  bool adaptive_;
+  bool adaptive_;  ///< a fixed step is not cut
 };
 
 /// Diagonally implicit methods, (I - h gamma J) d = residual in each stage, and additive pairs with f =
 /// nonstiff + stiff, of which the second is implicit.
 class ArkStep final : public Solver {
  public:
+  /// @throws std::runtime_error  where the library refuses a setting
   ArkStep(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
           double t0, double t_end, N_Vector y0, SUNContext context)
       : equations_(std::move(equations)),
         memory_(own<ARKStepFree>(method.package == Package::imex
                                      ? ARKStepCreate(calls.nonstiff, calls.stiff, t0, y0, context)
+                                     // imex: f = nonstiff + stiff. dirk: no explicit part.
                                      : ARKStepCreate(nullptr, calls.rhs, t0, y0, context),
                                  "ARKStep")) {
     void* ark = memory_.get();
@@ -212,6 +223,7 @@ class ArkStep final : public Solver {
       check(ARKStepSetMaxNonlinIters(ark, patient_iterations), "the number of iterations");
       check(ARKStepSetFixedStep(ark, settings.h), "the step");
     }
+    // As in CVODE.
     if (settings.jacobian.every >= 1) {
       check(ARKStepSetJacEvalFrequency(ark, settings.jacobian.every), "the interval of Jacobians");
       check(ARKStepSetLSetupFrequency(ark, settings.jacobian.every), "the interval of factorisations");
@@ -234,12 +246,15 @@ class ArkStep final : public Solver {
 
  private:
   Equations equations_;
+  /// Declared last: freed before the equations that it uses.
   Memory memory_;
 };
 
 /// The fast part takes method.fast_steps explicit steps of order 3 inside each slow step, of order 3 too.
+/// Slow steps have the size h and fast ones h / fast_steps; neither is adapted.
 class MriStep final : public Solver {
  public:
+  /// @throws std::runtime_error  where the library refuses a setting
   MriStep(const Method& method, const Settings& settings, const Callbacks& calls, double t0, double t_end,
           N_Vector y0, SUNContext context)
       : fast_(own<ARKStepFree>(ARKStepCreate(calls.stiff, nullptr, t0, y0, context), "ARKStep")),
@@ -251,6 +266,7 @@ class MriStep final : public Solver {
         slow_(nullptr, nullptr) {
     check(ARKStepSetErrHandlerFn(fast_.get(), be_silent, nullptr), "an error handler");
     check(ARKStepSetUserData(fast_.get(), calls.user), "the system");
+    // The formula of order 3 of Bogacki and Shampine; at fixed steps its error estimate is not used.
     check(ARKStepSetTableNum(fast_.get(), ARKODE_DIRK_NONE, ARKODE_BOGACKI_SHAMPINE_4_2_3), "the fast table");
     check(ARKStepSetMaxNumSteps(fast_.get(), no_limit), "steps without limit");
     check(ARKStepSetFixedStep(fast_.get(), settings.h / method.fast_steps), "the fast step");
@@ -276,7 +292,7 @@ class MriStep final : public Solver {
   }
 
  private:
-  Memory fast_, bridge_, slow_;  // freed from the last to the first
+  Memory fast_, bridge_, slow_;  ///< freed from the last to the first
 };
 
 }  // namespace
@@ -301,6 +317,7 @@ std::unique_ptr<Solver> make_solver(const Method& method, const Settings& settin
   throw std::logic_error("no such package of SUNDIALS");
 }
 
+/// A context must not be shared between threads: each has its own, which is freed when the thread ends.
 SUNContext this_context() {
   struct Context {
     SUNContext context = nullptr;
@@ -313,6 +330,7 @@ SUNContext this_context() {
   return mine.context;
 }
 
+/// Flags that no case lists give step_too_small.
 Failure failure_of(int flag) {
   // CVODE and ARKODE number the failures of a run alike down to -11.
   switch (flag) {
