@@ -82,6 +82,7 @@ std::int64_t fixed_step_count(Span<Real> span, Real h) {
   const Real quotient = (span.t_end - span.t0) / h;
   if (!(quotient > 0)) return 0;
   const Real nearest = std::round(quotient);
+  // Within a sliver of an integer the count is that integer, else the next larger one.
   const Real sliver = std::max(Real(1e-9), detail::rounding_of(span) / std::abs(h));
   const Real count = std::abs(quotient - nearest) <= sliver ? nearest : std::ceil(quotient);
   // 9e18 is below the largest 64-bit integer.
@@ -111,6 +112,7 @@ class FixedStep {
     if (span.t_end < span.t0) h_ = -std::abs(h_);
     last_ = fixed_step_count(span, h_) - 1;
     if (last_ < 0) h_ = 0;  // it leads nowhere, and the loop ends at once
+    // A last step that differs from h by rounding alone is h.
     const Real rest = span.t_end - at(last_);
     last_h_ = std::abs(rest - h_) <= detail::rounding_of(span) ? h_ : rest;
   }

@@ -26,6 +26,7 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   State f0 = y, f1 = y, y1 = y;
   system.rhs(t, y, f0);
   auto size_of = [&](auto&& component) { return std::sqrt(norm.squared(y, y, component)); };
+  // |y| and |f| in units of the tolerances.
   const Real d0 = size_of([&](Eigen::Index i) { return y[i]; });
   const Real d1 = size_of([&](Eigen::Index i) { return f0[i]; });
   // 1e-6 where y or f says nothing.
@@ -34,6 +35,7 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   const Real length = std::abs(span);
   h0 = std::min(h0, length);
   const Real step = span < 0 ? -h0 : h0;
+  // Explicit Euler: y + h0 f(t, y).
   y1 = y + step * f0;
   system.rhs(t + step, y1, f1);
   const Real d2 = size_of([&](Eigen::Index i) { return (f1[i] - f0[i]) / h0; });

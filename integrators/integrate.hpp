@@ -28,6 +28,7 @@ class StepEnds {
   StepEnds(Real t0, Real t1, Real h, const State& y0, const State& y1)
       : t0_(t0), t1_(t1), h_(h), y0_(y0), y1_(y1) {}
 
+  /// The step leads from y0 at t0 to y1 at t1 = t0 + h, up to rounding; h < 0 backwards.
   [[nodiscard]] Real t0() const { return t0_; }
   [[nodiscard]] Real t1() const { return t1_; }
   [[nodiscard]] Real h() const { return h_; }
@@ -46,6 +47,7 @@ class StepEnds {
  private:
   Real t0_, t1_, h_;
   const State &y0_, &y1_;
+  /// Where the run is to end; empty: it goes on.
   std::optional<Real> stop_;
 };
 

@@ -77,6 +77,7 @@ template <class Real, class Scalar>
 void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar c,
                             const Eigen::SparseMatrix<Real>& C, Scalar k, const Eigen::SparseMatrix<Real>& K,
                             Eigen::SparseMatrix<Scalar>& A) {
+  // Different patterns: the sum of Eigen has their union.
   if (!detail::same_pattern(C, K) || !detail::same_pattern(K, A)) {
     Eigen::SparseMatrix<Scalar> mass(m.size(), m.size());
     mass.setIdentity();

@@ -77,6 +77,7 @@ class EventFinder {
   template <class View>
   void operator()(View& view) {
     const Real g0 = g_(view.t0(), view.y0()), g1 = end_value(view);
+    // A zero at the end of the step counts, one at its start belongs to the step before.
     const bool rises = g0 < 0 && g1 >= 0, falls = g0 > 0 && g1 <= 0;
     if (!(rises && crossing_ != Crossing::falling) && !(falls && crossing_ != Crossing::rising)) return;
     Real before = view.t0(), after = view.t_end();

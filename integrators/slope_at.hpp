@@ -34,6 +34,7 @@ class SlopeAt {
       return t;
   }
   const Sys& system_;
+  /// g(t) or t.
   decltype(part(std::declval<const Sys&>(), Real{})) t_;
 };
 

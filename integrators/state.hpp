@@ -90,6 +90,7 @@ template <class State>
 inline real_of<State> largest_component(const State& v) {
   real_of<State> most{0};
   for (Eigen::Index i = 0; i < v.size(); ++i) {
+    // A comparison would overlook NaN.
     const real_of<State> size = std::abs(v[i]);
     if (std::isnan(size)) return size;
     most = std::max(most, size);

@@ -115,6 +115,7 @@ struct BogackiShampine32 {
       .b = {2 / 9.0L, 1 / 3.0L, 4 / 9.0L, 0},
       .b_err = {-5 / 72.0L, 1 / 12.0L, 1 / 9.0L, -1 / 8.0L},
       .c = {0, 1 / 2.0L, 3 / 4.0L, 1}};
+  /// Cubic Hermite interpolation through values and slopes at both ends.
   static constexpr auto interpolant = nested_interpolant(tableau);
 };
 

@@ -104,6 +104,7 @@ class Dirk {
         system.rhs(t, y, k_[0]);
         start_known_ = true;
       }
+    // What the attempt learns of the convergence is kept by accept() alone.
     attempt_memory_ = memory_;
     extrapolates_ = slopes_known_ > 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
     if (!solve(system, t, y, h)) return StepStatus::newton_failed;
@@ -162,6 +163,7 @@ class Dirk {
             h, [&](std::size_t j) -> decltype(auto) { return access(k_[j]); });
       });
     }
+    // With the factors of the stages.
     if constexpr (requires { Method::damps_error; }) solver_.solve(error_);
     return norm.squared(y, y_new, [&](Eigen::Index d) { return error_[d]; });
   }
@@ -344,6 +346,7 @@ class Dirk {
       detail::assign(Y_, [&](auto access) {
         return (access(k_[0]) - (access(slopes_[0]) - access(slopes_[1]) * (old_h_ / 2))) * b;
       });
+      // A line through both mean slopes, tau counted from the end of the step.
       copy_state(Y_, slopes_[1]);
       detail::assign(slopes_[0], [&](auto access) { return access(k_[0]) + access(Y_) * (h_ / 2); });
       slopes_known_ = 2;
@@ -367,6 +370,7 @@ class Dirk {
                        Real(6), [&](std::size_t j) -> decltype(auto) { return access(k_[j]); });
           });
         }
+        // (f1 - f0 + q) / h and q / h^2: from u back to tau.
         detail::assign(slopes_[1],
                        [&](auto access) { return (access(f1) - access(f0) + access(slopes_[2])) * per_h; });
         if constexpr (has_inner_stage || order > 2)

@@ -111,6 +111,7 @@ class ImexRk {
     const StiffPart<Sys> stiff(system);
     jacobian_.begin(stiff, t, y);
     norm_.prepare(y);
+    // What the attempt learns of the convergence is kept by accept() alone.
     attempt_memory_ = memory_;
     if (!solve_stages(system, t, y, h)) {
       if (!jacobian_.renew(stiff, t, y)) return StepStatus::newton_failed;

@@ -52,6 +52,7 @@ constexpr bool is_imex(const AdditiveTableau<S>& tableau) {
   const auto& [nonstiff, stiff] = tableau;
   if (!is_explicit(nonstiff) || !rows_are_consistent(nonstiff) || !rows_are_consistent(stiff)) return false;
   for (std::size_t i = 0; i < S; ++i) {
+    // Common nodes; gamma on the diagonal but for the first, explicit stage; zeros above.
     if (nonstiff.c[i] != stiff.c[i]) return false;
     if (stiff.a[i][i] != (i == 0 ? 0 : stiff.a[S - 1][S - 1])) return false;
     for (std::size_t j = i + 1; j < S; ++j)
@@ -114,6 +115,7 @@ struct ImexArk324 {
   static constexpr std::array<long double, 4> b{1471266399579.0L / 7840856788654.0L,
                                                 -4482444167858.0L / 7529755066697.0L,
                                                 11266239266428.0L / 11593286722821.0L, gamma};
+  /// In the order of common_weights(): nonstiff a, stiff a, b, b_hat, c.
   static constexpr AdditiveTableau<4> tableau = detail::common_weights<4>(
       {{{},
         {1767732205903.0L / 2027836641118.0L},
@@ -137,6 +139,7 @@ struct ImexArk436 {
   /// The weights, and the last row of the implicit half.
   static constexpr std::array<long double, 6> b{
       82889.0L / 524892.0L, 0, 15625.0L / 83664.0L, 69875.0L / 102672.0L, -2260.0L / 8211.0L, 0.25L};
+  /// In the order of common_weights(): nonstiff a, stiff a, b, b_hat, c.
   static constexpr AdditiveTableau<6> tableau = detail::common_weights<6>(
       {{{},
         {0.5L},

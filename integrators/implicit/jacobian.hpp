@@ -76,6 +76,7 @@ class ColumnGroups {
         for (Entries other(rows, entry.row()); other && other.row() < j; ++other)
           taken_for[of(other.row())] = j;
       std::size_t group = 0;
+      // The first group without a row of column j.
       while (group < taken_for.size() && taken_for[group] == j) ++group;
       if (group == taken_for.size()) taken_for.push_back(-1);
       group_[static_cast<std::size_t>(j)] = group;
@@ -247,6 +248,7 @@ class JacobianSource {
                  [&](Eigen::Index i, Eigen::Index j, Eigen::Index, auto value) { J(i, j) = value; });
     } else {
       Sparse& out = as<Sparse>(J);
+      // The pattern at the first call; then values alone.
       if (out.rows() != pattern_.rows() || out.nonZeros() != pattern_.nonZeros())
         out = pattern_.template cast<typename State::Scalar>();
       each_entry(system, t, y, f0,

@@ -93,6 +93,7 @@ class RadauIIA5 {
       system.rhs(t, y, slope_);
       slope_known_ = true;
     }
+    // What the attempt learns of the convergence is kept by accept() alone.
     attempt_memory_ = memory_;
     extrapolates_ = old_h_ != 0 && (jacobian_.is_mechanical() || norm_.resolves(y));
     if (!extrapolates_) attempt_memory_ = {};  // what is known is of better starts
@@ -105,6 +106,7 @@ class RadauIIA5 {
   /// stages.
   void accept(const State&) {
     if (!polynomial_known_) make_polynomial();
+    // The next attempt predicts from this polynomial, and may be repeated.
     for (std::size_t j = 0; j < 3; ++j) copy_state(polynomial_[j], old_polynomial_[j]);
     // f at the end as the collocation polynomial has it: f(t + h, y_new) would multiply the error of y_new by
     // the stiffness.

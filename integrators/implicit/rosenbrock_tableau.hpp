@@ -207,6 +207,7 @@ constexpr void visit_trees(const RosenbrockForm<S>& form, JacobianIs jacobian, i
         grown.nodes = nodes;
         grown.last_child = v;
         if (!add(grown)) return;
+        // A single child over gamma_ij: a tree of the second kind, on which nothing more is grafted.
         if (single && jacobian == JacobianIs::anything && !add({nodes, 0, false, v, {}, over_gamma})) return;
       }
     }
@@ -342,6 +343,7 @@ constexpr BrokenRosenbrockClaim broken_rosenbrock_claim(
     for (std::size_t j = i; j < s; ++j)
       if (tableau.a[i][j] != 0 || tableau.c[i][j] != 0) return triangles;
   const auto form = original(tableau);
+  // alpha_i and d_i are stored: they must be the row sums of the coefficients in use.
   const auto alpha = detail::row_sums(form.alpha), d = detail::row_sums(form.gamma);
   for (std::size_t i = 0; i < s; ++i)
     if (detail::magnitude(alpha[i] - tableau.alpha[i]) > 1e-14L ||

@@ -114,6 +114,8 @@ class SymmetricBlocks {
     for (std::size_t i = 0; i < diagonal.size(); ++i) {
       const Real* column[B];
       for (int c = 0; c < B; ++c) column[c] = values + A.outerIndexPtr()[B * i + c];
+      // The next block of the B columns, transposed: the upper half of A, whose columns are rows of the
+      // lower one.
       const auto next = [&](Block& block) {
         for (int c = 0; c < B; ++c, column[c - 1] += B)
           for (int r = 0; r < B; ++r) block(c, r) = column[c][r];
@@ -130,6 +132,7 @@ class SymmetricBlocks {
       const Part own = x.template segment<B>(B * i);
       Part sum = diagonal[i] * own;
       for (int p = outer[i]; p < outer[i + 1]; ++p) {
+        // y_i += A_ij x_j and y_j += A_ij^T x_i, for j < i
         sum += lower[p] * x.template segment<B>(B * inner[p]);
         y.template segment<B>(B * inner[p]) += lower[p].transpose() * own;
       }
@@ -159,6 +162,7 @@ class IncompleteCholesky {
     for (std::size_t i = 0; i + 1 < outer_.size(); ++i)
       for (int p = outer_[i]; p < outer_[i + 1]; ++p) {
         const int j = inner_[p];
+        // Rows i and j of L: each column k that both have gives a product.
         for (int a = outer_[i], c = outer_[j]; a < p && c < outer_[j + 1];) {
           if (inner_[a] == inner_[c])
             products_.push_back({a++, c++});
@@ -188,12 +192,14 @@ class IncompleteCholesky {
   void apply(const Vector& r, Vector& z) const {
     const int n = static_cast<int>(inverse_.size());
     for (int i = 0; i < n; ++i) {
+      // L z = r
       Part sum = r.template segment<B>(B * i);
       for (int p = outer_[i]; p < outer_[i + 1]; ++p)
         sum.noalias() -= lower_[p] * z.template segment<B>(B * inner_[p]);
       z.template segment<B>(B * i).noalias() = inverse_[i] * sum;
     }
     for (int i = n - 1; i >= 0; --i) {
+      // L^T z_new = z, in place
       const Part x = inverse_[i].transpose() * z.template segment<B>(B * i);
       z.template segment<B>(B * i) = x;
       for (int p = outer_[i]; p < outer_[i + 1]; ++p)
@@ -337,6 +343,7 @@ class ConjugateGradients {
     x.setZero(b.size());
     const Real goal = static_cast<Real>(tolerance) * r_.norm();
     if (!(r_.norm() > 0)) return {r_.norm() == 0, 0};
+    // In exact arithmetic n iterations suffice; rounding may take more.
     const int limit =
         most > 0 ? most : static_cast<int>(std::min<Eigen::Index>(10 * b.size() + 100, 100'000));
     parts.factor.apply(r_, z_);

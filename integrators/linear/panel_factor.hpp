@@ -199,6 +199,7 @@ class PanelFactor {
     std::fill(B, B + PanelShape::padded(h) * w, Scalar(0));
     // (T; B) = A and what the children leave of it.
     take_entries(p, A);
+    // Children are the last panels that wait, since panels come in postorder.
     std::size_t first = waiting_.size();  // of its children
     while (first > 0 && plan_.panels[waiting_[first - 1]].parent == static_cast<Index>(p)) --first;
     for (std::size_t c = first; c < waiting_.size(); ++c) join_unknowns(plan_.panels[waiting_[c]], panel);

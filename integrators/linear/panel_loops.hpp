@@ -118,10 +118,12 @@ inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, co
   Scalar factors[depth * Lanes::columns];
   // After the first block of columns C is no longer overwritten.
   for (Index q = 0; q < k; q += depth, overwrites = false) {
+    // Columns q, ..., q + deep - 1 of A and S.
     const Index deep = k - q < depth ? k - q : depth;
     for (Index top = 0; top < rows; top += rows_at_once) {
       const Index bottom = rows - top < rows_at_once ? rows : top + rows_at_once;
       for (Index c = 0; c < columns; c += Lanes::columns) {
+        // The rest stands above the diagonal.
         if (lower && c >= bottom) break;
         with_count<Lanes::columns>(columns - c, [&]<int NC>(Count<NC>) {
           scale<Lanes, NC>(S + q * lds + c, lds, d + q, deep, factors);
@@ -170,14 +172,17 @@ void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, In
       with_count<Lanes::columns>(end - j, [&]<int NC>(Count<NC>) {
         DiagonalBlock<NC, Scalar> block{};
         Scalar* const own = T + j * ldt;
+        // Columns s, ..., j - 1 act on the diagonal block, which is then factored,
         scale<Lanes, NC>(T + s * ldt + j, ldt, d + s, j - s, factors);
         tiles<Lanes, NC, false>(j, j + NB, own, ldt, T + s * ldt, ldt, factors, j - s, Nothing{});
         factor_diagonal<Lanes, NC>(own + j, ldt, d + j, block);
+        // and on the rows below it in T and in B, which end as columns of L.
         tiles<Lanes, NC, false>(j + NB, ldt, own, ldt, T + s * ldt, ldt, factors, j - s, block);
         tiles<Lanes, NC, false>(0, ldb, B + j * ldb, ldb, B + s * ldb, ldb, factors, j - s, block);
       });
     if (end == w) break;
     const Scalar* const done = T + s * ldt + end;
+    // All columns after the block: the lower triangle of T, and B.
     subtract_product<Lanes>(T + end * ldt + end, ldt, ldt - end, w - end, done, ldt, done, ldt, d + s,
                             end - s, true, false);
     subtract_product<Lanes>(B + end * ldb, ldb, ldb, w - end, B + s * ldb, ldb, done, ldt, d + s, end - s,

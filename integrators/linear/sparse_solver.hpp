@@ -177,6 +177,7 @@ class SparseSolver {
     constexpr std::size_t lanes = 4;
     Real largest[lanes]{}, apart[lanes]{}, sum[lanes]{};
     const auto look = [&](std::size_t p, std::size_t lane) {
+      // a_ij and a_ji
       const Scalar upper = values[across_[p].upper], lower = values[across_[p].lower];
       const Real difference = size_of(upper - lower);
       largest[lane] = std::max(largest[lane], size_of(upper));

@@ -52,6 +52,7 @@ class Derivatives {
   void jacobian(Real t, const Real* y, Real* J) {
     read(y);
     source_.evaluate(system_, t, y_, J_);
+    // Row by row, as uBLAS stores matrices.
     Eigen::Map<RowMajor> out(J, y_.size(), y_.size());
     if constexpr (hmax::detail::is_variant<Matrix>)
       std::visit([&](const auto& held) { out = held; }, J_);

@@ -44,6 +44,7 @@ MatrixHandle make_matrix(SUNContext context) {
     delete static_cast<Matrix*>(made->content);
     SUNMatFreeEmpty(made);
   };
+  // From here on the operation `destroy` frees it.
   A->content = content.release();
   return MatrixHandle(A);
 }
@@ -86,6 +87,7 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
     SUNLinSolFreeEmpty(solver);
     return SUNLS_SUCCESS;
   };
+  // From here on the operation `free` frees it.
   made->content = content.release();
   return LinearSolverHandle(made);
 }

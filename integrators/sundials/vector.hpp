@@ -72,6 +72,7 @@ template <class State>
 Vector make_vector(Eigen::Index n, SUNContext context) {
   const Vector serial(N_VNewEmpty_Serial(n, context));
   if (!serial) throw std::bad_alloc();
+  // The serial operations of the library, with clones that own a state.
   serial->ops->nvclone = detail::clone_vector<State>;
   serial->ops->nvcloneempty = detail::clone_vector<State>;
   N_Vector made = detail::clone_vector<State>(serial.get());
