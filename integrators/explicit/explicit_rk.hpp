@@ -146,6 +146,7 @@ class ExplicitRk {
   /// @param y  state of the run, shape (n); its values are not read
   template <System Sys>
   void init(const Sys& system, Real, const State& y) {
+    // Tableaux that are read at run time keep their slopes in a vector.
     if constexpr (requires { k_.resize(coefficients_.stages()); }) k_.resize(coefficients_.stages());
     if constexpr (!is_small_state<State>) {
       for (State& k : k_) k.resize(system.dim());
@@ -153,6 +154,7 @@ class ExplicitRk {
       stage_.resize(y.size());
       end_slope_.resize(y.size());
     }
+    // NaN equals no time, so g is evaluated at the start.
     end_time_ = std::numeric_limits<Real>::quiet_NaN();
     first_stage_known_ = end_slope_known_ = polynomial_known_ = false;
   }

@@ -100,6 +100,7 @@ constexpr void visit_trees(const std::array<std::span<const long double>, Colour
   for (int nodes = 2; nodes <= max_nodes; ++nodes) {
     const std::size_t known = trees.size();
     for (std::size_t u = 0; u < known; ++u) {
+      // A child is a tree v in one colour; children never decrease, so each tree appears once.
       for (std::size_t child = trees[u].last_child; child < known * Colours; ++child) {
         const std::size_t v = child / Colours, colour = child % Colours;
         if (trees[u].nodes + trees[v].nodes != nodes) continue;
@@ -250,6 +251,7 @@ constexpr Interpolant<S, E, 3 + Rows> nested_interpolant(
   Interpolant<S, E, 3 + Rows> interpolant{.p = {}, .a = a, .c = c};
   for (std::size_t i = 0; i < S + E; ++i) {
     const long double b = i < S ? tableau.b[i] : 0.0L, first = i == 0, last = i == S - 1;
+    // Weights of k_i in r_1 / h, r_2 / h and r_3 / h, then d.
     std::array<long double, 3 + Rows> r{b, first - b, 2 * b - first - last};
     for (std::size_t m = 0; m < Rows; ++m) r[3 + m] = d[m][i];
     // Horner from the innermost bracket: q <- (q + r_n) times theta or (1 - theta), q held as coefficients of

@@ -262,6 +262,7 @@ class Dirk {
   bool solve_stage(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
     const Real c = static_cast<Real>(tableau.c[I]), h_gamma = h * gamma;
     stage_argument(StageRow<I>{}, y, h, k_, base_);
+    // g(t + c_i h) is evaluated once for all iterations.
     const SlopeAt<Sys> slope(system, t + c * h);
     // d = h gamma f(t + c_i h, base + z) - z
     const auto residual = [&] {
@@ -305,6 +306,7 @@ class Dirk {
           rounds);
     }
     if (end != NewtonEnd::converged) return failed(end);
+    // Zero in adaptive runs, see NewtonNorm::relative().
     work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
     const Real per_h_gamma = 1 / h_gamma;
     detail::assign(k_[I], [&](auto access) { return access(z_) * per_h_gamma; });

@@ -256,6 +256,7 @@ class ImexRk {
         work_.failure = to_string(end);
         return false;
       }
+      // Zero in adaptive runs, see NewtonNorm::relative().
       work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
     }
     const Real per_h_gamma = 1 / h_gamma;

@@ -36,6 +36,7 @@ constexpr int order_of(const AdditiveTableau<S>& tableau, bool embedded, int max
   visit_trees(parts, S, max_order, [&](int nodes, long double gamma, std::span<const long double> g) {
     for (const ButcherTableau<S>* half : halves) {
       long double sum = 0;
+      // sum_i b_i g_i or sum_i b_hat_i g_i
       for (std::size_t i = 0; i < S; ++i) sum += (embedded ? half->b[i] - half->b_err[i] : half->b[i]) * g[i];
       if (detail::magnitude(sum - 1 / gamma) > tolerance) order = nodes - 1;
     }

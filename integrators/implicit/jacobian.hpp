@@ -262,6 +262,7 @@ class JacobianSource {
     const Real scale = scale_of(y);
     for (Eigen::Index j = 0; j < y.size(); ++j) increments_[j] = increment(y, j, scale);
     for (const auto& group : groups_.members()) {
+      // Each f_i depends on at most one column of the group.
       for (const Eigen::Index j : group) moved_[j] = y[j] + increments_[j];
       system.rhs(t, moved_, f1_);
       for (const Eigen::Index j : group) {

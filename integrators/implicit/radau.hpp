@@ -189,6 +189,7 @@ class RadauIIA5 {
   ///                      replaces iterate_newton
   template <System Sys>
   bool solve_stages(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
+    // g(t + c_i h) is evaluated once for all iterations.
     const SlopeAt<Sys> slopes[]{{system, t + c(0) * h}, {system, t + c(1) * h}, {system, t + h}};
     const auto rounds = [&](bool estimate) { return rounding(h, estimate); };
     NewtonEnd end = NewtonEnd::singular;
@@ -223,6 +224,7 @@ class RadauIIA5 {
           rounds);
     }
     if (end != NewtonEnd::converged) work_.failure = to_string(end);
+    // Zero in adaptive runs, see NewtonNorm::relative().
     work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
     return end == NewtonEnd::converged;
   }

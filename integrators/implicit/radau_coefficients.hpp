@@ -17,6 +17,7 @@ namespace detail {
 /// sqrt(x), x > 0, by Newton's method: std::sqrt is not constexpr.
 constexpr long double square_root(long double x) {
   long double root = x > 1 ? x : 1;
+  // Decreases to the root from above, quadratically at the end.
   for (int k = 0; k < 100; ++k) root = (root + x / root) / 2;
   return root;
 }

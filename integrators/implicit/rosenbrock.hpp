@@ -116,6 +116,7 @@ class Rosenbrock {
   /// @returns newton_failed where I - h gamma J is singular or not finite, else ok
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
+    // Known after a first-same-as-last step and after a rejected attempt.
     if (!slope_known_) system.rhs(t, y, slope_);
     slope_known_ = true;
     if (jacobian_due_) {
@@ -123,6 +124,7 @@ class Rosenbrock {
       ++jacobian_id_;
       jacobian_due_ = false;
     }
+    // Of an autonomous system df/dt = 0 is neither evaluated nor added.
     const bool driven = !is_autonomous(system);
     if (driven && !time_slope_known_) evaluate_time_derivative(system, t, y, slope_, time_slope_);
     time_slope_known_ = true;

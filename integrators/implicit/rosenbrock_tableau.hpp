@@ -194,6 +194,7 @@ constexpr void visit_trees(const RosenbrockForm<S>& form, JacobianIs jacobian, i
     for (std::size_t u = 0; u < known; ++u) {
       for (std::size_t v = trees[u].last_child; trees[u].may_grow && v < known; ++v) {
         if (trees[u].nodes + trees[v].nodes != nodes) continue;
+        // u o v: v grafted on the root of u.
         Tree grown = trees[u];
         const Vector over_alpha = times(form.alpha, trees[v].g), over_gamma = times(form.gamma, trees[v].g);
         const bool single = trees[u].nodes == 1;

@@ -35,6 +35,7 @@ struct Groups {
   /// @param outer, inner  symmetric pattern of n columns, rows ascending; shapes (n + 1), (entries)
   Groups(std::span<const Index> outer, std::span<const Index> inner) {
     const auto n = static_cast<Index>(outer.size()) - 1;
+    // Rows of column j, ascending.
     const auto column = [&](Index j) { return inner.subspan(outer[j], outer[j + 1] - outer[j]); };
     of.resize(n);
     for (Index j = 0; j < n; ++j) {
@@ -42,6 +43,7 @@ struct Groups {
       if (j > 0 && !std::ranges::equal(column(j), column(j - 1))) first.push_back(j);
       of[j] = static_cast<Index>(first.size()) - 1;
     }
+    // The end of the last group.
     if (n > 0) first.push_back(n);
     // Edges: each neighbour once, though its unknowns stand side by side in the column.
     for (Index g = 0; g + 1 < static_cast<Index>(first.size()); ++g) {
@@ -66,6 +68,7 @@ Indices minimum_degree(const Graph& graph) {
     entries.emplace_back(v, v, 1);
     for (const Index u : graph.of(v)) entries.emplace_back(u, v, 1);
   }
+  // With the diagonal, as Eigen's ordering asks for it.
   pattern.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> order;
   Eigen::AMDOrdering<Index>()(pattern, order);
@@ -74,6 +77,7 @@ Indices minimum_degree(const Graph& graph) {
 
 /// The graph with vertex order[k] called k.
 Graph renamed(const Graph& graph, const Indices& order) {
+  // name: the inverse of order.
   Indices name(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) name[order[k]] = static_cast<Index>(k);
   Graph out;
@@ -181,8 +185,10 @@ class Merging {
       });
       for (const Index c : children[v]) {
         const double wc = width_[c], width = wc + width_[v];
+        // Columns of the child get the rows that only the parent has.
         const double zeros = zeros_[c] + zeros_[v] + wc * (width_[v] + height_[v] - height_[c]);
         if (!allowed(width, width * (width / 2 + height_[v]), zeros)) continue;
+        // The child's columns join the panel of v, whose rows stay.
         into_[c] = v;
         width_[v] += width_[c];
         zeros_[v] = zeros;

@@ -59,6 +59,7 @@ inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar*
                  const Block& block) {
   using V = typename Lanes::V;
   constexpr Index W = Lanes::width;
+  // C, or zero
   V sum[NC][NV];
 #pragma GCC unroll 8
   for (int c = 0; c < NC; ++c)
@@ -97,6 +98,7 @@ inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar*
 
 /// The same for all rows from `from` to `to`, multiples of the width; what is left of them by single
 /// registers.
+/// @param k  columns of A;  @param block  DiagonalBlock, or Nothing
 template <class Lanes, int NC, bool overwrites, class Block, class Scalar>
 inline void tiles(Index from, Index to, Scalar* C, Index ldc, const Scalar* A, Index lda,
                   const Scalar* factors, Index k, const Block& block) {

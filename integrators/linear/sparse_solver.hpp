@@ -44,8 +44,10 @@ class SparseSolver {
   /// Factors A, or keeps it for conjugate gradients. A is compressed, shape (n, n).
   /// @returns false when A is singular or not finite; solve() must not be called then
   bool factor(const Matrix& A) {
+    // The analysis stays while the pattern does.
     const bool known = same_as_analysed(A);
     if (!known) analyse(A);
+    // How often the matrix before was used: the guess for this one.
     const double solutions = solutions_;
     solutions_ = 0;
     work_left_ = never;
@@ -162,6 +164,7 @@ class SparseSolver {
       for (int p = outer_[j]; p < outer_[j + 1]; ++p) {
         const int i = inner_[p];
         const int q = next[i]++;
+        // The entry (j, i) is missing.
         if (q >= outer_[i + 1] || inner_[q] != j) {
           symmetric_pattern_ = false;
           break;

@@ -59,6 +59,7 @@ struct Jacobian {
 /// system that depends on time.
 template <class Real>
 struct Coefficients : native::default_rosenbrock_coefficients<Real> {
+  /// Hides d4 of the base: the stepper reads it from its type of coefficients.
   const Real d4 = static_cast<Real>(-0.0362);
 };
 

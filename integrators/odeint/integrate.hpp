@@ -78,6 +78,7 @@ class Walk {
       View<Peer, State> view(peer_, t, t_next, now, next, y_, end_);
       observer_(view);
       if (view.stop()) {
+        // The state at the stop is the last one of the run.
         State stopped = y_;
         view.at(*view.stop(), stopped);
         to_values(stopped, now);
@@ -164,6 +165,7 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
       return walk.finish(Outcome::newton_failed, walk.t, detail::not_solved);
     }
     if (!walk.admitted(system)) return walk.finish(Outcome::diverged, step.t_next);
+    // Counts the step: fixed steps are always accepted.
     control.judge(peer, system, step, y, y);
     if (walk.accept(step.t_next)) return walk.finish(Outcome::stopped, walk.t);
     if (step.last) return walk.finish(Outcome::reached_end, walk.t);

@@ -111,6 +111,7 @@ class Binding {
   template <Part part>
   static int call(double t, N_Vector y, N_Vector dydt, void* self) {
     Binding& binding = of(self);
+    // After an exception all further calls fail at once.
     if (binding.thrown_) return give_up;
     try {
       const State& in = state_of<State>(y);
@@ -144,6 +145,7 @@ class Binding {
   int write_system(double t, const State& y, SUNMatrix A, booleantype keep, booleantype& fresh,
                    double gamma) {
     try {
+      // frozen: the first J serves the whole run. keep: the library is content with the J at hand.
       const bool frozen = update_.every == JacobianUpdate::frozen && evaluated_;
       fresh = !frozen && !keep ? SUNTRUE : SUNFALSE;
       if (fresh) evaluate(t, y);
@@ -154,6 +156,7 @@ class Binding {
           return done;
         }
       }
+      // Ours: A = I - gamma J in the type of J.
       set_shifted(J_, gamma, matrix_of<Shifted>(A));
       return done;
     } catch (...) {
