@@ -21,8 +21,8 @@ struct Verdict {
 /// square of the error norm; the error is acceptable when it is at most 1, and NaN is a rejection.
 template <class Real>
 class IntegralController {
-  /// @param error_order  q of err = O(h^q)
  public:
+  /// @param error_order  q of err = O(h^q)
   explicit IntegralController(int error_order) : exponent_(Real(-0.5) / static_cast<Real>(error_order)) {}
 
   /// @param error_squared  err^2;  @param h  of the attempt, signed; h_next has its sign
@@ -60,10 +60,10 @@ class PiController {
       const Real factor =
           std::isfinite(error_squared) ? Real(0.9) * std::pow(error_squared, elementary_) : Real(0.1);
       return {false, h * std::clamp(factor, Real(0.2), Real(1))};
-      // h 0.9 err^(-0.7/q) err_old^(0.4/q), in squares: exponents -0.35 / q and 0.2 / q.
     }
     // An error of exactly zero must not make the next proportional term vanish.
     const Real error = std::max(error_squared, Real(1e-8));
+    // h 0.9 err^(-0.7/q) err_old^(0.4/q), in squares: exponents -0.35 / q and 0.2 / q.
     Real factor = Real(0.9) * std::pow(error, integral_) * std::pow(previous_, proportional_);
     factor = std::clamp(factor, Real(0.2), rejected_ ? Real(1) : Real(5));
     previous_ = error;

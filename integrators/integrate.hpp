@@ -17,8 +17,8 @@
 
 namespace hmax {
 
-/// It refers to the states of the loop and is valid during the call of the observer only.
 /// What every view of a step has: both ends, and the request to end the run.
+/// It refers to the states of the loop and is valid during the call of the observer only.
 template <class State>
 class StepEnds {
  public:

@@ -67,9 +67,9 @@ struct Event {
 template <class State, class G>
 class EventFinder {
  public:
+  using Real = real_of<State>;
   /// @param terminal  whether the first event ends the run
   /// @param found     events are appended in the order of the run; must outlive the run
-  using Real = real_of<State>;
   EventFinder(G g, Crossing crossing, bool terminal, std::vector<Event<State>>& found)
       : g_(std::move(g)), crossing_(crossing), terminal_(terminal), found_(found) {}
 

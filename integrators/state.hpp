@@ -182,6 +182,7 @@ inline auto increment_component(Row, Real h, const Stages& k, Eigen::Index d) {
 template <class Stages, class Real>
 inline auto increment_component(std::span<const long double> weights, Real h, const Stages& k,
                                 Eigen::Index d) {
+  // Zero weights are tested at run time here.
   typename std::remove_cvref_t<decltype(k[0])>::Scalar sum{0};
   for (std::size_t j = 0; j < weights.size(); ++j)
     if (weights[j] != 0) sum += (h * static_cast<Real>(weights[j])) * k[j][d];

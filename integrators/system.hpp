@@ -33,8 +33,8 @@ concept System = requires(const S& system, real_of<typename S::State> t, const t
 template <class State>
 using jacobian_of = Eigen::Matrix<typename State::Scalar, State::RowsAtCompileTime, State::RowsAtCompileTime>;
 
-/// S::Jacobian where a system declares it.
 namespace detail {
+/// S::Jacobian where a system declares it.
 template <class S>
 struct JacobianType {
   using type = jacobian_of<typename S::State>;
@@ -77,9 +77,9 @@ template <class S>
 concept SecondOrderSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::Dofs& q,
              const typename S::Dofs& v, typename S::Dofs& f, typename S::DofMatrix& matrix) {
-  // f = F [N] for displacements q [m] and velocities v [m/s] of tissue; matrix = K [N/m] or C [N s/m]
   { system.dofs() } -> std::convertible_to<Eigen::Index>;
   { system.mass() } -> std::convertible_to<typename S::Dofs>;
+  // f = F [N] for displacements q [m] and velocities v [m/s] of tissue; matrix = K [N/m] or C [N s/m]
   system.force(t, q, v, f);
   system.stiffness(t, q, v, matrix);
   system.damping(t, q, v, matrix);

@@ -29,10 +29,10 @@ struct RuntimeTableau {
 
   [[nodiscard]] std::size_t stages() const { return b.size(); }        ///< s
   [[nodiscard]] bool has_error() const { return embedded_order > 0; }  ///< b_err is not zero
+  /// The first i entries of row i of a: those at and above the diagonal are zero.
   [[nodiscard]] std::span<const long double> stage_row(std::size_t i) const {
     return {a.data() + i * b.size(), i};
   }
-  /// The first i entries of row i of a: those at and above the diagonal are zero.
   [[nodiscard]] std::span<const long double> weights() const { return b; }
   [[nodiscard]] std::span<const long double> error_weights() const { return b_err; }
   [[nodiscard]] long double node(std::size_t i) const { return c[i]; }  ///< c_i

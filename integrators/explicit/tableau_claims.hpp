@@ -104,9 +104,9 @@ constexpr BrokenClaim broken_claim(const decltype(Method::tableau)& tableau = Me
   } else if constexpr (requires { Method::third_derivative_error; }) {
     if (!has_third_derivative_error(tableau, Method::third_derivative_error) || Method::error_order != 3)
       return BrokenClaim::error_order;
-    // err = y_new - y_hat is of the lower order of the two, plus one.
   } else if (Method::error_order !=
              (Method::embedded_order > 0 ? std::min(Method::order, Method::embedded_order) + 1 : 0)) {
+    // err = y_new - y_hat is of the lower order of the two, plus one.
     return BrokenClaim::error_order;
   }
   if constexpr (requires { Method::interpolant; })

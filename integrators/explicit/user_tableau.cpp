@@ -68,6 +68,7 @@ std::vector<long double> matrix_of(const TableauRows& rows) {
     if (row.size() > s)
       refuse(rows, "row ", i + 1, " of a has ", row.size(), " entries but the method has ", s,
              " stages; take the rest out");
+    // Zeros on and above the diagonal are accepted, as papers print them.
     for (std::size_t j = 0; j < row.size(); ++j) {
       if (j >= i && row[j] != 0)
         refuse(rows, "row ", i + 1, " of a has a nonzero entry in column ", j + 1,
@@ -111,6 +112,7 @@ RuntimeTableau completed_tableau(std::string name, std::vector<long double> a, s
   }
   // First same as last: a_sj = b_j and b_s = 0. c_s = sum_j b_j = 1 follows.
   const auto last = tableau.a.end() - static_cast<std::ptrdiff_t>(s);
+  // The stepper then saves one evaluation a step.
   tableau.fsal = s > 1 && tableau.b.back() == 0 && std::equal(tableau.b.begin(), tableau.b.end(), last);
   return tableau;
 }

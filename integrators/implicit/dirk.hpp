@@ -35,7 +35,7 @@ template <class Method, class StateT, class Matrix = jacobian_of<StateT>>
 class Dirk {
   static constexpr const auto& tableau = Method::tableau;
   static constexpr std::size_t s = tableau.stages;
-  /// K_1 = f(t, y), the last slope of the step before.
+  /// k_1 = f(t, y), the last slope of the step before.
   static constexpr bool explicit_first = tableau.a[0][0] == 0;
   static constexpr bool stiffly_accurate = is_stiffly_accurate(tableau);  ///< y_new is Y_s
   /// No embedded method: C h^3 y''' from three slopes.
@@ -364,8 +364,8 @@ class Dirk {
           detail::assign(slopes_[2], [&](auto access) {
             return (access(fc) - access(f0) - (access(f1) - access(f0)) * c) * scale;
           });
-          // Third datum: the mean slope sum_j b_j k_j, the integral over u, (f0 + f1) / 2 - q / 6.
         } else if constexpr (order > 2) {
+          // Third datum: the mean slope sum_j b_j k_j, the integral over u, (f0 + f1) / 2 - q / 6.
           detail::assign(slopes_[2], [&](auto access) {
             return Real(3) * (access(f0) + access(f1)) -
                    detail::weighted_sum<Weights, Real>(

@@ -156,8 +156,8 @@ class JacobianSource {
   /// @param f0  f(t, y) if it is known
   template <System Sys>
   void evaluate(const Sys& system, Real t, const State& y, Matrix& J, const State* f0 = nullptr) {
+    // Parts of a second-order system first, then its own Jacobian, then differences.
     if constexpr (detail::is_mechanical<Matrix>) {
-      // Parts of a second-order system first, then its own Jacobian, then differences.
       write_parts(system, t, y, J);
     } else {
       if constexpr (detail::may_be_mechanical<Matrix>)
@@ -297,12 +297,12 @@ void evaluate_time_derivative(const Sys& system, real_of<typename Sys::State> t,
     dfdt.setZero(y.size());
     return;
   }
-  // partial f / partial t = (f(t + delta, y) - f0) / delta
   if constexpr (TimeDifferentiableSystem<Sys>)
     if (has_time_derivative(system)) return system.time_derivative(t, y, dfdt);
   // sqrt(eps) max(|t|, 1e-3)
   const Real delta = detail::difference_increment<Real>(t, Real(1e-3));
   system.rhs(t + delta, y, dfdt);
+  // partial f / partial t = (f(t + delta, y) - f0) / delta
   dfdt = (dfdt - f0) / delta;
 }
 

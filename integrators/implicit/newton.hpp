@@ -234,11 +234,11 @@ NewtonEnd continue_newton(Real mu, NewtonMemory<Real>& memory, std::int64_t& cou
   using std::sqrt;
   // mu stays below `most`; below `newton` the steps are Newton's, and rounding may end them.
   constexpr Real most = Real(1e4), newton = Real(1e-2);
-  // mu_k = mu_(k-1) |residual_k| / |residual_(k-1)|
   Real before = 0;
   for (int k = 1; k <= most_continuation; ++k) {
     const Real size = residual();
     if (!(size <= std::numeric_limits<Real>::max())) return NewtonEnd::not_finite;
+    // mu_k = mu_(k-1) |residual_k| / |residual_(k-1)|
     if (k > 1) mu = std::min(most, mu * size / before);
     before = size;
     const std::optional<Real> squared = correct(mu);
@@ -347,9 +347,9 @@ class Linearisation {
     }
   }
 
-  /// J_ is that of the accepted steps, fresh_ one that the attempt at hand has evaluated.
   JacobianUpdate update_;
   JacobianSource<State, Matrix> source_;
+  /// J_ is that of the accepted steps, fresh_ one that the attempt at hand has evaluated.
   Matrix J_ = blank_matrix<Matrix>(), fresh_ = J_;
   /// Numbers of J_ and fresh_; how many were evaluated; accepted steps.
   std::int64_t id_ = 0, fresh_id_ = 0, evaluations_ = 0, steps_ = 0;

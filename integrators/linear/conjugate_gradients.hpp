@@ -31,8 +31,8 @@ struct BlockStructure {
     const int *starts = A.outerIndexPtr(), *rows = A.innerIndexPtr();
     for (Eigen::Index b = 0; b < A.cols() / B; ++b) {
       const int first = starts[B * b], length = starts[B * b + 1] - first;
-      // The B columns of a block column have one pattern.
       if (length % B != 0) return false;
+      // The B columns of a block column have one pattern.
       for (int c = 1; c < B; ++c)
         if (starts[B * b + c + 1] - starts[B * b + c] != length ||
             !std::equal(rows + first, rows + first + length, rows + starts[B * b + c]))

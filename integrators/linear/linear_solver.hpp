@@ -178,7 +178,7 @@ class DenseLu {
   }
 
  private:
-  /// Unknowns up to which eliminate() is used.
+  /// largest_small: unknowns up to which eliminate() is used.
   static constexpr Eigen::Index fixed = Matrix::RowsAtCompileTime, largest_small = 16;
   static constexpr bool may_be_large = fixed == Eigen::Dynamic || fixed > largest_small;
   static constexpr bool is_small(Eigen::Index n) { return n <= largest_small; }
@@ -198,8 +198,8 @@ class DenseLu {
       if (!is_pivot(column[pivot])) return false;
       pivots_[k] = pivot;
       std::swap(column[k], column[pivot]);
-      // l_ik = a_ik / u_kk
       column[k] = Scalar(1) / column[k];
+      // l_ik = a_ik / u_kk
       for (Eigen::Index i = k + 1; i < n; ++i) column[i] *= column[k];
       for (Eigen::Index j = k + 1; j < n; ++j) {
         Scalar* other = factors_.data() + j * n;

@@ -120,6 +120,7 @@ Indices postorder(const Indices& parent) {
     if (parent[v] >= 0) continue;
     way.push_back(v);
     while (!way.empty()) {
+      // Down to the first child that is left, else the vertex itself is next.
       const Index top = way.back();
       if (const Index below = child[top]; below >= 0) {
         child[top] = next[below];
@@ -204,6 +205,7 @@ class Merging {
 
 /// Sums of squares: from^2 excluded ... to^2, that is sum_{from < m <= to} m^2.
 double squares(double from, double to) {
+  // 1 + 4 + ... + m^2
   const auto up_to = [](double m) { return m * (m + 1) * (2 * m + 1) / 6; };
   return up_to(to) - up_to(from);
 }

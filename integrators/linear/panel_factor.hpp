@@ -28,9 +28,9 @@ struct SingleLane {
   using V = Scalar;
   static V load(const Scalar* p) { return *p; }
   static void store(Scalar* p, const V& v) { *p = v; }
-  /// Complex products by their formula; an infinite or NaN pivot is found after the elimination.
 };
-/// Of complex numbers, whose operators take infinities into account, which here mean failure anyway.
+/// Of complex numbers. The operators of std::complex take infinities into account, which here mean failure
+/// anyway: products by their formula; an infinite or NaN pivot is found after the elimination.
 template <class Real>
 struct SingleLane<std::complex<Real>> {
   using Scalar = std::complex<Real>;
@@ -49,8 +49,8 @@ struct SingleLane<std::complex<Real>> {
   static void store(Scalar* p, const V& v) { *p = {v.re, v.im}; }
 };
 
-/// Memory at addresses that the widest registers may load from.
-/// The interface that std::vector asks of an allocator, with addresses that are multiples of 64.
+/// Memory at addresses that the widest registers may load from: multiples of 64. The interface is that which
+/// std::vector asks of an allocator.
 template <class T>
 struct AlignedAllocator {
   using value_type = T;

@@ -204,7 +204,6 @@ class AdamsPece {
     if (k == trial_.k && h == trial_.h && equal > k && trial_.equal > k) {
       trial_.equal = equal;
       return;
-      // Over the newest `equal` steps the size is constant: alpha_i = 1 / i, beta_i = sigma_i = 1.
     }
     trial_.k = k;
     trial_.h = h;
@@ -213,6 +212,7 @@ class AdamsPece {
     for (std::size_t i = 0; i < k; ++i) {
       const auto number = static_cast<Real>(i + 1);
       if (i < equal) {
+        // Over the newest `equal` steps the size is constant: alpha_i = 1 / i, beta_i = sigma_i = 1.
         trial_.psi[i] = number * h;
         beta_[i] = 1;
         alpha[i] = 1 / number;

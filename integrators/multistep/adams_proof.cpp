@@ -17,6 +17,7 @@ constexpr bool has_order_k() {
 }
 }  // namespace
 
+/// K = 1, ..., 6, the orders that Adams takes.
 static_assert([]<std::size_t... I>(std::index_sequence<I...>) {
   return (has_order_k<I + 1>() && ...);
 }(std::make_index_sequence<6>{}));

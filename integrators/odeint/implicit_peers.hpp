@@ -19,6 +19,7 @@ class Derivatives {
   using State = typename Sys::State;
   using Real = real_of<State>;
 
+  /// Prepares differences where the system has no Jacobian.
   explicit Derivatives(const Sys& system) : system_(system) {
     source_.init(system);
     for (State* v : {&y_, &f_, &out_}) v->resize(system.dim());
@@ -68,6 +69,7 @@ class Derivatives {
     Eigen::Map<State>(dfdt, out_.size()) = out_;
   }
 
+  /// Must outlive this object.
   const Sys& system_;
   JacobianSource<State, Matrix> source_;
   Matrix J_;

@@ -77,8 +77,8 @@ struct Rosenbrock4<Real>::Memory {
   Controlled<Real> controlled;
 };
 
-template <class Real>
 /// Odeint's controller takes the tolerances in the order atol, rtol.
+template <class Real>
 Rosenbrock4<Real>::Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Real rtol, Real atol)
     : memory_(new Memory{{{calls}, {calls}},
                          Vector<Real>(n),
@@ -127,17 +127,17 @@ struct ImplicitEuler<Real>::Memory {
   native::implicit_euler<Real> stepper;
 };
 
-template <class Real>
 /// The iteration ends where |d|_2 <= tolerance.
+template <class Real>
 ImplicitEuler<Real>::ImplicitEuler(const SystemCalls<Real>& calls, std::size_t n)
     : memory_(new Memory{calls, Vector<Real>(n), Matrix<Real>(n, n),
                          native::implicit_euler<Real>(static_cast<Real>(tolerance))}) {}
 template <class Real>
 ImplicitEuler<Real>::~ImplicitEuler() = default;
 
-template <class Real>
 /// Odeint's simplified Newton method: with J at (t + h, y), d = (h J - I)^-1 (y + h f(t + h, Y) - Y), Y -=
 /// d.
+template <class Real>
 void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   Memory& m = *memory_;
   ublas::permutation_matrix<std::size_t> pivots(m.y.size());

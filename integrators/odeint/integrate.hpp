@@ -27,6 +27,7 @@ class View : public StepEnds<State> {
  public:
   using Real = real_of<State>;
   using Values = typename Peer::Values;
+  /// @param y0, y1      the ends in Odeint's types;  @param start, end  the same as states of hmax
   View(Peer& peer, Real t0, Real t1, const Values& y0, const Values& y1, const State& start, const State& end)
       : StepEnds<State>(t0, t1, t1 - t0, start, end), peer_(peer), values0_(y0), values1_(y1) {}
 
@@ -116,7 +117,9 @@ class Walk {
     return run_;
   }
 
+  /// Time of `now`.
   Real t;
+  /// The last accepted state and the candidate.
   Values now, next;
 
  private:
@@ -125,6 +128,7 @@ class Walk {
   /// `next` as a state of hmax, for the observer and for admits().
   State end_;
   Observer& observer_;
+  /// Its counts grow with the run; finish() fills in the rest.
   RunEnd<Real> run_;
 };
 

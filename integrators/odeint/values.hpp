@@ -69,6 +69,7 @@ class Rhs {
   }
 
  private:
+  /// Not owned.
   const Sys* system_;
   State in_, out_;  ///< of dynamic size: the copies of y and dydt, shape (n)
 };

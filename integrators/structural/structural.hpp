@@ -87,8 +87,8 @@ class SymplecticEuler {
     const Eigen::Index n = detail::dofs_of(y);
     detail::for_each_dof(y, [&](Eigen::Index i) {
       const auto v = y[n + i] + h * slope_[n + i];
-      // q_new = q + h v_new
       y_new[n + i] = v;
+      // q_new = q + h v_new
       y_new[i] = y[i] + h * v;
     });
     return StepStatus::ok;

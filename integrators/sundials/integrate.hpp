@@ -165,12 +165,12 @@ class Binding {
     }
   }
 
-  /// J_ is kept between calls, since the library may ask for another gamma with the same Jacobian.
   const Sys& system_;
   /// Whether J is that of the stiff part alone.
   bool split_;
   JacobianUpdate update_;
   JacobianSource<State, Matrix> source_;
+  /// J_ is kept between calls, since the library may ask for another gamma with the same Jacobian.
   Matrix J_;
   bool evaluated_ = false, klu_ = false;  ///< a J was evaluated; KLU solves
   Eigen::SparseMatrix<double> shifted_;   ///< I - gamma J for KLU

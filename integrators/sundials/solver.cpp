@@ -92,8 +92,8 @@ class Cvode final : public Solver {
     check(CVodeInit(cvode, calls.rhs, t0, y0), "the initial state");
     check(CVodeSetUserData(cvode, calls.user), "the system");
     set_tolerances(cvode, settings, y0, CVodeSStolerances, CVodeSVtolerances);
-    // The stop time is exact: no step passes the end of the run.
     check(CVodeSetMaxNumSteps(cvode, no_limit), "steps without limit");
+    // The stop time is exact: no step passes the end of the run.
     check(CVodeSetStopTime(cvode, t_end), "the end time");
     if (method.package == Package::cvode_adams) {
       // No Jacobian and no factorisation: the iteration converges where gamma |J| < 1.
@@ -193,7 +193,7 @@ class ErkStep final : public Solver {
 };
 
 /// Diagonally implicit methods, (I - h gamma J) d = residual in each stage, and additive pairs with f =
-/// nonstiff + stiff, of which the second is implicit.
+/// nonstiff + stiff, of which the second is implicit. Without a pair f has no explicit part.
 class ArkStep final : public Solver {
  public:
   /// @throws std::runtime_error  where the library refuses a setting
@@ -202,7 +202,6 @@ class ArkStep final : public Solver {
       : equations_(std::move(equations)),
         memory_(own<ARKStepFree>(method.package == Package::imex
                                      ? ARKStepCreate(calls.nonstiff, calls.stiff, t0, y0, context)
-                                     // imex: f = nonstiff + stiff. dirk: no explicit part.
                                      : ARKStepCreate(nullptr, calls.rhs, t0, y0, context),
                                  "ARKStep")) {
     void* ark = memory_.get();

@@ -55,7 +55,7 @@ struct Callbacks {
   CVRhsFn rhs = nullptr, stiff = nullptr, nonstiff = nullptr;
   CVLsLinSysFn cvode_system = nullptr;    ///< writes I - gamma J
   ARKLsLinSysFn arkode_system = nullptr;  ///< the same as ARKODE calls it
-  void* user = nullptr;
+  void* user = nullptr;                   ///< not owned; the Binding of the run
 };
 
 /// The linear equations of a run; both empty for methods that solve none.

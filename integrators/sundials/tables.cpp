@@ -24,6 +24,7 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
   const int s = table.stages;
   Table longer(ARKodeButcherTable_Alloc(s + 1, table.d != nullptr ? SUNTRUE : SUNFALSE));
   if (!longer) throw std::bad_alloc();
+  // q: order; p: embedded order; d: weights of the embedded method, if there is one.
   longer->q = table.q;
   longer->p = table.p;
   for (int i = 0; i < s; ++i) {
@@ -32,6 +33,7 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
     longer->c[i] = table.c[i];
     if (table.d != nullptr) longer->d[i] = table.d[i];
   }
+  // b_(s+1) = d_(s+1) = 0, as allocated.
   longer->c[s] = 1;
   return longer;
 }

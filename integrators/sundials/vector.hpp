@@ -35,6 +35,7 @@ namespace detail {
 /// @returns false where memory ran out
 template <class State>
 bool fill_content(N_Vector v, sunindextype length) {
+  // No exception may pass through the library, which clones vectors itself.
   auto* content = new (std::nothrow) VectorContent<State>;
   if (content == nullptr) return false;
   content->state.setZero(length);
@@ -70,6 +71,7 @@ N_Vector clone_vector(N_Vector like) {
 /// @throws std::bad_alloc
 template <class State>
 Vector make_vector(Eigen::Index n, SUNContext context) {
+  // Only a source of operations: its own data are not used.
   const Vector serial(N_VNewEmpty_Serial(n, context));
   if (!serial) throw std::bad_alloc();
   // The serial operations of the library, with clones that own a state.
