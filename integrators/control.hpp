@@ -178,6 +178,7 @@ class Adaptive {
       stepper.set_tolerances(tolerances_.rtol, tolerances_.atol);
     destination_ = detail::Destination<Real>(span);
     const Real length = std::abs(span.t_end - span.t0);
+    // MATLAB's default of the longest step.
     if (matlab_rules()) tolerances_.h_max = std::min(tolerances_.h_max, length / 10);
     Real first = tolerances_.h_first;
     if (!(first > 0))

@@ -44,6 +44,7 @@ real_of<typename Sys::State> hairer_initial_step(const Sys& system, real_of<type
   const Real h1 = steepest <= Real(1e-15)
                       ? std::max(Real(1e-6), h0 * Real(1e-3))
                       : std::pow(Real(0.01) / steepest, Real(1) / static_cast<Real>(error_order));
+  // Not far beyond the guess, and not beyond the end.
   const Real h = std::min({100 * h0, h1, length});
   return h > 0 && std::isfinite(h) ? h : h0;
 }

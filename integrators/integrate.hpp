@@ -31,9 +31,9 @@ class StepEnds {
   /// The step leads from y0 at t0 to y1 at t1 = t0 + h, up to rounding; h < 0 backwards.
   [[nodiscard]] Real t0() const { return t0_; }
   [[nodiscard]] Real t1() const { return t1_; }
-  [[nodiscard]] Real h() const { return h_; }
-  [[nodiscard]] const State& y0() const { return y0_; }
-  [[nodiscard]] const State& y1() const { return y1_; }
+  [[nodiscard]] Real h() const { return h_; }            ///< signed
+  [[nodiscard]] const State& y0() const { return y0_; }  ///< shape (n)
+  [[nodiscard]] const State& y1() const { return y1_; }  ///< shape (n)
 
   /// Ends the run at time t in [t0, t1]. Of several requests the first in the order of the run counts.
   void stop_at(Real t) {

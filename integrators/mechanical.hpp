@@ -86,6 +86,7 @@ void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar
     A.makeCompressed();
     return;
   }
+  // The three matrices have their values in one order.
   const Real *const of_C = C.valuePtr(), *const of_K = K.valuePtr();
   Scalar* const values = A.valuePtr();
   // One pattern: entry by entry, then m on the diagonal, found by bisection in each column.

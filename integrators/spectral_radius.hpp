@@ -109,6 +109,7 @@ class SpectralRadius {
       const Real g = before_.dot(direction_), r1 = slope_.dot(direction_), r0 = slope_.dot(before_);
       const Real determinant = 1 - g * g;
       if (!(determinant > Real(1e-6)) || sigma_before == 0) return sigma;
+      // J^2 e_{k-1} = p J e_{k-1} + q e_{k-1}, in the plane of e_k and e_{k-1}
       const Real p = sigma * (r1 - g * r0) / determinant;
       const Real q = sigma_before * sigma * (r0 - g * r1) / determinant;
       // Roots (p +- sqrt(p^2 + 4 q)) / 2; a complex pair has the modulus sqrt(-q).

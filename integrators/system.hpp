@@ -57,6 +57,7 @@ using jacobian_type = typename detail::JacobianType<S>::type;
 template <class S>
 concept DifferentiableSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::State& y, jacobian_type<S>& J) {
+  // J_ij = d f_i / d y_j
   system.jacobian(t, y, J);
 };
 
@@ -66,6 +67,7 @@ template <class S>
 concept TimeDifferentiableSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
              typename S::State& dfdt) {
+  // dfdt_i = d f_i / d t
   system.time_derivative(t, y, dfdt);
 };
 
@@ -78,6 +80,7 @@ concept SecondOrderSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::Dofs& q,
              const typename S::Dofs& v, typename S::Dofs& f, typename S::DofMatrix& matrix) {
   { system.dofs() } -> std::convertible_to<Eigen::Index>;
+  // the diagonal of M, m_i [kg]
   { system.mass() } -> std::convertible_to<typename S::Dofs>;
   // f = F [N] for displacements q [m] and velocities v [m/s] of tissue; matrix = K [N/m] or C [N s/m]
   system.force(t, q, v, f);
@@ -100,6 +103,7 @@ template <class S>
 concept SplitSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::State& y,
              typename S::State& dydt, jacobian_type<S>& J) {
+  // f = stiff + nonstiff, and d stiff_i / d y_j
   system.rhs_stiff(t, y, dydt);
   system.rhs_nonstiff(t, y, dydt);
   system.jacobian_stiff(t, y, J);

@@ -165,6 +165,7 @@ class ExplicitRk {
   /// @returns      always ok: an explicit method solves no equations
   template <System Sys>
   StepStatus attempt(const Sys& system, Real t, const State& y, Real h, State& y_new) {
+    // Known to the compiler, or read at run time.
     const bool fsal = coefficients_.fsal;
     if (!first_stage_known_) evaluate_first(system, t, y);
     first_stage_known_ = true;

@@ -217,6 +217,7 @@ class StabilizedRk {
       });
       std::swap(newer, older);
     }
+    // The first slope of the next step, and half of the error estimate.
     system.rhs(t + h, y_new, end_slope_);
     return StepStatus::ok;
   }
@@ -274,6 +275,7 @@ class StabilizedRk {
 
   /// The stages for |h| rho, computed again only when their number changes.
   void prepare_stages(Real h) {
+    // reach(s) >= |h| rho, at most max_stages(); a radius that is NaN gives the fewest.
     const Real x = std::abs(h) * radius_, most = Polynomials::template reach<Real>(max_stages());
     const int s = Polynomials::template stages<Real>(x >= 0 ? std::min(x, most) : Real(0));
     if (s != stages()) make_stages<Polynomials>(s, stages_);

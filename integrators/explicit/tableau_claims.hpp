@@ -85,6 +85,7 @@ constexpr BrokenClaim broken_claim(const decltype(Method::tableau)& tableau = Me
   constexpr bool implicit = requires { Method::gamma; };
   if constexpr (implicit) {
     if (!is_diagonally_implicit(tableau, Method::gamma)) return BrokenClaim::diagonally_implicit_stages;
+    // L-stable: A-stable, and R(infinity) = 0 by stiff accuracy.
     if (Method::l_stable && !(Method::a_stable && is_stiffly_accurate(tableau)))
       return BrokenClaim::stability;
   } else if (!is_explicit(tableau)) {

@@ -125,6 +125,7 @@ RuntimeTableau runtime_tableau(const TableauRows& rows) {
   if (!rows.c.empty()) require_nodes(rows, a);
   if (!rows.b_hat.empty()) {
     require_consistent(rows, rows.b_hat, "b_hat");
+    // The estimate would accept every step.
     if (rows.b_hat == rows.b)
       refuse(rows, "b_hat equals b, which makes every error estimate zero; leave b_hat out");
   }

@@ -130,6 +130,7 @@ class Dirk {
     if constexpr (explicit_first) {
       copy_state(k_[s - 1], k_[0]);
     } else {
+      // k_s = f(t + h, y_new) of a stiffly accurate method; else the slope that dense output has evaluated.
       start_known_ = stiffly_accurate || end_known_;
       if (start_known_) copy_state(stiffly_accurate ? k_[s - 1] : end_slope_, start_slope_);
     }

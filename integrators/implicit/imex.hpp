@@ -131,6 +131,7 @@ class ImexRk {
     jacobian_.accept(attempt_memory_.theta);
     memory_ = {attempt_memory_.eta};
     start_known_ = end_known_;
+    // Without dense output the next attempt evaluates both slopes at its start.
     if (!end_known_) return;
     copy_state(end_nonstiff_, nonstiff_[0]);
     copy_state(end_stiff_, stiff_[0]);

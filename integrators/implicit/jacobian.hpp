@@ -133,6 +133,7 @@ class JacobianSource {
   /// Prepares differences where the system has no Jacobian: pattern, column groups and vectors.
   template <System Sys>
   void init(const Sys& system) {
+    // A system with a Jacobian of its own needs no memory for differences.
     if (has_jacobian(system)) return;
     f0_.resize(system.dim());
     f1_.resize(system.dim());

@@ -136,6 +136,7 @@ class RadauIIA5 {
       real_.solve(error_);
       return norm.squared(y, y_new, [&](Eigen::Index d) { return error_[d]; });
     };
+    // A large estimate is filtered once more.
     const Real squared = weigh();
     return squared < 1 ? squared : weigh();
   }

@@ -150,6 +150,7 @@ class Rosenbrock {
       slope_known_ = false;
     time_slope_known_ = false;
     ++steps_;
+    // automatic means exact here.
     const int every = update_.every == JacobianUpdate::automatic ? 1 : update_.every;
     jacobian_due_ = every != JacobianUpdate::frozen && steps_ % every == 0;
   }

@@ -136,6 +136,7 @@ class DenseLu {
     if (A.rows() != factors_.rows()) resize(A.rows());
     if constexpr (may_be_large) {
       if (!is_small(A.rows())) {
+        // Eigen's LU reports neither NaN nor a zero pivot.
         if (!A.allFinite()) return false;
         large_.lu.compute(A);
         const auto pivots = large_.lu.matrixLU().diagonal().cwiseAbs();
@@ -144,6 +145,7 @@ class DenseLu {
     }
     // Up to 16 unknowns: our own elimination.
     factors_ = A;
+    // One unknown: A is its own factor.
     if constexpr (fixed == 1) return is_pivot(A(0, 0));
     return A.rows() == 2 ? eliminate_two() : eliminate();
   }

@@ -280,6 +280,7 @@ class Planner {
 /// Panels, in the order of their last vertices, which is a postorder again.
 void Planner::gather_panels() {
   const Index n = vertices_.count();
+  // Which vertices make a panel.
   Merging merging(vertices_.graph, vertices_.parent, vertices_.size);
   Indices number(n, -1);
   for (Index v = 0; v < n; ++v)

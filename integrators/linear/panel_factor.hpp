@@ -104,6 +104,7 @@ class PanelFactor {
     d_.resize(n);
     inverse_.resize(n);
     x_.resize(n);
+    // The unknowns and the rows of one panel in solve(), padded.
     own_.resize(PanelShape::padded(plan_.widest));
     part_.resize(PanelShape::padded(plan_.tallest) + PanelShape::lanes);
   }

@@ -169,9 +169,11 @@ void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, In
   const Index ldt = PanelShape::padded(w), ldb = PanelShape::padded(h);
   Scalar factors[depth * Lanes::columns];
   for (Index s = 0; s < w; s += depth) {
+    // Columns s, ..., end - 1 are finished before the others see them.
     const Index end = w - s < depth ? w : s + depth;
     for (Index j = s; j < end; j += NB)
       with_count<Lanes::columns>(end - j, [&]<int NC>(Count<NC>) {
+        // 1 / d_p and d_p L(c, p) of these columns, for the rows below them.
         DiagonalBlock<NC, Scalar> block{};
         Scalar* const own = T + j * ldt;
         // Columns s, ..., j - 1 act on the diagonal block, which is then factored,

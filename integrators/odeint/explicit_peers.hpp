@@ -50,8 +50,8 @@ class FixedPeer {
 
  private:
   Rhs<Sys> rhs_;
-  StepperT stepper_;
-  Real h_ = 0;
+  StepperT stepper_;  ///< with the history of a multistep method
+  Real h_ = 0;        ///< of the last step
 };
 
 /// Fehlberg's pair, its step steered by Odeint.
@@ -121,6 +121,7 @@ class Dopri5Peer {
   Rhs<Sys> rhs_;
   Controlled controlled_;
   Values start_{}, end_{};  ///< f at both ends of the step
+  /// start_ holds f at the first state; the last attempt was accepted.
   bool started_ = false, accepted_ = false;
 };
 
@@ -159,6 +160,7 @@ class BulirschStoerPeer {
  private:
   using Stepper = native::bulirsch_stoer<Values, Real>;
   Rhs<Sys> rhs_;
+  /// fresh_ stays as constructed: its copies have no history.
   Stepper stepper_, fresh_;
 };
 
@@ -197,7 +199,7 @@ class BulirschStoerDensePeer {
   Rhs<Sys> rhs_;
   native::bulirsch_stoer_dense_out<Values, Real> stepper_;
   bool started_ = false;
-  Real reached_ = 0;
+  Real reached_ = 0;  ///< end of the last step
 };
 
 }  // namespace hmax::odeint

@@ -86,6 +86,8 @@ class Rosenbrock4Peer {
   using Real = real_of<typename Sys::State>;
   using Values = std::vector<Real>;
 
+  /// @param system      must outlive the peer
+  /// @param rtol, atol  of Odeint's controller
   Rosenbrock4Peer(const Sys& system, Real rtol, Real atol)
       : derivatives_(system),
         stepper_(derivatives_.calls(), static_cast<std::size_t>(system.dim()), rtol, atol) {}
@@ -118,11 +120,14 @@ class ImplicitEulerPeer {
   using Real = real_of<typename Sys::State>;
   using Values = std::vector<Real>;
 
+  /// @param system  must outlive the peer
   explicit ImplicitEulerPeer(const Sys& system)
       : derivatives_(system), stepper_(derivatives_.calls(), static_cast<std::size_t>(system.dim())) {}
 
   /// @throws NotSolved  where Newton's method meets a singular matrix or takes more than most_iterations
   void step(const Values& y, Real t, Values& y_new, Real h) { stepper_.step(y.data(), t, y_new.data(), h); }
+  /// out = y(t) by one step of size t - t0 from y0.
+  /// @throws NotSolved  as step()
   void inside(const Values& y0, Real t0, const Values&, Real, Real t, Values& out) {
     stepper_.step(y0.data(), t0, out.data(), t - t0);
   }

@@ -12,10 +12,10 @@ namespace hmax::odeint {
 /// (n, n) row by row.
 template <class Real>
 struct SystemCalls {
-  void* system;
-  void (*rhs)(void* system, Real t, const Real* y, Real* dydt);
-  void (*jacobian)(void* system, Real t, const Real* y, Real* J);
-  void (*time_derivative)(void* system, Real t, const Real* y, Real* dfdt);
+  void* system;                                                              ///< not owned
+  void (*rhs)(void* system, Real t, const Real* y, Real* dydt);              ///< dydt = f(t, y)
+  void (*jacobian)(void* system, Real t, const Real* y, Real* J);            ///< J_ij = d f_i / d y_j
+  void (*time_derivative)(void* system, Real t, const Real* y, Real* dfdt);  ///< df/dt
 };
 
 /// A stage equation that a stepper of Odeint would not have solved.
@@ -29,6 +29,8 @@ struct NotSolved : std::runtime_error {
 template <class Real>
 class Rosenbrock4 {
  public:
+  /// @param n           dimension
+  /// @param rtol, atol  of the step control; step() does not use them
   Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Real rtol, Real atol);
   ~Rosenbrock4();
 
@@ -55,8 +57,9 @@ class ImplicitEuler {
  public:
   /// The iteration ends when its increment is below this in the 2-norm, in the units of the state.
   static constexpr double tolerance = 1e-13;
-  static constexpr int most_iterations = 100;
+  static constexpr int most_iterations = 100;  ///< of one step
 
+  /// @param n  dimension
   ImplicitEuler(const SystemCalls<Real>& calls, std::size_t n);
   ~ImplicitEuler();
 

@@ -39,6 +39,7 @@ MatrixHandle make_matrix(SUNContext context) {
   auto content = std::make_unique<Matrix>();
   SUNMatrix A = SUNMatNewEmpty(context);
   if (A == nullptr) throw std::bad_alloc();
+  // custom: the library does not look inside.
   A->ops->getid = [](SUNMatrix) { return SUNMATRIX_CUSTOM; };
   A->ops->destroy = [](SUNMatrix made) {
     delete static_cast<Matrix*>(made->content);
@@ -59,6 +60,7 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
   auto content = std::make_unique<Solver>();
   SUNLinearSolver made = SUNLinSolNewEmpty(context);
   if (made == nullptr) throw std::bad_alloc();
+  // direct: one setup serves all solutions until the next setup.
   made->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
   made->ops->getid = [](SUNLinearSolver) { return SUNLINEARSOLVER_CUSTOM; };
   // Exceptions may not pass through the library: they become its flags.

@@ -22,6 +22,7 @@ namespace detail {
 template <class State>
 class View : public StepEnds<State> {
  public:
+  /// @param inside  work vector for the states between t0 and t1
   View(Solver& solver, double t0, double t1, const State& y0, const State& y1, N_Vector inside)
       : StepEnds<State>(t0, t1, t1 - t0, y0, y1), solver_(solver), inside_(inside) {}
 
@@ -61,10 +62,12 @@ class Binding {
       calls.stiff = call<Part::stiff>;
       calls.nonstiff = call<Part::nonstiff>;
     }
+    // Arguments: t, y, f(t, y), A, keep J, J is fresh, gamma, user data, three work vectors.
     calls.cvode_system = [](double t, N_Vector y, N_Vector, SUNMatrix A, booleantype keep, booleantype* fresh,
                             double gamma, void* self, N_Vector, N_Vector, N_Vector) {
       return of(self).write_system(t, state_of<State>(y), A, keep, *fresh, gamma);
     };
+    // The same, with a mass matrix after A that is not used.
     calls.arkode_system = [](double t, N_Vector y, N_Vector, SUNMatrix A, SUNMatrix, booleantype keep,
                              booleantype* fresh, double gamma, void* self, N_Vector, N_Vector, N_Vector) {
       return of(self).write_system(t, state_of<State>(y), A, keep, *fresh, gamma);
@@ -206,6 +209,7 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
       method, settings, binding.callbacks(), std::move(equations), span.t0, span.t_end, next.get(), context);
 
   double t = span.t0;
+  // y holds the last accepted state; the library has counted steps and iterations.
   auto finish = [&](Outcome outcome, double at, std::string_view note = {}) {
     RunEnd<double> end{outcome, at, solver->stats()};
     end.note = note;
@@ -218,7 +222,6 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
   for (std::int64_t steps = 1;; ++steps) {
     if (steps > max_steps) return finish(Outcome::too_many_steps, t);
     double t_next = t;
-    // One step of the library, or several restarted attempts of ERKStep.
     const int flag = solver->step(span.t_end, next.get(), t_next);
     binding.rethrow();
     if (flag < 0) {

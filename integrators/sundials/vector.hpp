@@ -43,6 +43,7 @@ bool fill_content(N_Vector v, sunindextype length) {
   // The state owns the data, not the library.
   content->own_data = SUNFALSE;
   content->data = content->state.data();
+  // The library reads the base class alone.
   v->content = static_cast<_N_VectorContent_Serial*>(content);
   return true;
 }
@@ -60,6 +61,7 @@ template <class State>
 N_Vector clone_vector(N_Vector like) {
   N_Vector v = N_VNewEmpty(like->sunctx);
   if (v == nullptr) return nullptr;
+  // The clone has the operations of `like`, those that clone and destroy included.
   if (N_VCopyOps(like, v) == 0 && fill_content<State>(v, NV_LENGTH_S(like))) return v;
   N_VFreeEmpty(v);
   return nullptr;
