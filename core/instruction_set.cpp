@@ -11,6 +11,8 @@ namespace hmax {
 namespace {
 
 /// Those of this processor, the widest first.
+/// The processor is asked at run time (CPUID), so that one program serves machines with and without AVX.
+/// `avx512` asks for two subsets: F for the arithmetic, VL for registers of 256 bits with masks.
 std::vector<InstructionSet> available() {
   std::vector<InstructionSet> sets;
 #ifdef HMAX_X86_KERNELS
@@ -23,6 +25,8 @@ std::vector<InstructionSet> available() {
 }
 
 /// `sets` with the one that HMAX_KERNELS names at the front.
+/// An empty variable counts as unset. The others keep their order.
+/// @throws std::invalid_argument  naming the sets of this processor
 std::vector<InstructionSet> chosen_first(std::vector<InstructionSet> sets) {
   const char* const name = std::getenv("HMAX_KERNELS");
   if (!name || !*name) return sets;
@@ -34,6 +38,7 @@ std::vector<InstructionSet> chosen_first(std::vector<InstructionSet> sets) {
     throw std::invalid_argument("the environment variable HMAX_KERNELS is '" + std::string(name) +
                                 "'; unset it, or set it to one of " + known);
   }
+  // One rotation of [begin, chosen] moves the chosen set to the front and shifts the wider ones back.
   std::rotate(sets.begin(), chosen, chosen + 1);
   return sets;
 }
@@ -53,6 +58,7 @@ std::string_view to_string(InstructionSet set) {
 }
 
 std::span<const InstructionSet> instruction_sets() {
+  // Initialised on the first call, by one thread only; where that throws, the next call tries again.
   static const std::vector<InstructionSet> sets = chosen_first(available());
   return sets;
 }

@@ -6,6 +6,8 @@
 
 namespace hmax {
 
+/// An instruction set that a kernel is compiled for. The set changes times, not results: kernels fix the
+/// order of their sums.
 /// Kernels exist for each of these on x86-64, elsewhere for `portable` alone.
 enum class InstructionSet {
   portable,  ///< what every processor of the architecture has
@@ -13,12 +15,14 @@ enum class InstructionSet {
   avx512  ///< AVX-512 F and VL
 };
 
+/// The name of a set, as HMAX_KERNELS and reports use it.
 /// "portable", "avx2", "avx512".
 std::string_view to_string(InstructionSet set);
 
 /// The sets that this processor has: the one in use first, then the others, the widest first. In use is the
 /// set that the environment variable HMAX_KERNELS names, or else the widest. The variable is read once.
 /// @throws std::invalid_argument  when HMAX_KERNELS names no set of this processor
+/// @return  at least one set, the last resort being `portable`; the memory lives as long as the process
 std::span<const InstructionSet> instruction_sets();
 
 }  // namespace hmax

@@ -15,17 +15,20 @@ namespace fs = std::filesystem;
 /// Behind this many bytes no mark is looked for.
 constexpr std::size_t head_size = 2048;
 
+/// The rule and the inputs of this process; guarded by `mutex`.
 struct Rules {
   std::mutex mutex;
   Replacing replacing = Replacing::any;
   std::vector<fs::path> inputs;
 };
 
+/// One for the process, made at the first use.
 Rules& rules() {
   static Rules all;
   return all;
 }
 
+/// The first head_size bytes, fewer of a shorter file, none of one that cannot be opened.
 std::string head_of(const fs::path& file) {
   std::string head(head_size, '\0');
   std::ifstream in(file, std::ios::binary);
@@ -34,6 +37,7 @@ std::string head_of(const fs::path& file) {
   return head;
 }
 
+/// Whether the file is an SQLite database, by the text that every one begins with.
 bool is_store(const fs::path& file) { return head_of(file).starts_with("SQLite format 3"); }
 
 }  // namespace
@@ -64,6 +68,7 @@ std::string why_not_replaced(const fs::path& file, bool own) {
   if (rules().replacing == Replacing::any || !fs::is_regular_file(file, error)) return {};
   const std::string name = "'" + file.string() + "'";
   if (is_store(file)) return name + " is a store of measurements and would be lost; give another name";
+  // By device and inode, not by name: another path, a link or a hard link to an input is that input.
   const auto same = [&](const fs::path& input) { return fs::equivalent(input, file, error); };
   if (std::ranges::any_of(rules().inputs, same))
     return name + " is read by this command and would be lost; give another name";

@@ -17,6 +17,7 @@ enum class Replacing {
   forced,  ///< every file but inputs and stores
 };
 
+/// Sets what why_not_replaced() allows. Safe to call from several threads.
 /// From now on. A program says so once, at its start or by an option.
 void allow_replacing(Replacing which);
 
@@ -25,9 +26,12 @@ void note_input(const std::filesystem::path& file);
 
 /// True for a file that hmax has written, and for an empty one.
 /// @param opening  with which every file of its form begins and no other does; a mark is known without
+/// @return  false for a file that cannot be read or does not exist. Only the first 2048 bytes are read.
 bool is_own_file(const std::filesystem::path& file, std::string_view opening = {});
 
 /// Why an output may not replace `file`, as one sentence; empty when it may or when there is none.
+/// Checked in this order: the rule `any` and files that are not there allow; stores and inputs of this
+/// process never are replaced, not even with `forced`; then `own` or `forced` allow.
 /// @param own  whether hmax has written it
 std::string why_not_replaced(const std::filesystem::path& file, bool own);
 

@@ -15,6 +15,8 @@ namespace {
 
 std::atomic<std::size_t> chosen = 0;  // 0: nobody has chosen
 
+/// The cores in the affinity mask of this process, which taskset, containers and batch systems narrow; the
+/// count of the machine where there is no mask.
 std::size_t usable_cores() {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -32,11 +34,14 @@ std::size_t jobs() {
 
 void set_jobs(std::size_t count) { chosen = count; }
 
+/// The calling thread is worker 0 and works too; `others` are joined at the end of their block, so that
+/// every piece has ended before anything is thrown.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress,
                   const std::function<bool()>& interrupted) {
   const std::size_t workers = std::max<std::size_t>(1, std::min(jobs(), count));
   std::atomic<std::size_t> next = 0, done = 0;
+  /// The index of a piece that threw, and what; one slot for each worker, so that no lock is needed.
   struct Failure {
     std::size_t piece = 0;
     std::exception_ptr error = nullptr;
@@ -45,6 +50,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
   const auto labour = [&](std::size_t who) {
     std::size_t i = 0;
     try {
+      // fetch-and-add: every index goes to exactly one worker, in ascending order of their beginnings.
       for (i = next++; i < count && !interrupted(); i = next++) {
         work(i, who);
         ++done;
@@ -52,6 +58,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
       }
     } catch (...) {
       failures[who] = {i, std::current_exception()};
+      // Nobody begins another piece.
       next = count;
     }
   };
@@ -66,6 +73,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
     }
     labour(0);
   }
+  // Indices are handed out in order, so the piece with the least one was begun before the others that
+  // failed.
   const Failure* first = nullptr;
   for (const Failure& failure : failures)
     if (failure.error && (first == nullptr || failure.piece < first->piece)) first = &failure;

@@ -19,6 +19,8 @@ void set_jobs(std::size_t count);
 /// throws is thrown when all have ended, of several that of the earliest piece. Where the system allows no
 /// further thread, or has no memory for its stack, those that are there do the work, at least the calling
 /// one. Not for anything that is timed.
+/// Threads take the next index from one counter, so that pieces of unequal cost share the cores evenly.
+/// Once a piece has thrown no further ones begin; those under way end. With count = 0 nothing is called.
 /// @param progress  called by the calling thread with the number of pieces that are done
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress, const std::function<bool()>& interrupted);

@@ -21,14 +21,18 @@ namespace {
 std::array<char, PATH_MAX> current_name;
 std::atomic<bool> is_current{false};
 
+/// Keeps the absolute name for remove_part_file(); a name too long for the buffer is not kept, so that
+/// only a signal would leave its part behind.
 void remember(const std::string& name) {
   if (name.size() >= current_name.size()) return;
   std::memcpy(current_name.data(), name.c_str(), name.size() + 1);
   is_current = true;
 }
 
+/// Throws what errno says of the last system call.
 [[noreturn]] void fail() { throw std::system_error(errno, std::generic_category()); }
 
+/// Twelve letters of five random bits each, 2^60 names, from the random numbers of the kernel.
 std::string random_ending() {
   std::uint64_t bits = 0;
   if (getrandom(&bits, sizeof bits, 0) != sizeof bits) fail();
@@ -41,11 +45,14 @@ std::string random_ending() {
 }  // namespace
 
 void remove_part_file() noexcept {
+  // unlink() and a lock-free atomic are async-signal-safe; strings and allocation are not. The exchange
+  // makes sure that only one of handler and destructor removes it.
   if (is_current.exchange(false)) unlink(current_name.data());
 }
 
 PartFile::PartFile(const std::filesystem::path& file) : file_(file), part_(file) {
   part_ += random_ending();
+  // Before open(): a signal in between removes a file that is not there, which does no harm.
   remember(std::filesystem::absolute(part_).string());
   descriptor_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor_ >= 0) return;
@@ -70,6 +77,7 @@ void PartFile::write(std::string_view text) {
 void PartFile::replace() {
   const int closed = close(descriptor_);
   descriptor_ = -1;
+  // Replaces an existing file in one operation.
   if (closed != 0 || rename(part_.c_str(), file_.c_str()) != 0) fail();
   is_current = false;
 }

@@ -6,24 +6,31 @@
 
 namespace hmax {
 
+/// Output is written to `file`.RANDOM.part beside its file and renamed when it is complete: whoever reads
+/// the file sees the old one or the whole new one, since rename() is atomic within a file system (POSIX).
 /// Made with a name that nobody can foresee and that nobody else has; removed unless it has replaced its
 /// file, by a signal that ends the program too (remove_part_file()). One at a time.
 class PartFile {
  public:
+  /// Creates the part with O_EXCL, so that no existing file or link is followed or written over.
   /// @throws std::system_error when it cannot be made
   explicit PartFile(const std::filesystem::path& file);
+  /// Closes the part, and removes it unless replace() has moved it.
   ~PartFile();
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
+  /// Appends `text`; continues after short writes and after signals (EINTR).
   /// @throws std::system_error when there is no room
   void write(std::string_view text);
+  /// Closes the part first: an error that a file system reports late, on close, leaves the old file in
+  /// place.
   /// Moves it to the place of its file. @throws std::system_error
   void replace();
 
  private:
-  std::filesystem::path file_, part_;
-  int descriptor_;
+  std::filesystem::path file_, part_;  ///< the file to be replaced, and the one being written
+  int descriptor_;                     ///< -1 once closed
 };
 
 /// For handlers of signals: removes the file that is being written, if there is one.
