@@ -17,6 +17,7 @@ Complex times(Complex a, Complex b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
+/// c_0 + x (c_1 + x (c_2 + ...)).
 Complex horner(const std::vector<Complex>& c, Complex x) {
   Complex sum = 0;
   for (std::size_t i = c.size(); i-- > 0;) sum = times(sum, x) + c[i];
@@ -25,6 +26,10 @@ Complex horner(const std::vector<Complex>& c, Complex x) {
 
 /// All roots of sum_j c_j x^j by the simultaneous iteration of Ehrlich and Aberth; infinite ones where
 /// leading coefficients vanish.
+/// With p, p' at the root x_i one step is
+///   x_i <- x_i - p / (p' - p sum_{j != i} 1 / (x_i - x_j)),
+/// cubic convergence to simple roots, linear to multiple ones. Each new root serves the next one at once.
+/// At most 200 sweeps; ends when no root moves by more than 1e-18 of the bound.
 std::vector<LongComplex> all_roots(std::vector<LongComplex> c) {
   std::vector<LongComplex> infinite;
   while (c.size() > 1 && c.back() == LongComplex(0)) {
@@ -37,6 +42,7 @@ std::vector<LongComplex> all_roots(std::vector<LongComplex> c) {
     ++zeros;
   }
   const std::size_t n = c.size() - 1;
+  // max_j |c_j / c_n|^(1 / (n - j)); no root has more than twice this modulus.
   // Cauchy's bound is where the iteration starts, off every symmetry.
   long double bound = 0;
   for (std::size_t j = 0; j < n; ++j)
@@ -48,6 +54,7 @@ std::vector<LongComplex> all_roots(std::vector<LongComplex> c) {
   for (int iteration = 0; iteration < 200; ++iteration) {
     long double moved = 0;
     for (std::size_t i = 0; i < n; ++i) {
+      // Horner's rule for p and p' together.
       LongComplex value = c[n], slope = 0, repulsion = 0;
       for (std::size_t j = n; j-- > 0;) {
         slope = slope * roots[i] + value;
@@ -68,16 +75,19 @@ std::vector<LongComplex> all_roots(std::vector<LongComplex> c) {
   return roots;
 }
 
+/// The largest modulus; 0 without roots.
 double largest(const std::vector<LongComplex>& roots) {
   long double size = 0;
   for (const LongComplex root : roots) size = std::max(size, std::abs(root));
   return static_cast<double>(size);
 }
 
+/// Exactly: the polynomials are made of coefficients that vanish by their formula, not by rounding.
 bool is_zero(const ComplexPolynomial& p) {
   return std::ranges::all_of(p, [](LongComplex c) { return c == LongComplex(0); });
 }
 
+/// For real h the real and imaginary parts of p(h) are the polynomials of those of its coefficients.
 Polynomial real_part(const ComplexPolynomial& p) {
   Polynomial real(p.size());
   std::ranges::transform(p, real.begin(), [](LongComplex c) { return c.real(); });
@@ -127,6 +137,7 @@ StepPolynomial StepPolynomial::real(const std::vector<Polynomial>& p) {
 
 double StepPolynomial::spectral_radius(Complex h) const {
   switch (p_.size()) {
+    // |zeta| = |p_0| / |p_1|
     case 2: {
       const Complex leading = horner(fast_[1], h), value = horner(fast_[0], h);
       return std::sqrt(std::norm(value) / std::norm(leading));
@@ -138,6 +149,7 @@ double StepPolynomial::spectral_radius(Complex h) const {
       Complex root = std::sqrt(times(b, b) - c);
       if ((std::conj(b) * root).real() < 0) root = -root;
       const double larger = std::abs(b + root);
+      // zeta_1 zeta_2 = c gives the smaller root without subtraction.
       return std::max(larger, larger > 0 ? std::abs(c) / larger : 0.0);
     }
     default: {
@@ -170,6 +182,7 @@ double StepPolynomial::radius_at_infinity() const {
 
 bool roots_are_at_most_one(Complex* c, std::size_t degree) {
   // A circle a hair wider, so that roots on the unit circle are inside.
+  // Roots of sum_j c_j (r zeta)^j are those of the given polynomial divided by r = 1 + 1e-9.
   constexpr double wider = 1 + 1e-9;
   double power = 1;
   for (std::size_t j = 0; j <= degree; ++j) {
@@ -177,11 +190,13 @@ bool roots_are_at_most_one(Complex* c, std::size_t degree) {
     power *= wider;
   }
   for (std::size_t n = degree; n > 0; --n) {
+    // |c_0 / c_n| is the product of the moduli of all roots; NaN counts as unstable.
     if (!(std::norm(c[0]) < std::norm(c[n]))) return false;
     const Complex first = c[0], last = std::conj(c[n]);
     const double size = 1 / std::norm(c[n]);
     std::array<Complex, 17> reduced;
     for (std::size_t j = 0; j < n; ++j)
+      // Schur's transform, divided by zeta and by |c_n|^2, which keeps the numbers of one size.
       reduced[j] = size * (times(last, c[j + 1]) - times(first, std::conj(c[n - 1 - j])));
     std::copy_n(reduced.begin(), n, c);
   }
@@ -211,6 +226,8 @@ bool StepPolynomial::grows_at_origin(LongComplex lambda) const {
   // zeta = sum_m s_m h^m: with s_m = 0 the coefficient of h^m in pi says what s_m has to be.
   constexpr std::size_t terms = 22;
   LongComplex slope = 0;
+  // d pi / d zeta at zeta = 1, h = 0: not zero where 1 is a simple root there, as of every zero-stable
+  // consistent method.
   for (std::size_t j = 1; j < p_.size(); ++j) slope += static_cast<long double>(j) * p_[j].at(0);
   ComplexPolynomial s{1};
   LongComplex exponential = 1;  // lambda^m / m!
@@ -223,9 +240,11 @@ bool StepPolynomial::grows_at_origin(LongComplex lambda) const {
     ComplexPolynomial power{1}, sum;
     for (const ComplexPolynomial& q : p_) {
       add(sum, LongComplex(1), truncated(product(power, q), m + 1));
+      // sum_j p_j(h) s(h)^j, modulo h^(m+1).
       power = truncated(product(power, s), m + 1);
     }
     sum.resize(m + 1);
+    // A change of s_m by d changes the coefficient of h^m in pi by d pi / d zeta d.
     s[m] = -sum[m] / slope;
     exponential *= lambda / static_cast<long double>(m);
     // Up to the order the series is the exponential, but for rounding, which high orders magnify.
@@ -253,6 +272,8 @@ std::optional<std::vector<Polynomial>> StepPolynomial::conditions(double growth)
     return std::vector<Polynomial>{sum.value()};
   }
   const Polynomial one{1};
+  // Two or three roots of a real polynomial: with (1 + growth)^j p_j the circle of radius 1 + growth is
+  // mapped to the unit circle.
   std::vector<Polynomial> p;
   long double power = 1;
   for (const ComplexPolynomial& q : p_) {
@@ -268,8 +289,11 @@ std::optional<std::vector<Polynomial>> StepPolynomial::conditions(double growth)
   };
   // The conditions of Schur and Cohn for real polynomials, due to Jury: pi(1) and pi(-1) have the sign they
   // have far out, and the product of the roots is at most one; the leading coefficient is positive.
+  // [jury1964theory] Of degree 2: pi(1), pi(-1), p_2 - p_0.
   if (roots == 2)
     return std::vector<Polynomial>{linear({1, 1, 1}), linear({1, -1, 1}), linear({-1, 0, 1}), p[2]};
+  // Of degree 3: pi(1), -pi(-1), p_3 -+ p_0, and p_3^2 - p_0^2 - (p_3 p_1 - p_2 p_0), without which a pair
+  // of complex roots could be outside.
   using Pair = std::pair<const Polynomial*, const Polynomial*>;
   return std::vector<Polynomial>{linear({1, 1, 1, 1}),
                                  linear({-1, 1, -1, 1}),
@@ -285,6 +309,8 @@ std::optional<std::vector<Polynomial>> StepPolynomial::conditions(double growth)
 namespace {
 
 /// The intervals of all conditions together.
+/// Union of open intervals: one that begins where another ends, to 1e-14, continues it. A step that
+/// touches the border between two of them would otherwise be reported as stable.
 std::vector<Interval> merged(std::vector<Interval> all) {
   std::ranges::sort(all, {}, &Interval::from);
   std::vector<Interval> merged;
@@ -302,6 +328,7 @@ constexpr double rounding = 1e-12;
 
 /// A complex number whose product is four multiplications.
 template <class Real>
+/// std::complex looks for infinities and NaN in its products.
 struct Plain {
   Real re = 0, im = 0;
   [[nodiscard]] Real norm() const { return re * re + im * im; }
@@ -313,6 +340,8 @@ class RootTest {
  public:
   static constexpr std::size_t most_roots = 16;
 
+  /// Coefficients (1 + bound)^j p_j, so that the test circle is the unit circle.
+  /// @param bound  how far beyond one a root may be
   RootTest(const StepPolynomial& polynomial, double bound) {
     long double power = 1;
     for (const ComplexPolynomial& p : polynomial.coefficients()) {
@@ -327,6 +356,9 @@ class RootTest {
 
   /// Positive where all roots are inside, and continuous where the last of them leaves:
   ///   1 - |a_0|^2 / |a_n|^2    of the first reduced polynomial where that is negative, else of the last.
+  /// Of one root it is 1 - |zeta|^2 / (1 + bound)^2. Where double leaves the sign open, by less than 1e-7,
+  /// long double decides.
+  /// @return  -1 where the polynomial is not finite
   [[nodiscard]] double margin(double h) const {
     constexpr double unclear = 1e-7;
     if (const auto clear = reduced<double>(h, unclear)) return *clear;
@@ -334,12 +366,14 @@ class RootTest {
   }
 
  private:
+  /// A coefficient of zeta^j as a polynomial in h, in both precisions.
   struct Coefficient {
     std::vector<Plain<long double>> exact;
     std::vector<Plain<double>> fast;
   };
 
   template <class Real>
+  /// The coefficient at h, by Horner's rule for real h.
   static Plain<Real> value_of(const Coefficient& coefficient, Real h) {
     const auto& c = [&]() -> const auto& {
       if constexpr (std::is_same_v<Real, double>)
@@ -360,6 +394,7 @@ class RootTest {
     std::size_t n = coefficients_.size() - 1;
     for (std::size_t j = 0; j <= n; ++j) a[j] = value_of<Real>(coefficients_[j], static_cast<Real>(h));
     for (;; --n) {
+      // The roots stay inside only while |a_0| < |a_n| in every stage.
       const Real size = a[n].norm(), margin = 1 - a[0].norm() / size;
       if (unclear > 0 && !(std::abs(margin) >= unclear)) return std::nullopt;
       if (std::isnan(margin)) return Real(-1);
@@ -385,6 +420,7 @@ class RootTest {
 template <class Margin>
 double change_between(double stable, double at_stable, double unstable, double at_unstable,
                       const Margin& margin) {
+  // Ends at a relative width of 1e-13, or after 200 looks.
   constexpr double close = 1e-13;
   double before = std::abs(unstable - stable);
   for (int iteration = 0; iteration < 200; ++iteration) {
@@ -392,6 +428,8 @@ double change_between(double stable, double at_stable, double unstable, double a
     if (width <= close * size) break;
     double middle = stable + (unstable - stable) / 2;
     if (iteration % 3 != 2 || width < before / 8) {
+      // Regula falsi; every third look halves instead, unless the last three have narrowed the interval
+      // eightfold. The secant keeps off both ends by half the tolerance, so that the other end moves too.
       const double secant = stable + (unstable - stable) * at_stable / (at_stable - at_unstable);
       const double least = close * size / 2;
       const double low = std::min(stable, unstable) + least, high = std::max(stable, unstable) - least;
@@ -413,6 +451,9 @@ double change_between(double stable, double at_stable, double unstable, double a
 /// The step near h at which a root lies on the unit circle, by Newton's method for pi(exp(i theta); h) = 0 in
 /// theta and h: where the largest root leaves slowly, h is known to the square root of rounding alone, and
 /// less. h itself where the iteration ends elsewhere.
+/// The real increments solve the complex equation
+///   pi_theta d_theta + pi_h d_h = -pi,   pi_theta = i zeta d pi / d zeta,
+/// by Cramer's rule. A change of more than 1e-5 of h is not trusted.
 double sharpened(const StepPolynomial& polynomial, double h) {
   const std::vector<Complex> roots = polynomial.roots(h);
   const Complex largest = *std::ranges::max_element(roots, {}, [](Complex root) { return std::abs(root); });
@@ -424,6 +465,7 @@ double sharpened(const StepPolynomial& polynomial, double h) {
       const ComplexPolynomial& p = polynomial.coefficients()[j];
       LongComplex at = 0, slope = 0;
       for (std::size_t i = p.size(); i-- > 0;) {
+        // p_j(h) and p_j'(h).
         slope = slope * step + at;
         at = at * step + p[i];
       }
@@ -431,7 +473,9 @@ double sharpened(const StepPolynomial& polynomial, double h) {
       value = value * zeta + at;
       by_step = by_step * zeta + slope;
     }
+    // d/d theta of exp(i theta) is i exp(i theta).
     const LongComplex by_theta = LongComplex(0, 1) * zeta * by_zeta;
+    // Im(conj(a) b) is the determinant of the real and imaginary parts of a and b.
     const long double determinant = (std::conj(by_theta) * by_step).imag();
     const long double turn = (std::conj(by_step) * value).imag() / determinant,
                       change = -(std::conj(by_theta) * value).imag() / determinant;
@@ -446,7 +490,10 @@ double sharpened(const StepPolynomial& polynomial, double h) {
 
 /// Strides outwards from the origin, closer where stability changes.
 /// @param once  stop at the first exit
+/// In units x = h / scale: from 1e-4 by 15 % each, up to 5e-3 as far as x = 100, wider beyond. An unstable
+/// stretch narrower than a stride may be missed, which is why conditions come first.
 UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
+  // Without a tolerance the radius may exceed one by its own rounding, 1e-12.
   const double bound = tolerated > 0 ? tolerated : rounding;
   std::optional<RootTest> test;
   if (growth.polynomial) test.emplace(*growth.polynomial, bound);
@@ -454,6 +501,7 @@ UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
   UnstableSteps unstable;
   bool was_stable = true, below_rounding = false;
   if (tolerated == 0 && growth.grows_at_origin) {
+    // The exit is the origin itself.
     if (once) return {{{0, infinity}}};
     unstable.intervals.push_back({0, infinity});
     was_stable = false;
@@ -464,6 +512,7 @@ UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
   for (double x = 1e-4; x <= growth.farthest; x += std::min(std::max(5e-3, 2e-2 * (x - 100)), 0.15 * x)) {
     const double h = x * growth.scale, here = margin(h);
     const bool stable = here > 0;
+    // Close to the origin the growth of a mode that leaves at once is less than rounding shows.
     if (below_rounding && !stable) below_rounding = false;
     if (!below_rounding && stable != was_stable) {
       double change = stable ? change_between(h, here, before, margin_before, margin)
@@ -484,11 +533,14 @@ UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
 
 }  // namespace
 
+/// The stable set is where every condition holds, so the unstable one is the union of where one of them is
+/// negative.
 UnstableSteps unstable_steps(const Growth& growth, double tolerated) {
   if (growth.polynomial) {
     if (const auto conditions = growth.polynomial->conditions(tolerated)) {
       std::vector<Interval> all;
       for (const Polynomial& condition : *conditions) {
+        // `scale` is where the roots are expected: the interval (0, infinity) is mapped to (0, 1) with it.
         const std::vector<Interval> here = negative_intervals(condition, growth.scale);
         all.insert(all.end(), here.begin(), here.end());
       }

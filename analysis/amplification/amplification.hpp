@@ -1,3 +1,6 @@
+/// Dahlquist's test equation y' = lambda y with z = h lambda [hairer1996solving, IV.2] for methods of
+/// first-order systems; q'' + gamma q' + kappa q = 0 for those that step positions and velocities. A step
+/// is stable when the spectral radius of its map is at most one.
 /// What one step of a method does to one mode of a linear model: the amplification of every family, and the
 /// steps at which it is at most one.
 #pragma once
@@ -25,6 +28,7 @@ struct Eigenmode {
   Complex frozen;  ///< what the Jacobian that a linearly implicit method uses says in its place
   double radius;   ///< the spectral radius by which a stabilised method chooses its stages
 
+  /// @param value  lambda [1/s]
   /// The whole of lambda is stiff, the Jacobian exact, the mode the fastest of the model.
   explicit Eigenmode(Complex value) : lambda(value), stiff(value), frozen(value), radius(std::abs(value)) {}
 };
@@ -35,31 +39,47 @@ struct Eigenmode {
 class StepPolynomial {
  public:
   /// @param p  p[j] = p_j, ascending in zeta; the last is not zero everywhere
+  /// A factor zeta that all coefficients share (p_0 = 0 everywhere) is divided out: its root is always
+  /// zero.
+  /// Coefficient i of p_j belongs to h^i zeta^j; its unit is s^-i.
   explicit StepPolynomial(std::vector<ComplexPolynomial> p);
 
   /// Of the same numbers for real modes.
   static StepPolynomial real(const std::vector<Polynomial>& p);
 
   /// The largest |zeta| at h, which may be complex: with lambda = 1 it stands for z = h lambda.
+  /// One root in closed form, two by the quadratic formula, more by the iteration of all roots.
   [[nodiscard]] double spectral_radius(Complex h) const;
 
+  /// @return  as many as the degree in zeta, in no order; infinite ones where leading coefficients vanish
   /// All roots zeta at h.
   [[nodiscard]] std::vector<Complex> roots(Complex h) const;
 
   /// The largest |zeta| in the limit of large |h|: 0 for methods that annihilate infinitely fast modes.
+  /// With h^m the highest power in pi, the roots of the polynomial of the coefficients of h^m; infinity
+  /// for explicit methods, whose p_k is a constant.
   [[nodiscard]] double radius_at_infinity() const;
 
   /// Real polynomials in h, all of which are >= 0 where the spectral radius is at most 1 + growth, and only
   /// there as long as the leading coefficient is positive and, of three roots, the product is below one;
   /// nothing where there is no closed condition (more than one root, unless three at most and real)
   /// [jury1964theory].
+  /// With p_j for (1 + growth)^j p_j they are
+  ///   one root:    |p_1|^2 - |p_0|^2
+  ///   two roots:   pi(1), pi(-1), p_2 - p_0
+  ///   three roots: pi(1), -pi(-1), p_3 - p_0, p_3 + p_0, p_3^2 - p_3 p_1 + p_2 p_0 - p_0^2
+  /// and, of two and three, the leading coefficient itself.
   [[nodiscard]] std::optional<std::vector<Polynomial>> conditions(double growth) const;
 
   /// Whether every |zeta| <= 1 but for rounding, in double: for pictures.
+  /// At most 16 roots. The circle is wider by 1e-9, so that points on the border count as stable.
   [[nodiscard]] bool is_at_most_one(Complex h) const;
 
   /// Whether |zeta| > 1 at arbitrarily small h for the root that is 1 at h = 0: by its series, which is that
   /// of exp(lambda h) up to the order of the method.
+  /// With zeta(h) = sum_m s_m h^m the first coefficient of |zeta|^2 - 1 that is not zero decides by its
+  /// sign; false where the first 21 all vanish. For lambda on the imaginary axis, where the modulus of
+  /// exp(lambda h) is one.
   /// @param lambda  of the mode
   [[nodiscard]] bool grows_at_origin(LongComplex lambda) const;
 
@@ -74,6 +94,7 @@ class StepPolynomial {
   bool real_ = false;
 };
 
+/// Either `polynomial` or `radius` is set.
 /// The spectral radius of the one-step map of one mode as a function of the step.
 struct Growth {
   std::optional<StepPolynomial> polynomial;     ///< where the map is rational in h
@@ -83,6 +104,7 @@ struct Growth {
   bool grows_at_origin = false;  ///< at arbitrarily small h
   double farthest = 1e6;         ///< an exit is sought up to h = farthest scale
 
+  /// The radius at a step h > 0 [s].
   [[nodiscard]] double spectral_radius(double h) const {
     return polynomial ? polynomial->spectral_radius(h) : radius(h);
   }
@@ -91,6 +113,10 @@ struct Growth {
 /// Whether all roots of sum_j c_j zeta^j, j = 0 .. degree, lie in |zeta| <= 1 but for rounding, by the
 /// reduction of Schur and Cohn in double.
 /// @param c  shape (degree + 1), overwritten
+/// The reduction c_j <- (conj(c_n) c_j+1 - c_0 conj(c_n-1-j)) / |c_n|^2 lowers the degree n by one and
+/// keeps the number of roots outside of the circle, as long as |c_0| < |c_n| in each stage
+/// [jury1964theory].
+/// @param degree  at most 16
 bool roots_are_at_most_one(Complex* c, std::size_t degree);
 
 /// What is left of an infinitely fast mode counts as nothing below this: coefficients that are published to
@@ -110,9 +136,13 @@ struct UnstableSteps {
 
 /// Where the spectral radius exceeds 1 + growth. From the conditions where there are some, so that "stable
 /// for every h" and "for none" are proved, not sampled; else by strides outwards and bisection.
+/// @param tolerated  a growth per step that still counts as stable, such as 1e-6 for the weak limit on the
+/// imaginary axis; 0: one, but for rounding
 UnstableSteps unstable_steps(const Growth& growth, double tolerated = 0);
 
 /// Only the first exit, which needs less.
+/// @return  [s]; 0 when arbitrarily small steps are unstable, infinity when no step up to growth.farthest
+/// growth.scale (none at all, where there are conditions) is
 double first_exit(const Growth& growth, double tolerated = 0);
 
 /// A method that steps positions and velocities, as polynomials in zeta: what it makes of
@@ -122,6 +152,7 @@ struct MotionMap {
   Polynomial inertia, damper, spring;
   Polynomial lumped{};  ///< empty unless the diagonal of C is taken otherwise than the rest
 
+  /// @return  the number of roots zeta of one oscillation, those at zero included
   /// The highest power of zeta.
   [[nodiscard]] std::size_t degree() const {
     return std::max({inertia.size(), damper.size(), spring.size(), lumped.size()}) - 1;
@@ -152,6 +183,8 @@ struct Amplification {
 };
 
 /// To be kept by whatever a method is described by.
+/// Its functions change nothing that they hold. A Growth of a stabilised method does: its radius
+/// caches the stages, so that only one thread may use it.
 inline std::shared_ptr<const Amplification> shared(Amplification amplification) {
   return std::make_shared<const Amplification>(std::move(amplification));
 }

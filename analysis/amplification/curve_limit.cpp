@@ -11,6 +11,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 /// Values between two ends, the ends included.
+/// Arithmetic spacing resolves the stiff end, geometric spacing the soft one, down to 1e-9 of `high`.
 std::vector<double> places(double low, double high, int samples) {
   std::vector<double> all{low, high};
   const double least = std::max(low, 1e-9 * high);
@@ -42,10 +43,12 @@ std::optional<std::array<double, 2>> rayleigh_coefficients(const MechanicalPart&
   for (Index probe = 0; probe < probes; ++probe) {
     const VectorXd x = numbers.segment(probe * n, n), kx = scaled(part.K, x), cx = scaled(part.C, x);
     if (probe == 0) {
+      // The part of k x across x determines beta, the part along x then alpha.
       const double mean = x.dot(kx) / x.squaredNorm();
       const VectorXd across = kx - mean * x;
       beta = across.norm() > 1e-14 * kx.norm() ? across.dot(cx) / across.squaredNorm() : 0;
       alpha = x.dot(cx) / x.squaredNorm() - beta * mean;
+      // An alpha of rounding is none: at kappa = 0 it would make damping of nothing.
       if (std::abs(alpha) * x.norm() <= 1e-13 * cx.norm()) alpha = 0;
     }
     if ((cx - beta * kx - alpha * x).norm() > 1e-11 * cx.norm()) return std::nullopt;
@@ -67,10 +70,14 @@ CurveLimit smallest_exit(const DampingCurve& curve, const ExitsOf& exits, int sa
     const std::vector<double> h = exits(modes);
     std::size_t least = 0;
     for (std::size_t i = 1; i < kappas.size(); ++i)
+      // Of equal exits the largest kappa, which names the stiffest of the modes.
       if (h[i] <= h[least]) least = i;
+    // A round that finds nothing smaller ends the search.
     if (!(h[least] < limit.h_max) && round > 0) break;
     limit.h_max = h[least];
     limit.kappa = kappas[least];
+    // The next round lies between the two neighbours of the smallest: each narrows the interval at least by
+    // about half the number of samples.
     low = kappas[least > 0 ? least - 1 : 0];
     high = kappas[std::min(least + 1, kappas.size() - 1)];
     // An end is what it is.

@@ -12,10 +12,12 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// The map on the ray z = h direction, |direction| = 1, so that h is |z|.
 Growth along(const Amplification& amplification, Complex direction) {
   return amplification.of_eigenmode(Eigenmode(direction));
 }
 
+/// A lobe is what lies between two unstable intervals, or behind the last one if that ends.
 void add_lobes(const UnstableSteps& unstable, bool imaginary, std::vector<Lobe>& lobes) {
   for (std::size_t i = 0; i < unstable.intervals.size(); ++i) {
     const double from = unstable.intervals[i].to;
@@ -29,6 +31,8 @@ void add_lobes(const UnstableSteps& unstable, bool imaginary, std::vector<Lobe>&
 /// pi(exp(i theta), z) = 0 of methods that are linear in z; 90 degrees when it keeps to the right half-plane.
 double wedge_of_locus(const StepPolynomial& in_z) {
   const auto angle = [&](double theta) {
+    // pi(zeta, z) = constant(zeta) + z linear(zeta) = rho(zeta) - z sigma(zeta): the root locus
+    // curve is z = rho / sigma.
     LongComplex constant = 0, linear = 0, power = 1;
     const LongComplex zeta = std::polar(1.0L, static_cast<long double>(theta));
     for (const ComplexPolynomial& q : in_z.coefficients()) {
@@ -37,6 +41,7 @@ double wedge_of_locus(const StepPolynomial& in_z) {
       power *= zeta;
     }
     const LongComplex z = -constant / linear;
+    // Points on the imaginary axis by rounding do not narrow the wedge.
     if (!(z.real() < -1e-14L * std::abs(z))) return std::numbers::pi / 2;
     return static_cast<double>(std::atan2(std::abs(z.imag()), -z.real()));
   };
@@ -49,6 +54,7 @@ double wedge_of_locus(const StepPolynomial& in_z) {
       at = theta;
     }
   }
+  // The minimum lies between the neighbours of the best of the samples.
   // Golden section around the smallest.
   double low = at - std::numbers::pi / parts, high = at + std::numbers::pi / parts;
   for (int i = 0; i < 60 && at > 0; ++i) {
@@ -69,6 +75,8 @@ double wedge_of_rays(const Amplification& amplification) {
     return std::isinf(first_exit(along(amplification, -std::polar(1.0, degrees * std::numbers::pi / 180))));
   };
   double inside = 0, outside = 90;
+  // A ray is stable when it has no exit; the first unstable one in steps of two degrees brackets the
+  // wedge.
   for (double degrees = 2; degrees < 90; degrees += 2) {
     if (!is_stable(degrees)) {
       outside = degrees;
@@ -84,6 +92,7 @@ double wedge_of_rays(const Amplification& amplification) {
 }
 
 /// Whether no pole lies in the left half-plane or on its edge.
+/// The poles of R(z) = N(z) / D(z) are the roots of D, the coefficient of the highest power of zeta.
 bool is_analytic_on_the_left(const StepPolynomial& in_z) {
   // The roots of D(z) are those of a polynomial in zeta whose coefficients are the numbers of D.
   std::vector<ComplexPolynomial> poles;
@@ -113,6 +122,7 @@ StabilityLimits stability_limits(const Amplification& amplification) {
     limits.at_infinity =
         amplification.of_oscillation({.kappa = 1, .gamma = 0}).polynomial->radius_at_infinity();
 
+  // Two coefficients in zeta: one root.
   const bool is_one_step = in_z && in_z->coefficients().size() == 2;
   if (std::isinf(limits.real)) {
     // Nothing larger on the edge, and analytic inside: nothing larger inside either.

@@ -10,11 +10,14 @@ namespace hmax {
 
 namespace {
 
+/// Only on the imaginary axis may the principal root leave at once: to the left it is below one for small
+/// h, to the right the mode grows by itself.
 /// From lambda = 1 to lambda.
 Amplification of_polynomial(StepPolynomial in_z) {
   Amplification amplification;
   amplification.of_eigenmode = [in_z](const Eigenmode& mode) {
     Growth growth{.polynomial = in_z.along(mode.lambda), .scale = 1 / std::abs(mode.lambda)};
+    // On the axis |exp(h lambda)| = 1: the series decides.
     growth.grows_at_origin = mode.lambda.real() == 0 && growth.polynomial->grows_at_origin(mode.lambda);
     return growth;
   };
@@ -23,6 +26,8 @@ Amplification of_polynomial(StepPolynomial in_z) {
 }
 
 template <class Differences>
+/// From gamma_j of sum_j gamma_j nabla^j f, j < order, to the weights of the values f_n-i:
+///   sum_j gamma_j nabla^j f_n = sum_i beta_i f_n-i,   nabla^j f_n = sum_i (-1)^i (j over i) f_n-i.
 Polynomial weights(const Differences& differences, int order) {
   const auto k = static_cast<std::size_t>(order);
   Polynomial values(k);
@@ -68,12 +73,14 @@ Amplification adams_amplification(AdamsMode mode, int predictor_order, int corre
   }
   const Polynomial corrector = corrector_weights(corrector_order);
   const std::size_t past = std::max(k, corrector.size());
+  // zeta^past stands for y_n+1, zeta^(past-1) for y_n.
   if (mode == AdamsMode::pece) {
     // y_n+1 = y_n + z beta*_0 p + z sum_{i >= 1} beta*_i y_n+1-i,    p = y_n + z sum_i beta_i y_n-i
     Collected pi(past);
     pi.add(past, 0, 1);
     pi.add(past - 1, 0, -1);
     pi.add(past - 1, 1, -corrector[0]);
+    // z beta*_0 times z beta_i: the predicted value inside the corrected one.
     for (std::size_t i = 0; i < k; ++i) pi.add(past - 1 - i, 2, -corrector[0] * beta[i]);
     for (std::size_t i = 1; i < corrector.size(); ++i) pi.add(past - i, 1, -corrector[i]);
     return std::move(pi).done();
@@ -91,6 +98,7 @@ Amplification adams_amplification(AdamsMode mode, int predictor_order, int corre
   return std::move(pi).done();
 }
 
+/// rho = zeta^k - zeta^(k-1), sigma = sum_i beta*_i zeta^(k-i).
 Amplification adams_moulton_amplification(int order) {
   const Polynomial corrector = corrector_weights(order);
   const std::size_t k = std::max<std::size_t>(corrector.size() - 1, 1);
@@ -101,6 +109,7 @@ Amplification adams_moulton_amplification(int order) {
   return std::move(pi).done();
 }
 
+/// nabla^j y_n+1 = sum_i (-1)^i (j over i) y_n+1-i.
 Amplification bdf_amplification(int order) {
   const auto k = static_cast<std::size_t>(order);
   Collected pi(k);

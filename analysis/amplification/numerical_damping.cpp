@@ -7,6 +7,7 @@
 namespace hmax {
 
 ShownOscillation shown_oscillation(const Amplification& amplification, double omega, double zeta, double h) {
+  // lambda = omega (-zeta + i sqrt(1 - zeta^2)), the upper one of the pair.
   const Complex lambda = omega * Complex(-zeta, std::sqrt(std::max(0.0, 1 - zeta * zeta)));
   Complex root;
   const Growth growth =
@@ -14,6 +15,7 @@ ShownOscillation shown_oscillation(const Amplification& amplification, double om
           ? amplification.of_oscillation({.kappa = omega * omega, .gamma = 2 * zeta * omega})
           : amplification.of_eigenmode(Eigenmode(lambda));
   if (growth.polynomial) {
+    // Of several roots the others are parasitic, or the conjugate.
     const Complex exact = std::exp(h * lambda);
     double closest = std::numeric_limits<double>::infinity();
     for (const Complex candidate : growth.polynomial->roots(h))
@@ -24,6 +26,7 @@ ShownOscillation shown_oscillation(const Amplification& amplification, double om
   } else {
     root = amplification.R ? amplification.R(h * lambda) : Complex(std::numeric_limits<double>::quiet_NaN());
   }
+  // The eigenvalue of a flow that makes the same of a step: exp(h shown) = root.
   const Complex shown = std::log(root) / h;
   ShownOscillation oscillation;
   oscillation.omega = std::abs(shown);

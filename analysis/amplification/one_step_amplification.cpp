@@ -16,6 +16,7 @@ struct LinearStages {
   ComplexPolynomial c;     ///< row-major, shape (s, s) [1/s]
 };
 
+/// A method of order p has N(h) - D(h) exp(lambda h) = O(h^(p+1)) [hairer1996solving, IV.3].
 /// Coefficients of the powers up to `order` are those of D(h) exp(lambda h); what rounding of the tableau
 /// makes of them is put right, what is really different is left alone.
 void match_exponential(ComplexPolynomial& numerator, const ComplexPolynomial& denominator, LongComplex lambda,
@@ -25,12 +26,15 @@ void match_exponential(ComplexPolynomial& numerator, const ComplexPolynomial& de
     long double size = 0;
     for (std::size_t k = 0; k <= j; ++k) {
       if (j - k < denominator.size()) {
+        // sum_k D_j-k lambda^k / k!
         exact += denominator[j - k] * power;
         size += std::abs(denominator[j - k] * power);
       }
       power *= lambda / static_cast<long double>(k + 1);
     }
     if (std::abs(exact) <= 1e-15L * size) exact = 0;
+    // 1e-10 of the terms: more than the rounding of tableaux published to sixteen digits, less than an
+    // error of the order.
     if (std::abs(numerator[j] - exact) <= 1e-10L * size) numerator[j] = exact;
   }
 }
@@ -43,6 +47,7 @@ void drop_rounding(ComplexPolynomial& p) {
 }
 
 /// pi = D(h) zeta - N(h) of the stages by forward substitution over a common denominator.
+/// N / D is y_new / y, so zeta = N / D; D = prod (1 - h d_j) over the stages in use.
 StepPolynomial step_polynomial(const LinearStages& stages, LongComplex lambda, int order) {
   const std::size_t s = stages.d.size();
   // A stage that nobody uses, such as one of the error estimate, would only be a factor of both.
@@ -62,6 +67,7 @@ StepPolynomial step_polynomial(const LinearStages& stages, LongComplex lambda, i
     ComplexPolynomial sum;
     for (std::size_t j = 0; j < end; ++j) {
       if (!used[j]) continue;
+      // Brings what was summed so far over the next factor.
       if (stages.d[j] != LongComplex(0)) sum = product(sum, factor(j));
       add(sum, weight(j), n[j]);
     }
@@ -70,9 +76,11 @@ StepPolynomial step_polynomial(const LinearStages& stages, LongComplex lambda, i
   for (std::size_t i = 0; i < s; ++i) {
     if (!used[i]) continue;
     n[i] = before;
+    // (1 - h d_i) S_i = 1 + h sum_j c_ij S_j, over the product of the factors before i.
     add(n[i], LongComplex(1), product(h, over_common(i, [&](std::size_t j) { return stages.c[i * s + j]; })));
     if (stages.d[i] != LongComplex(0)) before = product(before, factor(i));
   }
+  // y_new / y = 1 + h sum_j w_j S_j.
   ComplexPolynomial numerator = before;
   add(numerator, LongComplex(1), product(h, over_common(s, [&](std::size_t j) { return stages.w[j]; })));
   match_exponential(numerator, before, lambda, order);
@@ -81,6 +89,7 @@ StepPolynomial step_polynomial(const LinearStages& stages, LongComplex lambda, i
   return StepPolynomial({std::move(numerator), std::move(before)});
 }
 
+/// A typical step 1 / |lambda| [s]; 1 of a mode that stands still.
 double scale_of(Complex lambda) {
   const double size = std::abs(lambda);
   return size > 0 ? 1 / size : 1;
@@ -114,6 +123,7 @@ std::vector<long double> owned(std::span<const long double> numbers) {
 Amplification runge_kutta_amplification(std::span<const long double> a, std::span<const long double> b,
                                         int order) {
   const std::size_t s = b.size();
+  // lambda = 1: d_i = a_ii, c_ij = a_ij, w = b, with the stage values S_i.
   LinearStages stages{ComplexPolynomial(s), ComplexPolynomial(b.begin(), b.end()), {a.begin(), a.end()}};
   for (std::size_t i = 0; i < s; ++i) stages.d[i] = a[i * s + i];
   return of_polynomial(step_polynomial(stages, 1, order));
@@ -140,6 +150,7 @@ Amplification full_runge_kutta_amplification(std::span<const long double> a, std
     }
     return c;
   };
+  // det(I - z A), then det(I - z (A - 1 b^T)).
   std::vector<long double> M = owned(a);
   ComplexPolynomial denominator = determinant(M);
   for (std::size_t i = 0; i < s; ++i)
@@ -151,6 +162,9 @@ Amplification full_runge_kutta_amplification(std::span<const long double> a, std
   return of_polynomial(StepPolynomial({std::move(numerator), std::move(denominator)}));
 }
 
+/// In the variables S_i = k_i / (h lambda) the stages are
+///   (1 - h lambda0 gamma_ii) S_i = 1 + h sum_{j < i} (lambda alpha_ij + lambda0 gamma_ij) S_j,
+/// and y_new / y = 1 + h lambda sum_i b_i S_i.
 Amplification rosenbrock_amplification(std::span<const long double> alpha, std::span<const long double> gamma,
                                        std::span<const long double> b, int order) {
   const auto polynomial = [alpha = owned(alpha), gamma = owned(gamma), b = owned(b), order](
@@ -168,6 +182,7 @@ Amplification rosenbrock_amplification(std::span<const long double> alpha, std::
   Amplification amplification = of_polynomial(polynomial(1, 1));
   amplification.of_eigenmode = [polynomial, exact = amplification.of_eigenmode](const Eigenmode& mode) {
     if (mode.frozen == mode.lambda) return exact(mode);
+    // h^j takes the factor size^j afterwards, by along().
     // In units of the faster of the two, so that no coefficient is small for its unit.
     const double size = std::max(std::abs(mode.lambda), std::abs(mode.frozen));
     return Growth{
@@ -187,6 +202,7 @@ Amplification additive_amplification(std::span<const long double> a_nonstiff,
     const std::size_t s = bE.size();
     LinearStages stages{ComplexPolynomial(s), ComplexPolynomial(s), ComplexPolynomial(s * s)};
     for (std::size_t i = 0; i < s; ++i) {
+      // Y_i = S_i: the stage values themselves.
       stages.d[i] = stiff * aI[i * s + i];
       stages.w[i] = nonstiff * bE[i] + stiff * bI[i];
       for (std::size_t j = 0; j < i; ++j)

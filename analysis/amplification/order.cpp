@@ -9,13 +9,16 @@ namespace hmax {
 
 namespace {
 
+// Points that the line is fitted to: three local slopes.
 constexpr std::ptrdiff_t window = 4;
 
+/// log(error) = slope log(h) + const.
 struct Line {
   double slope;   ///< of least squares
   double spread;  ///< largest difference between the slopes from point to point
 };
 
+/// Least squares: slope = sum (x - mean x)(y - mean y) / sum (x - mean x)^2, x = log h, y = log error.
 Line fit(const std::vector<double>& h, const std::vector<double>& error) {
   const auto n = static_cast<double>(h.size());
   double x_mean = 0, y_mean = 0, xx = 0, xy = 0;
@@ -29,6 +32,7 @@ Line fit(const std::vector<double>& h, const std::vector<double>& error) {
     xx += x * x;
     xy += x * (std::log(error[i]) - y_mean);
     if (i == 0) continue;
+    // From one point to the next, for how well a line describes them.
     const double local = std::log(error[i - 1] / error[i]) / std::log(h[i - 1] / h[i]);
     least = std::min(least, local);
     most = std::max(most, local);
@@ -45,6 +49,7 @@ OrderObservation observe_order(const std::function<double(double t_end, double h
   for (const double t_end : end_times) {
     std::vector<double> h, error;
     for (double steps = 4; steps <= most_steps; steps *= std::numbers::sqrt2) {
+      // A whole number of steps, so that no last step is shorter.
       const double step = t_end / std::round(steps);
       const double e = error_of(t_end, step);
       if (!(e > floor)) break;

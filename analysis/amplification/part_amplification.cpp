@@ -11,6 +11,8 @@ namespace hmax {
 
 namespace {
 
+/// The mode lambda = slow + fast of which `fast` is treated implicitly; with h = 1 the two are z_slow and
+/// z_fast.
 Eigenmode beside(Complex slow, Complex fast) {
   Eigenmode mode(slow + fast);
   mode.stiff = fast;
@@ -32,6 +34,7 @@ SlowPolynomial in_slow(const Amplification& pair, Complex fast) {
   for (std::size_t i = 0; i < points; ++i) {
     const Complex slow(radius * on_unit_circle(i));
     const StepPolynomial pi = *pair.of_eigenmode(beside(slow, fast)).polynomial;
+    // pi = D zeta - N, so R = N / D = -p_0 / p_1, at h = 1.
     value[i] =
         -evaluate(pi.coefficients()[0], LongComplex(1)) / evaluate(pi.coefficients()[1], LongComplex(1));
   }
@@ -39,6 +42,7 @@ SlowPolynomial in_slow(const Amplification& pair, Complex fast) {
   long double largest = 0;
   for (std::size_t j = 0; j < points; ++j) {
     share[j] = 0;
+    // Discrete Fourier transform: the coefficient of z^j times radius^j.
     for (std::size_t i = 0; i < points; ++i) share[j] += value[i] * std::conj(on_unit_circle(i * j));
     share[j] /= static_cast<long double>(points);
     largest = std::max(largest, std::abs(share[j]));

@@ -28,6 +28,8 @@ namespace {
 constexpr long double split = 0.49918273645L;
 
 /// @param error  what rounding may have made of each coefficient: what is not larger counts as zero
+/// Descartes' rule in Bernstein form: the number of roots in the interval is this number, or less by an
+/// even one.
 int changes_of_sign(const Polynomial& b, const Polynomial& error) {
   int changes = 0;
   long double last = 0;
@@ -47,6 +49,7 @@ std::pair<Polynomial, Polynomial> halves(Polynomial b) {
   for (std::size_t row = 0; row < n; ++row) {
     left[row] = b[0];
     right[n - 1 - row] = b[n - 1 - row];
+    // (1 - split) b_i + split b_i+1
     for (std::size_t i = 0; i + 1 < n - row; ++i) b[i] += split * (b[i + 1] - b[i]);
   }
   return {std::move(left), std::move(right)};
@@ -64,6 +67,7 @@ void add_roots(const Polynomial& b, const Polynomial& error, long double t0, lon
   if (changes == 0) return;
   constexpr long double finest = 1e-17L;
   if (changes == 1) {
+    // One change of sign: exactly one root, so bisection on the polynomial itself.
     const bool negative_left = value(t0) < 0 || (value(t0) == 0 && value(t1) > 0);
     while (t1 - t0 > std::numeric_limits<long double>::epsilon() * t1) {
       const long double middle = t0 + (t1 - t0) / 2;
@@ -73,6 +77,7 @@ void add_roots(const Polynomial& b, const Polynomial& error, long double t0, lon
     roots.push_back(t0 + (t1 - t0) / 2);
     return;
   }
+  // Several roots nearer than 1e-17 count as one where the sign differs, as none where it does not.
   if (t1 - t0 <= finest * std::max(t1, 1e-6L)) {
     if ((value(t0) < 0) != (value(t1) < 0)) roots.push_back(t0);
     return;
@@ -94,6 +99,8 @@ std::vector<Interval> negative_intervals(std::span<const long double> p, long do
 
   const std::size_t degree = p.size() - 1;
   Polynomial scaled(p.begin(), p.end()), b(p.size());
+  // p(x) (1 - t)^n = sum_j b_j (n over j) t^j (1 - t)^(n-j) with
+  //   x = scale t / (1 - t),   b_j = scale^j p_j / (n over j).
   long double power = 1, binomial = 1;
   for (std::size_t j = 0; j <= degree; ++j) {
     scaled[j] *= power;

@@ -30,6 +30,7 @@ std::vector<Number> product(const std::vector<Number>& p, const std::vector<Numb
   return r;
 }
 
+/// p grows to the length of q where it is shorter.
 /// p += factor q
 template <class Number>
 void add(std::vector<Number>& p, const Number& factor, const std::vector<Number>& q) {
@@ -40,6 +41,7 @@ void add(std::vector<Number>& p, const Number& factor, const std::vector<Number>
 /// A sum of products that knows how large its terms were: a coefficient that is all cancellation is zero.
 class CancellingSum {
  public:
+  /// Also adds |p| |q|, coefficient by coefficient, to the sizes that value() compares with.
   /// sum += sign p q
   void add(long double sign, const Polynomial& p, const Polynomial& q);
 
@@ -60,6 +62,9 @@ struct Interval {
 /// binomials; their changes of sign bound the number of roots (Descartes), and the interval is halved until
 /// each part has one root or none [rouillier2004efficient]. Roots of even order, where p only touches zero,
 /// do not count.
+/// Root counting is certain but for coefficients that rounding may have made, which count as zero; the
+/// ends of the intervals are bisected to the last bit of long double and rounded to double.
+/// @param p      coefficients in ascending powers of x
 /// @param scale  a typical x
 std::vector<Interval> negative_intervals(std::span<const long double> p, long double scale = 1);
 

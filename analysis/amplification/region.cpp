@@ -14,6 +14,7 @@ double RegionCurve::area() const {
   double twice = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Complex a = points[i], b = points[(i + 1) % points.size()];
+    // The cross product a x b, twice the area of the triangle (0, a, b).
     twice += a.real() * b.imag() - b.real() * a.imag();
   }
   return twice / 2;
@@ -30,6 +31,7 @@ namespace {
 /// The nodes of the grid, with one row of unstable nodes all around the window.
 class Grid {
  public:
+  /// Evaluates (columns + 1) (rows + 1) nodes, half of them where symmetry tells the rest.
   Grid(const StableAt& is_stable, const PlaneWindow& window, int columns, int rows)
       : is_stable_(is_stable), window_(window), columns_(columns), rows_(rows) {
     stable_.resize(static_cast<std::size_t>(columns + 3) * static_cast<std::size_t>(rows + 3));
@@ -43,6 +45,7 @@ class Grid {
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
   [[nodiscard]] bool stable(int i, int j) const { return stable_[index(i, j)] != 0; }
+  /// Nodes from -1 to columns + 1 and rows + 1: the ring outside the window is unstable.
   [[nodiscard]] std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j + 1) * static_cast<std::size_t>(columns_ + 3) +
            static_cast<std::size_t>(i + 1);
@@ -59,6 +62,7 @@ class Grid {
 
   /// Where stability changes between two neighbours, one stable and one not.
   [[nodiscard]] Complex crossing(Complex inside, Complex outside) const {
+    // 45 halvings: 2^-45 of the side of a cell.
     for (int halving = 0; halving < 45; ++halving) {
       const Complex middle = (inside + outside) / 2.0;
       (is_stable_(middle) ? inside : outside) = middle;
@@ -66,6 +70,7 @@ class Grid {
     return (inside + outside) / 2.0;
   }
 
+  /// Of a cell with two opposite stable corners.
   [[nodiscard]] bool centre_is_stable(int i, int j) const {
     return is_stable_((node(i, j) + node(i + 1, j + 1)) / 2.0);
   }
@@ -102,10 +107,11 @@ class CrossedEdges {
 
  private:
   struct Edge {
-    std::size_t next;
+    std::size_t next;  ///< the edge by which the curve leaves the square that it enters here
     int i, j, i2, j2;  // of its two nodes
   };
 
+  // The edge from (i, j) to (i + 1, j), and that to (i, j + 1).
   [[nodiscard]] std::size_t horizontal(int i, int j) const { return 2 * grid_.index(i, j); }
   [[nodiscard]] std::size_t vertical(int i, int j) const { return 2 * grid_.index(i, j) + 1; }
 
@@ -161,6 +167,7 @@ class CrossedEdges {
   }
 
   const Grid& grid_;
+  // By the name of the edge; taken out by follow().
   std::unordered_map<std::size_t, Edge> edges_;
   std::vector<std::size_t> starts_;
 };
@@ -190,6 +197,7 @@ PlaneWindow window_of(const Amplification& amplification) {
     return first_exit(
         amplification.of_eigenmode(Eigenmode(std::polar(1.0, degrees * std::numbers::pi / 180))));
   };
+  // Just beside the imaginary axis, since on it many methods leave at once.
   double reach = 0;
   bool bounded = true;
   for (double degrees = 91; degrees <= 180; degrees += 4.45) {

@@ -4,6 +4,7 @@
 
 namespace hmax::detail {
 
+/// `two` and `one` are the stages before the last and the last.
 Complex stabilised_step(const StabilisedStages& stages, Complex z) {
   Complex two = 1, one = 1.0 + z * stages[0].mu_f;
   for (std::size_t j = 1; j < stages.size(); ++j) {
@@ -27,6 +28,7 @@ bool stabilised_grows_at_origin(const StabilisedStages& stages) {
       now[i] += c.mu * one[i] + c.nu * two[i] + c.mu_f * shifted[i];
     two = std::exchange(one, now);
   }
+  // Re(R)^2 + Im(R)^2 with R(iy) = (1 - y^2/2 + c_4 y^4) + i (y - c_3 y^3): the y^2 terms cancel.
   return 0.25 - 2 * one[3] + 2 * one[4] > 0;
 }
 

@@ -25,9 +25,11 @@ Amplification of_map(const MotionMap& whole) {
     const auto collect = [&p](const Polynomial& of, std::size_t power, long double factor) {
       for (std::size_t j = 0; j < of.size(); ++j) p[j][power] = factor * of[j];
     };
+    // p_j(h) = inertia_j + gamma damper_j h + kappa spring_j h^2.
     collect(map.inertia, 0, 1);
     collect(map.damper, 1, mode.gamma);
     collect(map.spring, 2, mode.kappa);
+    // The faster of oscillation and damping [1/s].
     const double rate = std::max(std::sqrt(std::abs(mode.kappa)), std::abs(mode.gamma) / 2);
     return Growth{.polynomial = StepPolynomial::real(p), .scale = rate > 0 ? 1 / rate : 1};
   };
@@ -40,6 +42,7 @@ Amplification of_map(const MotionMap& whole) {
       for (std::size_t j = 0; j < of.size(); ++j) c[j] += factor * static_cast<double>(of[j]);
     };
     collect(map.inertia, 1);
+    // h gamma = -2 Re z and h^2 kappa = |z|^2 of the pair z, conj(z).
     collect(map.damper, -2 * z.real());
     collect(map.spring, std::norm(z));
     std::size_t degree = 3;
@@ -49,11 +52,13 @@ Amplification of_map(const MotionMap& whole) {
   return amplification;
 }
 
+// zeta, s = zeta - 1 and s^2 as polynomials in zeta: q_n+1 - q_n and the second difference, by shifts.
 const Polynomial zeta{0, 1}, s{-1, 1}, s_squared{1, -2, 1};
 
 }  // namespace
 
 Amplification symplectic_euler_amplification() {
+  // s^2 + h gamma s + h^2 kappa zeta.
   return of_map({.inertia = s_squared, .damper = s, .spring = zeta});
 }
 
@@ -72,8 +77,12 @@ Amplification kick_drift_kick_amplification(KickDamping damping) {
 }
 
 Amplification generalized_alpha_amplification(const AlphaParameters& p) {
+  // q_n+1 = q + h v + h^2 ((1/2 - beta) a + beta a_new) and v_n+1 = v + h ((1 - gamma) a + gamma a_new), that
+  // is
+  //   s q = h v + h^2 B a,   s v = h W a   [newmark1959method].
   const Polynomial W{1 - p.gamma, p.gamma}, B{0.5L - p.beta, p.beta};
   const Polynomial F{p.alpha_f, 1 - p.alpha_f}, M{p.alpha_m, 1 - p.alpha_m};
+  // M a + F (gamma v + kappa q) = 0 with h^2 a = s^2 x, h v = W s x and q = (W + B s) x.
   return of_map({.inertia = product(M, s_squared),
                  .damper = product(F, product(W, s)),
                  .spring = product(F, sum(W, product(B, s)))});
