@@ -20,9 +20,9 @@ class Digest {
     for (const char byte : bytes) value_ = (value_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
   }
 
+  /// 16 hexadecimal digits.
   /// The digest of what has been added so far, with leading zeros and in lower case. More may be added
   /// afterwards.
-  /// 16 hexadecimal digits.
   [[nodiscard]] std::string text() const {
     char digits[17];
     std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(value_));

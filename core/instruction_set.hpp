@@ -6,17 +6,17 @@
 
 namespace hmax {
 
+/// Kernels exist for each of these on x86-64, elsewhere for `portable` alone.
 /// An instruction set that a kernel is compiled for. The set changes times, not results: kernels fix the
 /// order of their sums.
-/// Kernels exist for each of these on x86-64, elsewhere for `portable` alone.
 enum class InstructionSet {
   portable,  ///< what every processor of the architecture has
   avx2,
   avx512  ///< AVX-512 F and VL
 };
 
-/// The name of a set, as HMAX_KERNELS and reports use it.
 /// "portable", "avx2", "avx512".
+/// The name of a set, as HMAX_KERNELS and reports use it.
 std::string_view to_string(InstructionSet set);
 
 /// The sets that this processor has: the one in use first, then the others, the widest first. In use is the

@@ -6,10 +6,10 @@ namespace hmax {
 /// What all shares of this process may be together [bytes]: half of the memory of the machine.
 double shared_memory();
 
-/// Admission control for parallel work: waits in the constructor, gives back in the destructor. Nothing is
-/// allocated; the figure is the caller's estimate.
 /// A share of that memory while it lives. What does not fit beside the others waits until they have ended;
 /// what is more than all goes alone. A thread holds one at a time.
+/// Admission control for parallel work: waits in the constructor, gives back in the destructor. Nothing is
+/// allocated; the figure is the caller's estimate.
 class MemoryShare {
  public:
   /// Blocks until no share is held, or until the shares held and this one fit into shared_memory()

@@ -17,8 +17,8 @@ enum class Replacing {
   forced,  ///< every file but inputs and stores
 };
 
-/// Sets what why_not_replaced() allows. Safe to call from several threads.
 /// From now on. A program says so once, at its start or by an option.
+/// Sets what why_not_replaced() allows. Safe to call from several threads.
 void allow_replacing(Replacing which);
 
 /// A file that this process reads, and that no output may replace.

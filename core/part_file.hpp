@@ -6,10 +6,10 @@
 
 namespace hmax {
 
-/// Output is written to `file`.RANDOM.part beside its file and renamed when it is complete: whoever reads
-/// the file sees the old one or the whole new one, since rename() is atomic within a file system (POSIX).
 /// Made with a name that nobody can foresee and that nobody else has; removed unless it has replaced its
 /// file, by a signal that ends the program too (remove_part_file()). One at a time.
+/// Output is written to `file`.RANDOM.part beside its file and renamed when it is complete: whoever reads
+/// the file sees the old one or the whole new one, since rename() is atomic within a file system (POSIX).
 class PartFile {
  public:
   /// Creates the part with O_EXCL, so that no existing file or link is followed or written over.
@@ -23,9 +23,9 @@ class PartFile {
   /// Appends `text`; continues after short writes and after signals (EINTR).
   /// @throws std::system_error when there is no room
   void write(std::string_view text);
+  /// Moves it to the place of its file. @throws std::system_error
   /// Closes the part first: an error that a file system reports late, on close, leaves the old file in
   /// place.
-  /// Moves it to the place of its file. @throws std::system_error
   void replace();
 
  private:

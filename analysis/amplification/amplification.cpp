@@ -489,9 +489,9 @@ double sharpened(const StepPolynomial& polynomial, double h) {
 }
 
 /// Strides outwards from the origin, closer where stability changes.
-/// @param once  stop at the first exit
 /// In units x = h / scale: from 1e-4 by 15 % each, up to 5e-3 as far as x = 100, wider beyond. An unstable
 /// stretch narrower than a stride may be missed, which is why conditions come first.
+/// @param once  stop at the first exit
 UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
   // Without a tolerance the radius may exceed one by its own rounding, 1e-12.
   const double bound = tolerated > 0 ? tolerated : rounding;

@@ -1,8 +1,8 @@
+/// What one step of a method does to one mode of a linear model: the amplification of every family, and the
+/// steps at which it is at most one.
 /// Dahlquist's test equation y' = lambda y with z = h lambda [hairer1996solving, IV.2] for methods of
 /// first-order systems; q'' + gamma q' + kappa q = 0 for those that step positions and velocities. A step
 /// is stable when the spectral radius of its map is at most one.
-/// What one step of a method does to one mode of a linear model: the amplification of every family, and the
-/// steps at which it is at most one.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +28,8 @@ struct Eigenmode {
   Complex frozen;  ///< what the Jacobian that a linearly implicit method uses says in its place
   double radius;   ///< the spectral radius by which a stabilised method chooses its stages
 
-  /// @param value  lambda [1/s]
   /// The whole of lambda is stiff, the Jacobian exact, the mode the fastest of the model.
+  /// @param value  lambda [1/s]
   explicit Eigenmode(Complex value) : lambda(value), stiff(value), frozen(value), radius(std::abs(value)) {}
 };
 
@@ -38,10 +38,10 @@ struct Eigenmode {
 /// methods of k steps have k, those of structural dynamics two or three.
 class StepPolynomial {
  public:
-  /// @param p  p[j] = p_j, ascending in zeta; the last is not zero everywhere
   /// A factor zeta that all coefficients share (p_0 = 0 everywhere) is divided out: its root is always
   /// zero.
   /// Coefficient i of p_j belongs to h^i zeta^j; its unit is s^-i.
+  /// @param p  p[j] = p_j, ascending in zeta; the last is not zero everywhere
   explicit StepPolynomial(std::vector<ComplexPolynomial> p);
 
   /// Of the same numbers for real modes.
@@ -51,8 +51,8 @@ class StepPolynomial {
   /// One root in closed form, two by the quadratic formula, more by the iteration of all roots.
   [[nodiscard]] double spectral_radius(Complex h) const;
 
-  /// @return  as many as the degree in zeta, in no order; infinite ones where leading coefficients vanish
   /// All roots zeta at h.
+  /// @return  as many as the degree in zeta, in no order; infinite ones where leading coefficients vanish
   [[nodiscard]] std::vector<Complex> roots(Complex h) const;
 
   /// The largest |zeta| in the limit of large |h|: 0 for methods that annihilate infinitely fast modes.
@@ -94,8 +94,8 @@ class StepPolynomial {
   bool real_ = false;
 };
 
-/// Either `polynomial` or `radius` is set.
 /// The spectral radius of the one-step map of one mode as a function of the step.
+/// Either `polynomial` or `radius` is set.
 struct Growth {
   std::optional<StepPolynomial> polynomial;     ///< where the map is rational in h
   std::function<double(double h)> radius = {};  ///< otherwise
@@ -112,9 +112,9 @@ struct Growth {
 
 /// Whether all roots of sum_j c_j zeta^j, j = 0 .. degree, lie in |zeta| <= 1 but for rounding, by the
 /// reduction of Schur and Cohn in double.
-/// @param c  shape (degree + 1), overwritten
 /// The reduction c_j <- (conj(c_n) c_j+1 - c_0 conj(c_n-1-j)) / |c_n|^2 lowers the degree n by one and
 /// keeps the number of roots outside of the circle, as long as |c_0| < |c_n| in each stage
+/// @param c  shape (degree + 1), overwritten
 /// [jury1964theory].
 /// @param degree  at most 16
 bool roots_are_at_most_one(Complex* c, std::size_t degree);
@@ -152,8 +152,8 @@ struct MotionMap {
   Polynomial inertia, damper, spring;
   Polynomial lumped{};  ///< empty unless the diagonal of C is taken otherwise than the rest
 
-  /// @return  the number of roots zeta of one oscillation, those at zero included
   /// The highest power of zeta.
+  /// @return  the number of roots zeta of one oscillation, those at zero included
   [[nodiscard]] std::size_t degree() const {
     return std::max({inertia.size(), damper.size(), spring.size(), lumped.size()}) - 1;
   }

@@ -10,9 +10,9 @@ namespace hmax {
 
 namespace {
 
+/// From lambda = 1 to lambda.
 /// Only on the imaginary axis may the principal root leave at once: to the left it is below one for small
 /// h, to the right the mode grows by itself.
-/// From lambda = 1 to lambda.
 Amplification of_polynomial(StepPolynomial in_z) {
   Amplification amplification;
   amplification.of_eigenmode = [in_z](const Eigenmode& mode) {

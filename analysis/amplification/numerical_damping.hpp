@@ -14,12 +14,12 @@ struct ShownOscillation {
   double spectral_radius = 0;
 };
 
+/// From log(zeta) / h of the root closest to exp(h lambda), which for R(z) is R(h lambda)
+/// [hughes2000finite, 9.3]. All but the spectral radius are NaN where the map is known by its radius alone.
 /// Shown are omega = |log(zeta)| / h, the damping ratio -Re log(zeta) / |log(zeta)| and the relative
 /// change of the damped period, T_shown / T - 1 = Im(lambda) h / |Im log(zeta)| - 1.
 /// Valid below the Nyquist limit, omega h < pi: the logarithm is the principal one, so faster oscillations
 /// alias.
-/// From log(zeta) / h of the root closest to exp(h lambda), which for R(z) is R(h lambda)
-/// [hughes2000finite, 9.3]. All but the spectral radius are NaN where the map is known by its radius alone.
 /// @param omega  [rad/s], > 0;  @param zeta  in [0, 1);  @param h  [s], > 0
 ShownOscillation shown_oscillation(const Amplification& amplification, double omega, double zeta, double h);
 

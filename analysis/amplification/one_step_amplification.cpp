@@ -16,9 +16,9 @@ struct LinearStages {
   ComplexPolynomial c;     ///< row-major, shape (s, s) [1/s]
 };
 
-/// A method of order p has N(h) - D(h) exp(lambda h) = O(h^(p+1)) [hairer1996solving, IV.3].
 /// Coefficients of the powers up to `order` are those of D(h) exp(lambda h); what rounding of the tableau
 /// makes of them is put right, what is really different is left alone.
+/// A method of order p has N(h) - D(h) exp(lambda h) = O(h^(p+1)) [hairer1996solving, IV.3].
 void match_exponential(ComplexPolynomial& numerator, const ComplexPolynomial& denominator, LongComplex lambda,
                        int order) {
   for (std::size_t j = 0; j <= static_cast<std::size_t>(order) && j < numerator.size(); ++j) {

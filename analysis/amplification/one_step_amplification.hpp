@@ -42,11 +42,11 @@ Amplification rosenbrock_amplification(const RosenbrockTableau<S>& tableau, int 
                                   order);
 }
 
+/// R(z_nonstiff, z_stiff) of an additive pair.
+/// in_z and R are those of the implicit half (z_E = 0).
 /// The amplification of an implicit-explicit (additive) Runge-Kutta pair on y' = (lambda_E + lambda_I) y:
 ///   Y_i = 1 + sum_{j < i} (z_E aE_ij + z_I aI_ij) Y_j + z_I aI_ii Y_i,
 ///   R = 1 + sum_i (z_E bE_i + z_I bI_i) Y_i.
-/// R(z_nonstiff, z_stiff) of an additive pair.
-/// in_z and R are those of the implicit half (z_E = 0).
 /// @param a_nonstiff  row-major, shape (s, s), strictly lower triangular
 /// @param a_stiff     row-major, shape (s, s), lower triangular
 Amplification additive_amplification(std::span<const long double> a_nonstiff,

@@ -27,9 +27,9 @@ namespace {
 /// Splits an interval off its middle, so that a root at a round number is not hit.
 constexpr long double split = 0.49918273645L;
 
-/// @param error  what rounding may have made of each coefficient: what is not larger counts as zero
 /// Descartes' rule in Bernstein form: the number of roots in the interval is this number, or less by an
 /// even one.
+/// @param error  what rounding may have made of each coefficient: what is not larger counts as zero
 int changes_of_sign(const Polynomial& b, const Polynomial& error) {
   int changes = 0;
   long double last = 0;

@@ -30,8 +30,8 @@ std::vector<Number> product(const std::vector<Number>& p, const std::vector<Numb
   return r;
 }
 
-/// p grows to the length of q where it is shorter.
 /// p += factor q
+/// p grows to the length of q where it is shorter.
 template <class Number>
 void add(std::vector<Number>& p, const Number& factor, const std::vector<Number>& q) {
   if (p.size() < q.size()) p.resize(q.size(), Number(0));
@@ -41,8 +41,8 @@ void add(std::vector<Number>& p, const Number& factor, const std::vector<Number>
 /// A sum of products that knows how large its terms were: a coefficient that is all cancellation is zero.
 class CancellingSum {
  public:
-  /// Also adds |p| |q|, coefficient by coefficient, to the sizes that value() compares with.
   /// sum += sign p q
+  /// Also adds |p| |q|, coefficient by coefficient, to the sizes that value() compares with.
   void add(long double sign, const Polynomial& p, const Polynomial& q);
 
   /// The sum, without the coefficients that are less than `rounding` of the terms they were made from.

@@ -1,7 +1,7 @@
+/// The amplification of stabilised Runge-Kutta methods by the recurrence of their stages.
 /// R_s(z) is a polynomial of degree s with |R_s| <= 1 (damped: below) on [-beta(s), 0], beta growing with
 /// s^2: for RKC of order 2 about 2/3 (s^2 - 1) (1 - 2/15 eps) [sommeijer1998rkc]. No polynomial in z is
 /// formed: its terms would cancel for large s.
-/// The amplification of stabilised Runge-Kutta methods by the recurrence of their stages.
 #pragma once
 
 #include <algorithm>
@@ -17,13 +17,13 @@ namespace detail {
 
 using StabilisedStages = std::vector<StabilizedStage<double>>;
 
+/// R_s(z): the stages of StabilizedRk on y' = lambda y.
 /// Recurrence of three terms, with Y_0 = 1 and Y_1 = 1 + mu_f z:
 ///   Y_j = mu Y_(j-1) + nu Y_(j-2) + rest + z (mu_f Y_(j-1) + gamma_f),   R_s = Y_s.
-/// R_s(z): the stages of StabilizedRk on y' = lambda y.
 Complex stabilised_step(const StabilisedStages& stages, Complex z);
 
-/// By c_3 and c_4 of R; the methods have order 2.
 /// Whether |R_s(z)| > 1 for arbitrarily small |z| along a direction with |exp z| = 1.
+/// By c_3 and c_4 of R; the methods have order 2.
 bool stabilised_grows_at_origin(const StabilisedStages& stages);
 
 }  // namespace detail
