@@ -10,6 +10,8 @@ using Eigen::Index;
 using Sparse = Eigen::SparseMatrix<double>;
 
 /// Whether A consists of whole blocks of 3 x 3.
+/// Columns 3 j, 3 j + 1 and 3 j + 2 must have the same rows, which must come in aligned groups of three.
+/// Costs one pass over the pattern.
 bool consists_of_blocks(const Sparse& A) {
   if (A.rows() % 3 != 0) return false;
   const int* outer = A.outerIndexPtr();
@@ -41,6 +43,7 @@ SymmetricProduct::SymmetricProduct(const Sparse& matrix, const Eigen::VectorXd& 
   const int* outer = A.outerIndexPtr();
   const int* inner = A.innerIndexPtr();
   const double* values = A.valuePtr();
+  // s_row A_row,column s_column
   const auto scaled = [&](Index row, int entry) { return scale[row] * values[entry] * scale[inner[entry]]; };
   values_.reserve(static_cast<std::size_t>(A.nonZeros()));
   if (!blocks_) {
@@ -54,6 +57,7 @@ SymmetricProduct::SymmetricProduct(const Sparse& matrix, const Eigen::VectorXd& 
   for (Index row = 0; row < n_; row += 3) {
     for (int k = 0; k < outer[row + 1] - outer[row]; k += 3) {
       column_.push_back(inner[outer[row] + k]);
+      // Entry `entry` of the stored column row + r is that of the same row of A: A is symmetric.
       for (Index r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) values_.push_back(scaled(row + r, outer[row + r] + k + c));
     }

@@ -12,6 +12,8 @@ namespace hmax {
 /// of such, one index for nine numbers, else as it is.
 class SymmetricProduct {
  public:
+  /// Entries are s_i A_ij s_j, scaled once. The copy costs 12 bytes an entry as it is, about 8.5 in
+  /// blocks.
   /// @param A      both triangles, shape (n, n)
   /// @param scale  the diagonal of S, shape (n)
   SymmetricProduct(const Eigen::SparseMatrix<double>& A, const Eigen::VectorXd& scale);
@@ -19,6 +21,7 @@ class SymmetricProduct {
   [[nodiscard]] Eigen::Index rows() const { return n_; }
   [[nodiscard]] bool has_blocks() const { return blocks_; }
   /// y = S A S x.
+  /// x and y have shape (n) and must be different vectors.
   void operator()(const Eigen::VectorXd& x, Eigen::VectorXd& y) const { apply(x.data(), y.data()); }
   /// The same of numbers that stand anywhere.
   void apply(const double* x, double* y) const;
@@ -26,6 +29,8 @@ class SymmetricProduct {
  private:
   Eigen::Index n_ = 0;
   bool blocks_ = false;
+  // Compressed rows: row r has the entries first_[r] .. first_[r + 1] - 1. column_ is the first column of
+  // a block; values_ holds its nine numbers row by row.
   std::vector<int> first_, column_;  // of each row, or row of blocks
   std::vector<double> values_;
 };

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 
-
 #include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
@@ -18,17 +17,21 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// Residual over modulus at which a Ritz value counts.
 constexpr double tolerance = 1e-9;
 constexpr double deep_enough = 0.9;  // of the largest modulus
 constexpr std::size_t many_enough = 40;
 
 /// y = (0, s I; -k / s, -c) x.
+/// The companion form in x = (s u, lambda u), u = M^1/2 q: its eigenvalues are those of lambda^2 + lambda
+/// c + k, and both off-diagonal blocks have about the norm s.
 class Companion {
  public:
   Companion(const ScaledMatrices& scaled, double s) : scaled_(scaled), s_(s), product_(scaled.size()) {}
 
   void operator()(const VectorXd& x, VectorXd& y) {
     const Index n = product_.size();
+    // lambda (s u) = s (lambda u)
     y.head(n) = s_ * x.tail(n);
     scaled_.k.apply(x.data(), product_.data());
     y.tail(n) = -product_ / s_;
@@ -43,6 +46,7 @@ class Companion {
 };
 
 /// The Ritz values of H, shape (k, k), the largest first, up to the first that has not converged.
+/// Sorted by modulus; a pair of conjugates has equal residuals, so both or none count.
 /// @param below  the entry of H below its last column
 DampedEigenvalues converged(const MatrixXd& H, double below) {
   const Eigen::EigenSolver<MatrixXd> solver(H);
@@ -54,6 +58,7 @@ DampedEigenvalues converged(const MatrixXd& H, double below) {
   std::iota(order.begin(), order.end(), Index(0));
   std::ranges::stable_sort(order, [&](Index a, Index b) { return std::abs(theta[a]) > std::abs(theta[b]); });
   for (const Index i : order) {
+    // |A V s - theta V s| = h_(k+1,k) |s_k| for |s| = 1.
     const double residual = below * std::abs(vectors(H.rows() - 1, i)) / vectors.col(i).norm();
     if (!(residual <= tolerance * std::abs(theta[i]))) break;
     result.lambda.push_back(theta[i]);
@@ -67,9 +72,11 @@ DampedEigenvalues converged(const MatrixXd& H, double below) {
 DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
   const ScaledMatrices scaled(part);
   const Index n = scaled.size();
+  // s^2 to one percent serves: it only balances the blocks.
   const LanczosPair size = largest_eigenpair([&](const VectorXd& x, VectorXd& y) { scaled.k(x, y); }, n,
                                              {.tolerance = 1e-2, .with_vector = false});
   Companion A(scaled, std::sqrt(std::max(size.value, std::numeric_limits<double>::min())));
+  // V takes at most 1 GB: between 60 and 300 vectors of 2 n numbers, no more than 2 n of them.
   constexpr double most_numbers = 1e9 / sizeof(double);
   const Index most = std::min<Index>(
       2 * n, std::clamp<Index>(static_cast<Index>(most_numbers / static_cast<double>(2 * n)), 60, 300));
@@ -84,6 +91,7 @@ DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
     // [daniel1976reorthogonalization].
     double norm = w.norm();
     for (int time = 0; time < 2; ++time) {
+      // Classical Gram and Schmidt: h = V^T w, w <- w - V h.
       const VectorXd h = V.leftCols(k + 1).transpose() * w;
       w -= V.leftCols(k + 1) * h;
       H.col(k).head(k + 1) += h;
@@ -94,6 +102,7 @@ DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
     }
     H(k + 1, k) = norm;
     const Index count = k + 1;
+    // The Krylov space is closed: its Ritz values are eigenvalues.
     const bool invariant = H(count, k) <= 1e-14 * H.col(k).norm();
     if (!invariant) V.col(count) = w / H(count, k);
     if (count % 30 != 0 && count != most && !invariant) continue;
@@ -118,6 +127,7 @@ std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
         [&](const VectorXd& x, VectorXd& y) {
           scaled.k(x, y);
           scaled.c(x, product);
+          // (bound - k - l c) x with bound >= |k + l c|.
           y = bound * x - y - l * product;
         },
         n, {.tolerance = 1e-10});
@@ -126,6 +136,7 @@ std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
     scaled.c(least.vector, product);
     const double gamma = least.vector.dot(product);
     if (!(kappa < -1e-9 * most_k)) return lambda;
+    // -gamma/2 + sqrt(gamma^2/4 - kappa) without cancellation, kappa < 0.
     const double next = -2 * kappa / (gamma + std::sqrt(gamma * gamma - 4 * kappa));
     if (lambda && next <= *lambda * (1 + 1e-10)) return lambda;
     lambda = next;

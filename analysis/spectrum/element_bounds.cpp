@@ -7,7 +7,6 @@
 
 #include "analysis/spectrum/eigen_solvers.hpp"
 
-
 namespace hmax {
 namespace {
 
@@ -19,11 +18,14 @@ using Stiffness = Eigen::Ref<const MatrixXd>;
 
 Index count(std::span<const Index> points) { return static_cast<Index>(points.size()); }
 
+/// Of a symmetric matrix of some twelve rows, by dense QR.
 double largest_eigenvalue(const MatrixXd& A) {
   return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
 /// The part of an element's matrix that belongs to free points, scaled by their share of mass.
+/// M_e^-1/2 K_e M_e^-1/2 with zero rows and columns for points that are held; `share` is the mass at each
+/// point [kg].
 MatrixXd scaled_to_free(std::span<const Index> points, const Stiffness& K, const VectorXd& share) {
   VectorXd inverse_root = VectorXd::Zero(3 * count(points));
   for (Index a = 0; a < count(points); ++a)
@@ -36,6 +38,7 @@ MatrixXd scaled_to_free(std::span<const Index> points, const Stiffness& K, const
 
 StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mass,
                                  std::span<const double> weights, const Eigen::SparseMatrix<double>& K) {
+  // By the trace stiff elements get more of the mass of a point, which lowers the largest of their kappa.
   const bool by_trace = weights.empty();
   VectorXd total = VectorXd::Zero(mass.size());  // of the weights at each point
   std::vector<Matrix3d> blocks(static_cast<std::size_t>(mass.size()), Matrix3d::Zero());
@@ -48,6 +51,7 @@ StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mas
       if (const Index point = points[static_cast<std::size_t>(a)]; point >= 0) {
         total[point] += weight(e, a, Ke);
         blocks[static_cast<std::size_t>(point)] +=
+            // A <= p diag(A_11, ..., A_pp) for A of p x p blocks without negative eigenvalues.
             static_cast<double>(points.size()) * Ke.block<3, 3>(3 * a, 3 * a);
       }
     ++e;
@@ -61,6 +65,7 @@ StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mas
       if (const Index point = points[static_cast<std::size_t>(a)]; point >= 0) {
         const double own = weight(e, a, Ke);
         // Without stiffness at a point an element needs no mass there.
+        // m_a w_e / sum of w over the elements at a: the shares of a point add up to its mass.
         if (own > 0) share[a] = mass[point] * own / total[point];
       }
     const MatrixXd scaled = scaled_to_free(points, Ke, share);
@@ -77,12 +82,15 @@ StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mas
   for (Index point = 0; point < mass.size(); ++point) {
     Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
     solver.computeDirect(blocks[static_cast<std::size_t>(point)], Eigen::EigenvaluesOnly);
+    // Eigenvalues of a 3 x 3 matrix in closed form, ascending.
     bounds.nodal = std::max(bounds.nodal, solver.eigenvalues()[2] / mass[point]);
   }
 
   VectorXd rows = VectorXd::Zero(K.rows());
   for (Index j = 0; j < K.cols(); ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator entry(K, j); entry; ++entry)
+      // Row sums of |M^-1/2 K M^-1/2|; the diagonal entry is positive, so centre and radius add up to the
+      // whole sum.
       rows[entry.row()] += std::abs(entry.value()) / std::sqrt(mass[entry.row() / 3] * mass[j / 3]);
   bounds.gershgorin = rows.maxCoeff();
   return bounds;
@@ -95,6 +103,7 @@ ModeOwner owner_of(const ElementSum& elements, const VectorXd& mass, const Vecto
     for (Index a = 0; a < count(points); ++a)
       if (const Index point = points[static_cast<std::size_t>(a)]; point >= 0)
         u.segment<3>(3 * a) = shape.segment<3>(3 * point);
+    // Twice the strain energy.
     energy.push_back(u.dot(K * u));
   });
   ModeOwner owner;
@@ -111,6 +120,7 @@ ModeOwner owner_of(const ElementSum& elements, const VectorXd& mass, const Vecto
     kinetic += part;
     squares += part * part;
   }
+  // (sum T_a)^2 / sum T_a^2, the participation number.
   owner.moving_points = kinetic * kinetic / squares;
   return owner;
 }

@@ -29,6 +29,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
+// Residuals over eigenvalues.
 constexpr double tolerance = 1e-10;
 /// How far beyond an end of the spectrum a shifted matrix is regular, relative to a bound.
 constexpr double outside = 1e-8;
@@ -55,6 +56,7 @@ bool goes_dense(Index n, Index count, Index dense_to) {
   return true;
 }
 
+/// All eigenvalues by the QR algorithm, 25 n^3 operations, of which count + 1 are kept.
 LargestEigenvalues dense_largest(const MatrixXd& J, Index count) {
   const Eigen::EigenSolver<MatrixXd> solver(J);
   std::vector<Index> order(static_cast<std::size_t>(J.rows()));
@@ -87,6 +89,8 @@ void trim(LargestEigenvalues& result, Index count) {
 }
 
 /// M^-1/2 K M^-1/2, and what turns its eigenvectors into shapes.
+/// k is symmetric and similar to M^-1 K: its eigenvectors u give the shapes M^-1/2 u, which are
+/// orthonormal in M. Holds a reference to a sparse K, so the part must outlive it.
 class Scaled {
  public:
   VectorXd inverse_root;
@@ -113,6 +117,7 @@ class Scaled {
     return k;
   }
   [[nodiscard]] SymmetricProduct product() const { return {*K_, inverse_root}; }
+  /// max_j sum_i |k_ij|, an upper bound of |kappa| [1/s^2].
   [[nodiscard]] double gershgorin() const {
     double largest = 0;
     for (Index j = 0; j < K_->cols(); ++j) {
@@ -129,6 +134,7 @@ class Scaled {
   const Sparse* K_ = nullptr;
 };
 
+/// All eigenvalues, then the `count` largest or those nearest to zero.
 ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool largest) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{MatrixXd(scaled.matrix())};
   const Index n = scaled.size();
@@ -136,6 +142,7 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index(0));
   const VectorXd& kappa = solver.eigenvalues();
+  // Beyond rounding: 1e-8 of the bound.
   result.negative = (kappa.array() < -outside * scaled.gershgorin()).count();
   std::ranges::stable_sort(order, [&](Index a, Index b) {
     return largest ? kappa[a] > kappa[b] : std::abs(kappa[a]) < std::abs(kappa[b]);
@@ -150,6 +157,10 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
 
 /// The eigenvalues nearest to a shift, of which the shifted matrix can be factored without pivoting: always
 /// where the shift is beyond one end of the spectrum.
+/// L D L^T of k - shift I; by Sylvester's law of inertia as many pivots are negative as there are kappa <
+/// shift.
+/// @return  converged = false when there is no such factor, or a residual |k u - kappa u| exceeds 1e-8 of
+/// the bound
 ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
   const Index n = scaled.size();
   Sparse shifted = scaled.matrix().selfadjointView<Eigen::Lower>();
@@ -175,12 +186,16 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
     const VectorXd u = pairs.vectors.col(i);
     // What the factor gave is held against the matrix itself.
     product(u, image);
+    // theta = 1 / (kappa - shift)
     result.kappa.push_back(shift + 1 / pairs.values[static_cast<std::size_t>(i)]);
     if (!((image - result.kappa.back() * u).norm() <= 1e-8 * scaled.gershgorin())) result.converged = false;
   }
   return result;
 }
 
+/// The largest by products alone; where these do not converge, by a factor of k - (1 + 1e-8) bound I, which
+/// is negative definite by Gershgorin's theorem. Beyond most_factored unknowns no such factor is tried. The
+/// smallest always by a factor of k + 1e-8 bound I.
 ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest, bool with_shapes) {
   const double bound = scaled.gershgorin();
   const Index n = scaled.size();
@@ -214,6 +229,7 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
 VectorXd balance(const Sparse& J) {
   VectorXd log_d = VectorXd::Zero(J.cols());
   for (int sweep = 0; sweep < 30; ++sweep) {
+    // Sums of the moduli beside the diagonal of D^-1 J D.
     VectorXd row = VectorXd::Zero(J.rows()), column = row;
     for (Index j = 0; j < J.cols(); ++j)
       for (Sparse::InnerIterator entry(J, j); entry; ++entry) {
@@ -223,8 +239,10 @@ VectorXd balance(const Sparse& J) {
         column[j] += size;
       }
     for (Index i = 0; i < J.cols(); ++i)
+      // d_i <- d_i (row / column)^(1/4): alone (row / column)^(1/2) would make both equal.
       if (row[i] > 0 && column[i] > 0) log_d[i] += std::log2(row[i] / column[i]) / 4;
   }
+  // Powers of two scale without rounding.
   return log_d.unaryExpr([](double value) { return std::exp2(std::round(value)); });
 }
 
@@ -243,6 +261,7 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
   const bool converged = solver.info() == Spectra::CompInfo::Successful;
   const Eigen::VectorXcd lambda = solver.eigenvalues();
   LargestEigenvalues result{.lambda = {lambda.begin(), lambda.end()},
+                            // D^-1 J D u = lambda u, so J (D u) = lambda (D u).
                             .vectors = d.asDiagonal() * solver.eigenvectors(),
                             .converged = converged};
   result.vectors.colwise().normalize();
@@ -255,6 +274,7 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count) { return dense_l
 
 #endif
 
+/// Dense up to `dense_to` unknowns, where nearly all eigenvalues are asked for, and for K = 0.
 ExtremeStiffnesses stiffnesses(const MechanicalPart& part, Index count, Index dense_to, bool largest,
                                bool with_shapes = true) {
   const Index n = part.mass.size();

@@ -18,6 +18,7 @@ namespace hmax {
 bool has_krylov();
 
 /// Eigenvalues of largest modulus, the largest first, and their eigenvectors.
+/// Conjugate pairs are never cut in two.
 struct LargestEigenvalues {
   std::vector<std::complex<double>>
       lambda;                ///< shape (count), one more where a conjugate would be cut off [1/s]
@@ -27,6 +28,8 @@ struct LargestEigenvalues {
 
 /// The `count` eigenvalues of J of largest modulus, by implicitly restarted Arnoldi iteration from a fixed
 /// start [sorensen1992implicit]; residuals are at most 1e-10 of the eigenvalue.
+/// J is balanced by a diagonal of powers of two first; the subspace has at least 60 and 2 (count + 1) + 20
+/// vectors; at most 2000 restarts.
 /// @param J         shape (n, n)
 /// @param dense_to  up to this n all eigenvalues are computed
 /// @throws InputError  when count is not in [1, n], or n is too large for a build without Krylov methods
@@ -34,6 +37,7 @@ LargestEigenvalues largest_eigenvalues(const Eigen::SparseMatrix<double>& J, Eig
                                        Eigen::Index dense_to = small_enough_for_dense);
 
 /// Eigenvalues of K u = kappa M u from one end of the spectrum, and their shapes.
+/// omega = sqrt(kappa) is the natural frequency [rad/s] of an undamped mode.
 struct ExtremeStiffnesses {
   std::vector<double> kappa;  ///< shape (count) [1/s^2]
   Eigen::MatrixXd shapes;     ///< shape (n, count), shapes^T M shapes = I [kg^-1/2]
@@ -46,7 +50,9 @@ struct ExtremeStiffnesses {
 /// The `count` largest kappa of a symmetric K, the largest first, by Lanczos iteration; where they lie too
 /// close together for it, by shift and invert at Gershgorin's upper bound. Residuals are at most 1e-10 of the
 /// largest.
+/// Gershgorin: no eigenvalue of k = M^-1/2 K M^-1/2 is larger than max_i sum_j |k_ij|.
 /// @param with_shapes  false: `shapes` may be empty, which of one kappa of a large mesh takes half the time
+/// @throws std::invalid_argument  when K is not symmetric
 /// @throws InputError  when count is not in [1, n]
 ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Eigen::Index count = 1,
                                        Eigen::Index dense_to = small_enough_for_dense,
@@ -55,6 +61,9 @@ ExtremeStiffnesses largest_stiffnesses(const MechanicalPart& part, Eigen::Index 
 /// The `count` smallest kappa of a symmetric K without negative ones, the smallest first, by shift and invert
 /// just below zero, so that a system which is free to move (kappa = 0) is served too. Of an indefinite K
 /// those nearest to zero. A factor of K is needed, which meshes have up to some 100,000 degrees of freedom.
+/// Shift and invert: (k - sigma I)^-1 has the eigenvalues 1 / (kappa - sigma), of which Lanczos iteration
+/// finds those of largest modulus, kappa = sigma + 1 / theta (Saad, Numerical Methods for Large Eigenvalue
+/// Problems).
 /// @throws InputError  when count is not in [1, n]
 ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Eigen::Index count = 1,
                                         Eigen::Index dense_to = small_enough_for_dense);

@@ -8,7 +8,6 @@
 
 #include "analysis/spectrum/eigen_solvers.hpp"
 
-
 namespace hmax {
 namespace {
 
@@ -24,6 +23,8 @@ class Tridiagonal {
   std::vector<double> a, b;
 
   /// Whether x - T has no negative pivot, so that x is not below the largest eigenvalue.
+  /// The pivots d_j = (x - a_j) - b_j-1^2 / d_j-1 of x I - T have the signs of its eigenvalues (a Sturm
+  /// sequence; Sylvester's law of inertia).
   bool is_above(double x) const {
     double pivot = x - a[0];
     for (std::size_t j = 1; j < a.size(); ++j) {
@@ -34,8 +35,12 @@ class Tridiagonal {
   }
 
   /// The largest eigenvalue, from above.
+  /// Brackets by strides that grow fourfold, then bisects to `relative` of the value. Costs k operations a
+  /// look.
   /// @param low  a bound from below, such as the value before T grew
+  /// @return  the upper end of the bracket [unit of T]
   double largest(double low, double width, double relative) const {
+    // The largest eigenvalue is at least every diagonal entry.
     low = std::max(low, *std::ranges::max_element(a));
     double high = low + width;
     while (!is_above(high)) {
@@ -53,6 +58,9 @@ class Tridiagonal {
 
   /// The eigenvector of the largest eigenvalue, by inverse iteration at a bound x close above it. All its
   /// components are positive, as those of the start are.
+  /// Solves (x I - T) s_new = s three times by the factors L D L^T, |s| = 1 after each; pivots of rounding
+  /// are raised to epsilon |x|.
+  /// @return  s, shape (k)
   VectorXd vector(double x) const {
     const auto k = static_cast<Index>(a.size());
     const double least = std::numeric_limits<double>::epsilon() * std::abs(x);
@@ -61,6 +69,7 @@ class Tridiagonal {
     for (Index j = 1; j < k; ++j)
       pivot[j] = std::max(x - a[at(j)] - b[at(j - 1)] * b[at(j - 1)] / pivot[j - 1], least);
     for (int iteration = 0; iteration < 3; ++iteration) {
+      // L y = s, D z = y, L^T s = z with l_j = -b_j-1 / d_j-1.
       for (Index j = 1; j < k; ++j) s[j] += b[at(j - 1)] / pivot[j - 1] * s[j - 1];
       s = s.cwiseQuotient(pivot);
       for (Index j = k - 1; j-- > 0;) s[j] += b[at(j)] / pivot[j] * s[j + 1];
@@ -71,6 +80,7 @@ class Tridiagonal {
 };
 
 /// One step after another:  b q_next = A q - a q - b_before q_before.
+/// Only the last two vectors are kept.
 class Recurrence {
  public:
   Recurrence(const SymmetricOperator& A, Index n)
@@ -81,6 +91,7 @@ class Recurrence {
   /// Appends to T and moves on.
   void step(Tridiagonal& T) {
     A_(q_, w_);
+    // a_j = q_j^T A q_j; what is left over has the norm b_j.
     const double a = w_.dot(q_);
     w_ -= a * q_ + b_ * before_;
     b_ = w_.norm();
@@ -90,6 +101,7 @@ class Recurrence {
     if (b_ > 0)
       q_ = w_ / b_;
     else
+      // The Krylov space is invariant: the iteration ends.
       q_.setZero();
   }
 
@@ -100,6 +112,7 @@ class Recurrence {
 };
 
 /// sum_j s_j q_j, with the q_j that were kept, or with those of the same steps once more.
+/// Repeating the steps gives the same q_j bit for bit: start and order of sums are the same.
 VectorXd combined(const VectorXd& s, const std::vector<VectorXd>& kept, const SymmetricOperator& A, Index n) {
   VectorXd u = VectorXd::Zero(n);
   if (!kept.empty()) {
@@ -131,6 +144,8 @@ class FullLanczos {
 
   /// Finds at least one more, and up to `wanted`, in the order of rank among what is left. False when nothing
   /// converges.
+  /// Looks for converged Ritz pairs after 2 wanted + 8 steps and again whenever a fifth more have been made;
+  /// ends at most_ steps or when the space is exhausted.
   bool find_more(Index wanted) {
     const Index left = n_ - found.cols();
     if (left <= 0) return false;
@@ -147,6 +162,7 @@ class FullLanczos {
       ++products;
       a.push_back(w.dot(q));
       w -= a.back() * q;
+      // Takes out the part along q_k-1 too, which the recurrence of three terms would subtract.
       orthogonalise(w, Q, k + 1);
       b.push_back(w.norm());
       ++k;
@@ -162,7 +178,8 @@ class FullLanczos {
   }
 
  private:
-  /// Twice is enough.
+  /// w <- (I - Q Q^T)(I - F F^T) w, F what was found, two times: the second pass removes what rounding of the
+  /// first one left. Twice is enough.
   void orthogonalise(VectorXd& w, const MatrixXd& Q, Index k) const {
     for (int time = 0; time < 2; ++time) {
       if (found.cols() > 0) w -= found * (found.transpose() * w).eval();
@@ -170,6 +187,9 @@ class FullLanczos {
     }
   }
 
+  /// Moves the leading Ritz pairs whose residual b_k |s_k| is at most tolerance |theta| into `found`.
+  /// @param last  take fewer than wanted, since there will be no more steps
+  /// @returns whether any was taken
   bool take(const MatrixXd& Q, const std::vector<double>& a, const std::vector<double>& b, Index k,
             Index wanted, bool last, bool invariant) {
     Eigen::SelfAdjointEigenSolver<MatrixXd> solver;
@@ -209,6 +229,7 @@ VectorXd start_vector(Index n) {
   VectorXd start(n);
   std::uint64_t state = 20;
   for (double& value : start) {
+    // Knuth's multiplier for 64 bits; the upper 53 bits make a double in [0, 1).
     state = state * 6364136223846793005U + 1442695040888963407U;
     value = static_cast<double>(state >> 11U) * 0x1p-53 - 0.5;
   }
@@ -234,19 +255,23 @@ LanczosPair largest_eigenpair(const SymmetricOperator& A, Index n, const Lanczos
     recurrence.step(T);
     ++pair.products;
     const double b = T.b.back();
+    // An invariant subspace, or no products left.
     const bool ends = b == 0 || pair.products == settings.most_products;
     if (pair.products < next && !ends) continue;
     const double relative = std::max(1e-3 * settings.tolerance, 1e-15);
     if (width == 0) width = b + 1e-3 * std::abs(T.a.front());
+    // The largest eigenvalue grows with T (interlacing), so the last one bounds it from below.
     theta = T.largest(theta == 0 ? -std::numeric_limits<double>::infinity() : theta * (1 - 2 * relative),
                       width, relative);
     s = T.vector(theta);
+    // b_k s_k, with s_k > 0.
     pair.residual = b * s[pair.products - 1];
     pair.converged = pair.residual <= settings.tolerance * std::abs(theta);
     if (pair.converged || ends) break;
     // Residuals fall by about the same factor every step: look again when half of the way may be done.
     Index wait = std::max<Index>(4, pair.products / 4);
     if (pair.residual < before && std::isfinite(before)) {
+      // ln of the factor per step; `rest` is how many steps it would take at that pace.
       const double fall = std::log(before / pair.residual) / static_cast<double>(pair.products - checked);
       const double rest = std::log(pair.residual / (settings.tolerance * std::abs(theta))) / fall;
       wait = static_cast<Index>(std::clamp(0.7 * rest, 2.0, static_cast<double>(wait)));
@@ -262,6 +287,7 @@ LanczosPair largest_eigenpair(const SymmetricOperator& A, Index n, const Lanczos
   VectorXd image(n);
   A(pair.vector, image);
   ++pair.products;
+  // The quotient of Rayleigh is good to the square of the error of the vector.
   pair.value = pair.vector.dot(image);
   pair.residual = (image - pair.value * pair.vector).norm();
   pair.converged = pair.residual <= 2 * settings.tolerance * std::abs(pair.value);

@@ -11,9 +11,11 @@ namespace hmax {
 /// y = A x of a symmetric A, both of shape (n).
 using SymmetricOperator = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
 
+/// When the iteration ends.
 struct LanczosSettings {
   double tolerance = 1e-6;  ///< of the residual, relative to the eigenvalue
   Eigen::Index most_products = 2000;
+  /// Whether the eigenvector is wanted; it takes the memory of the basis or a second run.
   bool with_vector = true;
 };
 
@@ -32,6 +34,10 @@ struct LanczosPair {
 /// [paige1980accuracy]: rounding makes copies of eigenvalues that have converged, and the largest is the
 /// first to do so. It begins with the same vector in every run, which has a part in every eigenvector of any
 /// matrix that one meets; there is no proof that a larger eigenvalue was not missed.
+/// b_j q_j+1 = A q_j - a_j q_j - b_j-1 q_j-1, a_j = q_j^T A q_j, b_j = |...|; the largest eigenvalue theta
+/// of the tridiagonal T of a and b, with eigenvector s, has the residual |A u - theta u| = b_k |s_k| for u
+/// = Q s (Golub and Van Loan, Matrix Computations).
+/// @param n  at least 1
 /// @cost  a product and three vector operations a step; basis vectors are kept up to 400 MB, beyond that all
 ///        steps are made a second time for the vector
 LanczosPair largest_eigenpair(const SymmetricOperator& A, Eigen::Index n,
@@ -40,6 +46,7 @@ LanczosPair largest_eigenpair(const SymmetricOperator& A, Eigen::Index n,
 /// What comes first.
 enum class Rank { largest, largest_modulus };
 
+/// The answer of first_eigenpairs().
 struct LanczosPairs {
   std::vector<double> values;  ///< shape (count), in order of rank
   Eigen::MatrixXd vectors;     ///< orthonormal columns, shape (n, count)
@@ -49,6 +56,10 @@ struct LanczosPairs {
 
 /// The first `count` eigenvalues, with their multiplicities: orthogonalised in full, and what was found is
 /// taken out until nothing is left that comes before the last.
+/// Full orthogonalisation keeps the basis orthonormal to rounding; what was found before is projected out,
+/// so that the next run sees the rest of the spectrum, further copies of multiple eigenvalues included.
+/// @param most_products  in one run; then those that have converged are taken
+/// @return  converged = false where fewer than `count` were found
 /// @cost  products and k^2 n operations for k of them, which should stay below some hundreds
 LanczosPairs first_eigenpairs(const SymmetricOperator& A, Eigen::Index n, Eigen::Index count, Rank rank,
                               double tolerance = 1e-10, Eigen::Index most_products = 400);

@@ -19,6 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
+/// @throws InputError  that names the first degree of freedom whose mass is not positive and finite
 void require_masses(const VectorXd& mass) {
   for (Index i = 0; i < mass.size(); ++i)
     if (!(std::isfinite(mass[i]) && mass[i] > 0))
@@ -37,6 +38,7 @@ VectorXd mass_scaled(const AnyMatrix& A, const VectorXd& inverse_root, const Vec
   const VectorXd scaled = inverse_root.cwiseProduct(x);
   VectorXd product = VectorXd::Zero(x.size());
   each_entry(A, [&](Index i, Index j, double value) {
+    // y_i = sum_j A_ij x_j of the scaled x; the transpose swaps the roles.
     if (as == As::transposed) std::swap(i, j);
     product[i] += (as == As::modulus ? std::abs(value) : value) * scaled[j];
   });
@@ -62,9 +64,11 @@ void classify_damping(double relative, MechanicalPart& part) {
     const auto c = [&](const VectorXd& v, As as = As::itself) { return mass_scaled(part.C, root, v, as); };
     const VectorXd kx = k(x), cx = c(x), size_c = c(moduli, As::modulus);
     damped = damped || size_c.maxCoeff() > 0;
+    // |(k - k^T) x| beside | |k| |x| |, what the terms were before they cancelled.
     part.symmetric = part.symmetric && vanishes(kx - k(x, As::transposed), k(moduli, As::modulus)) &&
                      vanishes(cx - c(x, As::transposed), size_c);
     if (!damped || !part.symmetric) break;
+    // |(k c - c k) x| beside | |k| |c| |x| |.
     commute = commute && vanishes(k(cx) - c(kx), k(size_c, As::modulus));
   }
   part.damping = !damped                     ? Damping::none
@@ -103,6 +107,7 @@ MatrixXd dense(const AnyMatrix& matrix) {
   return MatrixXd(std::get<Sparse>(matrix));
 }
 
+/// The block I is the same in both: it adds n to the square of the norm and nothing to the difference.
 double relative_distance(const LinearModel& A, const LinearModel& B) {
   if (!A.mechanical || !B.mechanical) return relative_distance(A.J(), B.J());
   // Of (0, I; -M^-1 K, -M^-1 C).
@@ -148,6 +153,7 @@ void classify(MechanicalPart& part, double relative) {
     });
   if (part.mass.size() == 1) {  // one degree of freedom has nothing to couple with
     double c = 0;
+    // kappa = k / m and gamma = c / m of the only mode.
     each_entry(part.C, [&](Index, Index, double value) { c = value; });
     part.damping = c == 0 ? Damping::none : Damping::proportional;
     return;
@@ -162,6 +168,7 @@ namespace detail {
 
 AnyMatrix taken(AnyMatrix& from) {
   if (!is_sparse(from)) return std::move(from);
+  // A swap of pointers, where a move would copy.
   AnyMatrix to{std::in_place_type<Sparse>};
   std::get<Sparse>(to).swap(std::get<Sparse>(from));
   return to;
@@ -197,6 +204,7 @@ std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, con
   each_entry(J, [&](Index i, Index j, double value) {
     if (i < n) return;
     auto& block = j < n ? stiffness : damping;
+    // K = -M J_vq, C = -M J_vv from the lower half; the upper half is (0, I).
     block.emplace_back(static_cast<int>(i - n), static_cast<int>(j % n), -mass[i - n] * value);
   });
   Sparse K(n, n), C(n, n);

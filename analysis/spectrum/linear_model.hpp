@@ -40,6 +40,7 @@ enum class Damping { none, proportional, general };
 std::string_view name_of(Damping damping);
 
 /// M q'' + C q' + K q = 0, the motion near a state of a mechanical system of n degrees of freedom.
+/// With y = (q, v) its Jacobian is (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
 // NOLINTNEXTLINE(bugprone-exception-escape): Eigen 3.4 copies sparse matrices that are moved
 struct MechanicalPart {
   Eigen::VectorXd mass;  ///< the diagonal of M, shape (n) [kg], all positive
@@ -65,9 +66,12 @@ struct LinearModel {
 };
 
 /// |A - B| / |A| of the Jacobians of two models of one system, in the norm of Frobenius.
+/// Where both are mechanical it is computed from M, K and C without forming the Jacobians. A and B belong
+/// to states of one system.
 double relative_distance(const LinearModel& A, const LinearModel& B);
 
 /// The matrix as a dense one; a copy.
+/// @cost  8 n^2 bytes
 Eigen::MatrixXd dense(const AnyMatrix& matrix);
 inline Eigen::Index rows(const AnyMatrix& matrix) {
   return std::visit([](const auto& held) { return held.rows(); }, matrix);
@@ -77,6 +81,8 @@ inline bool is_sparse(const AnyMatrix& matrix) { return matrix.index() == 1; }
 double relative_distance(const AnyMatrix& A, const AnyMatrix& B);
 
 /// Classifies damping and symmetry of the matrices.
+/// Symmetric: K = K^T, C = C^T. Proportional: k c = c k with k = M^-1/2 K M^-1/2, c alike; then one basis
+/// makes both diagonal [caughey1965classical]. Both are tested on three vectors.
 /// @param relative  what counts as rounding beside the sizes of the terms: 1e-10 where matrices are analytic
 /// @throws InputError  when a mass is not positive and finite, or an entry of K or C is not finite
 MechanicalPart mechanical_part(Eigen::VectorXd mass, AnyMatrix K, AnyMatrix C, double relative = 1e-10);
@@ -89,6 +95,7 @@ void require_finite(const AnyMatrix& matrix, std::string_view what, double t);
 void require_finite_state(double t, const Eigen::VectorXd& y);
 
 /// K and C of J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
+/// The lower blocks times -M, dense or sparse as J is.
 std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const Eigen::VectorXd& mass);
 
 /// Takes what `from` holds: Eigen 3.4 has no moves of sparse matrices, and copies of those of meshes are
@@ -108,6 +115,7 @@ AnyMatrix any_matrix(Matrix matrix) {
 }
 
 /// A matrix of the system's own type, in its shape.
+/// Zero, shape (n, n); a variant is left for the system to fill.
 template <class Matrix>
 Matrix room_for(Eigen::Index n) {
   Matrix matrix = blank_matrix<Matrix>();
@@ -118,6 +126,7 @@ Matrix room_for(Eigen::Index n) {
   return matrix;
 }
 
+/// Degrees of freedom of a second-order system, half of its states; 0 of others and of those that say so.
 template <System S>
 Eigen::Index dofs_of(const S& system) {
   if constexpr (SecondOrderSystem<S>)
@@ -125,6 +134,7 @@ Eigen::Index dofs_of(const S& system) {
   else
     return 0;
 }
+/// Whether the right-hand side is a sum of a stiff and a nonstiff part, f = f_E + f_I.
 template <System S>
 bool splits(const S& system) {
   if constexpr (requires { system.has_split(); })
@@ -178,7 +188,9 @@ AnyMatrix jacobian_by_differences(const S& system, real_of<typename S::State> t,
   origin = grouped ? JacobianOrigin::grouped_differences : JacobianOrigin::differences;
 
   const Real largest = y.size() > 0 ? y.cwiseAbs().maxCoeff() : Real(0);
+  // The size that smaller components are moved by.
   const Real least = std::max(Real(1e-3) * largest, Real(1e-4));
+  // Truncation d^2 and rounding epsilon / d balance at d = epsilon^(1/3).
   const Real relative = std::cbrt(std::numeric_limits<Real>::epsilon());
   State plus = y, minus = y, f_plus = y, f_minus = y;
   const auto move = [&](Eigen::Index j) {
@@ -204,6 +216,8 @@ AnyMatrix jacobian_by_differences(const S& system, real_of<typename S::State> t,
     }
     return J;
   }
+  // Columns of one group have no row in common, so each difference of f belongs to one of them
+  // [curtis1974estimation].
   const ColumnGroups groups(pattern);
   for (const auto& group : groups.members()) {
     for (const Eigen::Index j : group) move(j);
@@ -243,6 +257,7 @@ void mechanical_of_code(const S& system, real_of<typename S::State> at, const ty
 ///   f(t, y + d) = f(t, y) + J d + O(d^2)
 /// For a second-order system K and C are its own where J is, and the blocks of J where J comes from
 /// differences.
+/// @param t     [s]; explicit dependence on time is frozen, its derivative is no part of J
 /// @param y     state, shape (n)
 /// @param from  differences: even where the system has a Jacobian, to compare both
 /// @throws InputError  when the state or an entry of a matrix is not finite, or a mass not positive and
@@ -261,6 +276,7 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
   if constexpr (SecondOrderSystem<S>)
     if (detail::dofs_of(system) > 0 && analytic)
       detail::mechanical_of_code(system, at, y, model.mechanical.emplace());
+  // Sparse mechanical Jacobians are assembled when asked for; all others are kept.
   const bool on_demand = model.mechanical && is_sparse(model.mechanical->K);
   const auto keep = [on_demand](const auto& make, std::string_view what, double when) {
     if (on_demand) return std::function<AnyMatrix()>(make);

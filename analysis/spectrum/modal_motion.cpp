@@ -9,6 +9,7 @@ ModalMotion::ModalMotion(const MechanicalPart& part, const Eigen::VectorXd& forc
   MechanicalModes modes = mechanical_modes(part, true);
   shapes_ = std::move(modes.shapes);
   const Eigen::Index n = part.mass.size();
+  // S^-1 = S^T M: amplitudes are S^T M q, loads S^T f.
   const Eigen::VectorXd load = shapes_.transpose() * force;
   const Eigen::VectorXd q = shapes_.transpose() * part.mass.cwiseProduct(y0.head(n));
   const Eigen::VectorXd v = shapes_.transpose() * part.mass.cwiseProduct(y0.tail(n));

@@ -25,11 +25,13 @@ class ModalMotion {
   ModalMotion(const MechanicalPart& part, const Eigen::VectorXd& force, const Eigen::VectorXd& y0);
 
   /// (q, v) at t, shape (2 n). Costs two products with a dense matrix.
+  /// q = S a(t), v = S a'(t) with the shapes as columns of S.
+  /// @param t  [s]
   [[nodiscard]] Eigen::VectorXd at(double t) const;
 
  private:
-  Eigen::MatrixXd shapes_;
-  std::vector<ExactSolution> amplitudes_;
+  Eigen::MatrixXd shapes_;                 ///< S, shape (n, n), S^T M S = I [kg^-1/2]
+  std::vector<ExactSolution> amplitudes_;  ///< a_i(t) and a_i'(t), in closed form
 };
 
 }  // namespace hmax

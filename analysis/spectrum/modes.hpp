@@ -9,11 +9,14 @@ namespace hmax {
 
 /// q'' + gamma q' + kappa q = 0. Every symmetric system whose damping is none or proportional is a sum of
 /// these.
+/// Natural frequency omega = sqrt(kappa) [rad/s], damping ratio zeta = gamma / (2 omega), frequency of the
+/// damped oscillation omega sqrt(1 - zeta^2).
 struct MechanicalMode {
   double kappa = 0;  ///< k / m [1/s^2]
   double gamma = 0;  ///< c / m [1/s]
 
   /// The one with the eigenvalues lambda and conj(lambda).
+  /// (x - lambda)(x - conj(lambda)) = x^2 - 2 Re(lambda) x + |lambda|^2.
   static MechanicalMode of(std::complex<double> lambda) { return {std::norm(lambda), -2 * lambda.real()}; }
 };
 

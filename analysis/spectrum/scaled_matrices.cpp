@@ -10,11 +10,13 @@ namespace {
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
+/// A dense matrix is stored as a sparse one without its zeros.
 SymmetricProduct product_of(const AnyMatrix& A, const VectorXd& scale) {
   if (is_sparse(A)) return {std::get<Sparse>(A), scale};
   return {Sparse(std::get<Eigen::MatrixXd>(A).sparseView()), scale};
 }
 
+/// An eigenvalue lies within the residual of the Ritz value; the Ritz value is below the largest.
 double largest(const SymmetricProduct& A) {
   const LanczosPair pair =
       largest_eigenpair([&](const VectorXd& x, VectorXd& y) { A(x, y); }, A.rows(), {.with_vector = false});

@@ -14,6 +14,7 @@ struct ScaledMatrices {
   SymmetricProduct k;            ///< [1/s^2]
   SymmetricProduct c;            ///< [1/s]
 
+  /// @param part  K and C symmetric; may be released afterwards
   explicit ScaledMatrices(const MechanicalPart& part);
   [[nodiscard]] Eigen::Index size() const { return inverse_root.size(); }
   /// The largest eigenvalues, by Lanczos iteration to 1e-6, with their residuals added.

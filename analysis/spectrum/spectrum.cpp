@@ -49,6 +49,7 @@ void require_convergence(Eigen::ComputationInfo info) {
 }
 
 /// A mechanical part as dense matrices of one unit: k = M^-1/2 K M^-1/2 [1/s^2], c = M^-1/2 C M^-1/2 [1/s].
+/// Similar to M^-1 K and M^-1 C, and symmetric where K and C are.
 struct MassScaled {
   VectorXd inverse_root;  // of the masses
   MatrixXd k, c;
@@ -69,6 +70,7 @@ struct Companion {
     const MassScaled scaled(part);
     const Index n = scaled.k.rows();
     inverse_root = scaled.inverse_root;
+    // The root mean square of the eigenvalues of a symmetric k: s = sqrt of it is a typical omega.
     const double size = scaled.k.norm() / std::sqrt(static_cast<double>(n));
     if (size > 0) s = std::sqrt(size);
     B.setZero(2 * n, 2 * n);
@@ -83,6 +85,8 @@ std::optional<std::pair<double, double>> rayleigh_coefficients(const MatrixXd& k
   const Index n = k.rows();
   const double mean_k = k.trace() / static_cast<double>(n), mean_c = c.trace() / static_cast<double>(n);
   const auto identity = MatrixXd::Identity(n, n);
+  // k without its part along I: the two are orthogonal in the product trace(A^T B), so beta and alpha are
+  // found one after the other.
   const MatrixXd deviation = k - mean_k * identity;
   const double square = deviation.squaredNorm();
   const double beta = square > 0 ? deviation.cwiseProduct(c).sum() / square : 0;
@@ -91,6 +95,7 @@ std::optional<std::pair<double, double>> rayleigh_coefficients(const MatrixXd& k
 }
 
 /// Within the columns of u from `first`, `count` many, that share an eigenvalue of k: the eigenvectors of c.
+/// Any orthonormal basis of an eigenspace of k serves k; that of u^T c u makes c diagonal too.
 void diagonalise_within(const MatrixXd& c, Index first, Index count, MatrixXd& u) {
   const MatrixXd basis = u.middleCols(first, count);
   const MatrixXd block = basis.transpose() * c * basis;
@@ -126,11 +131,14 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
       const double length = shape.norm() * std::sqrt(1 + std::norm(own));
       result.lambda.push_back(own);
       result.right.col(2 * i + k) << (shape / length).cast<Complex>(), own * (shape / length);
+      // (1, 1; l1, l2)^-1 = (-l2, 1; l1, -1) / (l1 - l2); rows times phi^T M.
       const Complex factor = length / (own - other);
       result.left.row(2 * i + k) << -other * factor * dual.transpose(), factor * dual.transpose();
     }
     // The two columns (w, l) / |(w, l)|: with g the product of both, the singular values squared are 1 +-
     // |g|, and their product is the determinant.
+    // The modes are orthogonal to one another in these coordinates, so the condition of V is that of 2 x 2
+    // blocks.
     const double w = std::sqrt(std::max(std::abs(mode.kappa), std::numeric_limits<double>::min()));
     const double lengths = std::sqrt((w * w + std::norm(lambda[0])) * (w * w + std::norm(lambda[1])));
     const double g = std::min(1.0, std::abs(w * w + std::conj(lambda[0]) * lambda[1]) / lengths);
@@ -138,12 +146,14 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
     largest = std::max(largest, longest);
     smallest = std::min(smallest, w * std::abs(lambda[1] - lambda[0]) / lengths / longest);
   }
+  // Largest singular value of all blocks over the smallest one.
   result.condition = smallest > 0 ? largest / smallest : infinity;
   complete(result);
   return result;
 }
 
 /// The eigenvectors of A, where x = scale y are the coordinates that A acts on.
+/// condition = sigma_1 / sigma_n of the eigenvectors of A, each of length 1, by singular values.
 Eigenvectors general_eigenvectors(const MatrixXd& A, const VectorXd& scale) {
   const Index n = A.rows();
   Eigen::EigenSolver<MatrixXd> solver(A, true);
@@ -164,6 +174,7 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const VectorXd& scale) {
   const VectorXd singular = Eigen::BDCSVD<MatrixXcd>(scaled).singularValues();
   const double least = singular[n - 1];
   result.condition = least > 0 ? singular[0] / least : infinity;
+  // A x = lambda x with x = scale y: y = x / scale, made to length 1 again; rows of V^-1 alike.
   result.right = scale.cwiseInverse().asDiagonal() * scaled;
   const VectorXd lengths = result.right.colwise().norm();
   result.right = result.right * lengths.cwiseInverse().asDiagonal();
@@ -197,6 +208,7 @@ std::array<Complex, 2> eigenvalues_of(const MechanicalMode& mode) {
   const double half = -mode.gamma / 2;
   // gamma^2/4 - kappa as a product keeps its digits near critical damping.
   const double w = std::sqrt(std::abs(mode.kappa));
+  // (gamma/2)^2 - omega^2 = (gamma/2 - omega)(gamma/2 + omega).
   const double discriminant = mode.kappa > 0 ? (half - w) * (half + w) : half * half + w * w;
   if (discriminant < 0) {
     const double damped = std::sqrt(-discriminant);
@@ -204,6 +216,7 @@ std::array<Complex, 2> eigenvalues_of(const MechanicalMode& mode) {
   }
   const double root = std::sqrt(discriminant);
   const double larger = half < 0 ? half - root : half + root;
+  // The product of both eigenvalues is kappa.
   const double smaller = larger == 0 ? 0 : mode.kappa / larger;
   return {Complex(std::max(larger, smaller), 0.0), Complex(std::min(larger, smaller), 0.0)};
 }
@@ -220,6 +233,7 @@ std::array<Complex, 2> eigenvalues_2x2(const Eigen::Matrix2d& J) {
   }
   const double root = std::sqrt(discriminant);
   const double larger = half_trace < 0 ? half_trace - root : half_trace + root;
+  // The product of both eigenvalues is the determinant.
   const double smaller = larger == 0 ? 0 : J.determinant() / larger;
   return {Complex(std::max(larger, smaller), 0.0), Complex(std::min(larger, smaller), 0.0)};
 }
@@ -241,6 +255,7 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   }
 
   const bool damped = part.damping != Damping::none;
+  // gamma = alpha + beta kappa needs no eigenvectors.
   const auto rayleigh = damped ? rayleigh_coefficients(scaled.k, scaled.c) : std::pair(0.0, 0.0);
   const bool with_vectors = with_shapes || !rayleigh;
   Eigen::SelfAdjointEigenSolver<MatrixXd> solver(
@@ -266,6 +281,7 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
     for (next = first + 1; next < n && kappa[next] - kappa[next - 1] <= gap;) ++next;
     if (next - first > 1) diagonalise_within(scaled.c, first, next - first, u);
   }
+  // gamma_i = u_i^T c u_i.
   const MatrixXd cu = scaled.c * u;
   for (Index i = 0; i < n; ++i)
     result.modes[static_cast<std::size_t>(i)] = {kappa[i], u.col(i).dot(cu.col(i))};
