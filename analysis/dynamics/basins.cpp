@@ -13,16 +13,20 @@ using Eigen::Vector2d;
 
 Trap::Trap(const Vector2d& equilibrium, const Matrix2d& J, const Vector2d& size)
     : equilibrium_(equilibrium), size_(size) {
+  // Both eigenvalues have negative real parts if and only if the trace is negative and the determinant
+  // positive.
   const Matrix2d A = size.cwiseInverse().asDiagonal() * J * size.asDiagonal();
   if (!(A.trace() < 0) || !(A.determinant() > 0))
     throw std::invalid_argument("a trap is for stable equilibria: both eigenvalues need negative real parts");
   // A^T P + P A = -1 for P = (p, q; q, s), row by row.
   Eigen::Matrix3d equations;
+  // Lyapunov's equation in the three numbers of the symmetric P.
   equations << 2 * A(0, 0), 2 * A(1, 0), 0,  //
       A(0, 1), A.trace(), A(1, 0),           //
       0, 2 * A(0, 1), 2 * A(1, 1);
   const Eigen::Vector3d solution = equations.fullPivLu().solve(Eigen::Vector3d(-1, 0, -1));
   P_ << solution(0), solution(1), solution(1), solution(2);
+  // u^T P u >= p_min |u|^2, so u^T P u < 1e-6 p_min gives |u| < 1e-3.
   bound_ = 1e-6 * Eigen::SelfAdjointEigenSolver<Matrix2d>(P_).eigenvalues()(0);
 }
 

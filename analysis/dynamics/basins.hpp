@@ -12,6 +12,9 @@ namespace hmax {
 
 /// A neighbourhood of a stable equilibrium that the linear flow does not leave: the ellipse u^T P u < r^2 of
 /// u = (y - y*) / size, with J^T P + P J = -1 in these units and r so small that |u| < 1e-3 inside.
+/// u^T P u is a Lyapunov function of the linear flow u' = A u, A = size^-1 J size: its derivative is u^T
+/// (A^T P + P A) u = -|u|^2 < 0. Nonlinear terms are small against this for |u| < 1e-3, which is assumed,
+/// not checked. A motion inside is counted as arrived.
 class Trap {
  public:
   /// @param J     at the equilibrium, all eigenvalues with negative real parts
@@ -19,6 +22,7 @@ class Trap {
   /// @throws std::invalid_argument when J is not stable
   Trap(const Eigen::Vector2d& equilibrium, const Eigen::Matrix2d& J, const Eigen::Vector2d& size);
 
+  /// Whether y lies inside; costs one product with a 2 x 2 matrix. False for a y that is not finite.
   [[nodiscard]] bool holds(const Eigen::Vector2d& y) const {
     const Eigen::Vector2d u = (y - equilibrium_).cwiseQuotient(size_);
     return u.dot(P_ * u) < bound_;
@@ -26,14 +30,15 @@ class Trap {
 
  private:
   Eigen::Vector2d equilibrium_, size_;
-  Eigen::Matrix2d P_;
-  double bound_;
+  Eigen::Matrix2d P_;  ///< symmetric and positive definite
+  double bound_;       ///< r^2
 };
 
 /// Where starts end that are no place of rest.
 enum Fate { undecided = -1, unbounded = -2 };
 
 /// The fates of starts at the centres of columns x rows cells of a window.
+/// Cells of one fate together are the picture of a basin; their border is resolved to one cell.
 struct Basins {
   int columns, rows;
   Window window;
@@ -44,6 +49,7 @@ struct Basins {
   [[nodiscard]] double share(int of) const;
 };
 
+/// Asks for the fate of each of the columns x rows centres once, row by row from below.
 /// @param fate_of  of a start
 /// @param going    called with the share that is done before each row; nothing more is asked when it answers
 ///                 false, and the cells that are left are undecided

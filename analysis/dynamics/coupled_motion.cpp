@@ -25,10 +25,12 @@ using Eigen::VectorXd;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// The coefficient of zeta^j; zero beyond the degree.
 double coefficient(const Polynomial& p, std::size_t j) {
   return j < p.size() ? static_cast<double>(p[j]) : 0.0;
 }
 
+/// p(zeta) by Horner's rule.
 Complex value_of(const Polynomial& p, Complex zeta) {
   Complex sum = 0;
   for (std::size_t j = p.size(); j-- > 0;) sum = sum * zeta + static_cast<double>(p[j]);
@@ -49,6 +51,7 @@ CoupledLimit limit_of_shape(const MotionMap& map, double h, MechanicalMode shape
                             const VectorXd& displacement, bool proved) {
   std::vector<Polynomial> p;
   for (std::size_t j = 0; j <= map.degree(); ++j)
+    // p_j(h) = inertia_j + h (gamma damper_j + lumped lumped_j) + h^2 kappa spring_j.
     p.push_back({coefficient(map.inertia, j),
                  shape.gamma * coefficient(map.damper, j) + lumped * coefficient(map.lumped, j),
                  shape.kappa * coefficient(map.spring, j)});
@@ -59,11 +62,14 @@ CoupledLimit limit_of_shape(const MotionMap& map, double h, MechanicalMode shape
           .proved = proved};
 }
 
+/// Of a symmetric A, but for rounding of 1e-12 of the largest modulus.
 bool has_no_negative_eigenvalue(const MatrixXd& A) {
   const VectorXd values = Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
   return values.size() == 0 || values[0] >= -1e-12 * values.cwiseAbs().maxCoeff();
 }
 
+/// Cholesky's factorisation succeeds for positive definite matrices alone, but for rounding; n^3 / 3
+/// operations.
 bool is_definite(const MatrixXd& A) { return Eigen::LLT<MatrixXd>(A).info() == Eigen::Success; }
 
 /// The smallest positive root of a + b h + e h^2 with a > 0, of which rounding makes no other.
@@ -73,6 +79,7 @@ double smallest_root(double a, double b, double e) {
   if (discriminant < 0) return infinity;
   // 2 a / (-b + sqrt) without cancellation
   const double root = std::sqrt(discriminant);
+  // q = (-b + sign(-b) sqrt(b^2 - 4 a e)) / 2 has no cancellation; the roots are q / e and a / q.
   const double q = b < 0 ? (-b + root) / 2 : (-b - root) / 2;
   double smallest = infinity;
   for (const double each : {q / e, q != 0 ? a / q : infinity})
@@ -85,6 +92,8 @@ constexpr std::array<MechanicalMode, 10> samples{
     {{1, 0}, {1, 2e-3}, {1, 0.02}, {1, 0.2}, {1, 0.6}, {1, 1.2}, {1, 2}, {1, 4}, {1, 20}, {0, 1}}};
 
 /// Whether every single oscillation leaves at zeta = -1, if it does.
+/// pi(-1, h) = inertia(-1) + h gamma damper(-1) + h^2 kappa spring(-1): its smallest positive root against
+/// the first exit of ten samples, to 1e-9.
 bool singles_leave_at_minus_one(const Amplification& single, const MotionMap& map) {
   const double inertia = value_of(map.inertia, -1).real(), sign = inertia < 0 ? -1 : 1;
   return inertia != 0 && std::ranges::all_of(samples, [&](const MechanicalMode& mode) {
@@ -103,6 +112,7 @@ bool has_kicks_with_lumped_damping(const MotionMap& map) {
          map.spring == kicks.spring;
 }
 
+/// Of the ten samples; for each proved by its conditions.
 bool singles_never_leave(const Amplification& single) {
   return std::ranges::all_of(samples, [&](const MechanicalMode& mode) {
     return std::isinf(first_exit(single.of_oscillation(mode)));
@@ -135,6 +145,7 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
   const auto bound = [&](double h) {
     return std::abs(inertia) + h * std::max(damper * most_c, 0.0) + h * h * std::max(spring * most_k, 0.0);
   };
+  // Below this step P(-1, h) is definite by the norms of c and k alone: a start from below.
   double h = smallest_root(std::abs(inertia), std::min(damper, 0.0) * most_c, std::min(spring, 0.0) * most_k);
   if (std::isinf(h)) return std::nullopt;
   VectorXd cx(part.mass.size()), kx = cx;
@@ -143,13 +154,16 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
         [&](const VectorXd& x, VectorXd& y) {
           scaled.c(x, cx);
           scaled.k(x, y);
+          // bound I - P(-1, h): its largest eigenvalue belongs to the least one of P.
           y = (bound(h) - std::abs(inertia)) * x - h * damper * cx - h * h * spring * y;
         },
         part.mass.size(), {.tolerance = 1e-9});
     const VectorXd& x = least.vector;
     scaled.c(x, cx);
     scaled.k(x, kx);
+    // |x| = 1
     const double gamma = x.dot(cx), kappa = x.dot(kx);
+    // P(-1, next) is zero along x, so the first exit is not beyond it.
     const double next = smallest_root(std::abs(inertia), damper * gamma, spring * kappa);
     if (std::abs(next - h) <= 1e-10 * h) {
       if (!least.converged) return std::nullopt;
@@ -169,6 +183,7 @@ CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)
       symmetric_(part.symmetric) {
   k_ = root_.asDiagonal() * dense(part.K) * root_.asDiagonal();
   c_ = root_.asDiagonal() * dense(part.C) * root_.asDiagonal();
+  // Symmetric to the last bit.
   if (symmetric_) {
     k_ = ((k_ + k_.transpose()) / 2).eval();
     c_ = ((c_ + c_.transpose()) / 2).eval();
@@ -184,6 +199,7 @@ CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)
 
 std::vector<Complex> CoupledMotion::roots(double h) const {
   const std::size_t degree = map_.degree();
+  // P_j of P(zeta) = sum_j zeta^j P_j.
   const auto block = [&](std::size_t j) {
     MatrixXd P = h * coefficient(map_.damper, j) * c_ + h * coefficient(map_.lumped, j) * d_ +
                  h * h * coefficient(map_.spring, j) * k_;
@@ -194,6 +210,8 @@ std::vector<Complex> CoupledMotion::roots(double h) const {
   const Index size = static_cast<Index>(degree) * n_;
   MatrixXd companion = MatrixXd::Zero(size, size);
   for (std::size_t j = 0; j < degree; ++j)
+    // First row of blocks -P_d^-1 P_d-1, ..., -P_d^-1 P_0; identities below the diagonal. It acts on
+    // (zeta^(d-1) x, ..., zeta x, x).
     companion.block(0, static_cast<Index>(degree - 1 - j) * n_, n_, n_) = -leading.solve(block(j));
   companion.bottomLeftCorner(size - n_, size - n_).diagonal().setOnes();
   if (!companion.allFinite()) return {infinity};
@@ -216,6 +234,7 @@ MatrixXcd CoupledMotion::at(Complex zeta, double h) const {
 }
 
 CoupledLimit CoupledMotion::leaves_with(double h, const VectorXcd& x, bool proved) const {
+  // x* A x / x* x, real for symmetric A.
   const auto of_shape = [&](const MatrixXd& A) { return x.dot(A * x).real() / x.squaredNorm(); };
   // Turned so that its largest entry is real.
   Index largest = 0;
@@ -227,6 +246,7 @@ CoupledLimit CoupledMotion::leaves_with(double h, const VectorXcd& x, bool prove
 CoupledLimit CoupledMotion::with_shape(double h, Complex zeta, bool proved) const {
   // Inverse iteration a hair beside the root.
   const Eigen::PartialPivLU<MatrixXcd> P(at(zeta * (1 + 1e-10), h));
+  // A start without the symmetries that modes may have.
   VectorXcd x = VectorXcd::LinSpaced(n_, 1, 2);
   for (int i = 0; i < 4; ++i) x = P.solve(x).normalized();
   return leaves_with(h, x, proved);
@@ -236,6 +256,7 @@ std::optional<double> CoupledMotion::leaves_at_minus_one() const {
   const double inertia = value_of(map_.inertia, -1).real();
   if (inertia == 0) return std::nullopt;
   const double sign = inertia < 0 ? -1 : 1;
+  // sign P(-1, h) = |inertia| I + h first + h^2 second, positive definite at h = 0.
   const MatrixXd first =
                      sign * (value_of(map_.damper, -1).real() * c_ + value_of(map_.lumped, -1).real() * d_),
                  second = sign * value_of(map_.spring, -1).real() * k_;
@@ -253,6 +274,7 @@ std::optional<double> CoupledMotion::leaves_at_minus_one() const {
     low = high;
     high *= 1.1;
     if (high > 1e6 * sure) return std::nullopt;
+    // Strides of 10 % outwards, then bisection to 1e-14.
   } while (definite(high));
   while (high - low > 1e-14 * high) {
     const double middle = low + (high - low) / 2;
@@ -286,6 +308,7 @@ CoupledLimit CoupledMotion::refined(double stable, double unstable) const {
       const Eigen::PartialPivLU<MatrixXcd> A(bordered(on_circle, h));
       VectorXcd unit = VectorXcd::Zero(n_ + 1);
       unit[n_] = 1;
+      // Right and left vectors of the bordered matrix: g = 0 if and only if P x = 0 with b* x = 1.
       const VectorXcd x = A.solve(unit), w = A.adjoint().solve(unit);
       const Complex g = x[n_];
       // dg = -w* dP x
@@ -297,11 +320,13 @@ CoupledLimit CoupledMotion::refined(double stable, double unstable) const {
           slope(at(std::polar(1.0, theta + small), h), at(std::polar(1.0, theta - small), h), 2 * small);
       const Complex by_h =
           slope(at(on_circle, h * (1 + small)), at(on_circle, h * (1 - small)), 2 * small * h);
+      // Two real equations, Re g = Im g = 0, in theta and h, by Cramer's rule.
       const double determinant = by_theta.real() * by_h.imag() - by_theta.imag() * by_h.real();
       const double d_theta = (-g.real() * by_h.imag() + g.imag() * by_h.real()) / determinant,
                    d_h = (-by_theta.real() * g.imag() + by_theta.imag() * g.real()) / determinant;
       theta += d_theta;
       h += d_h;
+      // Converged when neither changes.
       if (std::abs(d_theta) > 1e-11 || std::abs(d_h) > 1e-12 * h) continue;
       if (h < stable * (1 - 1e-6) || h > unstable * (1 + 1e-6)) break;
       // Two exits may lie between the ends.
@@ -312,6 +337,7 @@ CoupledLimit CoupledMotion::refined(double stable, double unstable) const {
       return leaves_with(h, x.head(n_), false);
     }
     if (unstable - stable <= 1e-8 * unstable) return with_shape(stable, zeta, false);
+    // Newton's method has failed from here: half of the bracket, geometrically.
     const double middle = std::sqrt(stable * unstable);
     (spectral_radius(middle) <= 1 + rounding_ ? stable : unstable) = middle;
   }
@@ -320,8 +346,10 @@ CoupledLimit CoupledMotion::refined(double stable, double unstable) const {
 std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_minus_one) const {
   const Index rows = static_cast<Index>(map_.degree()) * n_;
   if (rows > most_coupled_rows) return std::nullopt;
+  // Larger systems have denser spectra and dearer eigenproblems.
   const double ratio = rows <= 60 ? 1.05 : rows <= 240 ? 1.2 : 1.5;
   const auto is_stable = [&](double h) { return spectral_radius(h) <= 1 + rounding_; };
+  // Well below 1 / rate_, the fastest time scale of the model.
   double stable = 0.1 / rate_;
   if (!is_stable(stable)) {
     // Smaller steps, down to where one of every size must be unstable.
@@ -347,6 +375,7 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
 bool CoupledMotion::lumping_keeps_stable(double h) const {
   if (!is_definite(c_ + 1e-12 * c_.trace() * MatrixXd::Identity(n_, n_))) return false;
   // K <= rho C: at least what the diagonals say, and of no use where it is much more.
+  // K <= rho C needs k_ii <= rho c_ii for all i.
   const double least = (k_.diagonal().array() / c_.diagonal().array()).maxCoeff();
   for (double rho = least; rho <= 1e3 * least; rho *= 1.2) {
     if (!is_definite(rho * (c_ + 1e-12 * c_.trace() * MatrixXd::Identity(n_, n_)) - k_)) continue;

@@ -14,6 +14,8 @@
 namespace hmax {
 
 /// The limit of a step of such a method.
+/// A limit that is proved holds for every smaller step; one found in strides may hide a narrow unstable
+/// stretch below it.
 struct CoupledLimit {
   double h_max = 0;  ///< the first exit [s]; infinity without one, 0 when every step is unstable
   /// What the motion that begins to grow there is stiffened and damped by: for its shape x, with M = I,
@@ -29,13 +31,18 @@ struct CoupledLimit {
 ///   P = inertia(zeta) M + h (damper(zeta) C + lumped(zeta) diag C) + h^2 spring(zeta) K,
 /// a matrix polynomial in zeta of the degree of the method. Where no basis makes C and K diagonal at once it
 /// has to be solved as a whole.
+/// In coordinates M^1/2 q the matrices are I, c = M^-1/2 C M^-1/2 and k = M^-1/2 K M^-1/2.
 class CoupledMotion {
  public:
+  /// Makes k, c and diag c dense, shape (n, n) each.
+  /// @param part  up to some thousand degrees of freedom
   CoupledMotion(const MotionMap& map, const MechanicalPart& part);
 
   /// All roots zeta of det P(zeta, h) = 0, by the eigenvalues of its companion matrix, shape (degree n,
   /// degree n); infinite ones where the equation of a step cannot be solved.
   [[nodiscard]] std::vector<Complex> roots(double h) const;
+  /// The largest |zeta|; infinity where the equation of a step cannot be solved.
+  /// @cost  an eigenproblem of degree n rows without symmetry
   [[nodiscard]] double spectral_radius(double h) const;
 
   /// The first exit from the origin.
@@ -54,7 +61,9 @@ class CoupledMotion {
 
  private:
   using Matrix = Eigen::MatrixXd;
+  // P(zeta, h), shape (n, n).
   [[nodiscard]] Eigen::MatrixXcd at(Complex zeta, double h) const;
+  // The first h > 0 at which the symmetric P(-1, h) is singular; nothing where it has no bound.
   [[nodiscard]] std::optional<double> leaves_at_minus_one() const;
   /// Whether it is proved of
   ///   inertia = zeta (zeta-1)^2, damper = (zeta-1) (3 zeta-1) / 2, lumped = (zeta-1)^3 / 2, spring = zeta^2
@@ -67,8 +76,12 @@ class CoupledMotion {
   ///   I + h/2 C + h^2 rho/2 (C - diag C)
   /// is positive definite; and, if it is at h, at all steps below [jury1964theory].
   [[nodiscard]] bool lumping_keeps_stable(double h) const;
+  // The radius at h, 1.05 h, ... (1.2, 1.5 for large systems) from 0.1 / rate_ on; the exit between two of
+  // them by refined().
   [[nodiscard]] std::optional<CoupledLimit> by_strides(std::optional<double> at_minus_one) const;
+  // The exit between a stable and an unstable step.
   [[nodiscard]] CoupledLimit refined(double stable, double unstable) const;
+  // The limit h with the kappa and gamma of the shape x, or of the kernel of P(zeta, h).
   [[nodiscard]] CoupledLimit leaves_with(double h, const Eigen::VectorXcd& x, bool proved) const;
   [[nodiscard]] CoupledLimit with_shape(double h, Complex zeta, bool proved) const;
 
@@ -85,6 +98,11 @@ class CoupledMotion {
 /// CoupledMotion::first_exit: for symmetric M, C and K, K and C without negative eigenvalues, and single
 /// oscillations that never leave, or always at zeta = -1. There the least h with x^T P(-1, h) x = 0 over all
 /// x is approached by the least eigenvectors of P(-1, h), from above.
+/// For each x, |x| = 1 in coordinates where M = I,
+///   x^T P(-1, h) x = inertia(-1) + h damper(-1) gamma(x) + h^2 spring(-1) kappa(x)
+/// is a quadratic in h. The iteration h -> least eigenvector x of P(-1, h) -> smallest root h of that
+/// quadratic falls from its second round on, until it stands still to 1e-10.
+/// @cost  a Lanczos iteration in each of some ten rounds, at most 50
 /// @param single  the map of single oscillations
 /// @return  nothing where it would not be proved
 std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
@@ -92,6 +110,8 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
 
 /// Whether the steps of the method on this model couple modes that its motion does not, or that it couples
 /// itself, so that they cannot be taken one by one.
+/// True where damping is general or matrices are not symmetric, and where the method treats the diagonal
+/// of a C with other entries apart.
 bool couples_modes(const MotionMap& map, const MechanicalPart& part);
 
 }  // namespace hmax

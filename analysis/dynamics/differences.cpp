@@ -9,6 +9,7 @@ namespace {
 /// The column d g / d y_j.
 Eigen::VectorXd differenced_column(const VectorFunction& g, const Eigen::VectorXd& y, Eigen::Index j,
                                    double scale, Eigen::Index rows) {
+  // Twelve increments, each 1.6 times smaller than the last.
   constexpr int levels = 12;
   constexpr double shrink = 1.6;
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -30,7 +31,9 @@ Eigen::VectorXd differenced_column(const VectorFunction& g, const Eigen::VectorX
     double factor = shrink * shrink;
     for (int k = 1; k <= known; ++k, factor *= shrink * shrink) {
       const auto at = static_cast<std::size_t>(k);
+      // T_k = (r^2k T_k-1(d / r) - T_k-1(d)) / (r^2k - 1), r = 1.6 [ridders1982accurate].
       now[at] = (factor * now[at - 1] - before[at - 1]) / (factor - 1);
+      // The larger of the differences to the two values that it was made from.
       const Eigen::ArrayXd error = (now[at] - now[at - 1]).abs().max((now[at] - before[at - 1]).abs());
       for (Eigen::Index i = 0; i < rows; ++i)
         if (error(i) < least(i)) {

@@ -52,6 +52,7 @@ std::vector<VectorXd> roots(const VectorFunction& map, const Box& box, int start
           found, [&](const VectorXd& other) { return (other - *y).cwiseQuotient(size).norm() < same; });
       if (!known) found.push_back(*y);
     }
+    // The next point of the grid, as an odometer counts.
     more = false;
     for (Eigen::Index i = 0; i < at.size() && !more; ++i) {
       more = ++at(i) < starts;
@@ -88,6 +89,7 @@ EquilibriumType classify_map(const Multipliers& multipliers) {
   for (const auto& mu : multipliers) {
     const double modulus = std::abs(mu);
     if (!std::isfinite(modulus)) return EquilibriumType::degenerate;
+    // Counts the multipliers on, inside and outside the unit circle.
     (std::abs(modulus - 1) <= on_circle ? on : modulus < 1 ? inside : outside) += 1;
     // Rounding splits a double multiplier into a pair about sqrt(epsilon) apart.
     const bool complex = std::abs(mu.imag()) > 1e-6 * modulus;
@@ -115,8 +117,10 @@ std::optional<VectorXd> newton_fixed_point(const VectorFunction& map, const Box&
       length = 0;
       break;
     }
+    // D(Phi - id)
     const MatrixXd G = rough_jacobian(map, y, size) - MatrixXd::Identity(y.size(), y.size());
     if (!G.allFinite()) return std::nullopt;
+    // In sizes of the box, so that components of different units weigh alike.
     VectorXd d = (G * size.asDiagonal()).completeOrthogonalDecomposition().solve(-g);
     if (!d.allFinite()) return std::nullopt;
     length = d.norm();

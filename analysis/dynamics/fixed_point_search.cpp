@@ -23,9 +23,13 @@ void require_plane(const Box& box) {
 }
 
 /// The angle from a to b, in (-pi, pi].
+/// atan2 of cross and dot product, independent of both lengths.
 double turn(const Vector2d& a, const Vector2d& b) { return std::atan2(a(0) * b(1) - a(1) * b(0), a.dot(b)); }
 
 /// The angle by which g turns from a to b on a straight line; NaN where that cannot be said.
+/// Halves the line until both halves turn by less than pi / 4, so that no whole turn is missed between two
+/// looks of a smooth g.
+/// @param halvings  that are left
 double turn_between(const VectorFunction& g, const Vector2d& a, const Vector2d& ga, const Vector2d& b,
                     const Vector2d& gb, int halvings) {
   const Vector2d middle = (a + b) / 2;
@@ -44,6 +48,8 @@ struct Cell {
   int i, j, width;
 };
 
+/// A tree of squares: each is dropped, divided or handed to Newton's method. Values at lattice points are
+/// kept, so that squares share those of their corners.
 class CellSearch {
  public:
   CellSearch(const VectorFunction& map, const Box& box, std::int64_t most_steps)
@@ -54,6 +60,7 @@ class CellSearch {
     };
   }
 
+  /// Starts with 32 x 32 squares.
   FixedPointSearch run() {
     for (int i = 0; i < sides; i += coarse)
       for (int j = 0; j < sides; j += coarse) explore({i, j, coarse});
@@ -82,6 +89,8 @@ class CellSearch {
     return entry->second;
   }
 
+  /// Newton's method from the middle of a cell, which may stray three widths; the point is kept if it is
+  /// new.
   void take(const Cell& cell) {
     constexpr double same = 1e-7;  // in sizes of the box
     const double middle = cell.width / 2.0;
@@ -102,6 +111,7 @@ class CellSearch {
       for (const int j : {cell.j, cell.j + half}) explore({i, j, half});
   }
 
+  /// Decides by the values of g = Phi(y) - y at the four corners and the middle.
   void explore(const Cell& cell) {
     if (left_ <= 0) return;
     const auto [i, j, width] = cell;
@@ -120,12 +130,16 @@ class CellSearch {
     }
     // g(u) = a + B u + misfit, u in [-1, 1]^2.
     const Vector2d a = (g[0] + g[1] + g[2] + g[3]) / 4;
+    // Slopes of the plane of least squares through the corners, in half widths of the cell.
     Matrix2d B;
     B << (g[1] + g[3] - g[0] - g[2]) / 4, (g[2] + g[3] - g[0] - g[1]) / 4;
+    // The misfit is the twisting term of the corners and the bulge of the middle.
     const Vector2d doubt = 2 * ((g[0] + g[3] - g[1] - g[2]) / 4).cwiseAbs() + 2 * (g[4] - a).cwiseAbs();
+    // |a_i| > sum_j |B_ij| + doubt_i: component i has no zero in [-1, 1]^2.
     if ((a.cwiseAbs().array() > (B.cwiseAbs().rowwise().sum() + doubt).array()).any()) return;
     const Matrix2d inverse = B.inverse();
     if (inverse.allFinite()) {
+      // u = -B^-1 (a + misfit): where |B^-1 a| exceeds 1 + |B^-1| doubt no zero lies in the cell.
       const Vector2d zero = inverse * a, around = inverse.cwiseAbs() * doubt;
       if ((zero.cwiseAbs().array() > 1 + around.array()).any()) return;
       if (around.maxCoeff() < 0.5) return take(cell);
@@ -153,6 +167,7 @@ std::optional<int> degree_around(const VectorFunction& g, const Box& box) {
   Vector2d from = lower, there = g(from);
   for (std::size_t side = 0; side < 4; ++side)
     for (int piece = 1; piece <= pieces; ++piece) {
+      // 64 pieces a side, counter-clockwise from the lower left corner.
       const double share = double(piece) / pieces;
       const Vector2d to = (1 - share) * corners[side] + share * corners[side + 1];
       const Vector2d next = g(to);
@@ -167,6 +182,7 @@ std::optional<int> degree_around(const VectorFunction& g, const Box& box) {
 std::optional<int> index_of(const FixedPoint& point) {
   std::complex<double> det = 1;
   for (const auto& mu : point.multipliers) {
+    // A multiplier of one, as at a fold.
     if (!(std::abs(1.0 - mu) > 1e-8)) return std::nullopt;
     det *= 1.0 - mu;
   }
@@ -174,6 +190,7 @@ std::optional<int> index_of(const FixedPoint& point) {
 }
 
 namespace {
+/// Without an index of one point there is no sum.
 void sum_indices(FixedPointSearch& found) {
   found.index_sum = 0;
   for (const FixedPoint& point : found.points) {
@@ -226,6 +243,7 @@ EquilibriumSet search_equilibria(const PlanarField& field, const Window& window)
   EquilibriumSet found;
   found.points = find_equilibria(field, window);
   const Vector2d size = window.size(), largest = size_of_field(field, window);
+  // Phi(y) - y = f in units of its own size, so that fixed points of this map are the equilibria.
   const VectorFunction map = [&](const VectorXd& y) -> VectorXd {
     return y + field.rhs(y).cwiseQuotient(largest).cwiseProduct(size);
   };

@@ -12,15 +12,22 @@ namespace hmax {
 /// How often g turns around zero while y goes once around the border of the box, counter-clockwise: the sum
 /// of the indices of all zeros inside [strogatz2015nonlinear] section 6.8. The border is halved until g turns
 /// by less than pi / 4 from one look to the next; nothing where g is zero or not finite on it.
+/// (1 / 2 pi) of the total change of the angle of g. Zero does not say that there are no zeros inside: a
+/// saddle (-1) and a node (+1) cancel.
+/// @return  an integer; the indices of nodes, foci and centres are +1, of saddles -1
 /// @param g    R^2 -> R^2
 /// @param box  of two coordinates
 std::optional<int> degree_around(const VectorFunction& g, const Box& box);
 
 /// sign det(I - D Phi): the index of a fixed point as a zero of Phi(y) - y. Nothing at a multiplier of one to
 /// 1e-8, where it is not decided by the multipliers.
+/// The product of 1 - mu over the multipliers, conjugate pairs making positive factors. In the plane det(D
+/// Phi - I) = det(I - D Phi).
 std::optional<int> index_of(const FixedPoint& point);
 
 /// What the border of a box tells of the points that a search has found inside.
+/// The theorem of Poincare and Hopf in the plane: the degree around the border is the sum of the indices
+/// inside.
 struct DegreeCheck {
   std::optional<int> index_sum;  ///< of the points; nothing where one of them has no index
   std::optional<int> degree;     ///< around the border; nothing where it has none

@@ -13,6 +13,7 @@ namespace {
 /// From one quarter to the other growth in proportion to time makes at most a factor of four.
 const double in_proportion = std::log(4.0) + ExpectedGrowth{}.visible;
 
+/// ln of the factor that counts as growth.
 double threshold_of(const ExpectedGrowth& expected) {
   return expected.linear ? in_proportion : expected.visible;
 }
@@ -38,6 +39,7 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
   });
   if (!ended || broken || n < steps) return std::numeric_limits<double>::infinity();
   constexpr double least = std::numeric_limits<double>::min();
+  // Largest distances of the second and the last quarter; noise of the first distance is a floor.
   const double growth = std::log(late) - std::log(std::max({early, noise * start, least}));
   // What a nonlinear model has caught far out before the quarters that are compared has grown all the same.
   constexpr double far_out = 1e4;
@@ -47,6 +49,7 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 std::int64_t steps_to_see(const ExpectedGrowth& expected) {
   constexpr double least = 512, most = most_observed_steps;
   // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
+  // N / 2 steps lie between the quarters: share g N / 2 = threshold.
   const double to_grow = 2 * threshold_of(expected) / (expected.share * expected.above);
   const double to_decay = 4 * expected.fall / -expected.beside;
   return static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
@@ -64,6 +67,7 @@ double onset_between(const Excess& excess, double low, double high, double at_lo
   for (int runs = 0; high - low > resolution * high; ++runs) {
     double next = (low + high) / 2;
     if (runs < 6 && std::isfinite(at_low) && std::isfinite(at_high)) {
+      // Zero of the line through both ends, excess(h) = growth - threshold.
       const double crossing = low + (high - low) * at_low / (at_low - at_high);
       const double hair = 0.4 * resolution * high, margin = 0.05 * (high - low);
       next = std::clamp(crossing + (crossing - low < high - crossing ? hair : -hair), low + margin,
@@ -134,6 +138,7 @@ ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
     std::vector<std::complex<double>> c{1};
     for (const std::complex<double> root : roots(h)) {
       c.insert(c.begin(), 0);
+      // c(E) <- (E - root) c(E).
       for (std::size_t j = 0; j + 1 < c.size(); ++j) c[j] -= root * c[j + 1];
     }
     const std::size_t size = c.size();
@@ -142,6 +147,7 @@ ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
     std::size_t n = 0;
     return run(h, steps + static_cast<std::int64_t>(size) - 1,
                [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+                 // A ring of the last states, as many as the product has coefficients.
                  d[n % size] = y - rest;
                  if (++n < size) return;
                  shown = rest;

@@ -25,6 +25,8 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 /// its largest distance: oscillation within a quarter takes no part. Infinity when the run broke down,
 /// -infinity when nothing was left. Since the first step where the distance is ten thousand times that of
 /// before and after it.
+/// ln(max over n > 3N/4 of d_n) - ln(max over N/4 < n <= N/2 of d_n), d the distance, N = steps.
+/// @param h  [s]
 /// @param noise  a distance below this share of the first one is no growth yet
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise = 0);
@@ -58,12 +60,18 @@ struct ExpectedGrowth {
 /// How long a run has to be that shows a share of the growth that is expected at 1.001 of the limit, after
 /// the rest has died away before the first quarter that is compared; 512 steps at least, most_observed_steps
 /// at most.
+/// With g = ln of the growth per step at 1.001 of the limit: N = 2 t / (share g) for the growth, with t =
+/// visible, or ln 4 + visible where it is linear, and 4 fall / |beside| for the decay of the rest; the larger
+/// of the two.
 std::int64_t steps_to_see(const ExpectedGrowth& expected);
 
 /// Integrates at 0.999 and at 1.001 of a predicted limit, longer where neither tells, then closes in, by
 /// secants and by halves, between a step that does not grow and one that does; away from the prediction where
 /// both sides behave alike, so that a wrong prediction is reported with what is true. The runs are as long as
 /// steps_to_see() says, and up to 64 times as long where that does not show what is expected.
+/// @param run        of the real code, from a start near rest
+/// @param predicted  [s], > 0
+/// @return  h to expected.resolution of it; 0 or infinity where no change is found within a factor of 1000
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected);
 
@@ -71,6 +79,9 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
 /// that is not real: shows
 ///   rest + product of (E - root) d_n,  E d_n = d_(n+1),  d_n = y_n - rest,
 /// so many states less as there are roots; other motions are as they were but for constant factors.
+/// Each factor (E - root) annihilates c root^n, so that one decaying or neutral motion does not hide the
+/// growth of another. Real coefficients need conjugates in pairs.
+/// @param roots  zeta at the step h
 ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
                         std::function<std::vector<std::complex<double>>(double h)> roots);
 

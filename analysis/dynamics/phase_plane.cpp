@@ -59,6 +59,7 @@ std::optional<Vector2d> newton(const PlanarField& field, const Window& window, c
     if (f.isZero(0)) break;
     // Minimum-norm step: on a line of equilibria J is singular and the nearest point of the line is wanted.
     const Matrix2d scaled = J * size.asDiagonal();
+    // J S (d / S) = -f with S the sizes of the window.
     Vector2d d = scaled.completeOrthogonalDecomposition().solve(-f);
     if (!d.allFinite()) return std::nullopt;
     const double length = d.norm();
@@ -146,6 +147,7 @@ std::string_view name_of(EquilibriumType type) {
 EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
   const double T = J.trace();
   const double D = J.determinant();
+  // The largest determinant that entries of these sizes can make.
   const double largest = std::abs(scale(0, 0) * scale(1, 1)) + std::abs(scale(0, 1) * scale(1, 0));
   if (!(std::abs(D) > 1e-8 * largest)) return EquilibriumType::degenerate;
   if (D < 0) return EquilibriumType::saddle;
@@ -153,6 +155,7 @@ EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * J.diagonal().cwiseAbs().sum();
   if (std::abs(T) <= std::max(rounding, 2e-12 * std::sqrt(D))) return EquilibriumType::centre;
   // Nodes include T^2 = 4 D to rounding: critical damping computed from m, c and k rarely hits it exactly.
+  // Discriminant T^2 - 4 D of lambda^2 - T lambda + D.
   const bool node = T * T >= 4 * D * (1 - 8 * std::numeric_limits<double>::epsilon());
   if (T < 0) return node ? EquilibriumType::stable_node : EquilibriumType::stable_focus;
   return node ? EquilibriumType::unstable_node : EquilibriumType::unstable_focus;
@@ -198,6 +201,7 @@ Table direction_field(const PlanarField& field, const Window& window, const std:
   if (columns < 1 || rows < 1)
     throw std::invalid_argument("a direction field needs at least one column and one row");
   Table table{{}, {names[0], names[1], "d" + names[0], "d" + names[1]}, std::vector<std::vector<double>>(4)};
+  // Arrows fill 62 % of the smaller distance between their centres.
   const double length = 0.62 / std::max(columns, rows);
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {

@@ -19,6 +19,8 @@ namespace hmax {
 
 /// A planar vector field y' = f(y) with J(i, j) = d f_i / d y_j. What is not planar or not autonomous is
 /// frozen first.
+/// Both functions are called with states of the window and beyond; they may return values that are not
+/// finite.
 struct PlanarField {
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> rhs;
   std::function<Eigen::Matrix2d(const Eigen::Vector2d&)> jacobian;
@@ -56,8 +58,11 @@ Window window_around(const std::vector<Table>& orbits, std::string_view first, s
                      const std::vector<Eigen::Vector2d>& also = {}, double margin = 0.08);
 
 /// The direction d of a real eigenvalue, (J - lambda) d = 0, of length 1.
+/// @param lambda  an eigenvalue of J [1/s]; the sign of d has no meaning
 Eigen::Vector2d eigenvector(const Eigen::Matrix2d& J, double lambda);
 
+/// Node: real eigenvalues of one sign; focus: a complex pair; centre: an imaginary pair; saddle: real ones
+/// of both signs; degenerate: an eigenvalue is zero.
 enum class EquilibriumType {
   stable_node,
   stable_focus,
@@ -91,6 +96,9 @@ EquilibriumType classify(const Eigen::Matrix2d& J, const Eigen::Matrix2d& scale)
 EquilibriumType classify(const Eigen::Matrix2d& J);
 
 /// The equilibrium in the window that Newton's method reaches from a point; nothing where it reaches none.
+/// y <- y - J^-1 f by at most 120 steps, none longer than the window; found when |f_i| <= 1e-12 of its
+/// largest value on a grid.
+/// @throws std::invalid_argument when the window is empty or not finite
 std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
                                             const Eigen::Vector2d& start);
 
@@ -116,6 +124,8 @@ using Polyline = std::vector<Eigen::Vector2d>;
 
 /// The set f_component = 0 in the window as stitched polylines, by marching squares on cells x cells squares:
 /// every open piece ends on the border of the window or at a point where f is not finite.
+/// A crossing on the side of a square is placed by linear interpolation, so the error is of second order
+/// in the size of a square.
 /// @param component  0 or 1
 /// @throws std::invalid_argument for another component or cells < 1
 std::vector<Polyline> nullcline(const PlanarField& field, int component, const Window& window,

@@ -20,10 +20,14 @@ struct Mean {
 };
 
 /// The mean of a series whose neighbours depend on one another, see largest_lyapunov.
+/// Standard error of the mean of 16 batch means times Student's 2.131, against the drift between the
+/// halves and the other bounds.
+/// @param series  at least 16 numbers
 Mean mean_of(const std::vector<double>& series) {
   constexpr double unresolved = 3e-3;  // see largest_lyapunov
   constexpr double student = 2.131;    // 95 % at 15 degrees of freedom
   const auto length = series.size() / batches;
+  // The remainder of the division is dropped at the beginning.
   const auto first = series.end() - static_cast<std::ptrdiff_t>(batches * length);
   std::array<double, batches> means;
   for (std::size_t k = 0; k < batches; ++k) {
@@ -36,6 +40,7 @@ Mean mean_of(const std::vector<double>& series) {
   double square = 0;
   for (const double value : means) square += (value - mean) * (value - mean);
   const double n = batches * double(length);
+  // s / sqrt(16), s^2 = sum (m_k - m)^2 / 15.
   return {mean, std::max({student * std::sqrt(square / (batches * (batches - 1))), std::abs(late - early),
                           2 * std::log(n) / n, unresolved})};
 }
@@ -63,6 +68,7 @@ std::optional<int> period_of(const std::vector<VectorXd>& looks, double toleranc
     return true;
   };
   for (std::size_t p = 1; 4 * p <= looks.size(); ++p) {
+    // The least p first, so multiples of a period are never reported.
     if (!repeats(p, allowed)) continue;
     constexpr double hardly = 100;
     for (std::size_t q = 1; q < p; ++q)
@@ -82,11 +88,13 @@ Exponent largest_lyapunov(const VectorFunction& map, VectorXd y, const VectorXd&
   std::vector<double> grown;
   for (int next = std::max(limits.least, batches), i = -turning;; ++i) {
     const VectorXd there = map(y);
+    // The separation after one application, |apart| = separation before.
     apart = map(y + apart) - there;
     const double growth = apart.cwiseQuotient(scale).norm() / separation;
     const int count = std::max(i + 1, 0);
     y = there;
     if (!std::isfinite(growth)) return {std::nan(""), std::nan(""), count, y};
+    // Both orbits met: the separation is lost to rounding.
     if (growth == 0) return {-infinity, 0, count, y};
     apart /= growth;
     if (i >= 0) grown.push_back(std::log(growth));
@@ -94,6 +102,7 @@ Exponent largest_lyapunov(const VectorFunction& map, VectorXd y, const VectorXd&
     const auto [value, error] = mean_of(grown);
     if (count >= limits.most || error <= std::max(limits.relative * std::abs(value), limits.absolute))
       return {value, error, count, y};
+    // The error is looked at again after a quarter more.
     next = std::min(limits.most, count + count / 4);
   }
 }
@@ -131,6 +140,7 @@ Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
   if (ended(motion.looks, count) || motion.looks.empty()) return motion;
   VectorXd size = VectorXd::Constant(motion.looks[0].size(), 1e-12);
   for (const VectorXd& y : motion.looks) size = size.cwiseMax(y.cwiseAbs());
+  // Components that hardly move are measured by the largest.
   size = size.cwiseMax(1e-3 * size.maxCoeff());
   while (motion.followed < patience) {
     const auto last = looks(map, map(motion.looks.back()), 0, block);

@@ -23,6 +23,8 @@ namespace hmax {
 /// y -> P(y), the state one period after y; f(t + period, .) = f(t, .), so that every look is the same map
 /// and no phase is lost in a long run. NaN where the motion diverges. The order 8 of dop_853, each period
 /// ending exactly at its end; the system is copied.
+/// P of Poincare: periodic motions of period p T are orbits of p points of P, and the eigenvalues of D P
+/// at a fixed point are the Floquet multipliers.
 /// @param period      [s], positive
 /// @param tolerance   relative and absolute, of each step
 /// @param most_steps  after which a period that has not ended is taken for one that diverges
@@ -61,6 +63,7 @@ struct ExponentLimits {
 };
 
 /// A Lyapunov exponent and what is known of it.
+/// Divided by the period of the force [s] it is the exponent in time [1/s].
 struct Exponent {
   double value;         ///< per application of the map
   double error;         ///< of the value, 95 %
@@ -81,6 +84,9 @@ struct Exponent {
 /// chaos.
 /// Nor is it less than 0.003: the rounding of a map that is integrated, seen at a separation of a millionth,
 /// turns neighbours aside and lets those that part by powers part by some 0.001 per application.
+/// With e_0 of size 1e-6 in units of `scale`:
+///   lambda = (1 / N) sum_i ln(|d_i| / |e_i|),   d_i = P(y_i + e_i) - P(y_i),   e_i+1 = d_i |e_0| / |d_i|.
+/// The first 20 applications only turn e into the direction that grows fastest and are not counted.
 /// @param scale  shape (n), positive: the size of the motion
 Exponent largest_lyapunov(const VectorFunction& map, Eigen::VectorXd y, const Eigen::VectorXd& scale,
                           const ExponentLimits& limits = {});
@@ -107,6 +113,8 @@ struct Settled {
 /// Judges the motion that `looks` shows. Where they do not repeat it is followed for some 3000 applications
 /// of the map, in which chaos that does not last dies out, and then for as many as its exponent takes;
 /// periods of up to 64 are known.
+/// Order: looks that repeat are periodic; else the map is applied in blocks of 256 up to some 3000 times,
+/// each block tested for a period; then the exponent decides.
 /// @param count  how many looks belong to the motion; with fewer it has diverged
 Settled settle(const VectorFunction& map, std::vector<Eigen::VectorXd> looks, int count,
                const ExponentLimits& limits);
@@ -119,6 +127,8 @@ struct BifurcationColumn {
 
 /// Looks for each value of a parameter. Each motion is judged by `settle`, the exponent only as well as its
 /// sign takes.
+/// A bifurcation diagram plots the looks over the parameter: period doubling shows as branches that split.
+/// @param skip, count  looks that are not kept, and kept, at each value
 /// @param map_at  the period map of a value
 /// @param follow  each value starts where the one before has ended, instead of at y0: the branch is followed
 /// @param going   called with the share that is done; the diagram ends early when it returns false
