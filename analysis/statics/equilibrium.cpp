@@ -25,6 +25,9 @@ using Sparse = Eigen::SparseMatrix<double>;
 
 /// J d = -f for one J, below which the rows of what is conserved may stand: by sparse elimination where it
 /// serves, else in the sense of least squares.
+/// With W the conserved sums the rows of (J; W^T), shape (n + count, n), are scaled to a largest entry of
+/// one, then the columns. A complete orthogonal decomposition with a threshold of 1e-12 gives the shortest
+/// d among those of least residual.
 class Corrections {
  public:
   Corrections(const AnyMatrix& J, const MatrixXd& conserved) {
@@ -50,9 +53,12 @@ class Corrections {
   [[nodiscard]] bool usable() const { return sparse_ || dense_; }
   [[nodiscard]] bool is_singular() const { return dense_ && dense_->rank() < dense_->cols(); }
 
+  /// @param f  the residual, shape (n + count)
+  /// @return   d, shape (n)
   [[nodiscard]] VectorXd operator()(const VectorXd& f) const {
     if (sparse_) return sparse_->solve(-f);
     const VectorXd wanted = -row_.cwiseProduct(f);
+    // (R A C) (C^-1 d) = -R f with the diagonals R and C.
     return column_.cwiseProduct(VectorXd(dense_->solve(wanted)));
   }
 
@@ -88,9 +94,13 @@ bool all_finite(const AnyMatrix& J) {
 
 /// Sums w^T y that no motion changes, as the columns of W, shape (n, count): those for which w^T f vanishes
 /// at twice as many states around `y` as there are components.
+/// W spans the kernel of the matrix of rates, one state a row, by elimination with full pivoting; rank
+/// decided at 1e-11.
 /// @param size  of the components of y, shape (n)
+/// @return  no columns when there is no such sum, or when rates are finite at too few states
 MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const VectorXd& size) {
   const Index n = size.size(), wanted = 2 * n + 3;
+  // A fixed seed: the same states in every run.
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-0.3, 0.3);
   MatrixXd rates(wanted, n);
@@ -114,10 +124,12 @@ MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const Vecto
   return reciprocal.asDiagonal() * kernel;
 }
 
+/// |J| |y|: what the rates would be without cancellation, shape (n).
 VectorXd row_sizes(const AnyMatrix& J, const VectorXd& y) {
   return std::visit([&](const auto& held) { return VectorXd(held.cwiseAbs() * y.cwiseAbs()); }, J);
 }
 
+/// One search from one start; y_ and f_ are the iterate and its rates.
 class Search {
  public:
   Search(const FrozenField& field, const VectorXd& start)
@@ -164,8 +176,10 @@ class Search {
       const VectorXd d = correction(residual(y_, f_));
       if (!d.allFinite()) return ends(not_finite, "a Newton step overflows; start elsewhere");
       size_ = size_.cwiseMax(y_.cwiseAbs());
+      // Lengths in units of the sizes of the components, max norm.
       const VectorXd weights = weights_for(d);
       const double length = length_of(d, weights);
+      // Newton's method has nearly converged: steps are taken in full from here on.
       const bool small = length <= 1e-8, stalls = small && length > 0.9 * last;
       if (small) {
         step_to(y_ + d);
@@ -224,6 +238,7 @@ class Search {
     return d.cwiseProduct(weights).cwiseAbs().maxCoeff();
   }
 
+  /// Stays where it is when the rates at y are not finite.
   void step_to(VectorXd y) {
     VectorXd f(y.size());
     if (!evaluate(y, f)) return;
@@ -231,12 +246,16 @@ class Search {
     f_ = std::move(f);
   }
 
+  /// The natural monotonicity test of Deuflhard: the simplified correction at y + a d must be shorter than
+  /// d. Halves a from 1 down to 1e-15.
+  /// @return  false when no a passes
   bool line_search(const Corrections& correction, const VectorXd& d, const VectorXd& weights) {
     const double length = length_of(d, weights);
     VectorXd f(y_.size());
     for (double a = 1; a > 1e-15; a /= 2) {
       const VectorXd y = y_ + a * d;
       if (!y.allFinite() || !evaluate(y, f)) continue;
+      // |J^-1 F(y + a d)| <= (1 - a/4) |d|
       if (!(length_of(correction(residual(y, f)), weights) <= (1 - a / 4) * length)) continue;
       y_ = y;
       f_ = f;
@@ -257,6 +276,7 @@ class Search {
     return (f.cwiseAbs().array() <= 1e-11 * rate_size_.array()).all();
   }
 
+  /// Components that are rounding are set to zero if the rates stay rounding.
   EquilibriumSearch arrives() {
     VectorXd y = y_, f(y_.size());
     for (Index i = 0; i < y.size(); ++i)

@@ -21,6 +21,7 @@ using Matrix = StaticModel::Matrix;
 /// Where Newton's method does not ask for another one.
 constexpr double default_inner_tolerance = 1e-4;
 
+/// What sweeps have come to.
 struct Relaxed {
   int sweeps;
   double left;  ///< |r - K d| / |r|
@@ -35,12 +36,14 @@ Relaxed relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, dou
   VectorXd left(r.size());
   Relaxed reached{0, 1};
   for (int sweep = 1; sweep <= most; ++sweep) {
+    // Column i of the symmetric K is its row i. New d_j are used at once (Gauss and Seidel for omega = 1).
     for (Eigen::Index i = 0; i < K.cols(); ++i) {
       double rest = r[i], diagonal = 0;
       for (Matrix::InnerIterator entry(K, i); entry; ++entry) {
         if (entry.row() == i) diagonal = entry.value();
         rest -= entry.value() * d[entry.row()];
       }
+      // rest = r_i - sum_j K_ij d_j, with j = i included.
       d[i] += omega * rest / diagonal;
     }
     // The residual costs as much as a sweep.
@@ -53,6 +56,7 @@ Relaxed relax(const Matrix& K, const VectorXd& r, VectorXd& d, double omega, dou
 }
 
 /// Solves K d = r by the chosen solver, whatever K is kept for.
+/// take() a matrix, then solve() with it.
 class Inner {
  public:
   explicit Inner(const StaticSettings& settings) : settings_(settings) {
@@ -97,6 +101,7 @@ class Inner {
     return d.allFinite();
   }
 
+  /// Of sor and conjugate gradients, all systems together.
   [[nodiscard]] std::int64_t iterations() const { return iterations_; }
   /// Of the last system that sor was given, |r - K d| / |r|.
   [[nodiscard]] double left() const { return left_; }
@@ -122,6 +127,7 @@ class Inner {
 };
 
 /// The iteration towards F(q) = (1 - share) F(0), that is towards equilibrium under a share of the load.
+/// The residual is R(q) = F(q) - (1 - share) F(0), its size |R| / |F(0)|.
 class Iteration {
  public:
   Iteration(const StaticModel& model, const StaticSettings& settings, const Clock& clock)
@@ -129,6 +135,7 @@ class Iteration {
     q_.setZero(model.dofs);
     trial_ = d_ = residual_ = load_ = q_;
     model.force(q_, load_);
+    // |F(0)|, the whole load, by which residuals are measured [N].
     scale_ = load_.norm();
   }
 
@@ -159,6 +166,7 @@ class Iteration {
   /// @returns whether the residual is so small
   bool approach(double tolerance, int most, int& k, const std::function<void()>& seen) {
     double before = std::numeric_limits<double>::infinity();
+    // At rounding it goes on only while a step at least halves the residual.
     while (k < most && size_ > tolerance && !(is_rounding() && size_ > before / 2)) {
       before = size_;
       if (!advance()) break;
@@ -193,6 +201,8 @@ class Iteration {
     double tau = 0;
     const auto is_definite = [&] { return solver.factor(shifted_) && solver.negative_eigenvalues() == 0; };
     if (is_definite()) return false;
+    // K + tau I with tau doubled until all pivots are positive: the least eigenvalue lies within tau below
+    // zero.
     const double size = shifted_.diagonal().cwiseAbs().mean();
     for (double next = 1e-6 * size; !is_definite(); next *= 2) {
       if (next > 1e3 * size) return false;
@@ -205,9 +215,11 @@ class Iteration {
       solver.solve(z);
       z.normalize();
     }
+    // z^T K z = z^T (K + tau I) z - tau, |z| = 1: negative curvature along z.
     const VectorXd image = shifted_ * z;
     if (!(z.dot(image) - tau < 0)) return false;
     const double energy = energy_at(q_);
+    // From a tenth of |q| down, both ways, until the energy falls.
     for (double length = 0.1 * q_.norm(); length > 1e-6 * q_.norm(); length /= 4)
       for (const double way : {length, -length}) {
         trial_ = q_ + way * z;
@@ -222,7 +234,10 @@ class Iteration {
 
  private:
   /// Goes along d_ as far as the energy or the residual falls.
+  /// Accepts q + a d when the residual is smaller, or when the energy satisfies Armijo's condition E(q + a
+  /// d) <= E(q) - 1e-4 a R.d [nocedal2006numerical, section 3.1]; a = 1, 1/2, 1/4, ...
   bool walk(bool searches, bool has_energy) {
+    // -dE/da at a = 0, since R = -grad E.
     const double slope = residual_.dot(d_);
     constexpr double share_of_slope = 1e-4, shortest = 1e-4, shortest_when_barred = 1e-12, rounding = 1e-13;
     // The residual alone would be led into saddles.
@@ -238,6 +253,7 @@ class Iteration {
       if (residual_counts && next < size_) return true;
       if (!has_energy) return false;
       if (!energy) energy = energy_at(q_);
+      // The energy to be gained is below its rounding: the residual decides.
       if (length * slope <= rounding * std::abs(*energy)) return next < size_;
       return energy_at(trial_) <= *energy - share_of_slope * length * slope;
     };
@@ -265,6 +281,8 @@ class Iteration {
   [[nodiscard]] bool is_rounding() const { return size_ * scale_ <= model_.rounding; }
 
   /// d_ = K^-1 residual_.
+  /// K at q for Newton's method, at rest for the others, where it is taken once.
+  /// @return  false when K is singular or the solver gave up
   bool set_direction() {
     const bool constant = settings_.method != StaticMethod::newton;
     if (!constant || !taken_ || stale_) {
@@ -291,6 +309,8 @@ class Iteration {
   }
 
   /// d_ = (K + tau I)^-1 residual_, downhill, with tau = 0 where that will do.
+  /// tau begins at 1e-4 of the mean diagonal, or at a sixteenth of the last one that was needed, and is
+  /// made four times larger up to 20 times [nocedal2006numerical, section 3.4].
   bool set_descent() {
     const auto is_descent = [&] { return residual_.dot(d_) > 0 && !inner_.is_indefinite(); };
     was_shifted_ = indefinite_ = false;
@@ -330,6 +350,7 @@ class Iteration {
   /// @source [eisenstat1996choosing] (2.6) and 2.2
   double next_forcing() {
     constexpr double largest = 0.1, share = 0.9, worth_keeping = 0.1;
+    // The safeguard of the source: eta does not fall much faster than the last one squared allows.
     const double before = share * forcing_ * forcing_, ratio = size_ / size_before_;
     forcing_ = size_before_ > 0 ? share * ratio * ratio : largest;
     if (before > worth_keeping) forcing_ = std::max(forcing_, before);
@@ -419,6 +440,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     if (settings.seen) settings.seen(solution.history.back());
   };
   for (int step = 1; step <= steps; ++step) {
+    // Each load step starts from the solution of the one before.
     iteration.set_share(static_cast<double>(step) / steps);
     record(step);
     int k = 0, left = 0;
@@ -472,6 +494,8 @@ double best_relaxation(const StaticModel& model, const StaticSettings& settings)
   for (const double omega : {1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 1.95}) {
     const Relaxed reached =
         relax(K, load, d, omega, settings.inner_tolerance.value_or(default_inner_tolerance), least.sweeps);
+    // Of equally many sweeps the one that leaves less; later candidates get no more sweeps than the best
+    // so far.
     if (reached.sweeps < least.sweeps || (reached.sweeps == least.sweeps && reached.left < least.left)) {
       least = reached;
       best = omega;
@@ -505,6 +529,7 @@ std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSe
     const bool known =
         exact.approach(1e-12, thorough.iterations, k, [] {}) || exact.residual() <= thorough.tolerance;
     const double size = exact.q().norm();
+    // |q - q*| / |q*|
     const double error = size > 0 ? (shown.q() - exact.q()).norm() / size : 0;
     all.push_back(
         {share, shown.residual(), known ? error : std::numeric_limits<double>::quiet_NaN(), seconds});

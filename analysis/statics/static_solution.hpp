@@ -1,5 +1,7 @@
 /// Static solutions of mechanical systems, F(q) = 0 under a load that is brought on in steps, by the methods
 /// of the field and with the history of their residuals.
+/// Newton's method for F(q) = 0 with K = -dF/dq: K(q) d = F(q), q <- q + a d, 0 < a <= 1. Loads act in
+/// equal steps: step i of N solves F(q) = (1 - i / N) F(0).
 #pragma once
 
 #include <cstdint>
@@ -18,6 +20,7 @@ namespace hmax {
 
 /// The forces on a body at rest. They are those of the body itself and dead loads, which do not depend on q,
 /// so that F at q = 0, where a body that is not strained resists nothing, is the whole load.
+/// q has shape (dofs) [m] and is zero at rest.
 struct StaticModel {
   using Matrix = Eigen::SparseMatrix<double>;
   Eigen::Index dofs = 0;
@@ -35,6 +38,8 @@ struct StaticModel {
 };
 
 /// How the equations are linearised.
+/// Newton's method converges quadratically near a regular solution, the modified one linearly, with one
+/// factorisation in all.
 enum class StaticMethod {
   linear,           ///< one solution with the stiffness at rest
   newton,           ///< the stiffness of every iterate
@@ -61,6 +66,7 @@ struct StaticIterate {
   std::int64_t inner;  ///< iterations of the inner solver so far; 0 for direct
 };
 
+/// Settings of solve_static(), checked by it.
 struct StaticSettings {
   StaticMethod method = StaticMethod::newton;
   InnerSolver inner = InnerSolver::direct;
@@ -83,6 +89,7 @@ struct StaticSettings {
   std::function<void(const StaticIterate&)> seen{};  ///< called with every iterate
 };
 
+/// That there is no solution is an answer, not an error: `note` and `remedy` tell.
 struct StaticSolution {
   bool converged = false;
   Eigen::VectorXd q;                   ///< the last iterate, shape (dofs) [m]
@@ -99,10 +106,17 @@ struct StaticSolution {
 using Clock = std::function<double()>;
 
 /// Solves for q from rest.
+/// Converged when |F| <= tolerance |F(0)| under the full load, or when what is left is rounding. A load
+/// below rounding gives q = 0.
+/// @param clock  read for the history only
 /// @throws InputError  for settings out of range
 StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock);
 
 /// The relaxation of 1, 1.1, ..., 1.9 and 1.95 with which SOR solves K d = F at rest in the fewest sweeps.
+/// SOR converges for symmetric positive definite K and omega in (0, 2) (Golub and Van Loan, Matrix
+/// Computations); the best omega depends on the mesh.
+/// @return  where none converges in settings.inner_iterations sweeps, the one that leaves least;
+/// settings.relaxation where all diverge
 double best_relaxation(const StaticModel& model, const StaticSettings& settings);
 
 /// One frame of a load that moves, for which there is time for a fixed number of iterations.
@@ -115,6 +129,10 @@ struct StaticFrame {
 
 /// Brings the load on linearly over `frames` frames, each of which begins where the last one ended and has
 /// `iterations` iterations without line searches, as interactive simulators do.
+/// Frame i of N acts with the share i / N; ends early when the residual is not finite.
+/// @param frames, iterations  at least 1
+/// @return  no frames for a body without load
+/// @throws InputError  for settings out of range
 std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSettings& settings, int frames,
                                         int iterations, const Clock& clock);
 

@@ -21,6 +21,9 @@ struct DampingRange {
 };
 
 /// Tangents in some twenty directions, each by a Lanczos iteration, and gamma, kappa >= 0.
+/// The tangent in the direction (cos t, sin t) is gamma cos t + kappa sin t <= the largest eigenvalue of c
+/// cos t + k sin t, in scaled units; residuals are added to the eigenvalues, so that the polygon contains
+/// the range.
 /// @param part  K and C symmetric, without negative eigenvalues
 DampingRange damping_range(const MechanicalPart& part);
 

@@ -27,6 +27,9 @@ std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum);
 
 /// The first exit of every mode from the origin, h' in (0, h]: what lies behind a gap is of no use to anybody
 /// who lowers a step. The smallest is the limit; with damping it is often not that of the largest eigenvalue.
+/// h_max = min over modes of first_exit(); growing modes take no part, nor do those with |lambda| below
+/// the rounding of the spectrum.
+/// @return  h_max infinity and limiting 0 where no mode has an exit
 /// @param modes  not empty
 StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes);
 
