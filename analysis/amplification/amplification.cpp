@@ -116,6 +116,7 @@ void add_square(CancellingSum& sum, long double sign, const ComplexPolynomial& p
 
 }  // namespace
 
+// Keeps the coefficients in long double for limits and in double for pictures.
 StepPolynomial::StepPolynomial(std::vector<ComplexPolynomial> p) : p_(std::move(p)) {
   // Roots that are always zero say nothing.
   while (p_.size() > 2 && is_zero(p_.front())) p_.erase(p_.begin());
@@ -135,6 +136,7 @@ StepPolynomial StepPolynomial::real(const std::vector<Polynomial>& p) {
   return StepPolynomial(std::move(complex));
 }
 
+// p_.size() is the degree in zeta plus one.
 double StepPolynomial::spectral_radius(Complex h) const {
   switch (p_.size()) {
     // |zeta| = |p_0| / |p_1|
@@ -169,6 +171,8 @@ std::vector<Complex> StepPolynomial::roots(Complex h) const {
   return roots;
 }
 
+// pi(zeta, h) / h^m tends to the polynomial of the coefficients of h^m, and its roots to the roots of that
+// one.
 double StepPolynomial::radius_at_infinity() const {
   // The highest power of h rules.
   std::size_t power = 0;
@@ -180,6 +184,7 @@ double StepPolynomial::radius_at_infinity() const {
   return largest(all_roots(std::move(c)));
 }
 
+// One stage costs n complex multiplications twice, the whole test about n^2; no root is computed.
 bool roots_are_at_most_one(Complex* c, std::size_t degree) {
   // A circle a hair wider, so that roots on the unit circle are inside.
   // Roots of sum_j c_j (r zeta)^j are those of the given polynomial divided by r = 1 + 1e-9.
@@ -222,6 +227,8 @@ StepPolynomial StepPolynomial::along(Complex lambda) const {
   return StepPolynomial(std::move(p));
 }
 
+// Power series of the principal root by undetermined coefficients: pi(zeta(h), h) = 0 power by power of h,
+// then the first power of h at which |zeta|^2 differs from one.
 bool StepPolynomial::grows_at_origin(LongComplex lambda) const {
   // zeta = sum_m s_m h^m: with s_m = 0 the coefficient of h^m in pi says what s_m has to be.
   constexpr std::size_t terms = 22;
@@ -260,6 +267,8 @@ bool StepPolynomial::grows_at_origin(LongComplex lambda) const {
   return false;
 }
 
+// Products of coefficients cancel for methods that keep |zeta| = 1 on an axis: CancellingSum makes exact
+// zeros of what is left, so that "stable for every h" is not lost to rounding.
 std::optional<std::vector<Polynomial>> StepPolynomial::conditions(double growth) const {
   const std::size_t roots = p_.size() - 1;
   if (roots > 3 || (roots > 1 && !real_)) return std::nullopt;
@@ -550,6 +559,7 @@ UnstableSteps unstable_steps(const Growth& growth, double tolerated) {
   return sampled(growth, tolerated, false);
 }
 
+// The first exit is the smallest beginning of an interval in which a condition is negative.
 double first_exit(const Growth& growth, double tolerated) {
   if (growth.polynomial)
     if (const auto conditions = growth.polynomial->conditions(tolerated)) {

@@ -86,6 +86,7 @@ class StepPolynomial {
   /// From the polynomial for lambda = 1 to that for lambda: h^j takes the factor lambda^j.
   [[nodiscard]] StepPolynomial along(Complex lambda) const;
 
+  /// p_0 ... p_k, each ascending in h.
   [[nodiscard]] const std::vector<ComplexPolynomial>& coefficients() const { return p_; }
 
  private:

@@ -27,6 +27,8 @@ std::vector<double> places(double low, double high, int samples) {
 
 }  // namespace
 
+// Least squares for c x = alpha x + beta k x of one x in general position, then the residual for that x
+// and two more. Costs three products with K and C.
 std::optional<std::array<double, 2>> rayleigh_coefficients(const MechanicalPart& part) {
   if (!part.symmetric) return std::nullopt;
   const Index n = part.mass.size();
@@ -56,6 +58,8 @@ std::optional<std::array<double, 2>> rayleigh_coefficients(const MechanicalPart&
   return std::array<double, 2>{alpha, beta};
 }
 
+// Refinement: all exits of a grid of kappa, then a grid between the neighbours of the smallest, six rounds
+// in all.
 CurveLimit smallest_exit(const DampingCurve& curve, const ExitsOf& exits, int samples) {
   double low = curve.kappa_min, high = curve.kappa_max;
   CurveLimit limit{.h_max = std::numeric_limits<double>::infinity(), .kappa = high};

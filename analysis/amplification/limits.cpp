@@ -105,6 +105,8 @@ bool is_analytic_on_the_left(const StepPolynomial& in_z) {
 
 }  // namespace
 
+// Three questions: the two axes, infinity, and the wedge in between, which is asked only where the whole
+// negative real axis is stable.
 StabilityLimits stability_limits(const Amplification& amplification) {
   StabilityLimits limits;
   const Growth real = along(amplification, -1), imaginary = along(amplification, Complex(0, 1));

@@ -46,6 +46,7 @@ Polynomial corrector_weights(int order) {
 }
 
 /// pi(zeta, z) being collected: p[j] holds the coefficients 1, z, z^2 of zeta^j.
+/// The coefficient of z^2 is used by pece alone.
 class Collected {
  public:
   explicit Collected(std::size_t degree) : p_(degree + 1, Polynomial(3)) {}
@@ -60,6 +61,8 @@ class Collected {
 
 }  // namespace
 
+// Each branch writes the difference equation of its scheme for y' = z y (h = 1) with zeta^n in place of
+// y_n, divided by the lowest power.
 Amplification adams_amplification(AdamsMode mode, int predictor_order, int corrector_order) {
   const Polynomial beta = predictor_weights(predictor_order);
   const std::size_t k = beta.size();

@@ -6,6 +6,8 @@
 
 namespace hmax {
 
+// The step of a method on a linear mode is zeta^n, which is exp(t log(zeta) / h) at t = n h: the numerical
+// solution is a damped oscillation with that eigenvalue [hughes2000finite, 9.3].
 ShownOscillation shown_oscillation(const Amplification& amplification, double omega, double zeta, double h) {
   // lambda = omega (-zeta + i sqrt(1 - zeta^2)), the upper one of the pair.
   const Complex lambda = omega * Complex(-zeta, std::sqrt(std::max(0.0, 1 - zeta * zeta)));

@@ -114,6 +114,7 @@ Amplification of_polynomial(StepPolynomial in_z) {
   return amplification;
 }
 
+/// A copy, for functions that outlive the tableau.
 std::vector<long double> owned(std::span<const long double> numbers) {
   return {numbers.begin(), numbers.end()};
 }
@@ -129,6 +130,8 @@ Amplification runge_kutta_amplification(std::span<const long double> a, std::spa
   return of_polynomial(step_polynomial(stages, 1, order));
 }
 
+// R = det(I - z A + z 1 b^T) / det(I - z A) [hairer1996solving, IV.3]; with M the matrix, det(I - z M) =
+// sum_k c_k z^k.
 Amplification full_runge_kutta_amplification(std::span<const long double> a, std::span<const long double> b,
                                              int order) {
   const std::size_t s = b.size();
@@ -193,6 +196,7 @@ Amplification rosenbrock_amplification(std::span<const long double> alpha, std::
   return amplification;
 }
 
+// In units of the faster of the two parts, as for a foreign Jacobian above.
 Amplification additive_amplification(std::span<const long double> a_nonstiff,
                                      std::span<const long double> b_nonstiff,
                                      std::span<const long double> a_stiff,

@@ -35,6 +35,7 @@ Amplification full_runge_kutta_amplification(std::span<const long double> a, std
 Amplification rosenbrock_amplification(std::span<const long double> alpha, std::span<const long double> gamma,
                                        std::span<const long double> b, int order);
 
+/// From a tableau for the transformed stages, which original() turns back into alpha, gamma and b.
 template <std::size_t S>
 Amplification rosenbrock_amplification(const RosenbrockTableau<S>& tableau, int order) {
   const RosenbrockForm<S> form = original(tableau);
@@ -54,6 +55,7 @@ Amplification additive_amplification(std::span<const long double> a_nonstiff,
                                      std::span<const long double> a_stiff,
                                      std::span<const long double> b_stiff, int order);
 
+/// From the pair of tableaux that the stepper uses.
 template <std::size_t S>
 Amplification additive_amplification(const AdditiveTableau<S>& tableau, int order) {
   return additive_amplification(detail::flattened(tableau.nonstiff.a), tableau.nonstiff.b,

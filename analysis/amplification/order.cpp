@@ -42,6 +42,8 @@ Line fit(const std::vector<double>& h, const std::vector<double>& error) {
 
 }  // namespace
 
+// For each end time: refine until the error is at most `floor`, keep the four finest, fit. The end time
+// with the smallest spread of local slopes wins.
 OrderObservation observe_order(const std::function<double(double t_end, double h)>& error_of,
                                std::span<const double> end_times, double floor, double most_steps) {
   OrderObservation best;

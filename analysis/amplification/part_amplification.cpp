@@ -23,6 +23,8 @@ Eigenmode beside(Complex slow, Complex fast) {
 
 bool is_at_most_one(const SlowPolynomial& R, Complex z) { return std::norm(evaluate(R, z)) <= 1 + 2e-9; }
 
+// R beside a fixed z_fast is a polynomial in z_slow divided by a number: the denominator prod (1 - z_fast
+// aI_ii) does not contain z_slow. So its values on a circle determine it.
 SlowPolynomial in_slow(const Amplification& pair, Complex fast) {
   constexpr std::size_t points = 24;
   constexpr long double radius = 4;
@@ -68,6 +70,8 @@ Amplification beside_stiff(const std::shared_ptr<const Amplification>& pair, Com
   return amplification;
 }
 
+// pi for lambda = 1 with z0 = z / ratio is again a polynomial in z, so that all that is known of such
+// polynomials serves.
 Amplification with_old_jacobian(const std::shared_ptr<const Amplification>& method, double ratio) {
   Eigenmode mode(Complex(1));
   mode.frozen = 1 / ratio;

@@ -6,6 +6,7 @@
 
 namespace hmax {
 
+// sum_ and magnitude_ stay of one length: both grow with the product.
 void CancellingSum::add(long double sign, const Polynomial& p, const Polynomial& q) {
   hmax::add(sum_, sign, product(p, q));
   const auto sizes = [](Polynomial c) {
@@ -15,6 +16,7 @@ void CancellingSum::add(long double sign, const Polynomial& p, const Polynomial&
   hmax::add(magnitude_, 1.0L, product(sizes(p), sizes(q)));
 }
 
+// A coefficient of at most `rounding` of the sum of its moduli becomes an exact zero.
 Polynomial CancellingSum::value(long double rounding) const {
   Polynomial kept = sum_;
   for (std::size_t i = 0; i < kept.size(); ++i)
@@ -91,6 +93,8 @@ void add_roots(const Polynomial& b, const Polynomial& error, long double t0, lon
 
 }  // namespace
 
+// Bernstein form on (0, 1), subdivision until each part has at most one change of sign, bisection there;
+// then the sign alternates from root to root, beginning with that of the lowest coefficient.
 std::vector<Interval> negative_intervals(std::span<const long double> p, long double scale) {
   // Roots at zero and at infinity are none of ours.
   while (!p.empty() && p.front() == 0) p = p.subspan(1);

@@ -21,6 +21,8 @@ Number evaluate(const Coefficients& c, Number x) {
   return sum;
 }
 
+/// The coefficients of p q: r_k = sum_i p_i q_k-i, degree p + degree q + 1 of them; empty where p or q is
+/// zero.
 template <class Number>
 std::vector<Number> product(const std::vector<Number>& p, const std::vector<Number>& q) {
   if (p.empty() || q.empty()) return {};

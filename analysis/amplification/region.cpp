@@ -10,6 +10,7 @@
 
 namespace hmax {
 
+// Positive for outlines, which run counter-clockwise.
 double RegionCurve::area() const {
   double twice = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -20,6 +21,8 @@ double RegionCurve::area() const {
   return twice / 2;
 }
 
+// In this order: what the family offers, Schur and Cohn's test of the polynomial in z, the spectral
+// radius.
 StableAt stable_at(const Amplification& amplification) {
   if (amplification.stable_at) return amplification.stable_at;
   if (amplification.in_z) return [p = *amplification.in_z](Complex z) { return p.is_at_most_one(z); };
@@ -58,6 +61,7 @@ class Grid {
     return {window_.re_from + x * (window_.re_to - window_.re_from),
             window_.im_from + y * (window_.im_to - window_.im_from)};
   }
+  // Nodes of the ring around the window, which count as unstable.
   [[nodiscard]] bool outside(int i, int j) const { return i < 0 || j < 0 || i > columns_ || j > rows_; }
 
   /// Where stability changes between two neighbours, one stable and one not.
@@ -89,6 +93,7 @@ class Grid {
 /// side to the left.
 class CrossedEdges {
  public:
+  // All squares, those of the ring included.
   explicit CrossedEdges(const Grid& grid) : grid_(grid) {
     for (int j = -1; j <= grid.rows(); ++j)
       for (int i = -1; i <= grid.columns(); ++i) link_in_square(i, j);
@@ -174,6 +179,8 @@ class CrossedEdges {
 
 }  // namespace
 
+// Marching squares: nodes of a grid, linked crossings, curves; the region is to the left of each curve by
+// construction.
 std::vector<RegionCurve> region_boundary(const StableAt& is_stable, const PlaneWindow& window, int cells) {
   const double width = window.re_to - window.re_from, height = window.im_to - window.im_from;
   if (!(width > 0) || !(height > 0) || !std::isfinite(width) || !std::isfinite(height))
@@ -192,6 +199,7 @@ std::vector<RegionCurve> region_boundary(const StableAt& is_stable, const PlaneW
   return curves;
 }
 
+// Probes rays every 4.45 degrees; one ray without exit means an unbounded region.
 PlaneWindow window_of(const Amplification& amplification) {
   const auto exit = [&](double degrees) {
     return first_exit(

@@ -62,6 +62,8 @@ Amplification symplectic_euler_amplification() {
   return of_map({.inertia = s_squared, .damper = s, .spring = zeta});
 }
 
+// Velocity Verlet: v_half = v + h/2 a, q_new = q + h v_half, v_new = v_half + h/2 a_new. What differs is
+// at which velocity a_new takes its damping.
 Amplification kick_drift_kick_amplification(KickDamping damping) {
   // Of (q, v_half) the same steps.
   if (damping == KickDamping::half_step) return symplectic_euler_amplification();
@@ -76,6 +78,8 @@ Amplification kick_drift_kick_amplification(KickDamping damping) {
   return of_map(map);
 }
 
+// Balance at alpha-weighted points between the ends of the step: M a + F (gamma v + kappa q) = 0 as
+// polynomials in the shift zeta [chung1993time].
 Amplification generalized_alpha_amplification(const AlphaParameters& p) {
   // q_n+1 = q + h v + h^2 ((1/2 - beta) a + beta a_new) and v_n+1 = v + h ((1 - gamma) a + gamma a_new), that
   // is

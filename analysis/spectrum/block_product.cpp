@@ -31,6 +31,7 @@ bool consists_of_blocks(const Sparse& A) {
 
 }  // namespace
 
+// An uncompressed matrix is copied first, since the passes need contiguous rows.
 SymmetricProduct::SymmetricProduct(const Sparse& matrix, const Eigen::VectorXd& scale) : n_(matrix.rows()) {
   Sparse compressed;
   if (!matrix.isCompressed()) {
@@ -65,6 +66,7 @@ SymmetricProduct::SymmetricProduct(const Sparse& matrix, const Eigen::VectorXd& 
   }
 }
 
+// One pass over the values in the order in which they are stored; 2 operations for each stored number.
 void SymmetricProduct::apply(const double* in, double* out) const {
   const double* value = values_.data();
   if (!blocks_) {

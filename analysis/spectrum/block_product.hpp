@@ -19,6 +19,8 @@ class SymmetricProduct {
   SymmetricProduct(const Eigen::SparseMatrix<double>& A, const Eigen::VectorXd& scale);
 
   [[nodiscard]] Eigen::Index rows() const { return n_; }
+  /// Whether A is stored as blocks of 3 x 3, one index each: less memory traffic for a mesh of points with
+  /// three coordinates.
   [[nodiscard]] bool has_blocks() const { return blocks_; }
   /// y = S A S x.
   /// x and y have shape (n) and must be different vectors.

@@ -29,6 +29,7 @@ class Companion {
  public:
   Companion(const ScaledMatrices& scaled, double s) : scaled_(scaled), s_(s), product_(scaled.size()) {}
 
+  /// Costs one product with k and one with c.
   void operator()(const VectorXd& x, VectorXd& y) {
     const Index n = product_.size();
     // lambda (s u) = s (lambda u)
@@ -69,6 +70,8 @@ DampedEigenvalues converged(const MatrixXd& H, double below) {
 
 }  // namespace
 
+// Arnoldi iteration: w = A q_k is orthogonalised against q_1 ... q_k, which gives column k of H; Ritz
+// values are looked at every thirty steps.
 DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
   const ScaledMatrices scaled(part);
   const Index n = scaled.size();
@@ -114,6 +117,7 @@ DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
   return result;
 }
 
+// Without damping the first round gives the answer, sqrt(-kappa_min).
 std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
   const ScaledMatrices scaled(part);
   const Index n = scaled.size();

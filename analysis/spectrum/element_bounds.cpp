@@ -36,6 +36,8 @@ MatrixXd scaled_to_free(std::span<const Index> points, const Stiffness& K, const
 
 }  // namespace
 
+// Two passes over the elements: the first sums weights and diagonal blocks at the points, the second knows
+// the shares of mass.
 StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mass,
                                  std::span<const double> weights, const Eigen::SparseMatrix<double>& K) {
   // By the trace stiff elements get more of the mass of a point, which lowers the largest of their kappa.
@@ -96,6 +98,7 @@ StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mas
   return bounds;
 }
 
+// Energies of a mode add up over the elements, kinetic energies over the points.
 ModeOwner owner_of(const ElementSum& elements, const VectorXd& mass, const VectorXd& shape) {
   std::vector<double> energy;
   elements([&](std::span<const Index> points, const Stiffness& K) {

@@ -95,6 +95,7 @@ class Scaled {
  public:
   VectorXd inverse_root;
 
+  /// @throws std::invalid_argument  unless K is symmetric
   explicit Scaled(const MechanicalPart& part) : inverse_root(part.mass.cwiseSqrt().cwiseInverse()) {
     if (!part.symmetric)
       throw std::invalid_argument(
@@ -116,6 +117,7 @@ class Scaled {
     k.makeCompressed();
     return k;
   }
+  /// k for products, in blocks where K has them.
   [[nodiscard]] SymmetricProduct product() const { return {*K_, inverse_root}; }
   /// max_j sum_i |k_ij|, an upper bound of |kappa| [1/s^2].
   [[nodiscard]] double gershgorin() const {
@@ -249,6 +251,8 @@ VectorXd balance(const Sparse& J) {
 /// Vectors kept between restarts: more than are wanted, so that neighbours of the last one do not hold it up.
 Index krylov_dimension(Index n, Index count) { return std::min(n, std::max<Index>(2 * count + 20, 60)); }
 
+/// Restarted Arnoldi iteration on D^-1 J D, whose eigenvalues are those of J. One value more than asked
+/// for, so that trim() sees a conjugate.
 LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
   const VectorXd d = balance(J);
   const Sparse balanced = d.cwiseInverse().asDiagonal() * J * d.asDiagonal();
@@ -295,6 +299,7 @@ bool has_krylov() {
 #endif
 }
 
+// A matrix without entries has no Krylov space: it goes to the dense method too.
 LargestEigenvalues largest_eigenvalues(const Sparse& J, Index count, Index dense_to) {
   const bool by_dense = goes_dense(J.rows(), count, dense_to) || J.nonZeros() == 0;
   LargestEigenvalues result = by_dense ? dense_largest(MatrixXd(J), count) : krylov_largest(J, count);
@@ -311,6 +316,7 @@ ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Index count,
   return stiffnesses(part, count, dense_to, false);
 }
 
+// The shift lies 1e-9 beside the given kappa.
 ExtremeStiffnesses stiffnesses_near(const MechanicalPart& part, double kappa, Index count) {
   require_sensible(part.mass.size(), count);
   const Scaled scaled(part);

@@ -138,6 +138,7 @@ class FullLanczos {
   std::vector<double> values = {};
   Index products = 0;
 
+  /// The order of rank: values, or moduli.
   [[nodiscard]] bool comes_before(double a, double b) const {
     return rank_ == Rank::largest ? a > b : std::abs(a) > std::abs(b);
   }
@@ -236,6 +237,8 @@ VectorXd start_vector(Index n) {
   return start;
 }
 
+// Steps of the recurrence; now and then the largest eigenvalue of T, its vector and the residual b_k s_k;
+// at the end the vector from the basis, or from a second run.
 LanczosPair largest_eigenpair(const SymmetricOperator& A, Index n, const LanczosSettings& settings) {
   constexpr double most_kept = 400e6 / sizeof(double);
   LanczosPair pair;
@@ -294,6 +297,8 @@ LanczosPair largest_eigenpair(const SymmetricOperator& A, Index n, const Lanczos
   return pair;
 }
 
+// Runs until `count` pairs are found, then more runs on what is left, until one brings nothing that comes
+// before the last of them.
 LanczosPairs first_eigenpairs(const SymmetricOperator& A, Index n, Index count, Rank rank, double tolerance,
                               Index most_products) {
   FullLanczos search(A, n, rank, tolerance, most_products);

@@ -141,6 +141,8 @@ MechanicalPart mechanical_part(VectorXd mass, AnyMatrix K, AnyMatrix C, double r
   return part;
 }
 
+// Checks masses and entries, then symmetry and damping; a single degree of freedom is decided by its c
+// alone.
 void classify(MechanicalPart& part, double relative) {
   require_masses(part.mass);
   for (const auto& [matrix, name] : {std::pair{&part.K, "stiffness"}, {&part.C, "damping"}})
@@ -184,6 +186,7 @@ void require_finite(const AnyMatrix& matrix, std::string_view what, double t) {
   });
 }
 
+// Counted from 1 in the message, as models number their components.
 void require_finite_state(double t, const VectorXd& y) {
   if (!std::isfinite(t))
     throw InputError(fmt::format("the time of the linear model is {}; give a finite time", to_text(t)));

@@ -92,6 +92,7 @@ void classify(MechanicalPart& part, double relative = 1e-10);
 namespace detail {
 /// @throws InputError  that names the first entry of `matrix` that is not finite
 void require_finite(const AnyMatrix& matrix, std::string_view what, double t);
+/// @throws InputError  that names the time or the first component of y that is not finite
 void require_finite_state(double t, const Eigen::VectorXd& y);
 
 /// K and C of J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
@@ -102,6 +103,7 @@ std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, con
 /// long.
 AnyMatrix taken(AnyMatrix& from);
 
+/// Brings whatever a system uses, variants included, into an AnyMatrix of double.
 template <class Matrix>
 AnyMatrix any_matrix(Matrix matrix) {
   if constexpr (std::is_same_v<Matrix, AnyMatrix>)
@@ -164,6 +166,7 @@ Eigen::SparseMatrix<double> pattern_of(const S& system, real_of<typename S::Stat
   return {};
 }
 
+/// By the code of the system, in its own arithmetic, then in double; shape (n, n).
 template <System S>
 AnyMatrix jacobian_of_code(const S& system, real_of<typename S::State> t, const typename S::State& y) {
   jacobian_type<S> J = room_for<jacobian_type<S>>(system.dim());

@@ -4,6 +4,8 @@
 
 namespace hmax {
 
+// Projects load and start onto the shapes: each amplitude is a linear oscillator of mass one under a
+// constant force.
 ModalMotion::ModalMotion(const MechanicalPart& part, const Eigen::VectorXd& force,
                          const Eigen::VectorXd& y0) {
   MechanicalModes modes = mechanical_modes(part, true);

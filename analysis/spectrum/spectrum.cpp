@@ -33,6 +33,7 @@ bool comes_before(Complex a, Complex b) {
   return a.imag() > b.imag();
 }
 
+/// @throws InputError  beyond most_dense_rows
 void require_dense_size(Index n) {
   if (n > most_dense_rows)
     throw InputError(
@@ -41,6 +42,7 @@ void require_dense_size(Index n) {
                     n, most_dense_rows));
 }
 
+/// @throws InputError  when the QR iteration has given up
 void require_convergence(Eigen::ComputationInfo info) {
   if (info != Eigen::Success)
     throw InputError(
@@ -66,6 +68,7 @@ struct Companion {
   double s = 1;
   MatrixXd B;
 
+  /// B has shape (2 n, 2 n); s = 1 where K is zero.
   explicit Companion(const MechanicalPart& part) {
     const MassScaled scaled(part);
     const Index n = scaled.k.rows();
@@ -186,12 +189,15 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const VectorXd& scale) {
 
 }  // namespace
 
+// lambda = -zeta omega + i omega sqrt(1 - zeta^2), so |lambda| = omega.
 Mode mode_of(Complex lambda) {
   if (lambda.imag() == 0) return {.lambda = lambda};
   const double omega = std::abs(lambda);
   return {.lambda = lambda, .omega = omega, .zeta = -lambda.real() / omega};
 }
 
+// Overdamped modes have two rates -lambda_1 >= -lambda_2 and zeta > 1; an unstable spring (kappa < 0) has
+// rates of both signs.
 Mode mode_of(const MechanicalMode& oscillation) {
   const auto [upper, lower] = eigenvalues_of(oscillation);
   const bool swings = upper.imag() != 0;
@@ -204,6 +210,8 @@ Mode mode_of(const MechanicalMode& oscillation) {
   return mode;
 }
 
+// Roots of lambda^2 + gamma lambda + kappa. The larger real one has no cancellation; the smaller follows
+// from the product.
 std::array<Complex, 2> eigenvalues_of(const MechanicalMode& mode) {
   const double half = -mode.gamma / 2;
   // gamma^2/4 - kappa as a product keeps its digits near critical damping.
@@ -238,6 +246,8 @@ std::array<Complex, 2> eigenvalues_2x2(const Eigen::Matrix2d& J) {
   return {Complex(std::max(larger, smaller), 0.0), Complex(std::min(larger, smaller), 0.0)};
 }
 
+// k u = kappa u; gamma by Rayleigh's coefficients where C has them, else u^T c u in a basis that makes c
+// diagonal within each eigenspace of k.
 MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   if (!part.decouples())
     throw std::invalid_argument(
@@ -305,6 +315,7 @@ std::vector<Complex> all_eigenvalues(const MatrixXd& J) {
   return lambda;
 }
 
+// By modes, by the companion form or by J itself: the smallest problem that serves.
 Spectrum spectrum_of(const LinearModel& model) {
   require_dense_size(model.y.size());
   Spectrum spectrum;
@@ -323,6 +334,7 @@ Spectrum spectrum_of(const LinearModel& model) {
   return spectrum;
 }
 
+// Coordinates x = scale y: (s M^1/2 q, M^1/2 v) for the companion form.
 Eigenvectors eigenvectors_of(const LinearModel& model) {
   require_dense_size(model.y.size());
   if (!model.mechanical) return general_eigenvectors(dense(model.J()), VectorXd::Ones(model.y.size()));
