@@ -11,6 +11,8 @@ namespace hmax {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
+// All quantities in units of `size`; the 3 x 3 system is regular because no two eigenvalues of a stable A
+// add up to zero.
 Trap::Trap(const Vector2d& equilibrium, const Matrix2d& J, const Vector2d& size)
     : equilibrium_(equilibrium), size_(size) {
   // Both eigenvalues have negative real parts if and only if the trace is negative and the determinant
@@ -34,6 +36,8 @@ double Basins::share(int of) const {
   return static_cast<double>(std::ranges::count(fate, of)) / static_cast<double>(fate.size());
 }
 
+// Cell (column, row) has its centre at lower + ((column + 1/2) / columns, (row + 1/2) / rows) of the
+// window.
 Basins basins(const std::function<int(const Vector2d&)>& fate_of, const Window& window, int columns, int rows,
               const std::function<bool(double)>& going) {
   if (columns < 1 || rows < 1 || !(window.size().minCoeff() > 0))

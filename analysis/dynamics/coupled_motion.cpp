@@ -121,6 +121,7 @@ bool singles_never_leave(const Amplification& single) {
 
 }  // namespace
 
+// A method that takes the diagonal of C apart couples modes unless C is diagonal.
 bool couples_modes(const MotionMap& map, const MechanicalPart& part) {
   if (!part.decouples()) return true;
   if (map.lumped.empty()) return false;
@@ -130,6 +131,9 @@ bool couples_modes(const MotionMap& map, const MechanicalPart& part) {
   return beside.norm() > 1e-12 * size;
 }
 
+// A Newton-like iteration for the least h at which P(-1, h) has a kernel: the quadratic of the current
+// least eigenvector is solved exactly, then a new eigenvector is taken. Products with sparse k and c
+// alone.
 std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
                                               const Amplification& single) {
   if (!part.symmetric || !map.lumped.empty()) return std::nullopt;
@@ -197,6 +201,7 @@ CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)
   rounding_ = drifts ? 1e-6 : 1e-10;
 }
 
+// Linearises the matrix polynomial sum_j zeta^j P_j by its block companion matrix.
 std::vector<Complex> CoupledMotion::roots(double h) const {
   const std::size_t degree = map_.degree();
   // P_j of P(zeta) = sum_j zeta^j P_j.
@@ -233,6 +238,7 @@ MatrixXcd CoupledMotion::at(Complex zeta, double h) const {
   return P;
 }
 
+// Quotients x* A x / x* x of k, c and the diagonal of c.
 CoupledLimit CoupledMotion::leaves_with(double h, const VectorXcd& x, bool proved) const {
   // x* A x / x* x, real for symmetric A.
   const auto of_shape = [&](const MatrixXd& A) { return x.dot(A * x).real() / x.squaredNorm(); };
@@ -252,6 +258,8 @@ CoupledLimit CoupledMotion::with_shape(double h, Complex zeta, bool proved) cons
   return leaves_with(h, x, proved);
 }
 
+// Cholesky's factorisation of sign P(-1, h) as a test, strides outwards from where norms prove that it is
+// definite, then bisection.
 std::optional<double> CoupledMotion::leaves_at_minus_one() const {
   const double inertia = value_of(map_.inertia, -1).real();
   if (inertia == 0) return std::nullopt;
@@ -284,6 +292,8 @@ std::optional<double> CoupledMotion::leaves_at_minus_one() const {
   return low;
 }
 
+// Newton's method for theta and h on g(theta, h) of the bordered system; where it fails or leaves the
+// bracket, the bracket is halved and it starts again.
 CoupledLimit CoupledMotion::refined(double stable, double unstable) const {
   // The root that is outside at the unstable end, then both ends closer until Newton's method finds the exit
   // between them:  g(theta, h) = 0  for  (P, b; b*, 0) (x, g) = (0, 1),
@@ -372,6 +382,8 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
   return CoupledLimit{.h_max = infinity};
 }
 
+// Looks for a rho with K <= rho C, the least first, by factors of rho C - K; the answer is that of the
+// first one found.
 bool CoupledMotion::lumping_keeps_stable(double h) const {
   if (!is_definite(c_ + 1e-12 * c_.trace() * MatrixXd::Identity(n_, n_))) return false;
   // K <= rho C: at least what the diagonals say, and of no use where it is much more.
@@ -384,6 +396,8 @@ bool CoupledMotion::lumping_keeps_stable(double h) const {
   return false;
 }
 
+// Proofs first: nothing moves, no oscillation ever leaves, all leave at -1; then central differences with
+// lumped damping; strides as the last resort.
 std::optional<CoupledLimit> CoupledMotion::first_exit(const Amplification& single) const {
   if (rate_ == 0)
     return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};

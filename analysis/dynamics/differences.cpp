@@ -49,6 +49,7 @@ Eigen::VectorXd differenced_column(const VectorFunction& g, const Eigen::VectorX
 
 }  // namespace
 
+// One value of g more than the columns need, for the number of rows.
 Eigen::MatrixXd differenced_jacobian(const VectorFunction& g, const Eigen::VectorXd& y,
                                      const Eigen::VectorXd& scale) {
   const Eigen::Index rows = g(y).size();

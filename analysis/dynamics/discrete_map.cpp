@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 // In sizes of the box: points nearer than this are one.
 constexpr double same = 1e-5;
 
+/// @throws std::invalid_argument  for an empty or infinite box, or no starts
 void require_valid(const Box& box, int starts) {
   if (box.lower.size() == 0 || box.lower.size() != box.upper.size() || !box.lower.allFinite() ||
       !box.upper.allFinite() || !(box.size().minCoeff() > 0))
@@ -35,6 +36,7 @@ MatrixXd rough_jacobian(const VectorFunction& map, const VectorXd& y, const Vect
   return D;
 }
 
+/// Lexicographic order, the first component first.
 bool less(const VectorXd& a, const VectorXd& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
@@ -82,6 +84,8 @@ Multipliers multipliers_of(const MatrixXd& D) {
   return mu;
 }
 
+// Saddle: inside and outside; focus: at least one complex multiplier. A negative real multiplier
+// alternates sides and counts as a node.
 EquilibriumType classify_map(const Multipliers& multipliers) {
   constexpr double on_circle = 1e-8;
   int inside = 0, outside = 0, on = 0;
@@ -103,6 +107,8 @@ EquilibriumType classify_map(const Multipliers& multipliers) {
   return turns ? EquilibriumType::unstable_focus : EquilibriumType::unstable_node;
 }
 
+// g(y) = Phi(y) - y, G = D g; the step d, in sizes of the box, solves G S d = -g in the sense of least
+// squares.
 std::optional<VectorXd> newton_fixed_point(const VectorFunction& map, const Box& box, const VectorXd& start,
                                            double leash) {
   constexpr int most_steps = 50;
@@ -161,6 +167,7 @@ std::vector<FixedPoint> find_fixed_points(const VectorFunction& map, const Box& 
   return found;
 }
 
+// Fixed points of Phi^2 that Phi moves by at least 1e-5 of the box.
 std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box, int starts) {
   require_valid(box, starts);
   const VectorFunction twice = [&](const VectorXd& y) -> VectorXd { return map(map(y)); };

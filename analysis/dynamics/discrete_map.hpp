@@ -18,6 +18,7 @@ namespace hmax {
 struct Box {
   Eigen::VectorXd lower, upper;
 
+  /// The lengths of the sides, by which distances are measured.
   [[nodiscard]] Eigen::VectorXd size() const { return upper - lower; }
 };
 

@@ -16,6 +16,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
+/// @throws std::invalid_argument  unless the box is finite, not empty and of two coordinates
 void require_plane(const Box& box) {
   if (box.lower.size() != 2 || box.upper.size() != 2 || !box.lower.allFinite() || !box.upper.allFinite() ||
       !(box.size().minCoeff() > 0))
@@ -75,6 +76,7 @@ class CellSearch {
   static constexpr int finest = 2, coarse = 256, sides = 32 * coarse;  // in distances of the lattice
   static constexpr std::size_t isolated = 500;                         // more points than this are no points
 
+  /// The state at a place of the lattice, which has 8192 distances a side.
   [[nodiscard]] VectorXd at(double i, double j) const {
     return box_.lower + Vector2d(i, j).cwiseProduct(size_) / sides;
   }
@@ -105,6 +107,7 @@ class CellSearch {
     if (found_.points.size() > isolated) left_ = 0;
   }
 
+  /// Into four quarters, each explored in turn.
   void split(const Cell& cell) {
     const int half = cell.width / 2;
     for (const int i : {cell.i, cell.i + half})
@@ -157,6 +160,7 @@ class CellSearch {
 
 }  // namespace
 
+// The winding number of g along the border, from the angles between neighbouring values.
 std::optional<int> degree_around(const VectorFunction& g, const Box& box) {
   require_plane(box);
   constexpr int pieces = 64, halvings = 20;
@@ -179,6 +183,7 @@ std::optional<int> degree_around(const VectorFunction& g, const Box& box) {
   return static_cast<int>(std::lround(angle / (2 * std::numbers::pi)));
 }
 
+// The product is real but for rounding, so its real part has the sign of the determinant.
 std::optional<int> index_of(const FixedPoint& point) {
   std::complex<double> det = 1;
   for (const auto& mu : point.multipliers) {
@@ -213,6 +218,7 @@ Vector2d size_of_field(const PlanarField& field, const Window& window) {
 }
 }  // namespace
 
+// The degree is taken of the same g in sizes of the box: scaling by positive numbers does not change it.
 FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box, std::int64_t most_steps) {
   require_plane(box);
   FixedPointSearch found = CellSearch(map, box, most_steps).run();
@@ -223,6 +229,7 @@ FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box, 
   return found;
 }
 
+// Points of both searches; two nearer than 1e-5 of the box are one.
 FixedPointSearch search_cheap_map(const VectorFunction& map, const Box& box) {
   constexpr double same = 1e-5;  // in sizes of the box, as of find_fixed_points
   FixedPointSearch found = search_fixed_points(map, box);
@@ -239,6 +246,7 @@ FixedPointSearch search_cheap_map(const VectorFunction& map, const Box& box) {
   return found;
 }
 
+// Each point of the search in cells is sharpened by Newton's method on f with its own Jacobian.
 EquilibriumSet search_equilibria(const PlanarField& field, const Window& window) {
   EquilibriumSet found;
   found.points = find_equilibria(field, window);

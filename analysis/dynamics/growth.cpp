@@ -20,6 +20,7 @@ double threshold_of(const ExpectedGrowth& expected) {
 
 }  // namespace
 
+// Maxima over quarters, not single states: what oscillates within a quarter has the same maximum in both.
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise) {
   double start = 0, early = 0, late = 0;
@@ -82,6 +83,8 @@ double onset_between(const Excess& excess, double low, double high, double at_lo
 
 }  // namespace
 
+// First the two sides of the prediction, with longer runs where they do not tell; then outwards by 10 % a
+// stride if both sides behave alike; last the onset between the two.
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
   const double threshold = threshold_of(expected);
@@ -130,6 +133,8 @@ ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, doub
   return limit;
 }
 
+// The states pass through the linear filter product of (E - root), of as many coefficients as roots plus
+// one.
 ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
                         std::function<std::vector<std::complex<double>>(double h)> roots) {
   return [run = std::move(run), rest = std::move(rest), roots = std::move(roots)](

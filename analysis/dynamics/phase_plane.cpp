@@ -16,6 +16,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
+/// @throws std::invalid_argument  for a window that is empty or not finite
 void require_valid(const Window& window) {
   if (!window.lower.allFinite() || !window.upper.allFinite() || !(window.size().minCoeff() > 0))
     throw std::invalid_argument(
@@ -33,6 +34,7 @@ struct Scale {
   Matrix2d J = Matrix2d::Zero();
 };
 
+/// @param grid  intervals on each side: (grid + 1)^2 points
 Scale scale_of(const PlanarField& field, const Window& window, int grid) {
   Scale scale;
   for (int i = 0; i <= grid; ++i)
@@ -82,6 +84,7 @@ std::optional<Vector2d> newton(const PlanarField& field, const Window& window, c
   return y;
 }
 
+/// @throws std::invalid_argument  when the table has no such column
 std::size_t column_index(const Table& table, std::string_view name) {
   const auto found = std::find(table.columns.begin(), table.columns.end(), name);
   if (found == table.columns.end())
@@ -91,6 +94,7 @@ std::size_t column_index(const Table& table, std::string_view name) {
 
 }  // namespace
 
+// Bounding box, made symmetric about zero and widened, one side after the other.
 Window window_around(const std::vector<Table>& orbits, std::string_view first, std::string_view second,
                      const std::vector<Vector2d>& also, double margin) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -144,6 +148,7 @@ std::string_view name_of(EquilibriumType type) {
   return "degenerate";
 }
 
+// T = lambda_1 + lambda_2, D = lambda_1 lambda_2; damping ratio zeta = -T / (2 sqrt(D)) where D > 0.
 EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
   const double T = J.trace();
   const double D = J.determinant();
@@ -173,6 +178,7 @@ std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Wind
   return Equilibrium{*y, classify(J, scale.J), eigenvalues_2x2(J)};
 }
 
+// Newton's method from the centres of a grid of cells; points nearer than 1e-6 of the window are one.
 std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts) {
   require_valid(window);
   if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");
@@ -195,6 +201,8 @@ std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window&
   return found;
 }
 
+// The direction is that on a square picture of the window, f_i / size_i, normalised there; arrows are
+// given in the units of the axes.
 Table direction_field(const PlanarField& field, const Window& window, const std::array<std::string, 2>& names,
                       int columns, int rows) {
   require_valid(window);
@@ -249,6 +257,7 @@ class Crossings {
   [[nodiscard]] Vector2d node(int i, int j) const {
     return at(window_, double(i) / cells_, double(j) / cells_);
   }
+  /// The name of the edge from node (i, j) to the right or upwards.
   [[nodiscard]] int edge_from(int i, int j, bool upward) const {
     return 2 * (i * nodes_ + j) + (upward ? 1 : 0);
   }
@@ -279,6 +288,7 @@ class Crossings {
     }
   }
 
+  /// The zero of f on an edge, by linear interpolation between its nodes.
   [[nodiscard]] Vector2d crossing(int edge) const {
     const int i = edge / 2 / nodes_, j = edge / 2 % nodes_;
     const bool upward = edge % 2 == 1;

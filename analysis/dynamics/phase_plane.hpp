@@ -22,8 +22,8 @@ namespace hmax {
 /// Both functions are called with states of the window and beyond; they may return values that are not
 /// finite.
 struct PlanarField {
-  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> rhs;
-  std::function<Eigen::Matrix2d(const Eigen::Vector2d&)> jacobian;
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> rhs;       ///< f [1/s times the units of y]
+  std::function<Eigen::Matrix2d(const Eigen::Vector2d&)> jacobian;  ///< J
 };
 
 /// The field of `system` at the instant t [s]; the system is copied. For an autonomous system t is
@@ -47,6 +47,7 @@ PlanarField frozen_at(S system, double t = 0) {
 struct Window {
   Eigen::Vector2d lower, upper;
 
+  /// The lengths of both sides.
   Eigen::Vector2d size() const { return upper - lower; }
 };
 
@@ -93,6 +94,7 @@ struct Equilibrium {
 /// @param scale  typical magnitudes of the entries of J; D is zero when below 1e-8 of what these entries
 /// could make
 EquilibriumType classify(const Eigen::Matrix2d& J, const Eigen::Matrix2d& scale);
+/// The same with the entries of J themselves as magnitudes.
 EquilibriumType classify(const Eigen::Matrix2d& J);
 
 /// The equilibrium in the window that Newton's method reaches from a point; nothing where it reaches none.
@@ -107,6 +109,7 @@ std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Wind
 /// `degenerate`.
 /// @throws std::invalid_argument when the window is empty or not finite, or starts < 1
 std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts = 15);
+/// The same of a system at the instant t [s].
 template <DifferentiableSystem S>
 std::vector<Equilibrium> find_equilibria(const S& system, double t, const Window& window) {
   return find_equilibria(frozen_at(system, t), window);

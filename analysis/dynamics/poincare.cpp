@@ -13,8 +13,10 @@ using Eigen::VectorXd;
 
 namespace {
 
+// 15 degrees of freedom for Student's distribution.
 constexpr int batches = 16;
 
+/// A mean, and at least the half width of its interval of 95 %.
 struct Mean {
   double value, error;
 };
@@ -47,6 +49,7 @@ Mean mean_of(const std::vector<double>& series) {
 
 }  // namespace
 
+// The start itself is the first look where skip = 0.
 std::vector<VectorXd> looks(const VectorFunction& map, VectorXd y, int skip, int count) {
   if (skip < 0 || count < 0) throw std::invalid_argument("the looks at a motion cannot be fewer than none");
   std::vector<VectorXd> seen;
@@ -57,6 +60,7 @@ std::vector<VectorXd> looks(const VectorFunction& map, VectorXd y, int skip, int
   return seen;
 }
 
+// All pairs of looks p apart must agree, so the whole stretch is periodic, not only its end.
 std::optional<int> period_of(const std::vector<VectorXd>& looks, double tolerance) {
   if (looks.empty()) return std::nullopt;
   VectorXd size = VectorXd::Zero(looks[0].size());
@@ -78,6 +82,8 @@ std::optional<int> period_of(const std::vector<VectorXd>& looks, double toleranc
   return std::nullopt;
 }
 
+// A finite separation of 1e-6 stands for the tangent vector: terms of second order change the growth by the
+// order of 1e-6.
 Exponent largest_lyapunov(const VectorFunction& map, VectorXd y, const VectorXd& scale,
                           const ExponentLimits& limits) {
   constexpr double separation = 1e-6, infinity = std::numeric_limits<double>::infinity();
@@ -155,6 +161,7 @@ Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
   return motion;
 }
 
+// The exponent is computed to 30 % of itself: only its sign is used.
 std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(double)>& map_at,
                                            const std::vector<double>& values, const VectorXd& y0, int skip,
                                            int count, bool follow, const std::function<bool(double)>& going) {

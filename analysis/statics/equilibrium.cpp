@@ -50,7 +50,9 @@ class Corrections {
     scaled_ = std::move(A);
   }
 
+  /// False for a singular sparse matrix of more than most_dense_kernel rows.
   [[nodiscard]] bool usable() const { return sparse_ || dense_; }
+  /// Rank below n, with the conserved sums counted as rows. False where sparse elimination served.
   [[nodiscard]] bool is_singular() const { return dense_ && dense_->rank() < dense_->cols(); }
 
   /// @param f  the residual, shape (n + count)
@@ -70,6 +72,7 @@ class Corrections {
   }
 
  private:
+  /// 1 / size; 1 for an empty row or column.
   static VectorXd reciprocal_sizes(const VectorXd& sizes) {
     return sizes.unaryExpr([](double size) { return size > 0 ? 1 / size : 1.0; });
   }
@@ -86,6 +89,7 @@ class Corrections {
   MatrixXd scaled_;
 };
 
+/// Of a sparse matrix its stored entries.
 bool all_finite(const AnyMatrix& J) {
   if (const auto* full = std::get_if<MatrixXd>(&J)) return full->allFinite();
   const auto& sparse = std::get<Sparse>(J);
@@ -135,6 +139,7 @@ class Search {
   Search(const FrozenField& field, const VectorXd& start)
       : field_(field), start_(start), y_(start), f_(start), conserved_(start.size(), 0) {}
 
+  /// The iteration; ends by arrives() or ends().
   EquilibriumSearch run(int most_iterations) {
     using enum EquilibriumOutcome;
     if (!y_.allFinite() || !evaluate(y_, f_))
@@ -148,6 +153,7 @@ class Search {
       rate_size_ = rate_size_.size() ? rate_size_.cwiseMax(row_sizes(J, y_) + f_.cwiseAbs())
                                      : VectorXd(row_sizes(J, y_) + f_.cwiseAbs());
       if (f_.isZero(0)) return arrives();
+      // Once, at the start: invariants hold everywhere.
       if (iterations_ == 0) look_for_conserved_sums(J);
       const Corrections correction(J, conserved_);
       if (!correction.usable())
@@ -210,6 +216,7 @@ class Search {
  private:
   static std::string rounded(double value) { return fmt::format("{:.3g}", value); }
 
+  /// @returns false when a rate is not finite
   bool evaluate(const VectorXd& y, VectorXd& f) const {
     field_.rhs(y, f);
     return f.allFinite();
@@ -234,6 +241,7 @@ class Search {
     const double largest = size_.maxCoeff() > 0 ? size_.maxCoeff() : d.cwiseAbs().maxCoeff();
     return size_.cwiseMax(largest > 0 ? 1e-3 * largest : 1.0).cwiseInverse();
   }
+  /// max_i |d_i| / size_i
   static double length_of(const VectorXd& d, const VectorXd& weights) {
     return d.cwiseProduct(weights).cwiseAbs().maxCoeff();
   }
@@ -289,6 +297,7 @@ class Search {
                                                        iterations_ == 1 ? "" : "s"));
   }
 
+  /// The answer with the present state, the largest |f_i| and the count of steps.
   EquilibriumSearch ends(EquilibriumOutcome outcome, std::string message) const {
     return {outcome,
             y_,

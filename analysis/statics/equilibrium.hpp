@@ -34,6 +34,7 @@ struct EquilibriumSearch {
   int conserved = 0;      ///< sums w^T y that no motion changes: the state has those of the start
   std::string message;    ///< one sentence for people
 
+  /// Whether `state` is an equilibrium, to rounding.
   [[nodiscard]] bool found() const { return outcome == EquilibriumOutcome::found; }
 };
 
@@ -41,8 +42,8 @@ struct EquilibriumSearch {
 /// The Jacobian has shape (n, n), dense or sparse. Both may return numbers that are not finite; the search
 /// then shortens its step or ends.
 struct FrozenField {
-  std::function<void(const Eigen::VectorXd& y, Eigen::VectorXd& f)> rhs;
-  std::function<AnyMatrix(const Eigen::VectorXd& y)> jacobian;
+  std::function<void(const Eigen::VectorXd& y, Eigen::VectorXd& f)> rhs;  ///< f(y)
+  std::function<AnyMatrix(const Eigen::VectorXd& y)> jacobian;            ///< df/dy
 };
 
 /// Damped Newton: y += a d with J d = -f, a halved until the correction that follows with the same J shrinks,

@@ -142,11 +142,15 @@ class Iteration {
   /// False also of forces that only rounding makes.
   [[nodiscard]] bool has_load() const { return scale_ > model_.rounding; }
   [[nodiscard]] const VectorXd& q() const { return q_; }
+  /// |R| / |F(0)| of the present iterate.
   [[nodiscard]] double residual() const { return size_; }
+  /// Linear systems solved so far.
   [[nodiscard]] int solved() const { return solved_; }
   [[nodiscard]] const std::string& note() const { return note_; }
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
+  /// Whether the last search ended at the border of what is admissible.
   [[nodiscard]] bool barred() const { return barred_; }
+  /// Whether the stiffness at rest was found to be singular.
   [[nodiscard]] bool singular() const { return note_ == not_held; }
   [[nodiscard]] StaticIterate iterate(int step, int steps) const {
     return {step, steps, size_, clock_() - start_, inner_.iterations()};
@@ -179,6 +183,7 @@ class Iteration {
   /// One step along the solution of a linear system.
   /// @returns false when no step could be made; note() then says why
   bool advance() {
+    // A line search needs a nonlinear model; descent needs its energy.
     const bool searches = settings_.line_search && settings_.method != StaticMethod::linear;
     const bool has_energy = searches && model_.energy;
     residual_at(q_);
@@ -264,6 +269,7 @@ class Iteration {
       fallen = falls();
     }
     // Whoever creeps along the border of what is admissible does not come away from it.
+    // Three steps in a row shorter than a thousandth, each cut short by the border.
     constexpr double creeping = 1e-3;
     constexpr int most_creeping = 3;
     creeping_ = searches && was_barred && length < creeping ? creeping_ + 1 : 0;
@@ -359,6 +365,7 @@ class Iteration {
   }
   static constexpr auto not_held = "the stiffness matrix is singular: the supports do not hold the body";
   static constexpr auto more_steps = "more load steps";
+  /// Keeps the reason for note() and remedy(). @returns false
   bool give_up(std::string why, std::string remedy = "") {
     note_ = std::move(why);
     remedy_ = std::move(remedy);
@@ -370,7 +377,9 @@ class Iteration {
   const Clock& clock_;
   Inner inner_;
   Matrix K_, shifted_;
+  // The iterate, the trial of a line search, the direction, R(q) and F(0), shape (dofs) each.
   VectorXd q_, trial_, d_, residual_, load_;
+  // |F(0)| [N]; the share of the load; |R| / |F(0)|; when the clock was started.
   double scale_ = 0, share_ = 1, size_ = 0, start_;
   double size_before_ = 0, forcing_ = 0;  // of the last iterate, 0: none
   double shift_ = 0;                      // the last one that was needed
@@ -380,10 +389,12 @@ class Iteration {
   std::string note_, remedy_;
 };
 
+/// @throws InputError  "WHAT is VALUE but must be RANGE"
 void require(bool holds, std::string_view what, double value, std::string_view range) {
   if (!holds) throw InputError(fmt::format("{} is {} but must be {}", what, to_text(value), range));
 }
 
+/// @throws InputError  for the first setting out of range; NaN is out of every range
 void check(const StaticSettings& s) {
   require(s.tolerance > 0 && s.tolerance < 1, "the tolerance", s.tolerance, "above 0 and below 1");
   require(s.iterations > 0, "the number of iterations", s.iterations, "at least 1");
@@ -423,6 +434,8 @@ std::string_view name_of(InnerSolver solver) {
   return "cg";
 }
 
+// Load steps from outside to inside: share of the load, Newton iteration to the tolerance, departure from
+// saddles and iteration again.
 StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock) {
   check(settings);
   StaticSolution solution;
@@ -484,6 +497,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
   return solution;
 }
 
+// Eleven candidates on the system of the first Newton step, K(0) d = F(0).
 double best_relaxation(const StaticModel& model, const StaticSettings& settings) {
   Matrix K;
   VectorXd d, load;
@@ -504,6 +518,8 @@ double best_relaxation(const StaticModel& model, const StaticSettings& settings)
   return best;
 }
 
+// Two iterations side by side: `shown` with a fixed number of steps a frame, `exact` to 1e-12 for the
+// error.
 std::vector<StaticFrame> pseudo_dynamic(const StaticModel& model, const StaticSettings& settings, int frames,
                                         int iterations, const Clock& clock) {
   check(settings);
