@@ -90,8 +90,8 @@ class StepPolynomial {
   [[nodiscard]] const std::vector<ComplexPolynomial>& coefficients() const { return p_; }
 
  private:
-  std::vector<ComplexPolynomial> p_;        // ascending in zeta
-  std::vector<std::vector<Complex>> fast_;  // the same in double
+  std::vector<ComplexPolynomial> p_;        ///< ascending in zeta
+  std::vector<std::vector<Complex>> fast_;  ///< the same in double
   bool real_ = false;
 };
 
@@ -125,6 +125,7 @@ bool roots_are_at_most_one(Complex* c, std::size_t degree);
 inline constexpr double annihilated = 1e-9;
 
 /// Which steps are unstable.
+/// The intervals do not overlap; the last one may reach to infinity.
 struct UnstableSteps {
   std::vector<Interval> intervals;  ///< [s], ascending, open
 
@@ -149,6 +150,8 @@ double first_exit(const Growth& growth, double tolerated = 0);
 /// A method that steps positions and velocities, as polynomials in zeta: what it makes of
 /// M q'' + C q' + K q = 0 are the motions zeta^n x with
 ///   (inertia M + h (damper C + lumped diag C) + h^2 spring K) x = 0.
+/// Of one oscillation the polynomial in zeta is inertia + h gamma (damper + lumped) + h^2 kappa spring;
+/// symplectic Euler for instance has inertia = (zeta - 1)^2, damper = zeta - 1 and spring = zeta.
 struct MotionMap {
   Polynomial inertia, damper, spring;
   Polynomial lumped{};  ///< empty unless the diagonal of C is taken otherwise than the rest
@@ -161,6 +164,8 @@ struct MotionMap {
 };
 
 /// How a method amplifies modes; each family makes its own from the numbers that it steps with.
+/// `of_eigenmode` is never empty. An Amplification describes the linear part of a method only: adaptive
+/// steps, tolerances of solvers and nonlinear forces are left out.
 struct Amplification {
   /// The map of an eigenvalue of y' = f; every family has it. For methods that need positions and velocities
   /// it is the map of the oscillation with that pair of eigenvalues.

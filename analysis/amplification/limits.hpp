@@ -18,6 +18,8 @@ struct Lobe {
 
 /// Of y' = lambda y, z = h lambda; for methods that step positions and velocities, of an oscillation with the
 /// eigenvalues lambda and conj(lambda).
+/// Lengths on the axes are |z| = h |lambda|: the limit of a step is real / |lambda| or imaginary / omega
+/// [s].
 struct StabilityLimits {
   double real = 0;            ///< [-real, 0] is stable: the first exit from the origin; infinity: all of it
   double imaginary = 0;       ///< i [0, imaginary] is

@@ -9,6 +9,7 @@
 namespace hmax {
 
 /// The points that the slope was fitted to, coarse to fine; all empty when the errors fall nowhere.
+/// observed = sum (x_i - x)(y_i - y) / sum (x_i - x)^2 with x = log h, y = log error and their means.
 struct OrderObservation {
   double t_end = 0;                ///< end time of the runs [s]
   std::vector<double> h, error;    ///< steps [s], and errors at t_end

@@ -20,6 +20,7 @@ using SlowPolynomial = std::vector<Complex>;
 SlowPolynomial in_slow(const Amplification& pair, Complex fast);
 
 /// Whether |R(z)| is at most 1, but for the rounding of its coefficients.
+/// |R|^2 <= 1 + 2e-9.
 bool is_at_most_one(const SlowPolynomial& R, Complex z);
 
 /// The amplification of a pair in z_slow beside a fixed z_fast.

@@ -113,7 +113,7 @@ class CrossedEdges {
  private:
   struct Edge {
     std::size_t next;  ///< the edge by which the curve leaves the square that it enters here
-    int i, j, i2, j2;  // of its two nodes
+    int i, j, i2, j2;  ///< of its two nodes
   };
 
   // The edge from (i, j) to (i + 1, j), and that to (i, j + 1).
@@ -122,6 +122,7 @@ class CrossedEdges {
 
   /// Links the edges of a square by which a curve enters and leaves.
   void link_in_square(int i, int j) {
+    // Corners counter-clockwise from the lower left one.
     const std::array<bool, 4> corner{grid_.stable(i, j), grid_.stable(i + 1, j), grid_.stable(i + 1, j + 1),
                                      grid_.stable(i, j + 1)};
     const int count = corner[0] + corner[1] + corner[2] + corner[3];
@@ -187,6 +188,7 @@ std::vector<RegionCurve> region_boundary(const StableAt& is_stable, const PlaneW
     throw std::invalid_argument(
         "the window of a stability region must be a rectangle of finite, positive sides");
   if (cells < 2) throw std::invalid_argument("a stability region needs a grid of at least two cells");
+  // Squares, so that curves are resolved alike in both directions.
   const double side = std::max(width, height) / cells;
   // Even numbers of rows keep the real axis on the grid.
   const int columns = std::max(2, static_cast<int>(std::lround(width / side)));
@@ -201,6 +203,7 @@ std::vector<RegionCurve> region_boundary(const StableAt& is_stable, const PlaneW
 
 // Probes rays every 4.45 degrees; one ray without exit means an unbounded region.
 PlaneWindow window_of(const Amplification& amplification) {
+  // The first exit on the ray z = r exp(i degrees).
   const auto exit = [&](double degrees) {
     return first_exit(
         amplification.of_eigenmode(Eigenmode(std::polar(1.0, degrees * std::numbers::pi / 180))));

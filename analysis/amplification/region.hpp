@@ -25,6 +25,7 @@ struct RegionCurve {
 };
 
 /// Whether the method is stable at z. The functions that take it expect the same answer at conj(z).
+/// z = h lambda has no unit. The region of a real method is symmetric about the real axis.
 using StableAt = std::function<bool(Complex z)>;
 
 /// Of an amplification, decided without roots where there is a polynomial.

@@ -211,6 +211,7 @@ std::vector<Complex> CoupledMotion::roots(double h) const {
     P.diagonal().array() += coefficient(map_.inertia, j);
     return P;
   };
+  // P_d has to be regular: it is what a step solves for.
   const Eigen::PartialPivLU<MatrixXd> leading(block(degree));
   const Index size = static_cast<Index>(degree) * n_;
   MatrixXd companion = MatrixXd::Zero(size, size);
@@ -371,6 +372,8 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
     } while (!is_stable(stable));
     return refined(stable, unstable);
   }
+  // A root is -1 where P(-1, h) ceases to be definite, so the first exit is not beyond it. Without such
+  // a step the strides end at 1e4 / rate_.
   const double farthest = at_minus_one.value_or(1e4 / rate_);
   for (double h = stable; h < farthest;) {
     h = std::min(h * ratio, at_minus_one ? farthest * (1 - 1e-6) : infinity);

@@ -85,13 +85,13 @@ class CoupledMotion {
   [[nodiscard]] CoupledLimit leaves_with(double h, const Eigen::VectorXcd& x, bool proved) const;
   [[nodiscard]] CoupledLimit with_shape(double h, Complex zeta, bool proved) const;
 
-  MotionMap map_;
-  Eigen::Index n_ = 0;
-  Eigen::VectorXd root_;  // M^-1/2
-  Matrix k_, c_, d_;      // M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
+  MotionMap map_;         ///< without common roots at zero
+  Eigen::Index n_ = 0;    ///< degrees of freedom
+  Eigen::VectorXd root_;  ///< M^-1/2
+  Matrix k_, c_, d_;      ///< M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
   bool symmetric_ = true;
-  double rate_ = 0;      // what h is measured by [1/s]
-  double rounding_ = 0;  // how far beyond one a root may be by rounding
+  double rate_ = 0;      ///< what h is measured by [1/s]
+  double rounding_ = 0;  ///< how far beyond one a root may be by rounding
 };
 
 /// The first exit of a large system without dense matrices, where it is proved as in

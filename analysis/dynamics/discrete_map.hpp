@@ -41,7 +41,7 @@ EquilibriumType classify_map(const Multipliers& multipliers);
 struct FixedPoint {
   Eigen::VectorXd state;  ///< shape (n)
   Multipliers multipliers;
-  EquilibriumType type;
+  EquilibriumType type;  ///< by classify_map()
 };
 
 /// Phi(a) = b and Phi(b) = a with a != b.

@@ -13,12 +13,15 @@ namespace hmax {
 
 /// Takes `steps` steps of size h with a method from a start near a state of rest and shows every state, the
 /// first included. False when the run did not reach its end.
+/// @param h      [s]
+/// @param steps  > 0; steps + 1 states are shown when the run reaches its end
 using ShowSteps =
     std::function<bool(double h, std::int64_t steps,
                        const std::function<void(const Eigen::Ref<const Eigen::VectorXd>& y)>& show)>;
 
 /// The distance of a state from rest, in coordinates in which a mode of constant amplitude has a constant
 /// distance.
+/// The root of the energy is such a distance for an oscillation; |q| alone would swing with the phase.
 using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y)>;
 
 /// By how much the logarithm of the distance grew between the second and the last quarter of a run, each by

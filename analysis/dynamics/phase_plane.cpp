@@ -276,6 +276,7 @@ class Crossings {
     if (!std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); })) return;
     const std::array<int, 4> side{edge_from(i, j, false), edge_from(i + 1, j, true),
                                   edge_from(i, j + 1, false), edge_from(i, j, true)};
+    // Sides on which the sign changes: none, two or four.
     std::vector<std::size_t> crossed;
     for (std::size_t k = 0; k < 4; ++k)
       if (inside(f[k]) != inside(f[(k + 1) % 4])) crossed.push_back(k);
@@ -307,6 +308,7 @@ class Crossings {
       const auto& next = neighbours_[edge];
       const auto onward = std::find_if(next.begin(), next.end(), [&](int e) { return !visited_[e]; });
       if (onward == next.end()) {
+        // Closed when the walk ends beside its start.
         const bool closed = edge != start && next.size() == 2 && (next[0] == start || next[1] == start) &&
                             neighbours_[start].size() == 2;
         if (closed && curve.size() > 2) curve.push_back(curve.front());

@@ -53,6 +53,7 @@ struct Window {
 
 /// The smallest window that holds the finite points of `orbits` and of `also`, symmetric about zero where it
 /// crosses zero, widened by `margin` of its size on each side; a side without extent becomes 1 long.
+/// @return  lower < upper in both components
 /// @param orbits  tables whose columns `first` and `second` are the two components
 /// @throws std::invalid_argument when a table has no such column, or nothing finite is given
 Window window_around(const std::vector<Table>& orbits, std::string_view first, std::string_view second,
@@ -79,8 +80,8 @@ std::string_view name_of(EquilibriumType type);
 
 /// A point where f vanishes.
 struct Equilibrium {
-  Eigen::Vector2d state;
-  EquilibriumType type;
+  Eigen::Vector2d state;  ///< in the units of the two components
+  EquilibriumType type;   ///< by classify()
   std::array<std::complex<double>, 2>
       eigenvalues;  ///< of J [1/s]; larger real part first, then larger imaginary part
 };
@@ -107,6 +108,7 @@ std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Wind
 /// Every equilibrium in the window that Newton's method reaches from a grid of starts x starts points, sorted
 /// by first then second component, each once. A line of equilibria is represented by points of it, all
 /// `degenerate`.
+/// @param starts  of each component: starts^2 Newton iterations
 /// @throws std::invalid_argument when the window is empty or not finite, or starts < 1
 std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts = 15);
 /// The same of a system at the instant t [s].
@@ -118,6 +120,8 @@ std::vector<Equilibrium> find_equilibria(const S& system, double t, const Window
 /// Arrows of the direction field on a columns x rows grid of cell centres, all of one length on a square
 /// picture of the window: four columns, the two components of the point and of the arrow centred on it, in
 /// the units of the axes. Points where f is zero or not finite have no arrow.
+/// @param columns, rows  at least 1
+/// @throws std::invalid_argument  for fewer, or a window that is empty or not finite
 /// @param names  of the two components, "x [m]"; the arrow's columns are called "d" + name
 Table direction_field(const PlanarField& field, const Window& window, const std::array<std::string, 2>& names,
                       int columns = 21, int rows = 17);

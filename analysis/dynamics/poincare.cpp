@@ -66,6 +66,7 @@ std::optional<int> period_of(const std::vector<VectorXd>& looks, double toleranc
   VectorXd size = VectorXd::Zero(looks[0].size());
   for (const VectorXd& y : looks) size = size.cwiseMax(y.cwiseAbs());
   const double allowed = tolerance * size.maxCoeff() + 1e-12;  // what dies out has come to rest
+  // max over i of |y_(i+p) - y_i| in the max norm.
   const auto repeats = [&](std::size_t p, double within) {
     for (std::size_t i = 0; i + p < looks.size(); ++i)
       if (!((looks[i + p] - looks[i]).cwiseAbs().maxCoeff() <= within)) return false;
@@ -149,6 +150,7 @@ Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
   // Components that hardly move are measured by the largest.
   size = size.cwiseMax(1e-3 * size.maxCoeff());
   while (motion.followed < patience) {
+    // The next 256 looks behind those that are known.
     const auto last = looks(map, map(motion.looks.back()), 0, block);
     motion.followed += block;
     if (ended(last, block)) return motion;

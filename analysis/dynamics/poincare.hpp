@@ -46,12 +46,15 @@ VectorFunction period_map(S system, double period, double tolerance = 1e-11,
 
 /// P^skip(y), P^(skip + 1)(y), ...: `count` looks after `skip` that are not kept; fewer when one is not
 /// finite.
+/// @param map  shape (n) to (n), such as period_map()
+/// @param y    the start, shape (n)
 /// @throws std::invalid_argument when skip or count is negative
 std::vector<Eigen::VectorXd> looks(const VectorFunction& map, Eigen::VectorXd y, int skip, int count);
 
 /// The smallest p such that every look equals the one p looks later, to `tolerance` of the largest |y_i| and
 /// 1e-12; nothing when there is none up to a quarter of the looks, or where for a divisor of p the looks are
 /// hardly further apart: they then still alternate around an orbit of that period, or have just left it.
+/// The verdict needs 4 p looks at least: a period of 64 shows in 256.
 std::optional<int> period_of(const std::vector<Eigen::VectorXd>& looks, double tolerance = 1e-6);
 
 /// When an exponent is known well enough; all of them per application of the map.

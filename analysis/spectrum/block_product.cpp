@@ -14,6 +14,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// Costs one pass over the pattern.
 bool consists_of_blocks(const Sparse& A) {
   if (A.rows() % 3 != 0) return false;
+  // outer[j] is where column j begins in inner (row numbers) and values.
   const int* outer = A.outerIndexPtr();
   const int* inner = A.innerIndexPtr();
   for (Index j = 0; j < A.cols(); j += 3) {
@@ -22,6 +23,7 @@ bool consists_of_blocks(const Sparse& A) {
       return false;
     for (int k = 0; k < length; ++k) {
       const int row = inner[outer[j] + k];
+      // Each group of three begins at a multiple of three and goes on without a gap.
       if (k % 3 == 0 ? row % 3 != 0 : row != inner[outer[j] + k - 1] + 1) return false;
       if (inner[outer[j + 1] + k] != row || inner[outer[j + 2] + k] != row) return false;
     }
@@ -83,6 +85,7 @@ void SymmetricProduct::apply(const double* in, double* out) const {
     for (int k = first_[row]; k < first_[row + 1]; ++k, value += 9) {
       const double* from = in + column_[static_cast<std::size_t>(k)];
       const double x0 = from[0], x1 = from[1], x2 = from[2];
+      // Row by row of a block; parentheses fix the order of the sums.
       a += (value[0] * x0 + value[1] * x1) + value[2] * x2;
       b += (value[3] * x0 + value[4] * x1) + value[5] * x2;
       c += (value[6] * x0 + value[7] * x1) + value[8] * x2;

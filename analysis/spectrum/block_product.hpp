@@ -33,7 +33,7 @@ class SymmetricProduct {
   bool blocks_ = false;
   // Compressed rows: row r has the entries first_[r] .. first_[r + 1] - 1. column_ is the first column of
   // a block; values_ holds its nine numbers row by row.
-  std::vector<int> first_, column_;  // of each row, or row of blocks
+  std::vector<int> first_, column_;  ///< of each row, or row of blocks
   std::vector<double> values_;
 };
 

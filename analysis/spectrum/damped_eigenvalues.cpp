@@ -20,6 +20,7 @@ using Eigen::VectorXd;
 // Residual over modulus at which a Ritz value counts.
 constexpr double tolerance = 1e-9;
 constexpr double deep_enough = 0.9;  // of the largest modulus
+// Enough eigenvalues for a limit, even if they are less than a tenth below the largest.
 constexpr std::size_t many_enough = 40;
 
 /// y = (0, s I; -k / s, -c) x.
@@ -103,6 +104,7 @@ DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
       norm = left;
       if (clean) break;
     }
+    // h_k+1,k = |w| after orthogonalisation.
     H(k + 1, k) = norm;
     const Index count = k + 1;
     // The Krylov space is closed: its Ritz values are eigenvalues.
@@ -126,6 +128,7 @@ std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
   const double most_k = scaled.largest_k(), most_c = scaled.largest_c();
   std::optional<double> lambda;
   for (int iteration = 0; iteration < 30; ++iteration) {
+    // The first round has lambda = 0: the least eigenvector of k.
     const double l = lambda.value_or(0), bound = most_k + l * most_c;
     const LanczosPair least = largest_eigenpair(
         [&](const VectorXd& x, VectorXd& y) {
@@ -139,6 +142,7 @@ std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
     const double kappa = least.vector.dot(product);
     scaled.c(least.vector, product);
     const double gamma = least.vector.dot(product);
+    // No negative stiffness along it beyond rounding: nothing grows.
     if (!(kappa < -1e-9 * most_k)) return lambda;
     // -gamma/2 + sqrt(gamma^2/4 - kappa) without cancellation, kappa < 0.
     const double next = -2 * kappa / (gamma + std::sqrt(gamma * gamma - 4 * kappa));

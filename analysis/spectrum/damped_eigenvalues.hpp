@@ -10,6 +10,8 @@
 namespace hmax {
 
 /// Eigenvalues of (lambda^2 M + lambda C + K) u = 0 of largest modulus.
+/// Each lambda and its conjugate are a pair with omega = |lambda| and zeta = -Re(lambda) / |lambda|;
+/// eigenvalues of large modulus are what limits explicit steps.
 struct DampedEigenvalues {
   std::vector<std::complex<double>> lambda;  ///< the largest first, conjugates side by side [1/s]
   /// No other eigenvalue is larger in modulus, as far as an iteration from one vector can say [1/s];

@@ -51,6 +51,7 @@ StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mas
   elements([&](std::span<const Index> points, const Stiffness& Ke) {
     for (Index a = 0; a < count(points); ++a)
       if (const Index point = points[static_cast<std::size_t>(a)]; point >= 0) {
+        // sum over the elements at a point of their weights, and of p_e K_e(a, a).
         total[point] += weight(e, a, Ke);
         blocks[static_cast<std::size_t>(point)] +=
             // A <= p diag(A_11, ..., A_pp) for A of p x p blocks without negative eigenvalues.
@@ -115,6 +116,7 @@ ModeOwner owner_of(const ElementSum& elements, const VectorXd& mass, const Vecto
   owner.element = most - energy.begin();
   owner.share = *most / whole;
   std::ranges::sort(energy, std::ranges::greater{});
+  // The fewest elements that hold nine tenths, the largest first.
   for (double sum = 0; sum < 0.9 * whole && owner.elements < static_cast<Index>(energy.size());)
     sum += energy[static_cast<std::size_t>(owner.elements++)];
   double kinetic = 0, squares = 0;

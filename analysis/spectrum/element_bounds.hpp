@@ -33,6 +33,7 @@ struct StiffnessBounds {
   /// e: a matrix of p x p blocks without negative eigenvalues is at most p times its diagonal blocks.
   double nodal = 0;
   /// max over rows of sum_j |K_ij| / (m_i m_j)^(1/2) (Gershgorin).
+  /// No eigenvalue of a symmetric matrix exceeds its largest sum of moduli in a row.
   double gershgorin = 0;
 };
 

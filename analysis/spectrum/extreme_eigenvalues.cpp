@@ -66,6 +66,7 @@ LargestEigenvalues dense_largest(const MatrixXd& J, Index count) {
   // Conjugates have one modulus and stay side by side.
   std::ranges::stable_sort(order,
                            [&](Index a, Index b) { return std::abs(lambda[a]) > std::abs(lambda[b]); });
+  // One more, so that trim() sees whether a pair would be cut.
   const Index taken = std::min(count + 1, J.rows());
   LargestEigenvalues result{.lambda = {}, .vectors = Eigen::MatrixXcd(J.rows(), taken)};
   for (Index i = 0; i < taken; ++i) {
@@ -82,6 +83,7 @@ void trim(LargestEigenvalues& result, Index count) {
   if (result.lambda.size() <= wanted) return;
   const Complex last = result.lambda[wanted - 1], next = result.lambda[wanted];
   const bool cut = last.imag() != 0 && std::abs(next - std::conj(last)) <= 1e-8 * std::abs(last);
+  // The value before is the conjugate already: the pair is complete.
   const bool whole =
       wanted >= 2 && std::abs(result.lambda[wanted - 2] - std::conj(last)) <= 1e-8 * std::abs(last);
   result.lambda.resize(wanted + (cut && !whole ? 1 : 0));
@@ -93,7 +95,7 @@ void trim(LargestEigenvalues& result, Index count) {
 /// orthonormal in M. Holds a reference to a sparse K, so the part must outlive it.
 class Scaled {
  public:
-  VectorXd inverse_root;
+  VectorXd inverse_root;  ///< the diagonal of M^-1/2, shape (n) [kg^-1/2]
 
   /// @throws std::invalid_argument  unless K is symmetric
   explicit Scaled(const MechanicalPart& part) : inverse_root(part.mass.cwiseSqrt().cwiseInverse()) {
@@ -132,6 +134,7 @@ class Scaled {
   }
 
  private:
+  // Holds a dense K as a sparse matrix; unused otherwise.
   Sparse own_;
   const Sparse* K_ = nullptr;
 };
@@ -165,6 +168,7 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
 /// the bound
 ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
   const Index n = scaled.size();
+  // One triangle decides, so that the factored matrix is exactly symmetric.
   Sparse shifted = scaled.matrix().selfadjointView<Eigen::Lower>();
   Sparse identity(n, n);
   identity.setIdentity();
@@ -175,6 +179,7 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, 0), .converged = false};
   if (!factor.factor(shifted)) return result;
   result.negative = std::ranges::count_if(factor.pivots(), [](double pivot) { return pivot < 0; });
+  // y = (k - shift I)^-1 x by two triangular solves.
   const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) {
     y = x;
     factor.solve(y);
@@ -207,6 +212,7 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
   const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
   ExtremeStiffnesses result;
   if (count == 1) {
+    // Large meshes have no factor to fall back on, so they may iterate longer.
     const LanczosPair pair = largest_eigenpair(product, n,
                                                {.tolerance = tolerance,
                                                 .most_products = n > most_factored ? 5000 : 600,
@@ -230,6 +236,7 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
 /// make it [parlett1969balancing]. All of D moves at once, so each by half of what it would move alone.
 VectorXd balance(const Sparse& J) {
   VectorXd log_d = VectorXd::Zero(J.cols());
+  // Thirty sweeps; each halves the logarithm of the imbalance of a row that others leave alone.
   for (int sweep = 0; sweep < 30; ++sweep) {
     // Sums of the moduli beside the diagonal of D^-1 J D.
     VectorXd row = VectorXd::Zero(J.rows()), column = row;

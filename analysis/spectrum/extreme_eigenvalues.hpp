@@ -69,6 +69,9 @@ ExtremeStiffnesses smallest_stiffnesses(const MechanicalPart& part, Eigen::Index
                                         Eigen::Index dense_to = small_enough_for_dense);
 
 /// The `count` kappa nearest to a given one, the nearest first, by shift and invert.
+/// The matrix k - kappa I is factored without pivoting, which may fail inside of the spectrum: converged
+/// is false then. `negative` counts the kappa below the given one.
+/// @param kappa  [1/s^2]
 /// @throws InputError  when count is not in [1, n]
 ExtremeStiffnesses stiffnesses_near(const MechanicalPart& part, double kappa, Eigen::Index count = 1);
 

@@ -108,7 +108,7 @@ class Recurrence {
  private:
   const SymmetricOperator& A_;
   VectorXd q_, before_, w_;
-  double b_ = 0;
+  double b_ = 0;  ///< |w| of the last step
 };
 
 /// sum_j s_j q_j, with the q_j that were kept, or with those of the same steps once more.
@@ -134,9 +134,9 @@ class FullLanczos {
   FullLanczos(const SymmetricOperator& A, Index n, Rank rank, double tolerance, Index most)
       : A_(A), n_(n), rank_(rank), tolerance_(tolerance), most_(most) {}
 
-  MatrixXd found = {};  // columns
-  std::vector<double> values = {};
-  Index products = 0;
+  MatrixXd found = {};              // columns
+  std::vector<double> values = {};  ///< of the columns of `found`, in the order in which they were found
+  Index products = 0;               ///< with A, in all runs
 
   /// The order of rank: values, or moduli.
   [[nodiscard]] bool comes_before(double a, double b) const {
@@ -156,6 +156,8 @@ class FullLanczos {
     orthogonalise(q, Q, 0);
     q.normalize();
     std::vector<double> a, b;
+    // b_k q_k+1 = A q_k - a_k q_k - b_k-1 q_k-1, by full orthogonalisation; T has a on its diagonal and b
+    // beside it.
     for (Index k = 0, next = std::min<Index>(left, 2 * wanted + 8);;) {
       if (k == Q.cols()) Q.conservativeResize(Eigen::NoChange, std::min(left, 2 * k));
       Q.col(k) = q;
@@ -200,6 +202,7 @@ class FullLanczos {
     std::vector<Index> order(at(k));
     std::iota(order.begin(), order.end(), Index(0));
     std::ranges::stable_sort(order, [&](Index i, Index j) { return comes_before(ritz[i], ritz[j]); });
+    // Pairs are taken in order of rank only: the first that has not converged ends the list.
     Index ready = 0;
     while (ready < wanted) {
       const Index i = order[at(ready)];
@@ -251,6 +254,7 @@ LanczosPair largest_eigenpair(const SymmetricOperator& A, Index n, const Lanczos
   Index checked = 0, next = std::min<Index>(8, n);
   while (true) {
     if (keeps) kept.push_back(recurrence.q());
+    // 400 MB are full: drop the basis, the vector will take a second run.
     if (static_cast<double>(kept.size() + 1) * static_cast<double>(n) > most_kept) {
       keeps = false;
       std::vector<VectorXd>().swap(kept);
@@ -262,6 +266,7 @@ LanczosPair largest_eigenpair(const SymmetricOperator& A, Index n, const Lanczos
     const bool ends = b == 0 || pair.products == settings.most_products;
     if (pair.products < next && !ends) continue;
     const double relative = std::max(1e-3 * settings.tolerance, 1e-15);
+    // The first bracket above the largest diagonal entry.
     if (width == 0) width = b + 1e-3 * std::abs(T.a.front());
     // The largest eigenvalue grows with T (interlacing), so the last one bounds it from below.
     theta = T.largest(theta == 0 ? -std::numeric_limits<double>::infinity() : theta * (1 - 2 * relative),
@@ -269,6 +274,7 @@ LanczosPair largest_eigenpair(const SymmetricOperator& A, Index n, const Lanczos
     s = T.vector(theta);
     // b_k s_k, with s_k > 0.
     pair.residual = b * s[pair.products - 1];
+    // |A u - theta u| <= tolerance |theta|: an eigenvalue of A lies that near.
     pair.converged = pair.residual <= settings.tolerance * std::abs(theta);
     if (pair.converged || ends) break;
     // Residuals fall by about the same factor every step: look again when half of the way may be done.

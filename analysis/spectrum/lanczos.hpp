@@ -13,8 +13,8 @@ using SymmetricOperator = std::function<void(const Eigen::VectorXd& x, Eigen::Ve
 
 /// When the iteration ends.
 struct LanczosSettings {
-  double tolerance = 1e-6;  ///< of the residual, relative to the eigenvalue
-  Eigen::Index most_products = 2000;
+  double tolerance = 1e-6;            ///< of the residual, relative to the eigenvalue
+  Eigen::Index most_products = 2000;  ///< after which the best pair so far is returned, converged or not
   /// Whether the eigenvector is wanted; it takes the memory of the basis or a second run.
   bool with_vector = true;
 };
@@ -37,6 +37,8 @@ struct LanczosPair {
 /// b_j q_j+1 = A q_j - a_j q_j - b_j-1 q_j-1, a_j = q_j^T A q_j, b_j = |...|; the largest eigenvalue theta
 /// of the tridiagonal T of a and b, with eigenvector s, has the residual |A u - theta u| = b_k |s_k| for u
 /// = Q s (Golub and Van Loan, Matrix Computations).
+/// Convergence depends on the gap to the next eigenvalue relative to the spread of the spectrum: clustered
+/// ends are slow.
 /// @param n  at least 1
 /// @cost  a product and three vector operations a step; basis vectors are kept up to 400 MB, beyond that all
 ///        steps are made a second time for the vector
@@ -66,6 +68,7 @@ LanczosPairs first_eigenpairs(const SymmetricOperator& A, Eigen::Index n, Eigen:
 
 /// A vector that is orthogonal to no mode of a regular structure, and the same in every run: the numbers of a
 /// linear congruential generator in (-1/2, 1/2).
+/// @return  shape (n), not normalised; the first numbers are the same for every n
 Eigen::VectorXd start_vector(Eigen::Index n);
 
 }  // namespace hmax

@@ -35,6 +35,7 @@ enum class As { itself, transposed, modulus };
 
 /// M^-1/2 A M^-1/2 x, with the transpose or the moduli of A; no matrix is copied.
 VectorXd mass_scaled(const AnyMatrix& A, const VectorXd& inverse_root, const VectorXd& x, As as) {
+  // M^-1/2 (A (M^-1/2 x)).
   const VectorXd scaled = inverse_root.cwiseProduct(x);
   VectorXd product = VectorXd::Zero(x.size());
   each_entry(A, [&](Index i, Index j, double value) {
@@ -52,6 +53,7 @@ void classify_damping(double relative, MechanicalPart& part) {
   constexpr Index probes = 3;
   const VectorXd root = part.mass.cwiseSqrt().cwiseInverse();
   const Index n = part.mass.size();
+  // Three vectors with components in (-1/2, 1/2), the same in every run.
   const VectorXd numbers = start_vector(probes * n);
   // Beside what rounding of the terms of a product may be.
   const auto vanishes = [&](const VectorXd& difference, const VectorXd& size) {
@@ -71,6 +73,7 @@ void classify_damping(double relative, MechanicalPart& part) {
     // |(k c - c k) x| beside | |k| |c| |x| |.
     commute = commute && vanishes(k(cx) - c(kx), k(size_c, As::modulus));
   }
+  // Without symmetry nothing is proportional.
   part.damping = !damped                     ? Damping::none
                  : part.symmetric && commute ? Damping::proportional
                                              : Damping::general;
@@ -119,6 +122,7 @@ double relative_distance(const LinearModel& A, const LinearModel& B) {
         [&](const auto& first, const auto& second) {
           using First = std::decay_t<decltype(first)>;
           if constexpr (std::is_same_v<First, std::decay_t<decltype(second)>>)
+            // |M^-1 (K_B - K_A)|_F^2, C alike; divided by |J_A|_F^2 = n + |M^-1 K_A|^2 + |M^-1 C_A|^2.
             difference += (inverse.asDiagonal() * First(second - first)).squaredNorm();
           else
             difference += (inverse.asDiagonal() * MatrixXd(MatrixXd(second) - MatrixXd(first))).squaredNorm();

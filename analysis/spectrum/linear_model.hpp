@@ -54,6 +54,7 @@ struct MechanicalPart {
 };
 
 /// y' = f(t, y) near a state: (y + d)' = f(t, y) + J d, with t frozen.
+/// Stability of the state and its frequencies follow from the eigenvalues of J.
 struct LinearModel {
   double t = 0;       ///< [s]
   Eigen::VectorXd y;  ///< the state, shape (n)
@@ -196,12 +197,14 @@ AnyMatrix jacobian_by_differences(const S& system, real_of<typename S::State> t,
   // Truncation d^2 and rounding epsilon / d balance at d = epsilon^(1/3).
   const Real relative = std::cbrt(std::numeric_limits<Real>::epsilon());
   State plus = y, minus = y, f_plus = y, f_minus = y;
+  // y_j + d and y_j - d.
   const auto move = [&](Eigen::Index j) {
     const Real d = relative * std::max<Real>(std::abs(y[j]), least);
     plus[j] = y[j] + d;
     minus[j] = y[j] - d;
   };
   // What was added to plus and minus in truth, after rounding.
+  // (f_i(y + d e_j) - f_i(y - d e_j)) / ((y_j + d) - (y_j - d)).
   const auto slope = [&](Eigen::Index i, Eigen::Index j) {
     return static_cast<double>((f_plus[i] - f_minus[i]) / (plus[j] - minus[j]));
   };
@@ -241,6 +244,7 @@ void mechanical_of_code(const S& system, real_of<typename S::State> at, const ty
   const Eigen::Index n = dofs_of(system);
   const typename S::Dofs q = y.head(n), v = y.tail(n);
   part.mass = typename S::Dofs(system.mass()).template cast<double>();
+  // Systems that write an AnyMatrix write into the part itself; others into a matrix of their own type.
   const auto make = [&](AnyMatrix& made, const auto& write) {
     if constexpr (std::is_same_v<DofMatrix, AnyMatrix>) {
       write(made);
@@ -291,6 +295,7 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
   if constexpr (DifferentiableSystem<S>)
     if (analytic)
       model.J = keep([system, at, y] { return detail::jacobian_of_code(system, at, y); }, "the Jacobian", t);
+  // By differences J is computed once and kept; K and C are its lower blocks times -M.
   if (!analytic) {
     const AnyMatrix J = detail::jacobian_by_differences(system, at, y, model.origin);
     detail::require_finite(J, "the Jacobian", t);

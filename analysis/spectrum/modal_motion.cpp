@@ -16,6 +16,7 @@ ModalMotion::ModalMotion(const MechanicalPart& part, const Eigen::VectorXd& forc
   const Eigen::VectorXd q = shapes_.transpose() * part.mass.cwiseProduct(y0.head(n));
   const Eigen::VectorXd v = shapes_.transpose() * part.mass.cwiseProduct(y0.tail(n));
   amplitudes_.reserve(modes.modes.size());
+  // a_i'' + gamma_i a_i' + kappa_i a_i = s_i^T f.
   for (Eigen::Index i = 0; i < n; ++i) {
     const MechanicalMode& mode = modes.modes[static_cast<std::size_t>(i)];
     // Every linear oscillator has a closed form. Its force P cos(w t) is constant with w = 0.

@@ -26,6 +26,7 @@ std::array<std::complex<double>, 2> eigenvalues_of(const MechanicalMode& mode);
 
 /// A mode as engineers read it. A natural frequency and a damping ratio belong to a pair of eigenvalues: a
 /// real one whose partner is not known has neither.
+/// Overdamped: zeta > 1 and two rates whose product is kappa and whose sum is gamma.
 struct Mode {
   std::complex<double> lambda;    ///< the eigenvalue that names the mode [1/s]
   std::optional<double> omega{};  ///< sqrt(kappa) [rad/s]; nothing for kappa < 0

@@ -53,8 +53,8 @@ void require_convergence(Eigen::ComputationInfo info) {
 /// A mechanical part as dense matrices of one unit: k = M^-1/2 K M^-1/2 [1/s^2], c = M^-1/2 C M^-1/2 [1/s].
 /// Similar to M^-1 K and M^-1 C, and symmetric where K and C are.
 struct MassScaled {
-  VectorXd inverse_root;  // of the masses
-  MatrixXd k, c;
+  VectorXd inverse_root;  ///< of the masses
+  MatrixXd k, c;          ///< shape (n, n) each
 
   explicit MassScaled(const MechanicalPart& part)
       : inverse_root(part.mass.cwiseSqrt().cwiseInverse()),
@@ -65,8 +65,8 @@ struct MassScaled {
 /// B = (0, s I; -k / s, -c) acts on (s M^1/2 q, M^1/2 v).
 struct Companion {
   VectorXd inverse_root;
-  double s = 1;
-  MatrixXd B;
+  double s = 1;  ///< a typical omega [rad/s]
+  MatrixXd B;    ///< shape (2 n, 2 n) [1/s]
 
   /// B has shape (2 n, 2 n); s = 1 where K is zero.
   explicit Companion(const MechanicalPart& part) {
@@ -131,6 +131,7 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
     for (const Index k : {Index(0), Index(1)}) {
       const Complex own = lambda[static_cast<std::size_t>(k)],
                     other = lambda[static_cast<std::size_t>(1 - k)];
+      // |(phi, lambda phi)| = |phi| sqrt(1 + |lambda|^2).
       const double length = shape.norm() * std::sqrt(1 + std::norm(own));
       result.lambda.push_back(own);
       result.right.col(2 * i + k) << (shape / length).cast<Complex>(), own * (shape / length);
@@ -146,6 +147,7 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
     const double lengths = std::sqrt((w * w + std::norm(lambda[0])) * (w * w + std::norm(lambda[1])));
     const double g = std::min(1.0, std::abs(w * w + std::conj(lambda[0]) * lambda[1]) / lengths);
     const double longest = std::sqrt(1 + g);
+    // sigma_1 sigma_2 = |det| = w |l2 - l1| / (product of the lengths).
     largest = std::max(largest, longest);
     smallest = std::min(smallest, w * std::abs(lambda[1] - lambda[0]) / lengths / longest);
   }
@@ -174,11 +176,13 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const VectorXd& scale) {
     result.lambda.push_back(values[from]);
     scaled.col(i) = vectors.col(from).normalized();
   }
+  // Singular values of V in the coordinates of A: the condition in the norm of energy.
   const VectorXd singular = Eigen::BDCSVD<MatrixXcd>(scaled).singularValues();
   const double least = singular[n - 1];
   result.condition = least > 0 ? singular[0] / least : infinity;
   // A x = lambda x with x = scale y: y = x / scale, made to length 1 again; rows of V^-1 alike.
   result.right = scale.cwiseInverse().asDiagonal() * scaled;
+  // right = D scaled L^-1 with D = 1 / scale and the lengths L, so its inverse is L scaled^-1 D^-1.
   const VectorXd lengths = result.right.colwise().norm();
   result.right = result.right * lengths.cwiseInverse().asDiagonal();
   if (result.condition <= defective_condition)
@@ -210,8 +214,8 @@ Mode mode_of(const MechanicalMode& oscillation) {
   return mode;
 }
 
-// Roots of lambda^2 + gamma lambda + kappa. The larger real one has no cancellation; the smaller follows
-// from the product.
+// Roots of lambda^2 + gamma lambda + kappa. The real one of larger modulus has no cancellation; the other
+// follows from the product.
 std::array<Complex, 2> eigenvalues_of(const MechanicalMode& mode) {
   const double half = -mode.gamma / 2;
   // gamma^2/4 - kappa as a product keeps its digits near critical damping.
@@ -288,6 +292,7 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   // square.
   const double gap = 1e-8 * kappa.cwiseAbs().maxCoeff();
   for (Index first = 0, next = 0; first < n; first = next) {
+    // Runs of neighbouring kappa no more than `gap` apart form one eigenspace.
     for (next = first + 1; next < n && kappa[next] - kappa[next - 1] <= gap;) ++next;
     if (next - first > 1) diagonalise_within(scaled.c, first, next - first, u);
   }
@@ -299,11 +304,14 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   return result;
 }
 
+// Hessenberg form and shifted QR iteration, some 10 n^3 operations without vectors (Golub and Van Loan,
+// Matrix Computations).
 std::vector<Complex> all_eigenvalues(const MatrixXd& J) {
   require_dense_size(J.rows());
   std::vector<Complex> lambda;
   lambda.reserve(static_cast<std::size_t>(J.rows()));
   if (J.rows() == 2) {
+    // Two states in closed form.
     const auto pair = eigenvalues_2x2(J);
     lambda.assign(pair.begin(), pair.end());
   } else if (J.rows() > 0) {

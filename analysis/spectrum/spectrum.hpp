@@ -20,6 +20,7 @@ namespace hmax {
 std::array<std::complex<double>, 2> eigenvalues_2x2(const Eigen::Matrix2d& J);
 
 /// The modes of a mechanical part that decouples, in the order of kappa.
+/// Each mode is an independent oscillator q'' + gamma q' + kappa q = 0 of the amplitude of its shape.
 struct MechanicalModes {
   std::vector<MechanicalMode> modes;
   /// Column i is the shape of mode i, shape (n, n), with shapes^T M shapes = I [kg^-1/2]; empty unless
@@ -37,6 +38,8 @@ struct MechanicalModes {
 MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes = false);
 
 /// All eigenvalues of J.
+/// Re lambda < 0 for all: the state is stable; the spectral radius max |lambda| is the fastest rate, which
+/// explicit steps have to resolve.
 struct Spectrum {
   std::vector<std::complex<double>> lambda;  ///< shape (dim) [1/s]; of growing modulus, without `mechanical`
   /// Where the motion decouples, in the order of kappa: mechanical[i] has lambda[2 i] and lambda[2 i + 1].
@@ -50,9 +53,11 @@ struct Spectrum {
 Spectrum spectrum_of(const LinearModel& model);
 
 /// All eigenvalues of a dense matrix, of growing modulus. @throws InputError  as spectrum_of
+/// @param J  shape (n, n)
 std::vector<std::complex<double>> all_eigenvalues(const Eigen::MatrixXd& J);
 
 /// Eigenvectors, in the order of Spectrum::lambda.
+/// J = V diag(lambda) V^-1 where J is not defective.
 struct Eigenvectors {
   std::vector<std::complex<double>> lambda;  ///< shape (n) [1/s]
   Eigen::MatrixXcd right;                    ///< V, shape (n, n): column i has J v = lambda_i v and |v| = 1
@@ -72,6 +77,8 @@ inline constexpr double defective_condition = 1e7;
 /// Positions and velocities have no common scale, so the condition of mechanical parts is measured in
 /// coordinates whose norm is like energy: where the motion decouples (sqrt|kappa| a, a') of each modal
 /// amplitude a, else (s M^1/2 q, M^1/2 v) with the s of spectrum_of.
+/// The condition is 1 for undamped motion, and grows as 1 / |lambda_1 - lambda_2| towards critical
+/// damping.
 /// @throws InputError  as spectrum_of
 Eigenvectors eigenvectors_of(const LinearModel& model);
 

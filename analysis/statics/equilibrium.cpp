@@ -36,10 +36,12 @@ class Corrections {
       sparse_->compute(std::get<Sparse>(J));
       if (sparse_->info() == Eigen::Success && is_regular()) return;
       sparse_.reset();
+      // Too large for a dense decomposition: usable() is false.
       if (rows(J) > most_dense_kernel) return;
     }
     MatrixXd A(rows(J) + conserved.cols(), rows(J));
     A << dense(J), conserved.transpose();
+    // R: rows to a largest entry of one; then C: columns alike.
     row_ = reciprocal_sizes(A.cwiseAbs().rowwise().maxCoeff());
     A = row_.asDiagonal() * A;
     column_ = reciprocal_sizes(A.cwiseAbs().colwise().maxCoeff().transpose());
@@ -111,6 +113,7 @@ MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const Vecto
   VectorXd state(n), f(n);
   for (Index found = 0, tried = 0; found < wanted; ++tried) {
     if (tried == 4 * wanted) return {n, 0};
+    // Within 30 % of the size of each component.
     for (Index i = 0; i < n; ++i) state[i] = y[i] + size[i] * uniform(random);
     field.rhs(state, f);
     if (f.allFinite()) rates.row(found++) = f.transpose();
@@ -150,6 +153,7 @@ class Search {
     for (; iterations_ < most_iterations; ++iterations_) {
       const AnyMatrix J = field_.jacobian(y_);
       if (!all_finite(J)) return ends(not_finite, "the Jacobian on the way is not finite; start elsewhere");
+      // The largest terms that each rate has been a sum of, on the whole way.
       rate_size_ = rate_size_.size() ? rate_size_.cwiseMax(row_sizes(J, y_) + f_.cwiseAbs())
                                      : VectorXd(row_sizes(J, y_) + f_.cwiseAbs());
       if (f_.isZero(0)) return arrives();
@@ -161,6 +165,7 @@ class Search {
             singular_jacobian,
             "the Jacobian is singular, so Newton's method does not say where to go; start elsewhere, or "
             "hold what is free to drift");
+      // J d = -f has no solution: the rates at a singular state cannot be corrected from here.
       if (!correction.reaches(residual(y_, f_))) {
         if (iterations_ > 0 && is_rounding(f_)) return arrives();
         // A fold may lie exactly here. Beside it the search goes on; a system without equilibrium says no
@@ -187,6 +192,7 @@ class Search {
       const double length = length_of(d, weights);
       // Newton's method has nearly converged: steps are taken in full from here on.
       const bool small = length <= 1e-8, stalls = small && length > 0.9 * last;
+      // Near the solution the test of the line search would only see rounding.
       if (small) {
         step_to(y_ + d);
       } else if (!line_search(correction, d, weights)) {
@@ -201,6 +207,7 @@ class Search {
                         "system has an equilibrium",
                         rounded(f_.cwiseAbs().maxCoeff())));
       }
+      // Stalled: corrections no longer shrink by a tenth, as at multiple roots or at rounding.
       if ((length <= 1e-13 || stalls) && is_rounding(f_)) {
         ++iterations_;
         return arrives();
@@ -309,9 +316,9 @@ class Search {
 
   const FrozenField& field_;
   VectorXd start_, y_, f_;
-  MatrixXd conserved_;  // W, shape (n, count)
-  VectorXd size_;       // the largest |y_i| on the way
-  VectorXd rate_size_;  // the largest |J| |y| + |f| on the way
+  MatrixXd conserved_;  ///< W, shape (n, count)
+  VectorXd size_;       ///< the largest |y_i| on the way
+  VectorXd rate_size_;  ///< the largest |J| |y| + |f| on the way
   int iterations_ = 0;
 };
 

@@ -23,7 +23,7 @@ constexpr double default_inner_tolerance = 1e-4;
 
 /// What sweeps have come to.
 struct Relaxed {
-  int sweeps;
+  int sweeps;   ///< that were made
   double left;  ///< |r - K d| / |r|
 };
 
@@ -92,6 +92,7 @@ class Inner {
       iterations_ += reached.sweeps;
       left_ = reached.left;
       // The steps of Newton's methods may be inexact; one linear solution may not.
+      // Half of the residual gone is worth a step of Newton's method.
       constexpr double worth_a_step = 0.5;
       return left_ <= (settings_.method == StaticMethod::linear ? tolerance_ : worth_a_step);
     }
@@ -134,6 +135,7 @@ class Iteration {
       : model_(model), settings_(settings), clock_(clock), inner_(settings), start_(clock()) {
     q_.setZero(model.dofs);
     trial_ = d_ = residual_ = load_ = q_;
+    // F(0): at rest the body itself exerts no force, so this is the load.
     model.force(q_, load_);
     // |F(0)|, the whole load, by which residuals are measured [N].
     scale_ = load_.norm();
@@ -298,6 +300,7 @@ class Iteration {
         return taken_ ? give_up("the stiffness matrix has become singular", more_steps) : give_up(not_held);
     }
     if (!constant && !settings_.inner_tolerance) inner_.set_tolerance(next_forcing());
+    // |R| before the step, for the next forcing term.
     size_before_ = size_;
     if (!inner_.solve(residual_, d_))
       return settings_.inner == InnerSolver::sor
@@ -327,6 +330,7 @@ class Iteration {
     was_shifted_ = true;
     constexpr double least = 1e-4, growth = 4;
     constexpr int most = 20;
+    // The mean diagonal is the scale of tau.
     const double size = K_.diagonal().cwiseAbs().mean();
     double tau = std::max(least * size, shift_ / (growth * growth));
     for (int k = 0; k < most; ++k, tau *= growth) {
@@ -376,16 +380,16 @@ class Iteration {
   const StaticSettings& settings_;
   const Clock& clock_;
   Inner inner_;
-  Matrix K_, shifted_;
+  Matrix K_, shifted_;  ///< K and K + tau I [N/m]
   // The iterate, the trial of a line search, the direction, R(q) and F(0), shape (dofs) each.
   VectorXd q_, trial_, d_, residual_, load_;
   // |F(0)| [N]; the share of the load; |R| / |F(0)|; when the clock was started.
   double scale_ = 0, share_ = 1, size_ = 0, start_;
-  double size_before_ = 0, forcing_ = 0;  // of the last iterate, 0: none
-  double shift_ = 0;                      // the last one that was needed
+  double size_before_ = 0, forcing_ = 0;  ///< of the last iterate, 0: none
+  double shift_ = 0;                      ///< the last one that was needed
   int solved_ = 0, creeping_ = 0;
   bool taken_ = false, stale_ = false, barred_ = false;
-  bool indefinite_ = false, was_shifted_ = false;  // the last K; the last direction is that of K + tau I
+  bool indefinite_ = false, was_shifted_ = false;  ///< the last K; the last direction is that of K + tau I
   std::string note_, remedy_;
 };
 

@@ -49,6 +49,8 @@ enum class StaticMethod {
 std::string_view name_of(StaticMethod method);
 
 /// How K d = F is solved.
+/// A direct solution needs the memory of a factor; sor needs none and takes more sweeps the finer the
+/// mesh; conjugate gradients need a positive definite K.
 enum class InnerSolver {
   direct,              ///< L D L^T
   sor,                 ///< successive over-relaxation
@@ -103,6 +105,7 @@ struct StaticSolution {
 };
 
 /// Tells the time [s] that histories record.
+/// Differences of its values count; the zero is free.
 using Clock = std::function<double()>;
 
 /// Solves for q from rest.

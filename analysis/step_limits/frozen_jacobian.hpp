@@ -35,6 +35,8 @@ LinearlyImplicitMethod linearly_implicit(const RosenbrockTableau<S>& tableau) {
 /// The map of one step on y' = A y with A0 in place of the Jacobian [hairer1996solving, IV.7]:
 ///   (I - gamma_ii h A0) K_i = h A (I + sum_j alpha_ij K_j) + h A0 sum_j gamma_ij K_j,
 ///   S = I + sum_i b_i K_i.
+/// Shape (n, n); a step is stable when the spectral radius of S is at most one. K_i is the linear map from
+/// y to the i-th stage.
 /// @param hA, hA0  h A and h A0, shape (n, n)
 Eigen::MatrixXd step_matrix(const LinearlyImplicitMethod& method, const Eigen::MatrixXd& hA,
                             const Eigen::MatrixXd& hA0);
@@ -46,11 +48,15 @@ struct ToleratedRatios {
 };
 
 /// Of decay: y' = lambda y, lambda < 0, with lambda0 as Jacobian. From the conditions of R(z, z0), so proved.
+/// With z0 = -h and z = ratio z0 every h > 0 is a step; a ratio is tolerated when none of them is
+/// unstable.
 ToleratedRatios tolerated_decay(const Amplification& amplification);
 
 /// The largest omega0 h, omega0^2 = k0 / m, up to which every step is stable on an undamped spring of
 /// stiffness k whose Jacobian says k0: the first exit found by strides of one part in two hundred from 1e-2
 /// to 1e6. Infinity where there is none, 0 where the smallest is unstable.
+/// In (x, v / omega0) the model is h A = (0, omega0 h; -ratio omega0 h, 0), the Jacobian the same with
+/// ratio 1. A real 2 x 2 map S is stable when |det S| <= 1 and |tr S| <= 1 + det S.
 /// @param ratio  k / k0 > 0
 double frozen_spring_exit(const LinearlyImplicitMethod& method, double ratio);
 
