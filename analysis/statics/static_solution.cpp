@@ -241,8 +241,9 @@ class Iteration {
 
  private:
   /// Goes along d_ as far as the energy or the residual falls.
-  /// Accepts q + a d when the residual is smaller, or when the energy satisfies Armijo's condition E(q + a
-  /// d) <= E(q) - 1e-4 a R.d [nocedal2006numerical, section 3.1]; a = 1, 1/2, 1/4, ...
+  /// Accepts q + a d, a = 1, 1/2, 1/4, ..., when the residual is smaller or Armijo's condition holds,
+  ///   E(q + a d) <= E(q) - 1e-4 a R.d   [nocedal2006numerical, section 3.1].
+  /// Along a direction of K + tau I the residual does not count where saddles are to be left.
   bool walk(bool searches, bool has_energy) {
     // -dE/da at a = 0, since R = -grad E.
     const double slope = residual_.dot(d_);
