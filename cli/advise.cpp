@@ -9,6 +9,7 @@
 
 #include "bench/advice/advice_records.hpp"
 #include "bench/advice/advise.hpp"
+#include "bench/models/support_sets.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
@@ -28,7 +29,8 @@ using Json = nlohmann::ordered_json;
 struct AdviseOptions {
   ProblemChoice problem;
   std::optional<double> rate, tolerance, budget;
-  std::string methods, frames, out;
+  std::string methods, frames, out, motion;
+  std::vector<std::string> motion_at;
 };
 
 double positive(const char* option, double value, const char* example) {
@@ -53,6 +55,16 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem)
   if (!options.frames.empty())
     question.frames = static_cast<std::size_t>(
         std::min<std::int64_t>(parse_count("--frames", options.frames, 1), 1'000'000));
+  if (!options.motion_at.empty() && options.motion.empty())
+    throw InputError("--motion-at names the points of --motion; add a file of forces or displacements");
+  if (!options.motion.empty()) {
+    question.motion = read_user_motion(options.motion);
+    if (!options.motion_at.empty()) {
+      if (options.problem.body.mesh.empty()) throw InputError("--motion-at names points of --mesh; name a mesh");
+      question.motion->points = points_of_sets(
+          options.motion_at, load_mesh(options.problem.body.mesh, options.problem.body.metres()));
+    }
+  }
   question.methods = options.methods.empty()
                          ? choose_methods(simulator_methods(), {problem})
                          : choose_methods(with_their_parameters(parse_names("--methods", options.methods)), {problem});
@@ -116,6 +128,17 @@ Json to_json(const std::vector<ProofRun>& proof) {
   return list;
 }
 
+Json to_json(const std::vector<LimitBand>& bands) {
+  Json list = Json::array();
+  for (const LimitBand& band : bands)
+    list.push_back({{"quantity", band.quantity},
+                    {"spread", band.spread},
+                    {"h_max_low", band.h_low},
+                    {"h_max_high", band.h_high},
+                    {"exponent", band.exponent}});
+  return list;
+}
+
 Json to_json(const Problem& problem, const AdviceQuestion& question, const Advice& advice) {
   Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
   for (const AdviceRow& row : advice.rows) {
@@ -126,6 +149,7 @@ Json to_json(const Problem& problem, const AdviceQuestion& question, const Advic
     remedies.push_back({{"change", remedy.change},
                         {"from", remedy.from},
                         {"to", remedy.to},
+                        {"cost", remedy.cost},
                         {"then", {{"method", remedy.method}, {"h", remedy.h}}}});
   Json parameters = Json::object();
   for (const auto& [name, value] : problem.parameters) parameters[name] = value;
@@ -143,6 +167,7 @@ Json to_json(const Problem& problem, const AdviceQuestion& question, const Advic
           {"machine", summary(fingerprint())},
           {"rows", std::move(rows)},
           {"proof", to_json(advice.proof)},
+          {"uncertainty", to_json(advice.bands)},
           {"recommended", best ? to_json(*best, question, error_scale(problem)) : Json()},
           {"ties", std::move(ties)},
           {"remedies", std::move(remedies)}};
@@ -224,6 +249,11 @@ std::string words_of_best(const Problem& problem, const AdviceRow& row, const Ad
     text += line("margin", std::isinf(row.stiffening)
                                ? "stable at every stiffness"
                                : fmt::format("stable up to {} times the stiffness", short_number(row.stiffening, 3)));
+  for (const LimitBand& band : advice.bands)
+    text += line(&band == &advice.bands.front() ? "uncertainty" : "",
+                 fmt::format("h_max {} to {} ms where the {} is {} % less or more{}", milliseconds(band.h_low),
+                             milliseconds(band.h_high), band.quantity, short_number(100 * band.spread, 2),
+                             band.h_low < row.h ? ": at the lower end the step is unstable" : ""));
   if (const std::string modes = words_of_modes(row, advice); !modes.empty()) text += line("slow modes", modes);
   return text;
 }
@@ -232,8 +262,9 @@ std::string words_of_remedies(const Advice& advice) {
   if (advice.remedies.empty()) return "No change that was tried helps.\n";
   std::string text = "What helps, each tried:\n";
   for (const Remedy& remedy : advice.remedies)
-    text += fmt::format("  {} {} in place of {}: {} with h = {} ms\n", remedy.change, short_number(remedy.to),
-                        short_number(remedy.from), remedy.method, milliseconds(remedy.h, 5));
+    text += fmt::format("  {} {} in place of {}{}: {} with h = {} ms\n", remedy.change, short_number(remedy.to),
+                        short_number(remedy.from), remedy.cost.empty() ? "" : " (" + remedy.cost + ")", remedy.method,
+                        milliseconds(remedy.h, 5));
   return text;
 }
 
@@ -295,6 +326,25 @@ std::string for_people(const Problem& problem, const AdviceQuestion& question, c
   return text + "\n" + table_of(advice, console) + "\n" + words_of_reasons(advice) + console.faint(summary(fingerprint())) + "\n";
 }
 
+Remaking remaking(const ProblemChoice& choice) {
+  Remaking make;
+  make.with = [&](const std::vector<std::pair<std::string, double>>& values) {
+    ProblemChoice changed = choice;
+    for (const auto& [name, value] : values) {
+      std::erase_if(changed.set, [&](const std::string& text) { return text.starts_with(name + "="); });
+      changed.set.push_back(name + "=" + to_text(value));
+    }
+    return changed.make();
+  };
+  if (const std::string coarser = coarser_mesh(choice.body.mesh); !coarser.empty())
+    make.coarser = [&choice, coarser] {
+      ProblemChoice changed = choice;
+      changed.body.mesh = coarser;
+      return changed.make();
+    };
+  return make;
+}
+
 void advise_on(const AdviseOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   const AdviceQuestion question = question_of(options, problem);
@@ -308,18 +358,11 @@ void advise_on(const AdviseOptions& options, Console& console) {
       if (interrupted) throw Interrupted{};
       progress.update(share, what);
     };
-    advice = advise(problem, question, watcher);
+    const Remaking make = remaking(options.problem);
+    advice = advise(problem, question, watcher, make.with);
     if (!advice.recommended())
       advice.remedies = remedies(
-          problem, question, advice,
-          [&](const std::vector<std::pair<std::string, double>>& values) {
-            ProblemChoice changed = options.problem;
-            for (const auto& [name, value] : values) {
-              std::erase_if(changed.set, [&](const std::string& text) { return text.starts_with(name + "="); });
-              changed.set.push_back(name + "=" + to_text(value));
-            }
-            return changed.make();
-          },
+          problem, question, advice, make,
           [&](double share, const std::string& what) { watcher(share, "what would help: " + what); });
   }
   if (!advice.recommended()) console.exit_code = Exit::failed;
@@ -357,6 +400,17 @@ void add_advise(CLI::App& app, Console& console) {
       ->type_name("A,B");
   command.add_option("--frames", options->frames, "Number of frames that the best methods are timed for; 1000 by default")
       ->type_name("N");
+  command
+      .add_option("--motion", options->motion,
+                  "Motion of a body in place of the probing motion: CSV with the columns t [s] and fx, fy, fz [N] or x, "
+                  "y, z [m], forces or displacements")
+      ->type_name("FILE");
+  command
+      .add_option("--motion-at", options->motion_at,
+                  "Points that --motion acts on, as --support; the far end of the body by default; may be repeated")
+      ->type_name("SET")
+      ->take_all()
+      ->allow_extra_args(false);
   command
       .add_option("--out", options->out,
                   "Store of the advice, one row a method: a file that ends in .sqlite, or a name under results/runs; none "

@@ -414,7 +414,8 @@ std::string_view name_of(AdviceVerdict verdict) {
   return names[static_cast<std::size_t>(verdict)];
 }
 
-Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher) {
+Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher,
+              const ProblemWith& make) {
   double share = 0;
   std::string what;
   const Watcher watch = [&] {
@@ -428,7 +429,7 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
   Advice advice;
   AnalysedModel model;
   now(0, "finding a load that the model bears");
-  model.motion = probing_motion(problem, watch);
+  model.motion = question.motion ? probing_motion(problem, *question.motion, watch) : probing_motion(problem, watch);
   lengthen(model.motion, question);
   now(0.05, "finding the reference motion");
   model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch);
@@ -460,6 +461,10 @@ Advice advise(const Problem& problem, const AdviceQuestion& question, const Advi
     row.h_max_observed = observed_limit(row, model);
     if (std::isnan(row.h_max_observed) && row.status.empty())
       row.status = "growth just beyond the limit is too slow to be seen on the motion";
+  }
+  if (const AdviceRow* best = advice.recommended(); best && make && std::isfinite(best->h_max)) {
+    now(0.99, "how sure the limit is");
+    advice.bands = limit_bands(best->candidate.method, problem, model.motion.problem.y0, make);
   }
   advice.motion = fmt::format("{}; to t = {:.6g} s", model.motion.words, model.motion.t_end);
   advice.scale = model.reference.scale;

@@ -13,6 +13,8 @@
 #include "bench/advice/motion_run.hpp"
 #include "bench/advice/probing_motion.hpp"
 #include "bench/advice/proof.hpp"
+#include "bench/advice/uncertainty.hpp"
+#include "bench/advice/user_motion.hpp"
 
 namespace hmax {
 
@@ -24,6 +26,7 @@ struct AdviceQuestion {
   std::size_t frames = 1000;     ///< that the best methods are timed for
   double proof = 60;             ///< simulated seconds that the recommended row must hold for; fewer of slow models [s]
   std::vector<Method> methods;   ///< to choose from
+  std::optional<UserMotion> motion;  ///< in place of the probing motion
 
   [[nodiscard]] double frame() const { return 1 / rate; }
   [[nodiscard]] double frame_budget() const { return budget.value_or(frame()); }
@@ -71,9 +74,10 @@ struct AdviceRow {
 
 /// A change of the model or the question under which a row becomes suitable; it was run.
 struct Remedy {
-  std::string change;   ///< "budget_ms", "rate", "rho", "E"
+  std::string change;   ///< "budget_ms", "rate", "tetrahedra", or a parameter such as "rho"
   double from = 0, to = 0;
-  std::string method;   ///< as Candidate::words()
+  std::string cost = {};    ///< what it brings about besides, in words; may be empty
+  std::string method = {};  ///< as Candidate::words()
   double h = 0;         ///< [s]
 };
 
@@ -86,6 +90,7 @@ struct Advice {
   std::vector<double> modes;          ///< the slowest oscillations at the start, at most 3 [rad/s]
   std::vector<AdviceRow> rows;        ///< best first
   std::vector<ProofRun> proof;        ///< long runs of the recommended row
+  std::vector<LimitBand> bands;       ///< of its limit
   std::vector<Remedy> remedies;       ///< where nothing is recommended
 
   /// The first row, if it is recommended.
@@ -104,15 +109,21 @@ using AdviceWatcher = std::function<void(double share, const std::string& what)>
 /// over `frames` frames, in turn; the best must hold for `proof` simulated seconds, as far as they take no more than
 /// 10 s of CPU time. Rows within 10 % of the best are ties.
 /// @throws InputError  as probing_motion() and reference_motion()
-Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {});
+/// @param make  for the bands of the limit; without it there are none
+Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {},
+              const ProblemWith& make = {});
 
-/// Makes the problem once more with some parameters set to other values.
-using ProblemWith = std::function<Problem(const std::vector<std::pair<std::string, double>>& values)>;
+/// How a model can be made again.
+struct Remaking {
+  ProblemWith with;                      ///< other parameters
+  std::function<Problem()> coarser = {};  ///< on a coarser mesh; empty where there is none
+};
 
 /// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first: a
-/// larger budget, a lower rate, and of a body more mass or a softer material.
+/// larger budget, a lower rate, and of a body a coarser mesh, more mass where elements are fast, more density, a softer
+/// material, a softer or thinner skin, less damping by stiffness.
 /// @param failed  what was found without a change
 std::vector<Remedy> remedies(const Problem& problem, const AdviceQuestion& question, const Advice& failed,
-                             const ProblemWith& make, const AdviceWatcher& watcher = {});
+                             const Remaking& make, const AdviceWatcher& watcher = {});
 
 }  // namespace hmax

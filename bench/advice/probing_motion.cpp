@@ -31,27 +31,6 @@ double size_of(const TetMesh& mesh) {
 
 bool is_driven_by_time(const TissueBody& body) { return body.steady_from() > 0; }
 
-/// The far end of a body: the surface points furthest from what holds it, or those highest along z.
-PressingForce far_press(const TissueBody& body) {
-  const TetMesh& mesh = body.mesh();
-  Eigen::Vector3d held = mesh.points.rowwise().mean();
-  std::size_t count = 0;
-  for (const Support& support : body.settings().supports) count += support.points.size();
-  if (count > 0) {
-    held.setZero();
-    for (const Support& support : body.settings().supports)
-      for (const TetMesh::Index i : support.points) held += mesh.points.col(i) / static_cast<double>(count);
-  }
-  const auto surface = surface_of(mesh).points;
-  const auto distance = [&](TetMesh::Index i) { return (mesh.points.col(i) - held).norm(); };
-  const TetMesh::Index tip = *std::ranges::max_element(surface, {}, distance);
-  PressingForce press{.points = {}, .force = (held - mesh.points.col(tip)).normalized()};
-  const double radius = 0.15 * size_of(mesh);
-  for (const TetMesh::Index i : surface)
-    if ((mesh.points.col(i) - mesh.points.col(tip)).norm() <= radius) press.points.push_back(i);
-  return press;
-}
-
 /// The forces times this move the body by 2 % of its size, by its stiffness at `q`.
 double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   const TissueBody& body = *pressed.body;
@@ -106,44 +85,21 @@ std::pair<double, std::string> probing_share(const Problem& problem, const Watch
                              share)};
 }
 
-/// The largest share of gravity, 1, 1/2, ..., 1/64, under which a body rests, and how; 0 where there is none.
-std::pair<double, Eigen::VectorXd> resting_under_gravity(const Problem& problem, const Watcher& watcher) {
-  for (double share = 1; share >= 1.0 / 64; share /= 2) {
-    if (watcher) watcher();
-    TissueSettings settings = problem.body->settings();
-    settings.gravity *= share;
-    settings.forces.clear();
-    StaticSolution resting = found_equilibrium(with_settings(problem, std::move(settings)), 1, {.tolerance = 1e-10},
-                                               [] { return 0.0; });
-    if (resting.converged) return {share, std::move(resting.q)};
-  }
-  return {0, {}};
-}
-
 ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   const TissueBody& body = *problem.body;
-  const Eigen::Index n = body.dofs();
   if (is_driven_by_time(body)) {
     const double t_end = end_of_motion(problem);
     return {problem, t_end, "its own load"};
   }
-  TissueSettings settings = body.settings();
-  const bool heavy = settings.gravity.norm() > 0;
-  Eigen::VectorXd start = Eigen::VectorXd::Zero(n);
-  std::string words, gravity;
-  if (heavy) {
-    const auto [share, resting] = resting_under_gravity(problem, watcher);
-    settings.gravity *= share;
-    if (share > 0) start = resting;
-    gravity = share == 1  ? " beside gravity"
-              : share > 0 ? fmt::format(" beside {:.3g} of gravity, the most of 1, 1/2, 1/4, ... with an equilibrium", share)
-                          : " without gravity, under which there is no equilibrium";
-  }
+  const RestingBody resting = resting_under_gravity(problem, watcher);
+  TissueSettings settings = resting.problem.body->settings();
+  std::string words;
   if (settings.forces.empty()) {
     settings.forces = {far_press(body)};
-    const double force = force_for_2_percent(with_settings(problem, settings), start);
+    const double force =
+        force_for_2_percent(with_settings(resting.problem, settings), resting.problem.y0.head(body.dofs()));
     settings.forces.front().force *= force;
-    words = fmt::format("a press of {:.3g} N at the far end{}", force, gravity);
+    words = fmt::format("a press of {:.3g} N at the far end{}", force, resting.words);
   } else {
     double share = 1;
     std::tie(share, words) = probing_share(problem, watcher);
@@ -151,11 +107,9 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   }
   come_and_go(settings.forces);
   const double t_end = rise + hold + rise + after;
-  ProbingMotion motion{with_settings(problem, std::move(settings)), t_end,
-                       fmt::format("{}, which rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s",
-                                   words, rise, hold, rise)};
-  motion.problem.y0.head(n) = start;
-  return motion;
+  return {with_settings(resting.problem, std::move(settings)), t_end,
+          fmt::format("{}, which rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s", words, rise,
+                      hold, rise)};
 }
 
 /// The state at each of some instants, by newmark at h; nothing where a step is not solved.
@@ -212,6 +166,50 @@ ReferenceMotion halved_until_steady(const ProbingMotion& motion, double frame, d
 }
 
 }  // namespace
+
+PressingForce far_press(const TissueBody& body) {
+  const TetMesh& mesh = body.mesh();
+  Eigen::Vector3d held = mesh.points.rowwise().mean();
+  std::size_t count = 0;
+  for (const Support& support : body.settings().supports) count += support.points.size();
+  if (count > 0) {
+    held.setZero();
+    for (const Support& support : body.settings().supports)
+      for (const TetMesh::Index i : support.points) held += mesh.points.col(i) / static_cast<double>(count);
+  }
+  const auto surface = surface_of(mesh).points;
+  const auto distance = [&](TetMesh::Index i) { return (mesh.points.col(i) - held).norm(); };
+  const TetMesh::Index tip = *std::ranges::max_element(surface, {}, distance);
+  PressingForce press{.points = {}, .force = (held - mesh.points.col(tip)).normalized()};
+  const double radius = 0.15 * size_of(mesh);
+  for (const TetMesh::Index i : surface)
+    if ((mesh.points.col(i) - mesh.points.col(tip)).norm() <= radius) press.points.push_back(i);
+  return press;
+}
+
+RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher) {
+  const TissueSettings& settings = problem.body->settings();
+  if (settings.gravity.norm() == 0) return {problem, ""};
+  TissueSettings weighted = settings;
+  for (double share = 1; share >= 1.0 / 64; share /= 2) {
+    if (watcher) watcher();
+    weighted.gravity = share * settings.gravity;
+    TissueSettings alone = weighted;
+    alone.forces.clear();
+    const StaticSolution resting =
+        found_equilibrium(with_settings(problem, std::move(alone)), 1, {.tolerance = 1e-10}, [] { return 0.0; });
+    if (!resting.converged) continue;
+    RestingBody found{share == 1 ? problem : with_settings(problem, std::move(weighted)),
+                      share == 1 ? " beside gravity"
+                                 : fmt::format(" beside {:.3g} of gravity, the most of 1, 1/2, 1/4, ... with an "
+                                               "equilibrium",
+                                               share)};
+    found.problem.y0.head(resting.q.size()) = resting.q;
+    return found;
+  }
+  weighted.gravity.setZero();
+  return {with_settings(problem, std::move(weighted)), " without gravity, under which there is no equilibrium"};
+}
 
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
   if (problem.body) return of_body(problem, watcher);

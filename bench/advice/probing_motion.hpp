@@ -8,6 +8,7 @@
 
 #include "bench/catalogue/method.hpp"
 #include "bench/limits/trajectory_limit.hpp"
+#include "problems/tissue/body.hpp"
 
 namespace hmax {
 
@@ -24,6 +25,18 @@ struct ProbingMotion {
 /// times, until it has one, and then taken as large as moves the body by 2 % of its size. Of bodies whose loads
 /// change with time, and of what is no body: the problem's own motion, up to its end.
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {});
+
+/// A body as it rests under gravity, which is scaled by the largest share 1, 1/2, ..., 1/64 with an equilibrium; without
+/// gravity where there is none, or none acts.
+struct RestingBody {
+  Problem problem;    ///< y0 is the equilibrium without other loads
+  std::string words;  ///< " beside gravity"; empty where none acts
+};
+RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher = {});
+
+/// A force of 1 N on the far end of a body, towards what holds it: on the surface points near the one furthest from
+/// its supports, or from its middle.
+PressingForce far_press(const TissueBody& body);
 
 /// A motion that no step was chosen for. A body: beside gravity and loads of its own that change with time, slow
 /// oscillations across the direction of its press, as large as moves it by 1 % of its size. What is no body: its own

@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "bench/advice/advise.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -24,48 +26,124 @@ std::vector<Method> nearest_methods(const Advice& failed) {
   return methods;
 }
 
-}  // namespace
+/// A parameter and what it is multiplied by, one after the other until something helps.
+struct Scaling {
+  std::string_view parameter;
+  std::vector<double> factors;
+};
 
-std::vector<Remedy> remedies(const Problem& problem, const AdviceQuestion& question, const Advice& failed,
-                             const ProblemWith& make, const AdviceWatcher& watcher) {
-  std::vector<Remedy> found;
-  AdviceQuestion quick = question;
-  quick.frames = std::min<std::size_t>(question.frames, 100);
-  quick.methods = nearest_methods(failed);
-  if (quick.methods.empty()) return found;
-  const auto try_one = [&](const std::string& change, double from, double to,
-                           const std::function<Problem()>& changed) {
+const std::vector<Scaling>& scalings() {
+  static const std::vector<Scaling> all{{"rho", {4, 16}},       {"E", {0.25, 0.0625}}, {"skin", {0.25, 0.0625}},
+                                        {"skin_thickness", {0.25, 0.0625}}, {"beta", {0.25, 0.0625, 0}}};
+  return all;
+}
+
+class Trials {
+ public:
+  Trials(const AdviceQuestion& question, const Advice& failed, const AdviceWatcher& watcher)
+      : question_(question), watcher_(watcher) {
+    question_.frames = std::min<std::size_t>(question.frames, 100);
+    question_.methods = nearest_methods(failed);
+  }
+
+  [[nodiscard]] bool are_possible() const { return !question_.methods.empty(); }
+
+  /// Keeps the change if something suits with it. @returns whether it does
+  bool helps(Remedy remedy, const AdviceQuestion& question, const std::function<Problem()>& changed) {
     try {
-      const Advice advice = advise(changed(), quick, watcher);
+      const Advice advice = advise(changed(), question, watcher_);
       const AdviceRow* row = advice.recommended();
-      if (row) found.push_back({change, from, to, row->candidate.words(), row->h});
-      return row != nullptr;
+      if (!row) return false;
+      if (remedy.change == "budget_ms") remedy.to = 1.1e3 * row->frame.p99;
+      remedy.method = row->candidate.words();
+      remedy.h = row->h;
+      found.push_back(std::move(remedy));
+      return true;
     } catch (const InputError&) {
       return false;  // no such model, or no reference there either
     }
-  };
+  }
+
+  [[nodiscard]] const AdviceQuestion& question() const { return question_; }
+  std::vector<Remedy> found;
+
+ private:
+  AdviceQuestion question_;
+  const AdviceWatcher& watcher_;
+};
+
+void try_time(Trials& trials, const Problem& problem, const AdviceQuestion& question) {
+  const auto same = [&] { return problem; };
   if (question.frame_budget() < question.frame()) {
-    quick.budget.reset();
-    const Advice whole_frame = advise(problem, quick, watcher);
-    if (const AdviceRow* row = whole_frame.recommended())
-      found.push_back({"budget_ms", 1e3 * question.frame_budget(), 1.1e3 * row->frame.p99, row->candidate.words(), row->h});
-    quick.budget = question.budget;
+    AdviceQuestion whole_frame = trials.question();
+    whole_frame.budget.reset();
+    trials.helps({.change = "budget_ms", .from = 1e3 * question.frame_budget()}, whole_frame, same);
   }
   for (const double divisor : {2.0, 5.0, 10.0, 20.0, 50.0}) {
-    quick.rate = question.rate / divisor;
-    if (try_one("rate", question.rate, quick.rate, [&] { return problem; })) break;
+    AdviceQuestion slower = trials.question();
+    slower.rate = question.rate / divisor;
+    if (trials.helps({.change = "rate", .from = question.rate, .to = slower.rate}, slower, same)) break;
   }
-  quick.rate = question.rate;
-  if (!problem.body) return found;
-  for (const auto& [name, factors] : {std::pair<std::string, std::vector<double>>{"rho", {4, 16}}, {"E", {0.25, 0.0625}}}) {
+}
+
+void try_coarser(Trials& trials, const Problem& problem, const std::function<Problem()>& coarser) {
+  try {
+    const Problem made = coarser();
+    const auto count = [](const Problem& of) { return static_cast<double>(of.body->mesh().tetrahedron_count()); };
+    trials.helps({.change = "tetrahedra", .from = count(problem), .to = count(made)}, trials.question(),
+                 [&] { return made; });
+  } catch (const InputError&) {
+    return;  // no such mesh
+  }
+}
+
+/// More mass where elements are fast, so that steps of 1/8, 1/4, 1/2 and a whole frame are stable.
+void try_mass(Trials& trials, const Problem& problem, const ProblemWith& make) {
+  for (const double share : {0.125, 0.25, 0.5, 1.0}) {
+    // The bound is reached at 0.95 of it, and a half is lost where the body stiffens.
+    const double step = 1.5 * share * trials.question().frame();
+    const Problem heavier = make({{"mass_step", step}});
+    const Eigen::VectorXd added = heavier.body->added_mass();
+    if (added.sum() == 0) continue;
+    const double whole = problem.body->point_mass().sum();
+    if (added.sum() > whole) return;  // another body
+    if (trials.helps({.change = "mass_step",
+                      .from = problem.body->settings().mass_step,
+                      .to = step,
+                      .cost = fmt::format("adds {:.2g} % of the mass, to {} of {} points", 100 * added.sum() / whole,
+                                          (added.array() > 0).count(), added.size())},
+                     trials.question(), [&] { return heavier; }))
+      return;
+  }
+}
+
+void try_parameters(Trials& trials, const Problem& problem, const ProblemWith& make) {
+  for (const Scaling& scaling : scalings()) {
     const auto parameter =
-        std::ranges::find(problem.parameters, name, &std::pair<std::string, double>::first);
+        std::ranges::find(problem.parameters, scaling.parameter, &std::pair<std::string, double>::first);
     if (parameter == problem.parameters.end() || !(parameter->second > 0)) continue;
-    for (const double factor : factors)
-      if (try_one(name, parameter->second, factor * parameter->second, [&] { return make({{name, factor * parameter->second}}); }))
+    for (const double factor : scaling.factors) {
+      const double to = factor * parameter->second;
+      if (trials.helps({.change = parameter->first, .from = parameter->second, .to = to}, trials.question(),
+                       [&] { return make({{parameter->first, to}}); }))
         break;
+    }
   }
-  return found;
+}
+
+}  // namespace
+
+std::vector<Remedy> remedies(const Problem& problem, const AdviceQuestion& question, const Advice& failed,
+                             const Remaking& make, const AdviceWatcher& watcher) {
+  Trials trials(question, failed, watcher);
+  if (!trials.are_possible()) return {};
+  try_time(trials, problem, question);
+  if (problem.body) {
+    if (make.coarser) try_coarser(trials, problem, make.coarser);
+    try_mass(trials, problem, make.with);
+    try_parameters(trials, problem, make.with);
+  }
+  return std::move(trials.found);
 }
 
 }  // namespace hmax

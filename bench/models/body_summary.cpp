@@ -62,11 +62,14 @@ BodySummary summary_of(const TissueBody& body) {
     const auto [least, most] = std::ranges::minmax(settings.materials, {}, what);
     return BodySummary::Span{least.*what, most.*what};
   };
+  const Eigen::VectorXd added = body.added_mass();
   BodySummary summary{.young = span(&TissueMaterial::young),
                       .poisson = span(&TissueMaterial::poisson),
                       .density = span(&TissueMaterial::density),
                       .regions = settings.materials.size(),
-                      .mass = body.point_mass().sum(),
+                      .mass = (body.point_mass() - added).sum(),
+                      .added_mass = added.sum(),
+                      .heavier = (added.array() > 0).count(),
                       .size = mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff(),
                       .points = mesh.point_count(),
                       .held = mesh.point_count() - static_cast<Eigen::Index>(body.free_points().size()),
@@ -90,11 +93,14 @@ BodySummary summary_of(const TissueBody& body) {
 
 std::string in_words(const BodySummary& summary) {
   const Eigen::Vector3d mm = 1000 * summary.size;
-  return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} points held",
+  const std::string added = summary.heavier > 0 ? fmt::format("; mass_step adds {} kg to {} of them",
+                                                              rounded(summary.added_mass), summary.heavier)
+                                                : "";
+  return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} points held{}",
                      rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
                      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "",
                      rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held,
-                     summary.points);
+                     summary.points, added);
 }
 
 std::vector<std::string> unusual_values(const BodySummary& summary) {

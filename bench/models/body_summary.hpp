@@ -18,7 +18,9 @@ struct BodySummary {
   Span poisson{};  ///< nu [1]
   Span density{};  ///< as it results where the mass is given [kg/m^3]
   std::size_t regions = 1;
-  double mass = 0;                                    ///< of all points [kg]
+  double mass = 0;                                    ///< of all points, without what mass_step adds [kg]
+  double added_mass = 0;                              ///< by mass_step [kg]
+  Eigen::Index heavier = 0;                           ///< points that it is added to
   Eigen::Vector3d size = Eigen::Vector3d::Zero();     ///< sides of the box around the body [m]
   Eigen::Index points = 0, held = 0;                  ///< all points, and those that supports hold
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s^2]

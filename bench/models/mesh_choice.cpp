@@ -77,6 +77,29 @@ OpenedMesh open_mesh(const std::string& text) {
   });
 }
 
+std::string coarser_mesh(const std::string& text) {
+  return told_to_user([&]() -> std::string {
+    MeshRequest request = parse_mesh_request(text);
+    const int refinements = refinements_of(request);
+    std::erase_if(request.parameters, [](const auto& parameter) { return parameter.first == "refine"; });
+    if (refinements > 1) request.parameters.emplace_back("refine", refinements - 1);
+    if (refinements == 0) {
+      const NamedMesh* named = find_named_mesh(request.name);
+      if (!named || named->parameters.empty() || named->parameters.front().first != "n") return {};
+      const auto n = std::ranges::find(request.parameters, "n", &std::pair<std::string, double>::first);
+      const double half = std::floor((n == request.parameters.end() ? named->parameters.front().second : n->second) / 2);
+      if (half < 1) return {};
+      if (n == request.parameters.end())
+        request.parameters.emplace_back("n", half);
+      else
+        n->second = half;
+    }
+    std::string coarser = request.name;
+    for (const auto& [name, value] : request.parameters) coarser += fmt::format(":{}={}", name, to_text(value));
+    return coarser;
+  });
+}
+
 double unit_in_metres(std::string_view text) {
   if (text == "m") return 1;
   if (text == "cm") return 0.01;

@@ -21,6 +21,10 @@ struct OpenedMesh {
 /// @throws InputError naming file, line and remedy, or the nearest known name
 OpenedMesh open_mesh(const std::string& text);
 
+/// The same mesh with about an eighth of its tetrahedra: refined once less, or with half as many points along its
+/// edges; empty where it has no such parameter.
+std::string coarser_mesh(const std::string& text);
+
 /// Metres of "m", "cm", "mm" or of a number of metres.
 double unit_in_metres(std::string_view text);
 

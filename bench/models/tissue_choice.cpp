@@ -40,7 +40,7 @@ struct Named {
   std::string_view of = {};  ///< `springs`, or the loads that read it; empty: all do
 };
 constexpr std::string_view springs = "springs";
-constexpr std::array<Named, 41> all_named{{
+constexpr std::array<Named, 42> all_named{{
     {"E", &TissueParameters::E, "Pa"},
     {"nu", &TissueParameters::nu, "1"},
     {"rho", &TissueParameters::rho, "kg/m³"},
@@ -67,6 +67,7 @@ constexpr std::array<Named, 41> all_named{{
     {"tool_dx", &TissueParameters::tool_dx, "1", false, "tool"},
     {"tool_dy", &TissueParameters::tool_dy, "1", false, "tool"},
     {"tool_dz", &TissueParameters::tool_dz, "1", false, "tool"},
+    {"mass_step", &TissueParameters::mass_step, "s", false},
     {"inclusion", &TissueParameters::inclusion, "1", false},
     {"skin", &TissueParameters::skin, "1", false},
     {"skin_thickness", &TissueParameters::skin_thickness, "m", false},
@@ -478,6 +479,9 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
     throw InputError(fmt::format(
         "axis is {} but must be 1, 2 or 3 for the low end along x, y or z, or -1, -2 or -3 for the high one",
         to_text(parameters.axis)));
+  if (!(parameters.mass_step >= 0))
+    throw InputError(fmt::format("mass_step is {} s but must be a step, or 0 for the masses as they are",
+                                 to_text(parameters.mass_step)));
   if (parameters.equal_masses != 0 && parameters.equal_masses != 1)
     throw InputError(fmt::format(
         "equal_masses is {} but must be 1, the same mass at every point, or 0, by the volume around it",
@@ -530,6 +534,7 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
                           .beta = p.beta};
   if (p.mass != 0) settings.total_mass = p.mass;
   settings.equal_masses = p.equal_masses != 0;
+  settings.mass_step = p.mass_step;
   settings.springs = {.stiffness = p.k,
                       .damper_time = p.damper,
                       .surface_bending = p.bending,

@@ -40,6 +40,8 @@ void check_profile(const TimeProfile& profile) {
           "positive");
   require(std::isfinite(profile.start) && std::isfinite(profile.omega), profile.omega,
           "the frequency of a time profile", "finite, as must be its start");
+  if (profile.kind == TimeProfile::Kind::samples && !profile.curve)
+    throw std::invalid_argument("a time profile of samples has no curve");
 }
 
 }  // namespace
@@ -49,6 +51,7 @@ TissueBody::TissueBody(const TetMesh& mesh, TissueSettings settings, std::shared
   number_free_points();
   distribute_mass();
   build_elastic_parts();
+  raise_masses();
   build_rayleigh_damping();
   size_ = (mesh_.points.rowwise().maxCoeff() - mesh_.points.rowwise().minCoeff()).norm();
 }
@@ -70,6 +73,8 @@ void TissueBody::check_points(std::span<const Index> points, const char* what) c
 
 void TissueBody::number_free_points() {
   std::vector<bool> held(at(mesh_.point_count()), false);
+  for (std::size_t s = 0; s < settings_.supports.size(); ++s)
+    continues_support_.push_back(s > 0 && settings_.supports[s].points == settings_.supports[s - 1].points);
   for (const Support& support : settings_.supports) {
     check_points(support.points, "a support");
     check_profile(support.profile);
@@ -137,6 +142,27 @@ void TissueBody::distribute_mass() {
     require(*settings_.total_mass > 0 && std::isfinite(*settings_.total_mass), *settings_.total_mass,
             "the total mass", "positive and finite");
     point_mass_ *= *settings_.total_mass / point_mass_.sum();
+  }
+}
+
+void TissueBody::raise_masses() {
+  heavy_mass_ = point_mass_;
+  require(settings_.mass_step >= 0 && std::isfinite(settings_.mass_step), settings_.mass_step,
+          "the step that masses are raised for", "zero or more and finite");
+  if (settings_.mass_step > 0) {
+    // The largest eigenvalue of M^-1 K is at most that of sum_e p_e K_e(a, a) / m_a at one of the points a, with p_e
+    // the number of points of element e; the step is 2 / sqrt of it.
+    std::vector<Eigen::Matrix3d> blocks(at(mesh_.point_count()), Eigen::Matrix3d::Zero());
+    visit_rest_stiffness([&](std::span<const Index> points, const Eigen::Ref<const Eigen::MatrixXd>& K) {
+      for (std::size_t a = 0; a < points.size(); ++a)
+        blocks[at(points[a])] += static_cast<double>(points.size()) *
+                                 K.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(a));
+    });
+    const double kappa = 4 / (settings_.mass_step * settings_.mass_step);
+    for (const Index i : free_points_) {
+      const Vector3d stiffest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(blocks[at(i)], Eigen::EigenvaluesOnly).eigenvalues();
+      point_mass_[i] = std::max(point_mass_[i], stiffest[2] / kappa);
+    }
   }
   mass_.resize(3 * static_cast<Eigen::Index>(free_points_.size()));
   for (std::size_t i = 0; i < free_points_.size(); ++i)
@@ -213,12 +239,22 @@ TissueBody::Scratch& TissueBody::scratch() {
   return rows;
 }
 
+/// Calls visit(point, sum) with the sum of `of` over supports of the same points.
+template <class Of, class Visit>
+void TissueBody::for_moved_supports(const Of& of, const Visit& visit) const {
+  const std::vector<Support>& supports = settings_.supports;
+  for (std::size_t s = 0; s < supports.size(); ++s) {
+    const std::vector<Index>& points = supports[s].points;
+    Vector3d sum = of(supports[s]);
+    while (s + 1 < supports.size() && continues_support_[s + 1]) sum += of(supports[++s]);
+    for (const Index i : points) visit(i, sum);
+  }
+}
+
 template <class Visit>
 void TissueBody::visit_displacements(double t, Eigen::Ref<const Dofs> q, const Visit& visit) const {
-  for (const Support& support : settings_.supports) {
-    const Vector3d moved = support.profile.value(t) * support.travel;
-    for (const Index i : support.points) visit(i, moved);
-  }
+  for_moved_supports([&](const Support& support) -> Vector3d { return support.profile.value(t) * support.travel; },
+                     visit);
   for (std::size_t i = 0; i < free_points_.size(); ++i)
     visit(free_points_[i], q.segment<3>(3 * static_cast<Eigen::Index>(i)));
 }
@@ -245,10 +281,8 @@ TissueBody::Scratch TissueBody::rest() const {
 
 void TissueBody::move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const {
   rows.resize(at(mesh_.point_count()));
-  for (const Support& support : settings_.supports) {
-    const Vector3d velocity = support.profile.rate(t) * support.travel;
-    for (const Index i : support.points) as_vector(rows[at(i)]) = velocity;
-  }
+  for_moved_supports([&](const Support& support) -> Vector3d { return support.profile.rate(t) * support.travel; },
+                     [&](Index i, const Vector3d& velocity) { as_vector(rows[at(i)]) = velocity; });
   for (std::size_t i = 0; i < free_points_.size(); ++i)
     as_vector(rows[at(free_points_[i])]) = v.segment<3>(3 * static_cast<Eigen::Index>(i));
 }
@@ -278,7 +312,7 @@ void TissueBody::total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<cons
     const Index point = free_points_[i];
     const auto dof = 3 * static_cast<Eigen::Index>(i);
     const double mass = point_mass_[point];
-    f.segment<3>(dof) = as_vector(rows.f[at(point)]) + mass * settings_.gravity;
+    f.segment<3>(dof) = as_vector(rows.f[at(point)]) + heavy_mass_[point] * settings_.gravity;
     if (!proportional) f.segment<3>(dof) -= settings_.alpha * mass * v.segment<3>(dof);
   }
   if (!proportional) return;
@@ -354,7 +388,7 @@ double TissueBody::energy(double t, const Dofs& q) const {
   double sum = elements_ ? elements_->energy(rows.u) : 0;
   for (const SpringSet& set : springs_) sum += set.energy(rows.x);
   if (membrane_) sum += membrane_->energy(rows.x);
-  for (const Index i : free_points_) sum -= point_mass_[i] * settings_.gravity.dot(as_vector(rows.u[at(i)]));
+  for (const Index i : free_points_) sum -= heavy_mass_[i] * settings_.gravity.dot(as_vector(rows.u[at(i)]));
   for (const PressingForce& load : settings_.forces)
     for (std::size_t i = 0; i < load.points.size(); ++i)
       sum -= load.profile.value(t) * load.shares[i] * load.force.dot(as_vector(rows.u[at(load.points[i])]));

@@ -94,6 +94,8 @@ class TissueBody {
   [[nodiscard]] const std::vector<Index>& free_points() const { return free_points_; }
   /// Mass of every point, supported ones included, shape (points) [kg].
   [[nodiscard]] const Eigen::VectorXd& point_mass() const { return point_mass_; }
+  /// What TissueSettings::mass_step has added to each point, shape (points) [kg].
+  [[nodiscard]] Eigen::VectorXd added_mass() const { return point_mass_ - heavy_mass_; }
   /// Positions of all points [m], shape (3, points).
   [[nodiscard]] Eigen::Matrix3Xd positions(double t, const Dofs& q) const;
   /// How far each tool has come, and what it has done to the surface.
@@ -124,9 +126,12 @@ class TissueBody {
   void number_free_points();
   void distribute_mass();
   void build_elastic_parts();
+  void raise_masses();
   void build_rayleigh_damping();
 
   /// Calls visit(i, u) with the displacement of every point; the supported stand where their motion has them.
+  template <class Of, class Visit>
+  void for_moved_supports(const Of& of, const Visit& visit) const;
   template <class Visit>
   void visit_displacements(double t, Eigen::Ref<const Dofs> q, const Visit& visit) const;
   void displace(double t, Eigen::Ref<const Dofs> q, NodeRows& u) const;
@@ -147,6 +152,7 @@ class TissueBody {
   bool has_dampers_ = false, tools_damp_ = false;
   std::vector<Index> free_points_;
   Eigen::VectorXd point_mass_;
+  Eigen::VectorXd heavy_mass_;  ///< the part of it that has weight
   Dofs mass_;
   BlockPattern pattern_;
   std::shared_ptr<const Elements> elements_;  ///< null: the model is of springs
@@ -154,6 +160,7 @@ class TissueBody {
   std::optional<Membrane> membrane_;
   std::vector<ToolContact> contacts_;
   DofMatrix rayleigh_;              ///< alpha M + beta K0; empty without damping
+  std::vector<bool> continues_support_;  ///< of each support: its points are those of the one before
   std::vector<Dofs> support_drag_;  ///< of each support: beta K0 times its travel, on the free points
 };
 

@@ -2,11 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <stdexcept>
+#include <utility>
 
 #include <Eigen/Dense>
 
 namespace hmax {
+
+SampledCurve::SampledCurve(std::vector<double> t, std::vector<double> v) : t_(std::move(t)), v_(std::move(v)) {
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (t_.size() < 2 || t_.size() != v_.size() || !std::ranges::all_of(t_, finite) ||
+      !std::ranges::all_of(v_, finite) || std::ranges::adjacent_find(t_, std::greater_equal<>()) != t_.end())
+    throw std::invalid_argument("a sampled curve needs two or more finite values at increasing times");
+  const std::size_t n = t_.size();
+  const auto secant = [&](std::size_t i) { return (v_[i + 1] - v_[i]) / (t_[i + 1] - t_[i]); };
+  // The ends are flat, as the curve is beyond them. Inside: zero at a turn, else a harmonic mean of both secants.
+  slope_.assign(n, 0);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double a = secant(i - 1), b = secant(i), before = t_[i] - t_[i - 1], after = t_[i + 1] - t_[i];
+    if (a * b > 0) slope_[i] = 3 * (before + after) / ((2 * after + before) / a + (after + 2 * before) / b);
+  }
+}
+
+std::size_t SampledCurve::interval_of(double t) const {
+  const auto next = std::ranges::upper_bound(t_, t);
+  return std::clamp<std::size_t>(static_cast<std::size_t>(next - t_.begin()), 1, t_.size() - 1) - 1;
+}
+
+double SampledCurve::value(double t) const {
+  if (!(t > t_.front())) return v_.front();
+  if (t >= t_.back()) return v_.back();
+  const std::size_t i = interval_of(t);
+  const double width = t_[i + 1] - t_[i], u = (t - t_[i]) / width, rest = 1 - u;
+  return rest * rest * ((1 + 2 * u) * v_[i] + u * width * slope_[i]) +
+         u * u * ((3 - 2 * u) * v_[i + 1] - rest * width * slope_[i + 1]);
+}
+
+double SampledCurve::rate(double t) const {
+  if (!(t > t_.front()) || t >= t_.back()) return 0;
+  const std::size_t i = interval_of(t);
+  const double width = t_[i + 1] - t_[i], u = (t - t_[i]) / width, rest = 1 - u;
+  return 6 * u * rest * (v_[i + 1] - v_[i]) / width + rest * (1 - 3 * u) * slope_[i] - u * (2 - 3 * u) * slope_[i + 1];
+}
 
 double TimeProfile::value(double t) const {
   switch (kind) {
@@ -16,6 +55,8 @@ double TimeProfile::value(double t) const {
     }
     case Kind::sine:
       return std::sin(omega * (t - start));
+    case Kind::samples:
+      return curve->value(t);
     case Kind::steady:
       break;
   }
@@ -30,6 +71,8 @@ double TimeProfile::rate(double t) const {
     }
     case Kind::sine:
       return omega * std::cos(omega * (t - start));
+    case Kind::samples:
+      return curve->rate(t);
     case Kind::steady:
       break;
   }
@@ -42,6 +85,8 @@ double TimeProfile::steady_from() const {
       return start + rise;
     case Kind::sine:
       return std::numeric_limits<double>::infinity();
+    case Kind::samples:
+      return curve->t_end();
     case Kind::steady:
       break;
   }

@@ -1,6 +1,7 @@
 /// What acts on a body from outside: supports that hold or move points, forces, and a tool that touches.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,17 +10,37 @@
 
 namespace hmax {
 
+/// A smooth curve through measured values: cubic between them, with a continuous derivative, without overshoot
+/// [fritsch1984method]. Before the first and after the last of them it is constant.
+class SampledCurve {
+ public:
+  /// @param t  [s], increasing, two at least
+  /// @param v  as many
+  /// @throws std::invalid_argument  where they are not, or a number is not finite
+  SampledCurve(std::vector<double> t, std::vector<double> v);
+
+  [[nodiscard]] double value(double t) const;
+  [[nodiscard]] double rate(double t) const;
+  [[nodiscard]] double t_end() const { return t_.back(); }
+
+ private:
+  [[nodiscard]] std::size_t interval_of(double t) const;
+  std::vector<double> t_, v_, slope_;
+};
+
 /// A factor over time [1] and its derivative [1/s]: how a support, a force or a tool comes and goes.
 struct TimeProfile {
   enum class Kind {
     steady,  ///< 1
     ramp,    ///< from 0 at `start` to 1 after `rise`, twice differentiable: 10 u^3 - 15 u^4 + 6 u^5
-    sine     ///< sin(omega (t - start))
+    sine,    ///< sin(omega (t - start))
+    samples  ///< a curve through measured values
   };
   Kind kind = Kind::steady;
   double start = 0;  ///< [s]
   double rise = 1;   ///< [s], of a ramp; positive
   double omega = 1;  ///< [rad/s], of a sine
+  std::shared_ptr<const SampledCurve> curve = {};  ///< of samples
 
   [[nodiscard]] double value(double t) const;
   [[nodiscard]] double rate(double t) const;
@@ -27,7 +48,8 @@ struct TimeProfile {
   [[nodiscard]] double steady_from() const;
 };
 
-/// Points that the equations no longer contain: they stand at rest + travel * profile(t).
+/// Points that the equations no longer contain: they stand at rest + travel * profile(t). What supports of the same
+/// points add up to, one after the other, is the motion of these points.
 struct Support {
   std::vector<TetMesh::Index> points;
   Eigen::Vector3d travel = Eigen::Vector3d::Zero();  ///< [m]
