@@ -120,6 +120,7 @@ void add_check(CLI::App& app, Console& console) {
                   "File of the baseline; results/baseline/accuracy.csv of the source folder by default")
       ->type_name("FILE");
   add_force(command);
+  add_jobs(command);
   command.callback([options, &console] { check_accuracy(*options, console); });
 }
 

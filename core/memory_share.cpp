@@ -1,5 +1,6 @@
 #include "core/memory_share.hpp"
 
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <unistd.h>
@@ -23,6 +24,8 @@ Shared& shared() {
 }
 
 }  // namespace
+
+double bytes_of_factor(double rows) { return 3e3 * rows + 670 * std::pow(rows, 4.0 / 3); }
 
 double shared_memory() {
   // Physical memory, not what is free at this moment: that would make results depend on other programs.

@@ -3,6 +3,9 @@
 
 namespace hmax {
 
+/// About what a sparse factor of so many rows takes in three dimensions [bytes], measured on balls.
+double bytes_of_factor(double rows);
+
 /// What all shares of this process may be together [bytes]: half of the memory of the machine.
 double shared_memory();
 

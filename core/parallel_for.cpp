@@ -4,9 +4,11 @@
 #include <atomic>
 #include <exception>
 #include <new>
+#include <optional>
 #include <sched.h>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace hmax {
@@ -14,6 +16,7 @@ namespace hmax {
 namespace {
 
 std::atomic<std::size_t> chosen = 0;  // 0: nobody has chosen
+thread_local bool alone = false;      // the calling thread does all the work
 
 /// The cores in the affinity mask of this process, which taskset, containers and batch systems narrow; the
 /// count of the machine where there is no mask.
@@ -34,12 +37,15 @@ std::size_t jobs() {
 
 void set_jobs(std::size_t count) { chosen = count; }
 
+OneThread::OneThread() : before_(std::exchange(alone, true)) {}
+OneThread::~OneThread() { alone = before_; }
+
 /// The calling thread is worker 0 and works too; `others` are joined at the end of their block, so that
 /// every piece has ended before anything is thrown.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress,
                   const std::function<bool()>& interrupted) {
-  const std::size_t workers = std::max<std::size_t>(1, std::min(jobs(), count));
+  const std::size_t workers = alone ? 1 : std::max<std::size_t>(1, std::min(jobs(), count));
   std::atomic<std::size_t> next = 0, done = 0;
   /// The index of a piece that threw, and what; one slot for each worker, so that no lock is needed.
   struct Failure {
@@ -48,6 +54,9 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
   };
   std::vector<Failure> failures(workers);
   const auto labour = [&](std::size_t who) {
+    // The cores are taken. A single piece leaves them to what it calls.
+    std::optional<OneThread> inside;
+    if (workers > 1) inside.emplace();
     std::size_t i = 0;
     try {
       // fetch-and-add: every index goes to exactly one worker, in ascending order of their beginnings.

@@ -3,6 +3,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace hmax {
 
@@ -18,11 +22,41 @@ void set_jobs(std::size_t count);
 /// computes must not depend on the worker: results are the same for any number of threads. What a piece
 /// throws is thrown when all have ended, of several that of the earliest piece. Where the system allows no
 /// further thread, or has no memory for its stack, those that are there do the work, at least the calling
-/// one. Not for anything that is timed.
+/// one. Inside a piece, and under OneThread, all pieces are done by the calling thread.
 /// Threads take the next index from one counter, so that pieces of unequal cost share the cores evenly.
 /// Once a piece has thrown no further ones begin; those under way end. With count = 0 nothing is called.
 /// @param progress  called by the calling thread with the number of pieces that are done
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress, const std::function<bool()>& interrupted);
+
+/// The same without progress and interruption.
+inline void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work) {
+  parallel_for(count, work, [](std::size_t) {}, [] { return false; });
+}
+
+/// {make(0), ..., make(count - 1)}, computed as by parallel_for().
+template <class Make>
+auto parallel_map(std::size_t count, const Make& make) {
+  using Value = std::invoke_result_t<const Make&, std::size_t>;
+  std::vector<std::optional<Value>> made(count);
+  parallel_for(count, [&](std::size_t i, std::size_t) { made[i].emplace(make(i)); });
+  std::vector<Value> values;
+  values.reserve(count);
+  for (std::optional<Value>& value : made) values.push_back(std::move(*value));
+  return values;
+}
+
+/// As long as this lives, parallel_for() starts no threads when the calling thread calls it: for what is
+/// timed.
+class OneThread {
+ public:
+  OneThread();
+  ~OneThread();
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  bool before_;
+};
 
 }  // namespace hmax

@@ -3,10 +3,12 @@
 
 #include <sched.h>
 
+#include "core/parallel_for.hpp"
+
 namespace hmax {
 
-/// Keeps the calling thread on the processor that it runs on, as long as this lives. Where the system
-/// refuses, nothing changes.
+/// Keeps the calling thread on the processor that it runs on, without threads of parallel_for() beside it, as
+/// long as this lives. Where the system refuses, it stays one thread.
 class PinnedThread {
  public:
   /// Narrows the affinity mask of the calling thread to the processor that it runs on now.
@@ -20,8 +22,8 @@ class PinnedThread {
   [[nodiscard]] bool pinned() const { return pinned_; }
 
  private:
-  // The mask of the thread before, restored at the end.
-  cpu_set_t before_{};
+  OneThread alone_;
+  cpu_set_t before_{};  ///< the mask of the thread, restored at the end
   bool pinned_ = false;
 };
 

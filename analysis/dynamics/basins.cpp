@@ -1,10 +1,13 @@
 #include "analysis/dynamics/basins.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "core/parallel_for.hpp"
 
 namespace hmax {
 
@@ -38,20 +41,27 @@ double Basins::share(int of) const {
 
 // Cell (column, row) has its centre at lower + ((column + 1/2) / columns, (row + 1/2) / rows) of the
 // window.
-Basins basins(const std::function<int(const Vector2d&)>& fate_of, const Window& window, int columns, int rows,
+Basins basins(const FateOf& fate_of, const Window& window, int columns, int rows,
               const std::function<bool(double)>& going) {
   if (columns < 1 || rows < 1 || !(window.size().minCoeff() > 0))
     throw std::invalid_argument("basins need a window with lower < upper and at least one cell");
   Basins result{columns, rows, window, std::vector<int>(std::size_t(columns) * std::size_t(rows), undecided)};
-  for (int row = 0; row < rows; ++row) {
-    if (going && !going(double(row) / rows)) break;
+  const auto add_row = [&](std::size_t row, std::size_t worker) {
     for (int column = 0; column < columns; ++column) {
       // From the middle outwards, so that a window about zero gives starts that mirror each other exactly.
-      const Vector2d from_middle((column + 0.5 - columns / 2.0) / columns, (row + 0.5 - rows / 2.0) / rows);
+      const Vector2d from_middle((column + 0.5 - columns / 2.0) / columns,
+                                 (static_cast<double>(row) + 0.5 - rows / 2.0) / rows);
       const Vector2d start = (window.lower + window.upper) / 2 + from_middle.cwiseProduct(window.size());
-      result.fate[static_cast<std::size_t>(row * columns + column)] = fate_of(start);
+      result.fate[row * std::size_t(columns) + std::size_t(column)] = fate_of(start, worker);
     }
-  }
+  };
+  std::mutex asking;
+  bool ended = false;
+  int begun = 0;
+  parallel_for(std::size_t(rows), add_row, [](std::size_t) {}, [&] {
+    const std::scoped_lock lock(asking);
+    return ended = ended || (going && !going(double(begun++) / rows));
+  });
   return result;
 }
 

@@ -1,6 +1,7 @@
 /// Basins of attraction: which place of rest a start leads to.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <vector>
 
@@ -49,12 +50,15 @@ struct Basins {
   [[nodiscard]] double share(int of) const;
 };
 
+/// The fate of a start. Called by several threads at once, each with its number below jobs().
+using FateOf = std::function<int(const Eigen::Vector2d& start, std::size_t worker)>;
+
 /// Asks for the fate of each of the columns x rows centres once, row by row from below.
-/// @param fate_of  of a start
-/// @param going    called with the share that is done before each row; nothing more is asked when it answers
-///                 false, and the cells that are left are undecided
+/// Rows are shared by all cores.
+/// @param going    called with the share that is begun before each row, by one thread at a time; no row is
+///                 begun after it answers false, and the cells that are left are undecided
 /// @throws std::invalid_argument when the window is empty or there are no cells
-Basins basins(const std::function<int(const Eigen::Vector2d&)>& fate_of, const Window& window, int columns,
-              int rows, const std::function<bool(double)>& going = {});
+Basins basins(const FateOf& fate_of, const Window& window, int columns, int rows,
+              const std::function<bool(double)>& going = {});
 
 }  // namespace hmax

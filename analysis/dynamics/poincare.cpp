@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
+
+#include "core/parallel_for.hpp"
 
 namespace hmax {
 
@@ -168,16 +172,31 @@ std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(do
                                            const std::vector<double>& values, const VectorXd& y0, int skip,
                                            int count, bool follow, const std::function<bool(double)>& going) {
   const ExponentLimits sign_alone{.relative = 0.3};
-  std::vector<BifurcationColumn> columns;
-  VectorXd start = y0;
-  for (const double value : values) {
-    const double done = static_cast<double>(columns.size()) / static_cast<double>(values.size());
-    if (going && !going(done)) break;
+  const auto motion_at = [&](double value, const VectorXd& start) {
     const VectorFunction map = map_at(value);
-    Settled motion = settle(map, looks(map, start, skip, count), count, sign_alone);
-    if (follow && motion.settling != Settling::diverges && !motion.looks.empty()) start = motion.looks.back();
-    columns.push_back({value, std::move(motion)});
+    return settle(map, looks(map, start, skip, count), count, sign_alone);
+  };
+  const auto share = [&](std::size_t done) {
+    return static_cast<double>(done) / static_cast<double>(values.size());
+  };
+  std::vector<BifurcationColumn> columns;
+  if (follow) {
+    VectorXd start = y0;
+    for (const double value : values) {
+      if (going && !going(share(columns.size()))) break;
+      Settled motion = motion_at(value, start);
+      if (motion.settling != Settling::diverges && !motion.looks.empty()) start = motion.looks.back();
+      columns.push_back({value, std::move(motion)});
+    }
+    return columns;
   }
+  std::vector<std::optional<Settled>> motions(values.size());
+  std::atomic<bool> ended = going && !going(0);
+  parallel_for(
+      values.size(), [&](std::size_t i, std::size_t) { motions[i] = motion_at(values[i], y0); },
+      [&](std::size_t done) { ended = ended || (going && !going(share(done))); }, [&] { return ended.load(); });
+  for (std::size_t i = 0; i < values.size() && motions[i]; ++i)
+    columns.push_back({values[i], std::move(*motions[i])});
   return columns;
 }
 

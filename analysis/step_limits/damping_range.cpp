@@ -10,6 +10,7 @@
 
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
+#include "core/parallel_for.hpp"
 #include "integrators/linear/panel_factor.hpp"
 
 namespace hmax {
@@ -67,10 +68,13 @@ DampingRange damping_range(const MechanicalPart& part) {
   const ScaledMatrices scaled(part);
   const double gamma = scaled.largest_c(), kappa = scaled.largest_k();
   DampingRange range{.corners = {{0, 0}, {0, gamma}, {kappa, gamma}, {kappa, 0}}};
-  VectorXd damped(scaled.size());
-  for (const double angle : tangents) {
-    const double a = std::cos(angle * std::numbers::pi / 180) / gamma,
-                 b = std::sin(angle * std::numbers::pi / 180) / kappa;
+  struct Tangent {
+    double a, b, c;
+  };
+  const auto tangent_at = [&](std::size_t i) {
+    const double a = std::cos(tangents[i] * std::numbers::pi / 180) / gamma,
+                 b = std::sin(tangents[i] * std::numbers::pi / 180) / kappa;
+    VectorXd damped(scaled.size());
     // Shifted by one: near the origin lie many modes, which are not told apart.
     const LanczosPair pair = largest_eigenpair(
         [&](const VectorXd& x, VectorXd& y) {
@@ -79,8 +83,9 @@ DampingRange damping_range(const MechanicalPart& part) {
           y = x + b * y + a * damped;
         },
         scaled.size(), {.tolerance = 1e-3, .most_products = 300, .with_vector = false});
-    range.cut(a, b, pair.value + pair.residual - 1);
-  }
+    return Tangent{a, b, pair.value + pair.residual - 1};
+  };
+  for (const Tangent& tangent : parallel_map(tangents.size(), tangent_at)) range.cut(tangent.a, tangent.b, tangent.c);
   return range;
 }
 

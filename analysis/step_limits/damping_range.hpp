@@ -20,7 +20,7 @@ struct DampingRange {
   void cut(double a, double b, double c);
 };
 
-/// Tangents in some twenty directions, each by a Lanczos iteration, and gamma, kappa >= 0.
+/// Tangents in some twenty directions, each by a Lanczos iteration, shared by all cores; and gamma, kappa >= 0.
 /// The tangent in the direction (cos t, sin t) is gamma cos t + kappa sin t <= the largest eigenvalue of c
 /// cos t + k sin t, in scaled units; residuals are added to the eigenvalues, so that the polygon contains
 /// the range.

@@ -356,9 +356,7 @@ double memory_of(const Method& method, const Problem& problem) {
   // Some hundred vectors, the histories of multistep methods among them.
   double bytes = 100 * sizeof(double) * states;
   if (is_driven(problem)) bytes += sizeof(double) * states * static_cast<double>(most_observed_steps);
-  // Measured on balls: a sparse factor of n rows in three dimensions grows as n^(4/3).
-  const double rows = problem.body ? states / 2 : states;
-  if (method.needs_jacobian) bytes += 3e3 * rows + 670 * std::pow(rows, 4.0 / 3);
+  if (method.needs_jacobian) bytes += bytes_of_factor(problem.body ? states / 2 : states);
   return bytes;
 }
 

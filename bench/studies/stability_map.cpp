@@ -4,11 +4,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
+#include "core/memory_share.hpp"
+#include "core/parallel_for.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -92,36 +96,51 @@ double StabilityMap::falling_share_y() const { return falling_share(*this, 0, 1)
 std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, const ProblemAt& problem_at,
                                          const MapAxis& x, const MapAxis& y,
                                          const std::function<void(double share)>& progress) {
+  const std::size_t columns = x.values.size(), points = columns * y.values.size();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<StabilityMap> maps;
   for (const Method& method : methods)
-    maps.push_back({.method = method.id, .x = x, .y = y, .h_max = {}, .note = {}});
-  for (std::size_t row = 0; row < y.values.size(); ++row) {
-    if (progress) progress(static_cast<double>(row) / static_cast<double>(y.values.size()));
-    for (const double value : x.values) {
-      const Problem problem = problem_at(value, y.values[row]);
-      const Linearised near = linearised(problem);
-      // Without an equilibrium the limit would be that of another state than at the other points.
-      const bool lost = problem.body && !near.point.at_equilibrium;
-      for (std::size_t i = 0; i < methods.size(); ++i) {
-        const Prediction prediction = lost ? Prediction{} : predict(methods[i], near);
-        maps[i].h_max.push_back(prediction.h_max.value_or(std::numeric_limits<double>::quiet_NaN()));
-        if (!prediction.h_max && maps[i].note.empty())
-          maps[i].note = lost ? near.point.state : prediction.note;
-        if (maps[i].note.empty()) maps[i].note = near.point.missing;
-      }
+    maps.push_back({.method = method.id, .x = x, .y = y, .h_max = std::vector<double>(points, nan), .note = {}});
+  std::vector<std::size_t> noted(methods.size(), points);  // the point that the note is of
+  std::mutex notes;
+  const auto note = [&](std::size_t method, std::size_t point, const std::string& text) {
+    if (text.empty()) return;
+    const std::scoped_lock lock(notes);
+    if (point >= noted[method]) return;
+    noted[method] = point;
+    maps[method].note = text;
+  };
+  const auto predict_at = [&](std::size_t point, std::size_t) {
+    const Problem problem = problem_at(x.values[point % columns], y.values[point / columns]);
+    // A body may be factored for its equilibrium.
+    const MemoryShare memory(problem.body ? bytes_of_factor(static_cast<double>(problem.body->dofs())) : 0);
+    const Linearised near = linearised(problem);
+    // Without an equilibrium the limit would be that of another state than at the other points.
+    const bool lost = problem.body && !near.point.at_equilibrium;
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      const Prediction prediction = lost ? Prediction{} : predict(methods[i], near);
+      maps[i].h_max[point] = prediction.h_max.value_or(nan);
+      if (!prediction.h_max) note(i, point, lost ? near.point.state : prediction.note);
+      note(i, point, near.point.missing);
     }
-  }
+  };
+  const auto tell = [&](std::size_t done) {
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(points));
+  };
+  tell(0);
+  parallel_for(points, predict_at, tell, [] { return false; });
   return maps;
 }
 
 ProblemAt over_parameters(std::string problem, ProblemSettings settings, const MapAxis& x, const MapAxis& y) {
   if (x.name == y.name) throw InputError(fmt::format("--x and --y are both {}; give two parameters", x.name));
   for (const MapAxis* axis : {&x, &y}) settings.parameters.emplace_back(axis->name, axis->values.front());
-  return [problem = std::move(problem), settings = std::move(settings)](double at_x, double at_y) mutable {
-    const std::size_t n = settings.parameters.size();
-    settings.parameters[n - 2].second = at_x;
-    settings.parameters[n - 1].second = at_y;
-    return make_problem(problem, settings);
+  return [problem = std::move(problem), settings = std::move(settings)](double at_x, double at_y) {
+    ProblemSettings here = settings;
+    const std::size_t n = here.parameters.size();
+    here.parameters[n - 2].second = at_x;
+    here.parameters[n - 1].second = at_y;
+    return make_problem(problem, here);
   };
 }
 
@@ -130,10 +149,10 @@ ProblemAt over_rayleigh(std::string problem, ProblemSettings settings) {
   const double m = value_of(bare, "m"), k1 = value_of(bare, "k1");
   value_of(bare, "c");
   settings.parameters.emplace_back("c", 0);
-  return [problem = std::move(problem), settings = std::move(settings), m, k1](double alpha,
-                                                                               double beta) mutable {
-    settings.parameters.back().second = alpha * m + beta * k1;
-    return make_problem(problem, settings);
+  return [problem = std::move(problem), settings = std::move(settings), m, k1](double alpha, double beta) {
+    ProblemSettings here = settings;
+    here.parameters.back().second = alpha * m + beta * k1;
+    return make_problem(problem, here);
   };
 }
 

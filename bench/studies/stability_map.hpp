@@ -42,12 +42,12 @@ struct StabilityMap {
   [[nodiscard]] double falling_share_y() const;
 };
 
-/// The problem at a point of the map.
+/// The problem at a point of the map. Called by several threads at once.
 using ProblemAt = std::function<Problem(double x, double y)>;
 
 /// Predicts for every method at every point of the grid, linearised about its place of rest once for all of
-/// them.
-/// @param progress  told the share that is done before each row; may be empty, may throw to end the work
+/// them. Points are shared by all cores.
+/// @param progress  told the share that is done by the calling thread; may be empty, may throw to end the work
 std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, const ProblemAt& problem_at,
                                          const MapAxis& x, const MapAxis& y,
                                          const std::function<void(double share)>& progress = {});

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/parallel_for.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -136,37 +137,58 @@ AccuracyPlan accuracy_plan(const std::vector<std::string>& methods) {
   return plan;
 }
 
+namespace {
+
+AccuracyRow named_row(const AccuracyCase& one, const Problem& problem) {
+  return {.problem = problem.id, .method = one.method.id, .setting = one.setting, .outcome = {}};
+}
+
+AccuracyRow run_case(const AccuracyCase& one, const Problem& problem, const Reference& reference) {
+  AccuracyRow row = named_row(one, problem);
+  double largest = 0;
+  const RunRecord record =
+      one.method.bind(problem).run(one.spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        const double error = (y - reference.at(t)).cwiseAbs().maxCoeff();
+        if (!(error <= largest)) largest = error;
+      });
+  const bool reached = record.outcome == Outcome::reached_end;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  row.outcome = to_string(record.outcome);
+  row.error_end = reached ? (record.y - reference.at(one.spec.t_end)).cwiseAbs().maxCoeff() : nan;
+  row.error_samples = reached ? largest : nan;
+  row.steps = record.stats.steps;
+  row.rejected = record.stats.rejected;
+  row.rhs = record.stats.rhs;
+  row.jacobian = record.stats.jacobian;
+  row.factorisations = record.stats.factorisations;
+  row.newton = record.stats.newton;
+  return row;
+}
+
+}  // namespace
+
 std::vector<AccuracyRow> run_accuracy_suite(const AccuracyPlan& plan,
                                             const std::function<void(double, const std::string&)>& progress) {
-  std::vector<AccuracyRow> rows;
-  std::vector<std::optional<Reference>> references(plan.problems.size());
-  for (const AccuracyCase& one : plan.cases) {
-    const Problem& problem = plan.problems[one.problem];
-    AccuracyRow row{.problem = problem.id, .method = one.method.id, .setting = one.setting, .outcome = {}};
-    if (progress)
-      progress(static_cast<double>(rows.size()) / static_cast<double>(plan.cases.size()), row.name());
-    std::optional<Reference>& reference = references[one.problem];
-    if (!reference) reference = make_reference(problem, one.spec.t_end);
-
-    double largest = 0;
-    const RunRecord record =
-        one.method.bind(problem).run(one.spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-          const double error = (y - reference->at(t)).cwiseAbs().maxCoeff();
-          if (!(error <= largest)) largest = error;
-        });
-    const bool reached = record.outcome == Outcome::reached_end;
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    row.outcome = to_string(record.outcome);
-    row.error_end = reached ? (record.y - reference->at(one.spec.t_end)).cwiseAbs().maxCoeff() : nan;
-    row.error_samples = reached ? largest : nan;
-    row.steps = record.stats.steps;
-    row.rejected = record.stats.rejected;
-    row.rhs = record.stats.rhs;
-    row.jacobian = record.stats.jacobian;
-    row.factorisations = record.stats.factorisations;
-    row.newton = record.stats.newton;
-    rows.push_back(std::move(row));
-  }
+  std::vector<std::optional<double>> t_end(plan.problems.size());  // nothing: no method is run on it
+  for (const AccuracyCase& one : plan.cases)
+    if (!t_end[one.problem]) t_end[one.problem] = one.spec.t_end;
+  const auto references = parallel_map(plan.problems.size(), [&](std::size_t p) {
+    return t_end[p] ? std::optional(make_reference(plan.problems[p], *t_end[p])) : std::nullopt;
+  });
+  std::vector<AccuracyRow> rows(plan.cases.size());
+  parallel_for(
+      rows.size(),
+      [&](std::size_t i, std::size_t) {
+        const AccuracyCase& one = plan.cases[i];
+        rows[i] = run_case(one, plan.problems[one.problem], *references[one.problem]);
+      },
+      [&](std::size_t done) {
+        const AccuracyCase& last = plan.cases[done - 1];
+        if (progress)
+          progress(static_cast<double>(done) / static_cast<double>(rows.size()),
+                   named_row(last, plan.problems[last.problem]).name());
+      },
+      [] { return false; });
   return rows;
 }
 

@@ -28,9 +28,9 @@ struct AccuracyPlan {
 /// The whole suite, or the cases of some methods (names of choose_methods).
 AccuracyPlan accuracy_plan(const std::vector<std::string>& methods = {"all"});
 
-/// Runs it, in order.
-/// @param progress  called before each case with its share of the whole and its name; may throw to end the
-/// suite
+/// Runs it on all cores. Rows are in the order of the plan.
+/// @param progress  called by the calling thread with the share that is done and the name of a case; may throw
+///                  to end the suite
 std::vector<AccuracyRow> run_accuracy_suite(
     const AccuracyPlan& plan, const std::function<void(double, const std::string&)>& progress = {});
 

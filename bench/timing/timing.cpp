@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <ctime>
 
+#include "core/parallel_for.hpp"
+
 namespace hmax {
 
 namespace {
@@ -25,6 +27,7 @@ double thread_cpu_seconds() {
 
 std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int64_t runs)>> candidates,
                                      const TimingOptions& options) {
+  const OneThread alone;
   const auto stopped = [&] { return options.keep_going && !options.keep_going(); };
   std::vector<Timing> timings(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {

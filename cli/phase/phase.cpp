@@ -404,6 +404,7 @@ void add_phase(CLI::App& app, Console& console) {
                               in_words(orbit_tolerances)))
       ->type_name("FOLDER");
   add_force(command);
+  add_jobs(command);
   add_figure_style(command);
   command.callback([options, &console] { phase(*options, console); });
 }

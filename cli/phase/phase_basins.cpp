@@ -6,6 +6,7 @@
 #include "analysis/dynamics/basins.hpp"
 #include "bench/models/planar.hpp"
 #include "cli/phase/phase.hpp"
+#include "core/parallel_for.hpp"
 #include "plots/dynamics.hpp"
 #include "results/errors.hpp"
 
@@ -77,8 +78,13 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   Progress progress(console, "basins");
   const auto& interrupted = interrupt_flag();
   const auto rows = static_cast<int>((columns * 3 + 3) / 4);
-  const Basins found = basins(fate_of_starts(view.still, view.window, view.equilibria), view.window,
-                              static_cast<int>(columns), rows, [&](double share) {
+  // A problem for each thread: formulas have one workspace each.
+  std::vector<std::function<int(const Eigen::Vector2d&)>> fate_of;
+  while (fate_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
+    fate_of.push_back(fate_of_starts(fate_of.empty() ? view.still : frozen(options.problem.make(), 0),
+                                     view.window, view.equilibria));
+  const Basins found = basins([&](const Eigen::Vector2d& start, std::size_t worker) { return fate_of[worker](start); },
+                              view.window, static_cast<int>(columns), rows, [&](double share) {
                                 progress.update(share);
                                 return !interrupted;
                               });

@@ -16,6 +16,7 @@
 #include "cli/stability/stability.hpp"
 #include "cli/stability/stability_parts.hpp"
 #include "cli/stability/stability_pictures.hpp"
+#include "core/parallel_for.hpp"
 #include "plots/draw.hpp"
 #include "plots/drawn/sliding.hpp"
 #include "plots/page.hpp"
@@ -183,8 +184,10 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
     }
   }
   Figure each{.title = chapter.title, .columns = 2, .panel_height = 300};
-  for (const Formula& formula : chapter.formulas)
-    each.panels.push_back(panel_of(formula, {.cells = coarse(formula) ? 120 : 300}, 2, 300, 300));
+  each.panels = parallel_map(chapter.formulas.size(), [&](std::size_t i) {
+    const Formula& formula = chapter.formulas[i];
+    return panel_of(formula, {.cells = coarse(formula) ? 120 : 300}, 2, 300, 300);
+  });
   section.pictures.push_back(atelier.draw(each, "each_" + chapter.stem, chapter.title + ", one by one"));
   for (const auto& [parts, stem, caption] :
        {std::tuple{PartsChoice{.fast = "0,-1,-3,-10", .ratios = {}}, "beside_stiff_",
@@ -192,15 +195,16 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
         {PartsChoice{.fast = {}, .ratios = "1.2,2"}, "old_jacobian_",
          "with an old Jacobian, z = hλ being so many times what it says"}}) {
     Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
-    for (const Formula& formula : chapter.formulas) {
+    const auto panels = parallel_map(chapter.formulas.size(), [&](std::size_t i) -> std::vector<Panel> {
+      const Formula& formula = chapter.formulas[i];
       // What foreign engines step with an old Jacobian is not known.
       const bool own = formula.method && !formula.method->is_foreign();
       if (!own || !(parts.fast.empty() ? formula.method->linearly_implicit : formula.method->needs_split))
-        continue;
-      const PlaneLook look{.cells = 160};
-      for (Panel& panel : panels_of(formula, part_regions(formula, parts), look, 300))
-        told.panels.push_back(std::move(panel));
-    }
+        return {};
+      return panels_of(formula, part_regions(formula, parts), {.cells = 160}, 300);
+    });
+    for (const std::vector<Panel>& of_formula : panels)
+      told.panels.insert(told.panels.end(), of_formula.begin(), of_formula.end());
     if (told.panels.empty()) continue;
     section.pictures.push_back(atelier.draw(told, stem + chapter.stem, told.title));
   }
@@ -305,6 +309,7 @@ void add_stability_gallery(CLI::App& stability, Console& console, const std::str
   command.add_option("--method,--methods", *methods, formulas + "; all by default")->type_name("A,B");
   command.add_option("--output", *output, "Folder of the page and its figures")->type_name("FOLDER");
   add_force(command);
+  add_jobs(command);
   add_figure_style(command);
   command.callback([methods, output, &console] { gallery(*methods, *output, console); });
 }

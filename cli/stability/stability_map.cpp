@@ -315,6 +315,7 @@ void add_stability_map(CLI::App& stability, Console& console) {
   command.add_option("--output", options->output, "Draw map.svg, map.png and map.pdf into this folder")
       ->type_name("FOLDER");
   add_force(command);
+  add_jobs(command);
   add_figure_style(command);
   command.callback([options, &console] { map(*options, console); });
 }

@@ -1,12 +1,14 @@
 #include "cli/stability/stability_pictures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "analysis/amplification/limits.hpp"
 #include "cli/shared/console.hpp"
+#include "core/parallel_for.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -54,14 +56,14 @@ PlaneWindow window_of(const PlaneFrame& frame) {
 }
 
 Panel field_of(const Formula& formula, const PlaneLook& look, const PlaneFrame& frame) {
-  std::vector<FieldLevel> levels;
+  constexpr std::array steps{100.0, 10.0, 5.0, 2.0, 1.0, 0.8, 0.6, 0.4, 0.2};
   const PlaneWindow window = window_of(frame);
-  for (const double level : {100.0, 10.0, 5.0, 2.0, 1.0, 0.8, 0.6, 0.4, 0.2}) {
+  const std::vector<FieldLevel> levels = parallel_map(steps.size(), [&](std::size_t i) {
     const StableAt below = [&](Complex z) {
-      return formula.amplification->spectral_radius(z * unit_of(formula, look)) <= level;
+      return formula.amplification->spectral_radius(z * unit_of(formula, look)) <= steps[i];
     };
-    levels.push_back({level, shape_of("", region_boundary(below, window, std::min(look.cells, 240)))});
-  }
+    return FieldLevel{steps[i], shape_of("", region_boundary(below, window, std::min(look.cells, 240)))};
+  });
   return field_panel(levels, shape_of("spectral radius 1", curves_of(formula, look, window)), frame,
                      axes_of(look));
 }
@@ -103,12 +105,12 @@ PlaneWindow close_window_of(const Formula& formula, const PlaneLook& look) {
 }
 
 PlaneWindow united(const std::vector<Formula>& formulas, const PlaneLook& look) {
-  PlaneWindow all = close_window_of(formulas.front(), look);
-  for (const Formula& formula : formulas) {
-    const PlaneWindow window = close_window_of(formula, look);
+  const std::vector<PlaneWindow> windows =
+      parallel_map(formulas.size(), [&](std::size_t i) { return close_window_of(formulas[i], look); });
+  PlaneWindow all = windows.front();
+  for (const PlaneWindow& window : windows)
     all = {std::min(all.re_from, window.re_from), std::max(all.re_to, window.re_to),
            std::min(all.im_from, window.im_from), std::max(all.im_to, window.im_to)};
-  }
   return all;
 }
 
@@ -199,17 +201,17 @@ NamedFigure picture_of(const std::vector<Formula>& formulas, const PlaneLook& lo
   } else if (look.view != PlaneView::region) {
     figure.columns = 2;
     figure.panel_height = 330;
-    for (const Formula& formula : formulas) figure.panels.push_back(panel_of(formula, look, 2, 330, 330));
+    figure.panels =
+        parallel_map(formulas.size(), [&](std::size_t i) { return panel_of(formulas[i], look, 2, 330, 330); });
   } else if (chart) {
-    std::vector<OscillationLimit> limits;
-    for (const Formula& formula : formulas) limits.push_back(oscillation_limit(formula));
-    figure.panels.push_back(oscillation_panel(limits));
+    figure.panels.push_back(oscillation_panel(
+        parallel_map(formulas.size(), [&](std::size_t i) { return oscillation_limit(formulas[i]); })));
     figure.panel_height = 400;
   } else {
     const PlaneFrame frame = frame_of(united(formulas, look), 1, 170, 560);
-    std::vector<RegionShape> shapes;
-    for (const Formula& formula : formulas)
-      shapes.push_back(shape_of(formula.id, curves_of(formula, look, window_of(frame))));
+    const std::vector<RegionShape> shapes = parallel_map(formulas.size(), [&](std::size_t i) {
+      return shape_of(formulas[i].id, curves_of(formulas[i], look, window_of(frame)));
+    });
     figure.panels.push_back(regions_panel(shapes, frame, axes_of(look)));
     figure.panel_height = frame.height;
   }

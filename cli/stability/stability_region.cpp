@@ -10,6 +10,7 @@
 #include "cli/stability/stability.hpp"
 #include "cli/stability/stability_parts.hpp"
 #include "cli/stability/stability_pictures.hpp"
+#include "core/parallel_for.hpp"
 #include "plots/draw.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -92,10 +93,10 @@ RegionStudy study_of(const RegionOptions& options, const PlaneLook& look) {
   if (!study.parts.empty()) window_of_parts = window_of(study.parts, look);
   const std::vector<Formula> formulas = study.formulas();
   for (const Formula& formula : formulas) expect_look(formula, look);
-  for (const Formula& formula : formulas) {
-    const PlaneWindow window = window_of_parts ? *window_of_parts : window_of(formula, look);
-    study.regions.push_back({formula, window, curves_of(formula, look, window)});
-  }
+  study.regions = parallel_map(formulas.size(), [&](std::size_t i) {
+    const PlaneWindow window = window_of_parts ? *window_of_parts : window_of(formulas[i], look);
+    return DrawnRegion{formulas[i], window, curves_of(formulas[i], look, window)};
+  });
   return study;
 }
 
@@ -211,6 +212,7 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
   command.add_flag("--order-star", options->order_star,
                    "Draw the order star, |R(z) e^-z| > 1; one-step methods only");
   add_force(command);
+  add_jobs(command);
   add_figure_style(command);
   command.callback([options, &console] { region(*options, console); });
 }

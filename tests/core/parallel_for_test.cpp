@@ -10,23 +10,14 @@
 
 #include <gtest/gtest.h>
 
+#include "core/pinned_thread.hpp"
+#include "tests/core/jobs.hpp"
+
 namespace hmax {
 namespace {
 
 const auto quiet = [](std::size_t) {};
 const auto never = [] { return false; };
-
-/// So many threads as long as this lives.
-class Jobs {
- public:
-  explicit Jobs(std::size_t count) : before_(jobs()) { set_jobs(count); }
-  ~Jobs() { set_jobs(before_); }
-  Jobs(const Jobs&) = delete;
-  Jobs& operator=(const Jobs&) = delete;
-
- private:
-  std::size_t before_;
-};
 
 TEST(ParallelFor, DoesEveryPieceOnceAndSaysWhoDoesIt) {
   const Jobs four(4);
@@ -86,6 +77,56 @@ TEST(ParallelFor, TakesNoMoreThreadsThanThereArePieces) {
   EXPECT_LT(highest, 2U);
   parallel_for(
       0, [](std::size_t, std::size_t) { FAIL(); }, quiet, never);
+}
+
+TEST(ParallelFor, InsideAPieceTakesNoFurtherThread) {
+  const Jobs three(3);
+  std::vector<std::atomic<int>> times(20);
+  parallel_for(4, [&](std::size_t outer, std::size_t) {
+    const auto here = std::this_thread::get_id();
+    parallel_for(5, [&](std::size_t inner, std::size_t worker) {
+      EXPECT_EQ(worker, 0U);
+      EXPECT_EQ(std::this_thread::get_id(), here);
+      ++times[5 * outer + inner];
+    });
+  });
+  for (const auto& each : times) EXPECT_EQ(each, 1);
+}
+
+TEST(ParallelFor, LeavesItsThreadsToWhatItsOnlyPieceCalls) {
+  const Jobs two(2);
+  std::atomic<bool> met = false;
+  parallel_for(1, [&](std::size_t, std::size_t) {
+    std::atomic<int> begun = 0;
+    // Each of the two waits for the other.
+    parallel_for(2, [&](std::size_t, std::size_t) {
+      ++begun;
+      for (int i = 0; i < 5000 && begun < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      met = begun == 2;
+    });
+  });
+  EXPECT_TRUE(met);
+}
+
+TEST(OneThread, KeepsParallelForOnTheCallingThread) {
+  const Jobs three(3);
+  {
+    const OneThread alone;
+    parallel_for(100, [here = std::this_thread::get_id()](std::size_t, std::size_t) {
+      EXPECT_EQ(std::this_thread::get_id(), here);
+    });
+  }
+  const PinnedThread pinned;
+  parallel_for(100, [here = std::this_thread::get_id()](std::size_t, std::size_t) {
+    EXPECT_EQ(std::this_thread::get_id(), here);
+  });
+}
+
+TEST(ParallelMap, KeepsTheOrder) {
+  const Jobs three(3);
+  const auto squares = parallel_map(100, [](std::size_t i) { return i * i; });
+  ASSERT_EQ(squares.size(), 100U);
+  for (std::size_t i = 0; i < squares.size(); ++i) EXPECT_EQ(squares[i], i * i);
 }
 
 }  // namespace

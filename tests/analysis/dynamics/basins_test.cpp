@@ -1,9 +1,12 @@
 #include "analysis/dynamics/basins.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+
+#include "tests/core/jobs.hpp"
 
 namespace hmax {
 namespace {
@@ -44,7 +47,7 @@ TEST(Trap, NeedsAStableEquilibrium) {
 
 /// Fates that the line x = 0 divides, as in x' = x - x^3, v' = -v.
 TEST(Basins, AreDividedByTheSeparatrix) {
-  const auto side = [](const Vector2d& y) { return y(0) < 0 ? 0 : 1; };
+  const auto side = [](const Vector2d& y, std::size_t) { return y(0) < 0 ? 0 : 1; };
   const Basins found = basins(side, {{-2, -1}, {1, 1}}, 30, 4);
   EXPECT_EQ(found.fate.size(), 120U);
   EXPECT_DOUBLE_EQ(found.share(0), 2.0 / 3);
@@ -55,9 +58,10 @@ TEST(Basins, AreDividedByTheSeparatrix) {
 }
 
 TEST(Basins, StartsOfASymmetricWindowMirrorEachOtherExactly) {
+  const Jobs one(1);
   std::vector<Vector2d> starts;
   basins(
-      [&](const Vector2d& y) {
+      [&](const Vector2d& y, std::size_t) {
         starts.push_back(y);
         return 0;
       },
@@ -66,14 +70,30 @@ TEST(Basins, StartsOfASymmetricWindowMirrorEachOtherExactly) {
 }
 
 TEST(Basins, CanBeInterrupted) {
-  const Basins found = basins([](const Vector2d&) { return 0; }, {{0, 0}, {1, 1}}, 4, 4,
+  const Basins found = basins([](const Vector2d&, std::size_t) { return 0; }, {{0, 0}, {1, 1}}, 4, 4,
                               [](double share) { return share < 0.5; });
   EXPECT_DOUBLE_EQ(found.share(0), 0.5);
   EXPECT_DOUBLE_EQ(found.share(undecided), 0.5);
 }
 
+TEST(Basins, AreTheSameForAnyNumberOfThreads) {
+  const auto found_by = [](std::size_t threads) {
+    const Jobs those(threads);
+    std::atomic<std::size_t> highest = 0;
+    const auto spiral = [&](const Vector2d& y, std::size_t worker) {
+      if (worker > highest) highest = worker;
+      return static_cast<int>(1e6 * y.squaredNorm()) % 7;
+    };
+    const Basins found = basins(spiral, {{-2, -1}, {1, 1}}, 40, 30);
+    EXPECT_LT(highest, threads);
+    return found.fate;
+  };
+  EXPECT_EQ(found_by(1), found_by(2));
+  EXPECT_EQ(found_by(1), found_by(5));
+}
+
 TEST(Basins, NeedAWindow) {
-  const auto fate = [](const Vector2d&) { return 0; };
+  const auto fate = [](const Vector2d&, std::size_t) { return 0; };
   EXPECT_THROW(basins(fate, {{0, 0}, {0, 1}}, 4, 4), std::invalid_argument);
   EXPECT_THROW(basins(fate, {{0, 0}, {1, 1}}, 0, 4), std::invalid_argument);
 }

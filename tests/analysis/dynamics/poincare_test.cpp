@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/dynamics/discrete_map.hpp"
+#include "tests/core/jobs.hpp"
 
 namespace hmax {
 namespace {
@@ -101,6 +102,31 @@ TEST(Poincare, CountsThePeriodsOfTheLogisticMap) {
   EXPECT_EQ(columns[4].motion.settling, Settling::chaotic);
   EXPECT_EQ(columns[5].motion.settling, Settling::diverges);  // it leaves for minus infinity
   EXPECT_LT(columns[5].motion.looks.size(), 100U);
+}
+
+TEST(Poincare, HasTheSameDiagramForAnyNumberOfThreads) {
+  const auto points_by = [](std::size_t threads) {
+    const Jobs those(threads);
+    std::vector<double> points;
+    for (const BifurcationColumn& column :
+         bifurcation(logistic, {3.1, 3.5, 3.7, 3.8, 3.9, 4.0}, VectorXd::Constant(1, 0.3), 50, 20, false))
+      for (const VectorXd& look : column.motion.looks) points.push_back(look(0));
+    return points;
+  };
+  EXPECT_EQ(points_by(1), points_by(3));
+}
+
+TEST(Poincare, ADiagramThatEndsEarlyHasItsFirstColumns) {
+  const auto columns_until = [](double end) {
+    return bifurcation(logistic, {3.1, 3.2, 3.3, 3.4, 3.5}, VectorXd::Constant(1, 0.3), 50, 20, false,
+                       [end](double share) { return share < end; });
+  };
+  const Jobs one(1);
+  const auto columns = columns_until(0.4);
+  ASSERT_EQ(columns.size(), 2U);
+  EXPECT_EQ(columns[1].value, 3.2);
+  const Jobs three(3);
+  EXPECT_TRUE(columns_until(0).empty());
 }
 
 TEST(Poincare, MeasuresKnownExponents) {

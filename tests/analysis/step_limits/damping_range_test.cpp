@@ -13,6 +13,7 @@
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/spectrum/damped_eigenvalues.hpp"
 #include "analysis/spectrum/lanczos.hpp"
+#include "tests/core/jobs.hpp"
 
 namespace hmax {
 namespace {
@@ -124,6 +125,20 @@ TEST(DampingRange, HoldsEveryOscillatingMode) {
     }
     EXPECT_GT(oscillating, 0);
   }
+}
+
+TEST(DampingRange, IsTheSameForAnyNumberOfThreads) {
+  const MechanicalPart part = deformed(60, 0.1, betas[0]);
+  const auto corners_by = [&](std::size_t threads) {
+    const Jobs those(threads);
+    std::vector<double> corners;
+    for (const MechanicalMode& corner : damping_range(part).corners) {
+      corners.push_back(corner.kappa);
+      corners.push_back(corner.gamma);
+    }
+    return corners;
+  };
+  EXPECT_EQ(corners_by(1), corners_by(4));
 }
 
 // The exit of explicit Euler, gamma / kappa: the least of a triangle is at a corner.
