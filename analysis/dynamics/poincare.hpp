@@ -132,7 +132,6 @@ struct BifurcationColumn {
 /// sign takes.
 /// A bifurcation diagram plots the looks over the parameter: period doubling shows as branches that split.
 /// @param skip, count  looks that are not kept, and kept, at each value
-/// @param map_at  the period map of a value
 /// @param map_at  the period map of a value; called by several threads at once unless the branch is followed
 /// @param follow  each value starts where the one before has ended, instead of at y0: the branch is followed
 /// @param going   called by the calling thread with the share that is done; the diagram ends early when it

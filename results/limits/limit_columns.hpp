@@ -1,4 +1,5 @@
-/// The columns of stored limits: one list for statements, exports and the comparison; schema.hpp has their table.
+/// The columns of stored limits: one list for the tables of a store, for what is written to and read from
+/// them, and for the exports. A change of the list is another layout, see Store::schema_version.
 #pragma once
 
 #include <array>

@@ -51,68 +51,10 @@ CREATE TABLE rows (
 );
 )sql";
 
-/// Limits of the step, and the states they hold near. Numbers carry no type, as above.
-inline constexpr const char* limit_schema = R"sql(
-CREATE TABLE operating_points (
-  id INTEGER PRIMARY KEY AUTOINCREMENT,
-  session INTEGER NOT NULL REFERENCES sessions(id),
-  problem TEXT NOT NULL,
-  material TEXT NOT NULL,
-  parameters TEXT NOT NULL,
-  y0 TEXT NOT NULL,
-  model TEXT NOT NULL,
-  asked TEXT NOT NULL,
-  path TEXT NOT NULL,
-  t_end REAL NOT NULL,
-  status TEXT NOT NULL,
-  words TEXT NOT NULL,
-  body_words TEXT NOT NULL,
-  remarks TEXT NOT NULL,
-  document TEXT NOT NULL,
-  UNIQUE (problem, material, parameters, y0, model, asked, path, t_end)
-);
-CREATE TABLE limits (
-  id INTEGER PRIMARY KEY AUTOINCREMENT,
-  session INTEGER NOT NULL REFERENCES sessions(id),
-  point INTEGER NOT NULL REFERENCES operating_points(id),
-  method TEXT NOT NULL,
-  bound TEXT NOT NULL,
-  state_kind TEXT NOT NULL,
-  state TEXT NOT NULL,
-  newton TEXT NOT NULL,
-  verdict TEXT NOT NULL,
-  path_note TEXT NOT NULL,
-  note TEXT NOT NULL,
-  details TEXT NOT NULL,
-  h_max NOT NULL,
-  h_unstable NOT NULL,
-  re NOT NULL,
-  im NOT NULL,
-  omega NOT NULL,
-  zeta NOT NULL,
-  rate_slow NOT NULL,
-  rate_fast NOT NULL,
-  newton_h NOT NULL,
-  newton_error NOT NULL,
-  newton_error_bound NOT NULL,
-  observed NOT NULL,
-  gap NOT NULL,
-  steps_used NOT NULL,
-  step_defect NOT NULL,
-  along_least NOT NULL,
-  along_at NOT NULL,
-  along_growing NOT NULL,
-  along_grows_from NOT NULL,
-  from_start NOT NULL,
-  from_start_stride NOT NULL,
-  UNIQUE (point, method)
-);
-)sql";
-
 /// From layout 1, which had no error_l2, to layout 2.
 inline constexpr const char* store_schema_1_to_2 =
     "ALTER TABLE rows ADD COLUMN error_l2 NOT NULL DEFAULT 'nan'; PRAGMA user_version = 2";
-/// Layout 2 had no limits, which limit_schema adds, and layout 3 no advice, which advice_schema() adds.
+/// Layout 2 had no limits, which limit_schema() adds, and layout 3 no advice, which advice_schema() adds.
 inline constexpr const char* store_schema_to_4 = "PRAGMA user_version = 4";
 
 }  // namespace hmax

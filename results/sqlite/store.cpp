@@ -14,7 +14,6 @@
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 #include "results/patience.hpp"
-#include "results/sqlite/advice_schema.hpp"
 #include "results/sqlite/schema.hpp"
 #include "results/sqlite/sqlite.hpp"
 #include "results/sqlite/store_impl.hpp"
@@ -147,7 +146,7 @@ void lay_out(sqlite3* database) {
   sqlite::Transaction transaction(database);
   if (!is_empty(identity(database))) return;
   sqlite::execute(database, store_schema);
-  sqlite::execute(database, limit_schema);
+  sqlite::execute(database, limit_schema().c_str());
   sqlite::execute(database, advice_schema().c_str());
   sqlite::execute(database, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                         store_application_id, Store::schema_version)
@@ -160,7 +159,7 @@ void bring_up_to_date(sqlite3* database) {
   sqlite::Transaction transaction(database);
   const std::int64_t version = identity(database).version;
   if (version == 1) sqlite::execute(database, store_schema_1_to_2);
-  if (version == 1 || version == 2) sqlite::execute(database, limit_schema);
+  if (version == 1 || version == 2) sqlite::execute(database, limit_schema().c_str());
   if (version >= 1 && version <= 3) {
     sqlite::execute(database, advice_schema().c_str());
     sqlite::execute(database, store_schema_to_4);
@@ -358,8 +357,8 @@ void set_patience(Patience with) { patience = with; }
 
 std::int64_t Store::Impl::id_of(const RowKey& key) const {
   if (!find)
-    find = std::make_unique<Statement>(db(),
-                                       fmt::format("SELECT id FROM rows WHERE {}", key_condition).c_str());
+    find =
+        std::make_unique<Statement>(db(), fmt::format("SELECT id FROM rows WHERE {}", key_condition).c_str());
   bind_key(*find, key);
   const std::int64_t id = find->step() ? find->integer(0) : 0;
   find->reset();

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "results/limits/advice_columns.hpp"
-#include "results/sqlite/advice_schema.hpp"
 #include "results/sqlite/columns.hpp"
 #include "results/sqlite/store_impl.hpp"
 
@@ -30,10 +29,19 @@ bool has_advice(sqlite3* database) { return sqlite::integer(database, "PRAGMA us
 
 std::string advice_schema() {
   return fmt::format(
-      "CREATE TABLE advice (id INTEGER PRIMARY KEY AUTOINCREMENT, session INTEGER NOT NULL REFERENCES sessions(id), {}, "
-      "{}, {}, {}, UNIQUE ({}, method, options));",
-      joined("", " TEXT NOT NULL", ", ", advice_key_texts), joined("", " REAL NOT NULL", ", ", advice_key_numbers),
-      joined("", " TEXT NOT NULL", ", ", advice_texts), joined("", " NOT NULL", ", ", advice_numbers), key_names());
+      R"sql(
+CREATE TABLE advice (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+  {},
+  {},
+  {},
+  {},
+  UNIQUE ({}, method, options)
+);
+)sql",
+      joined("", " TEXT NOT NULL", ",\n  ", advice_key_texts), joined("", " REAL NOT NULL", ",\n  ", advice_key_numbers),
+      joined("", " TEXT NOT NULL", ",\n  ", advice_texts), joined("", " NOT NULL", ",\n  ", advice_numbers), key_names());
 }
 
 void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records) {

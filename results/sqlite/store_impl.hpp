@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "results/errors.hpp"
@@ -12,6 +13,12 @@
 #include "results/store.hpp"
 
 namespace hmax {
+
+/// The tables of limits and of the states that they hold near, made from the lists of limit_columns.hpp.
+/// Numbers carry no type, as in store_schema.
+std::string limit_schema();
+/// The table of advice, likewise from advice_columns.hpp; numbers of the key are typed.
+std::string advice_schema();
 
 /// What SQLite could not do, as a sentence with a remedy.
 InputError translated(const sqlite::Failure& failure, const std::filesystem::path& file);

@@ -42,8 +42,8 @@ std::string insert_point() {
 std::string insert_limit() {
   const std::string own = joined("", "", ", ", limit_texts, limit_numbers);
   return fmt::format(
-      "INSERT INTO limits ({0}, session, point) VALUES ({1}) ON CONFLICT (point, method) DO UPDATE SET {2}", own,
-      question_marks(limit_texts.size() + limit_numbers.size() + 2), replacing(own));
+      "INSERT INTO limits ({0}, session, point) VALUES ({1}) ON CONFLICT (point, method) DO UPDATE SET {2}",
+      own, question_marks(limit_texts.size() + limit_numbers.size() + 2), replacing(own));
 }
 
 std::string select_limits(const std::string& rest) {
@@ -77,6 +77,31 @@ std::int64_t id_of_point(sqlite3* database, const OperatingPointKey& key) {
 }
 
 }  // namespace
+
+std::string limit_schema() {
+  return fmt::format(
+      R"sql(
+CREATE TABLE operating_points (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+  {},
+  t_end REAL NOT NULL,
+  {},
+  UNIQUE ({})
+);
+CREATE TABLE limits (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+  point INTEGER NOT NULL REFERENCES operating_points(id),
+  {},
+  {},
+  UNIQUE (point, method)
+);
+)sql",
+      joined("", " TEXT NOT NULL", ",\n  ", point_key_texts),
+      joined("", " TEXT NOT NULL", ",\n  ", point_texts), key_names(),
+      joined("", " TEXT NOT NULL", ",\n  ", limit_texts), joined("", " NOT NULL", ",\n  ", limit_numbers));
+}
 
 void Store::insert_limits(const OperatingPointRow& point, std::span<const LimitRow> rows) {
   if (impl_->session == 0) throw std::logic_error("Store::insert_limits needs begin_session() first.");
@@ -137,9 +162,9 @@ std::vector<LimitRow> Store::limits_at(const OperatingPointKey& key) const {
 std::vector<LimitRow> Store::limits() const {
   return reporting(impl_->file, [&]() -> std::vector<LimitRow> {
     if (!has_limits(impl_->db())) return {};
-    Statement query(impl_->db(), select_limits(fmt::format("ORDER BY {}, limits.method",
-                                                           key_names("operating_points.")))
-                                     .c_str());
+    Statement query(
+        impl_->db(),
+        select_limits(fmt::format("ORDER BY {}, limits.method", key_names("operating_points."))).c_str());
     return read_limits(query);
   });
 }

@@ -61,16 +61,98 @@ TEST(LimitStore, KeepsEveryColumnBitForBit) {
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].point, a_point().key);
   EXPECT_EQ(rows[0].session, 1);
-  for (const auto& column : limit_texts) EXPECT_EQ(rows[0].*column.member, limit.*column.member) << column.name;
+  for (const auto& column : limit_texts)
+    EXPECT_EQ(rows[0].*column.member, limit.*column.member) << column.name;
   for (const auto& column : limit_numbers)
     EXPECT_TRUE(same_bits(rows[0].*column.member, limit.*column.member)) << column.name;
   const auto point = store.operating_point(a_point().key);
   ASSERT_TRUE(point);
-  for (const auto& column : point_texts) EXPECT_EQ((*point).*column.member, a_point().*column.member) << column.name;
+  for (const auto& column : point_texts)
+    EXPECT_EQ((*point).*column.member, a_point().*column.member) << column.name;
   OperatingPointKey other = a_point().key;
   other.model = "another";
   EXPECT_FALSE(store.operating_point(other));
   EXPECT_TRUE(store.limits_at(other).empty());
+}
+
+constexpr const char* operating_points_of_layout_3 = R"sql(CREATE TABLE operating_points (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+  problem TEXT NOT NULL,
+  material TEXT NOT NULL,
+  parameters TEXT NOT NULL,
+  y0 TEXT NOT NULL,
+  model TEXT NOT NULL,
+  asked TEXT NOT NULL,
+  path TEXT NOT NULL,
+  t_end REAL NOT NULL,
+  status TEXT NOT NULL,
+  words TEXT NOT NULL,
+  body_words TEXT NOT NULL,
+  remarks TEXT NOT NULL,
+  document TEXT NOT NULL,
+  UNIQUE (problem, material, parameters, y0, model, asked, path, t_end)
+))sql";
+
+constexpr const char* limits_of_layout_3 = R"sql(CREATE TABLE limits (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+  point INTEGER NOT NULL REFERENCES operating_points(id),
+  method TEXT NOT NULL,
+  bound TEXT NOT NULL,
+  state_kind TEXT NOT NULL,
+  state TEXT NOT NULL,
+  newton TEXT NOT NULL,
+  verdict TEXT NOT NULL,
+  path_note TEXT NOT NULL,
+  note TEXT NOT NULL,
+  details TEXT NOT NULL,
+  h_max NOT NULL,
+  h_unstable NOT NULL,
+  re NOT NULL,
+  im NOT NULL,
+  omega NOT NULL,
+  zeta NOT NULL,
+  rate_slow NOT NULL,
+  rate_fast NOT NULL,
+  newton_h NOT NULL,
+  newton_error NOT NULL,
+  newton_error_bound NOT NULL,
+  observed NOT NULL,
+  gap NOT NULL,
+  steps_used NOT NULL,
+  step_defect NOT NULL,
+  along_least NOT NULL,
+  along_at NOT NULL,
+  along_growing NOT NULL,
+  along_grows_from NOT NULL,
+  from_start NOT NULL,
+  from_start_stride NOT NULL,
+  UNIQUE (point, method)
+))sql";
+
+/// Another column in the lists is another layout: raise Store::schema_version, bring earlier stores to it,
+/// and write the tables down here.
+TEST(LimitStore, HasTheTablesOfItsLayout) {
+  static_assert(Store::schema_version == 3);
+  const Scratch scratch;
+  const std::string file = (scratch / "s.sqlite").string();
+  Store::open_or_create(file);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  const auto table = [&](const char* name) {
+    std::string text;
+    const std::string query = std::string("SELECT sql FROM sqlite_master WHERE name = '") + name + "'";
+    const auto take = [](void* into, int, char** cells, char**) {
+      *static_cast<std::string*>(into) = cells[0];
+      return 0;
+    };
+    sqlite3_exec(database, query.c_str(), take, &text, nullptr);
+    return text;
+  };
+  EXPECT_EQ(table("operating_points"), operating_points_of_layout_3);
+  EXPECT_EQ(table("limits"), limits_of_layout_3);
+  sqlite3_close(database);
 }
 
 TEST(LimitStore, ReplacesALimitOfTheSameKeyAndKeepsTheOthers) {
