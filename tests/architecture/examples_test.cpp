@@ -1,4 +1,6 @@
 /// The README and docs/library.md quote examples word for word, so that what they show is what the tests run.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "tests/architecture/source_tree.hpp"
@@ -21,6 +23,13 @@ TEST(Examples, PagesQuoteWholePrograms) {
 TEST(Examples, NoneNeedsWhatIsNotMeantForUsers) {
   for (const std::string& file : files_under("examples", {".cpp"}))
     EXPECT_EQ(read_text(source_dir() / file).find("detail::"), std::string::npos) << file;
+}
+
+TEST(Examples, EachHasOneScreen) {
+  for (const std::string& file : files_under("examples", {".cpp"})) {
+    const std::string program = read_text(source_dir() / file);
+    EXPECT_LE(std::ranges::count(program, '\n'), 50) << file;
+  }
 }
 
 TEST(Examples, EachIsNamedInTheirReadme) {
