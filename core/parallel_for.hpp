@@ -30,8 +30,10 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
                   const std::function<void(std::size_t)>& progress, const std::function<bool()>& interrupted);
 
 /// The same without progress and interruption.
-inline void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work) {
-  parallel_for(count, work, [](std::size_t) {}, [] { return false; });
+inline void parallel_for(std::size_t count,
+                         const std::function<void(std::size_t i, std::size_t worker)>& work) {
+  parallel_for(
+      count, work, [](std::size_t) {}, [] { return false; });
 }
 
 /// {make(0), ..., make(count - 1)}, computed as by parallel_for().

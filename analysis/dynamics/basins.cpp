@@ -58,10 +58,12 @@ Basins basins(const FateOf& fate_of, const Window& window, int columns, int rows
   std::mutex asking;
   bool ended = false;
   int begun = 0;
-  parallel_for(std::size_t(rows), add_row, [](std::size_t) {}, [&] {
-    const std::scoped_lock lock(asking);
-    return ended = ended || (going && !going(double(begun++) / rows));
-  });
+  parallel_for(
+      std::size_t(rows), add_row, [](std::size_t) {},
+      [&] {
+        const std::scoped_lock lock(asking);
+        return ended = ended || (going && !going(double(begun++) / rows));
+      });
   return result;
 }
 

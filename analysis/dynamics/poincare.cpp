@@ -194,7 +194,8 @@ std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(do
   std::atomic<bool> ended = going && !going(0);
   parallel_for(
       values.size(), [&](std::size_t i, std::size_t) { motions[i] = motion_at(values[i], y0); },
-      [&](std::size_t done) { ended = ended || (going && !going(share(done))); }, [&] { return ended.load(); });
+      [&](std::size_t done) { ended = ended || (going && !going(share(done))); },
+      [&] { return ended.load(); });
   for (std::size_t i = 0; i < values.size() && motions[i]; ++i)
     columns.push_back({values[i], std::move(*motions[i])});
   return columns;

@@ -85,7 +85,8 @@ DampingRange damping_range(const MechanicalPart& part) {
         scaled.size(), {.tolerance = 1e-3, .most_products = 300, .with_vector = false});
     return Tangent{a, b, pair.value + pair.residual - 1};
   };
-  for (const Tangent& tangent : parallel_map(tangents.size(), tangent_at)) range.cut(tangent.a, tangent.b, tangent.c);
+  for (const Tangent& tangent : parallel_map(tangents.size(), tangent_at))
+    range.cut(tangent.a, tangent.b, tangent.c);
   return range;
 }
 

@@ -47,7 +47,8 @@ using ProblemAt = std::function<Problem(double x, double y)>;
 
 /// Predicts for every method at every point of the grid, linearised about its place of rest once for all of
 /// them. Points are shared by all cores.
-/// @param progress  told the share that is done by the calling thread; may be empty, may throw to end the work
+/// @param progress  told the share that is done by the calling thread; may be empty, may throw to end the
+/// work
 std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, const ProblemAt& problem_at,
                                          const MapAxis& x, const MapAxis& y,
                                          const std::function<void(double share)>& progress = {});

@@ -29,7 +29,8 @@ struct AccuracyPlan {
 AccuracyPlan accuracy_plan(const std::vector<std::string>& methods = {"all"});
 
 /// Runs it on all cores. Rows are in the order of the plan.
-/// @param progress  called by the calling thread with the share that is done and the name of a case; may throw
+/// @param progress  called by the calling thread with the share that is done and the name of a case; may
+/// throw
 ///                  to end the suite
 std::vector<AccuracyRow> run_accuracy_suite(
     const AccuracyPlan& plan, const std::function<void(double, const std::string&)>& progress = {});

@@ -26,8 +26,8 @@ struct Timing {
 
 /// Times candidates against one another. First each is tried with one run, then with more, until a sample
 /// takes min_sample_s; the last of these trials is also its warm-up. Then every repetition goes over all
-/// candidates (A B C A B C ...), so that a machine that slows down for a while slows all of them. All of it runs
-/// on the calling thread, see OneThread.
+/// candidates (A B C A B C ...), so that a machine that slows down for a while slows all of them. All of it
+/// runs on the calling thread, see OneThread.
 /// @param candidates  each called as candidate(runs), runs >= 1; must do the same work each time
 /// @returns one entry for each candidate, in their order; empty when keep_going ended it
 std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int64_t runs)>> candidates,

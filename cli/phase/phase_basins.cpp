@@ -83,11 +83,13 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   while (fate_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
     fate_of.push_back(fate_of_starts(fate_of.empty() ? view.still : frozen(options.problem.make(), 0),
                                      view.window, view.equilibria));
-  const Basins found = basins([&](const Eigen::Vector2d& start, std::size_t worker) { return fate_of[worker](start); },
-                              view.window, static_cast<int>(columns), rows, [&](double share) {
-                                progress.update(share);
-                                return !interrupted;
-                              });
+  const Basins found =
+      basins([&](const Eigen::Vector2d& start, std::size_t worker) { return fate_of[worker](start); },
+             view.window, static_cast<int>(columns), rows,
+             [&](double share) {
+               progress.update(share);
+               return !interrupted;
+             });
   if (interrupted) throw Interrupted{};
 
   Json document = document_of(view);

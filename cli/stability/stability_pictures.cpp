@@ -201,8 +201,8 @@ NamedFigure picture_of(const std::vector<Formula>& formulas, const PlaneLook& lo
   } else if (look.view != PlaneView::region) {
     figure.columns = 2;
     figure.panel_height = 330;
-    figure.panels =
-        parallel_map(formulas.size(), [&](std::size_t i) { return panel_of(formulas[i], look, 2, 330, 330); });
+    figure.panels = parallel_map(formulas.size(),
+                                 [&](std::size_t i) { return panel_of(formulas[i], look, 2, 330, 330); });
   } else if (chart) {
     figure.panels.push_back(oscillation_panel(
         parallel_map(formulas.size(), [&](std::size_t i) { return oscillation_limit(formulas[i]); })));

@@ -30,14 +30,14 @@ TEST_P(Jobs, ChangeNoByte) {
   const Told one = shell.hmax(command + " --json --jobs 1");
   ASSERT_EQ(one.exit_code, 0) << one.err;
   ASSERT_GT(one.out.size(), 100U);
-  for (const char* count : {"2", "5"}) EXPECT_EQ(shell.hmax(command + " --json --jobs " + count).out, one.out);
+  for (const char* count : {"2", "5"})
+    EXPECT_EQ(shell.hmax(command + " --json --jobs " + count).out, one.out);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Commands, Jobs,
     testing::Values(
-        "check --methods rk4,sdirk_4",
-        "phase --problem liver_cubic --set k1=-1 --basins --cells 30",
+        "check --methods rk4,sdirk_4", "phase --problem liver_cubic --set k1=-1 --basins --cells 30",
         "phase --problem mine.toml --basins --cells 20",
         "phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 5 --set c=0.05 --set k1=0 --set k3=1 "
         "--set m=1 --set w=1 --periods 20 --skip 20",
@@ -50,7 +50,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(JobsOfGallery, ChangeNoPicture) {
   const Shell shell;
   for (const std::string jobs : {"1", "3"})
-    ASSERT_EQ(shell.hmax("stability gallery --methods rk4,rk2_heun,imex_ark_324 --output " + jobs + " --jobs " + jobs)
+    ASSERT_EQ(shell
+                  .hmax("stability gallery --methods rk4,rk2_heun,imex_ark_324 --output " + jobs +
+                        " --jobs " + jobs)
                   .exit_code,
               0);
   EXPECT_EQ(shell.line("diff -r 1 3").out, "");
