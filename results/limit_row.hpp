@@ -39,7 +39,7 @@ struct LimitRow {
   OperatingPointKey point;
   std::string method;      ///< method id
   std::string bound;       ///< stability | accuracy | newton | model | every_step | error_control | unknown
-  std::string state_kind;  ///< equilibrium | rest | initial | matrices | motion
+  std::string state_kind;  ///< equilibrium | rest | initial | motion
   std::string state;       ///< in words: which state, whose Jacobian
   std::string note;        ///< why there is no limit, or what it holds for; may be empty
   double h_max = none;     ///< [s]

@@ -27,13 +27,12 @@ enum class AskedState { equilibrium, rest };
 /// The state that a model was linearised at.
 enum class StateKind {
   equilibrium,
-  rest,      ///< of a body: without displacement
-  initial,   ///< of other problems: no equilibrium was found
-  motion,    ///< a state that was given
-  matrices,  ///< none: the matrices were given
+  rest,     ///< of a body: without displacement
+  initial,  ///< of other problems: no equilibrium was found
+  motion,   ///< a state that was given
 };
 
-/// "equilibrium", "rest", "initial", "motion", "matrices".
+/// "equilibrium", "rest", "initial", "motion".
 constexpr std::string_view name_of(StateKind kind) {
   switch (kind) {
     case StateKind::equilibrium:
@@ -43,11 +42,9 @@ constexpr std::string_view name_of(StateKind kind) {
     case StateKind::initial:
       return "initial";
     case StateKind::motion:
-      return "motion";
-    case StateKind::matrices:
       break;
   }
-  return "matrices";
+  return "motion";
 }
 
 /// Called with |F| / |F(0)| of each iterate while a static equilibrium is searched for.
