@@ -32,16 +32,18 @@ bool is_linear(const Problem& problem) {
   return oscillator != nullptr && oscillator->parameters().k3 == 0;
 }
 
-RunRecord take_steps(const Runner& runner, double h, std::int64_t steps, const Sink& sink) {
-  RunSpec spec{.t_end = h * static_cast<double>(steps), .h = h};
+RunRecord take_steps(const Runner& runner, RunSpec spec, double h, std::int64_t steps, const Sink& sink) {
+  spec.t_end = h * static_cast<double>(steps);
+  spec.h = h;
   spec.max_steps = steps + 2;
   return runner.run(spec, sink);
 }
 
-/// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
-/// from rest is taken off: what is left moves as the free model does.
+}  // namespace
+
 ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
-                   const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome) {
+                   const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome,
+                   const RunSpec& spec) {
   const auto from = [&](const Eigen::VectorXd& start) {
     Problem started = problem;
     started.y0 = start;
@@ -54,7 +56,7 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
     std::vector<double> path;
     if (driven) {
       path.reserve(wanted);
-      take_steps(undisturbed, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+      take_steps(undisturbed, spec, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
         path.insert(path.end(), y.begin(), y.end());
       });
       if (path.size() < wanted) {
@@ -65,7 +67,7 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
     std::size_t at = 0;
     Eigen::VectorXd free(rest.size());
     const RunRecord record =
-        take_steps(displaced, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        take_steps(displaced, spec, h, steps, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
           if (!driven) return show(y);
           if (at + static_cast<std::size_t>(y.size()) > path.size()) return;
           free = y - Eigen::Map<const Eigen::VectorXd>(path.data() + at, y.size()) + rest;
@@ -76,6 +78,8 @@ ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::Ve
     return record.outcome == Outcome::reached_end;
   };
 }
+
+namespace {
 
 /// What the method makes of mode `i` of the row: an oscillation as a whole where it steps positions and
 /// velocities.
@@ -275,8 +279,8 @@ ObservedLimit observe(const Method& method, const Prediction& row, const Lineari
   return observe_limit(all.run, all.distance, *row.h_max, all.expected);
 }
 
-/// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than
-/// `most` of itself. About rest at zero nothing is lost by that.
+}  // namespace
+
 double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
                           double most) {
   double size = 1e-6 * std::max(1.0, near.point.model.y.cwiseAbs().maxCoeff());
@@ -288,6 +292,8 @@ double small_displacement(const Problem& problem, const Linearised& near, const 
   return size;
 }
 
+namespace {
+
 /// A driven linear oscillator moves about its forced motion as the free one moves about zero, and at steps
 /// far beyond every time scale only the latter can be told from rounding.
 void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
@@ -298,8 +304,8 @@ void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
   rest.setZero();
 }
 
-/// The steps at which a method without a limit is run: far beyond every time scale, and before them, of
-/// bodies, those that simulators take.
+}  // namespace
+
 std::vector<double> steps_without_limit(const Problem& problem, double farthest) {
   std::vector<double> steps;
   if (problem.body) steps = {1e-3, 1e-2, 1e-1};
@@ -308,7 +314,6 @@ std::vector<double> steps_without_limit(const Problem& problem, double farthest)
   return steps;
 }
 
-/// Why runs are not worth their time, or would show something else; empty where they are.
 std::string why_not_verified(const Method& method, const Problem& problem, const Problem& free,
                              const Linearised& near) {
   const Eigen::Index states = near.point.model.y.size();
@@ -324,6 +329,8 @@ std::string why_not_verified(const Method& method, const Problem& problem, const
                        states);
   return {};
 }
+
+namespace {
 
 /// The slowest and the fastest of the modes of a row, by |lambda| [1/s], without those that are zero but for
 /// rounding.

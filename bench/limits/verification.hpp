@@ -1,6 +1,12 @@
 /// Predicted limits beside what integration with the code itself shows.
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "analysis/dynamics/growth.hpp"
+#include "bench/catalogue/method.hpp"
 #include "bench/limits/operating_point.hpp"
 #include "bench/limits/prediction.hpp"
 
@@ -12,5 +18,27 @@ namespace hmax {
 /// choose their steps, growing models, models without a mode that moves); a `note` where runs would take too
 /// much: driven models of many states, dense factors of large Jacobians.
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near);
+
+/// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
+/// from rest is taken off: what is left moves as the free model does.
+/// @param outcome  of the last run
+/// @param spec     what runs are asked for besides h and their length
+ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
+                   const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome,
+                   const RunSpec& spec = {});
+
+/// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than
+/// `most` of itself. About rest at zero nothing is lost by that.
+double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
+                          double most);
+
+/// The steps at which a method without a limit is run: far beyond every time scale, and before them, of
+/// bodies, those that simulators take.
+std::vector<double> steps_without_limit(const Problem& problem, double farthest);
+
+/// Why runs are not worth their time, or would show something else; empty where they are.
+/// @param free  the problem after its ramps
+std::string why_not_verified(const Method& method, const Problem& problem, const Problem& free,
+                             const Linearised& near);
 
 }  // namespace hmax

@@ -60,6 +60,11 @@ Json details_json(const Prediction& prediction) {
   return {{"modes", std::move(modes)}};
 }
 
+Json options_json(const std::optional<StepOptions>& options) {
+  if (!options) return nullptr;
+  return {{"jacobian", to_string(options->jacobian)}, {"linear", to_string(options->linear)}};
+}
+
 Json path_json(const TrajectoryLimit& along, const LimitRow& row, bool of_body) {
   Json path = Json::array();
   for (std::size_t i = 0; i < along.t.size(); ++i)
@@ -89,7 +94,7 @@ Json to_json(const LimitRow& row, const std::string& state_status,
   Json document{
       {"problem", row.point.problem},
       {"material", row.point.material},
-      {"method", row.method},
+      {"method", id_in(row.method)},
       {"h_max", number_or_word(row.h_max)},
       {"h_unstable", number_or_word(row.h_unstable)},
       {"bound", row.bound},
@@ -105,6 +110,7 @@ Json to_json(const LimitRow& row, const std::string& state_status,
       {"state_kind", row.state_kind},
       {"state", row.state},
       {"parameters", std::move(values)}};
+  if (details.contains("options")) document["options"] = std::move(details["options"]);
   if (!row.newton.empty())
     document["newton_step"] = {{"h", row.newton_h},
                                {"is_limit", row.newton == "limit"},

@@ -1,11 +1,13 @@
 /// Limits of the step for programs: the keys of `hmax stability predict --json`.
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "bench/limits/prediction.hpp"
 #include "bench/limits/trajectory_limit.hpp"
+#include "bench/step_maps/step_map.hpp"
 #include "cli/shared/console.hpp"
 #include "results/limit_row.hpp"
 
@@ -13,6 +15,8 @@ namespace hmax {
 
 /// LimitRow::details of a prediction: the margins of its modes, of many the least.
 nlohmann::ordered_json details_json(const Prediction& prediction);
+/// {jacobian, linear} of a method that has them; null of others.
+nlohmann::ordered_json options_json(const std::optional<StepOptions>& options);
 
 /// The key `along` of these details: the path with the limit at each state.
 /// @param row      with the limit along the path

@@ -218,7 +218,7 @@ void PredictedRows::add(std::size_t which) {
   };
   std::vector<Method> missing;
   for (const Method& method : methods_)
-    if (find(known, method.id) == known.end()) missing.push_back(method);
+    if (find(known, name_of_row(method)) == known.end()) missing.push_back(method);
   if (missing.empty())
     answer.point = *store_->operating_point(answer.point.key);
   else
@@ -227,8 +227,9 @@ void PredictedRows::add(std::size_t which) {
   if (!interrupted_ || question_.path.empty()) keep(answer);
 
   for (const Method& method : methods_) {
-    auto& from = missing.empty() || find(known, method.id) != known.end() ? known : answer.rows;
-    const auto row = find(from, method.id);
+    const std::string name = name_of_row(method);
+    auto& from = missing.empty() || find(known, name) != known.end() ? known : answer.rows;
+    const auto row = find(from, name);
     if (row == from.end()) continue;  // interrupted before
     looked_up_ += &from == &known ? 1 : 0;
     rows_.push_back(std::move(*row));
@@ -289,6 +290,30 @@ std::optional<Path> PredictedRows::motion_of(const Problem& problem, std::string
   }
 }
 
+std::optional<StepOptions> PredictedRows::options_of(const Method& method) const {
+  return takes_step_options(method) ? question_.options : std::nullopt;
+}
+
+std::string PredictedRows::name_of_row(const Method& method) const {
+  const std::optional<StepOptions> options = options_of(method);
+  return options ? name_with(method, *options) : method.id;
+}
+
+/// One row, verified where that is asked for.
+Prediction PredictedRows::predicted(const Method& method, const Problem& problem, const OperatingPoint& point,
+                                    const Linearised& near) const {
+  const StepQuestion by_steps{.options = options_of(method),
+                              .verified = question_.verify,
+                              .watch = [] { leave_when_interrupted(); }};
+  if (by_steps.options) return predict_by_steps(method, problem, near, by_steps);
+  Prediction prediction = predict(method, point, near.modes);
+  if (needs_step_map(method, prediction)) return predict_by_steps(method, problem, near, by_steps);
+  if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
+    prediction.newton_step = largest_newton_step(method, problem);
+  if (question_.verify) verify(prediction, method, problem, near);
+  return prediction;
+}
+
 void PredictedRows::predict_all(std::size_t which, const Linearised& near, const std::vector<Method>& methods,
                                 std::vector<LimitRow>& rows) {
   const Problem& problem = problems_[which];
@@ -313,13 +338,13 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
       [&](std::size_t i, std::size_t worker) {
         const Method& method = methods[i];
         shown.begin(method.id);
-        Prediction prediction = predict(method, point_of(worker), near.modes);
-        if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
-          prediction.newton_step = largest_newton_step(method, own[worker]);
-        if (question_.verify) verify(prediction, method, own[worker], near);
+        const Prediction prediction = predicted(method, own[worker], point_of(worker), near);
         LimitRow row = limit_row(prediction);
+        row.method = name_of_row(method);
         if (question_.verify && row.verdict.empty()) row.verdict = "not_run";
-        row.details = details_json(prediction).dump();
+        Json details = details_json(prediction);
+        if (question_.options) details["options"] = options_json(options_of(method));
+        row.details = details.dump();
         rows[i] = std::move(row);
         shown.end(method.id);
       },

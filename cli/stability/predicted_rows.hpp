@@ -8,6 +8,7 @@
 
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/trajectory_limit.hpp"
+#include "bench/step_maps/predict_by_steps.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "core/parallel_for.hpp"
@@ -24,6 +25,7 @@ struct LimitQuestion {
   bool path_by_default = false;  ///< nobody asked for it
   bool runs_from_start = false;  ///< limits along a motion are verified by runs from its start
   std::optional<double> t_end;   ///< of that motion [s]; nothing: end_of_motion()
+  std::optional<StepOptions> options = {};  ///< of linearly implicit methods; nothing: nobody asked
 
   [[nodiscard]] double end_of(const Problem& problem) const { return t_end.value_or(end_of_motion(problem)); }
 };
@@ -64,6 +66,12 @@ class PredictedRows {
   [[nodiscard]] Watcher watch(const Problem& problem, std::string_view what);
   [[nodiscard]] OperatingPointKey key_of(const Problem& problem) const;
   [[nodiscard]] std::vector<LimitRow> stored_rows(const OperatingPointKey& key) const;
+  /// The options that are asked for, of a method that has them.
+  [[nodiscard]] std::optional<StepOptions> options_of(const Method& method) const;
+  /// What a row is called: with options the limits are others.
+  [[nodiscard]] std::string name_of_row(const Method& method) const;
+  [[nodiscard]] Prediction predicted(const Method& method, const Problem& problem, const OperatingPoint& point,
+                                     const Linearised& near) const;
   void add(std::size_t which);
   void compute(std::size_t which, const std::vector<Method>& methods, Answer& answer);
   void keep(const Answer& answer);

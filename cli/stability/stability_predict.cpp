@@ -1,4 +1,5 @@
 /// hmax stability predict
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -23,11 +24,32 @@ constexpr std::array<std::string_view, 3> path_names{"motion", "load", "none"};
 struct PredictOptions {
   ProblemChoice problem;
   MethodsChoice methods;
-  std::string materials, along, out;
+  std::string materials, along, out, jacobian, linear;
   bool verify = false;
   OperatingPointChoice at;
   std::optional<double> t_end;
 };
+
+/// --jacobian and --linear; nothing where none of them is given.
+/// @throws InputError  for words that are none, and where nothing would change
+std::optional<StepOptions> step_options(const PredictOptions& options, const std::vector<Method>& methods) {
+  if (options.jacobian.empty() && options.linear.empty()) return std::nullopt;
+  StepOptions chosen;
+  if (!options.jacobian.empty()) chosen.jacobian = jacobian_update_from(options.jacobian);
+  if (!options.linear.empty()) chosen.linear = linear_solve_from(options.linear);
+  if (chosen.jacobian.every == JacobianUpdate::automatic) chosen.jacobian = StepOptions{}.jacobian;
+  if (chosen.linear.by == LinearSolve::By::automatic) chosen.linear = StepOptions{}.linear;
+  if (std::ranges::none_of(methods, takes_step_options))
+    throw InputError(
+        "--jacobian and --linear apply to linearly implicit methods, and no method given is one; remove them, or add "
+        "one like linearly_implicit_euler");
+  if (!options.along.empty() && options.along != path_names[2])
+    throw InputError(
+        fmt::format("--along {} holds for the exact Jacobian of each state and cannot be combined with --jacobian and "
+                    "--linear; remove one of them",
+                    options.along));
+  return chosen;
+}
 
 /// The question with what --along stands for: loads of bodies that change with time, and other models that are
 /// not linear, are looked at along the motion unless the user asks for the state at rest, or for no path.
@@ -35,7 +57,8 @@ LimitQuestion question_of(const PredictOptions& options, const Problem& problem)
   LimitQuestion question{
       .at = options.at, .verify = options.verify, .path = options.along, .t_end = options.t_end};
   if (question.path.empty()) {
-    question.path_by_default = (problem.body ? has_moving_load(problem) : is_nonlinear(problem)) &&
+    question.path_by_default = options.jacobian.empty() && options.linear.empty() &&
+                               (problem.body ? has_moving_load(problem) : is_nonlinear(problem)) &&
                                options.at.of(problem) != AskedState::rest;
     if (question.path_by_default) question.path = path_names[0];
   } else if (parse_choice("--along", question.path, path_names) == path_names[2]) {
@@ -85,8 +108,9 @@ void predict_rows(const PredictOptions& options, Console& console) {
     choices.back().material = material;
     problems.push_back(choices.back().make());
   }
-  const LimitQuestion question = question_of(options, problems.front());
+  LimitQuestion question = question_of(options, problems.front());
   std::vector<Method> methods = options.methods.methods(problems);
+  question.options = step_options(options, methods);
   if (options.verify) require_code(methods);
   for (const Problem& problem : problems) remark_unusual(console, problem);
   options.problem.remark_idle(console, problems.front());
@@ -125,7 +149,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
        "hmax stability predict --problem liver_benchmark --methods "
        "explicit_runge_kutta,structural --verify --json",
        "hmax stability predict --problem liver_forced --methods rk4,symplectic_euler --along --verify",
-       "hmax stability predict --mesh phantom --load press --methods rk4 --along load"});
+       "hmax stability predict --mesh phantom --load press --methods rk4 --along load",
+       "hmax stability predict --mesh phantom --methods rosenbrock --jacobian frozen --verify"});
   const auto options = std::make_shared<PredictOptions>();
   options->problem.add_to(command);
   command
@@ -138,6 +163,16 @@ void add_stability_predict(CLI::App& stability, Console& console) {
                    "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
                    "could be verified");
   options->at.add_to(command);
+  command
+      .add_option("--jacobian", options->jacobian,
+                  "Jacobian of linearly implicit methods: exact, every:K steps, or frozen, that of the initial state; "
+                  "exact by default")
+      ->type_name("POLICY");
+  command
+      .add_option("--linear", options->linear,
+                  "Linear solver of linearly implicit methods on bodies: direct, cg:TOLERANCE or "
+                  "cg:TOLERANCE,ITERATIONS; direct by default")
+      ->type_name("SOLVER");
   command
       .add_option(
           "--along", options->along,

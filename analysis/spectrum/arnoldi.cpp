@@ -1,0 +1,149 @@
+#include "analysis/spectrum/arnoldi.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include "analysis/spectrum/eigen_solvers.hpp"
+
+namespace hmax {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The spectrum of the small matrix, the largest modulus first.
+struct Ritz {
+  std::vector<Complex> values;
+  Eigen::MatrixXcd vectors;  // columns of length 1
+
+  explicit Ritz(const MatrixXd& H) {
+    const Eigen::EigenSolver<MatrixXd> solver(H);
+    const Eigen::VectorXcd theta = solver.eigenvalues();
+    const Eigen::MatrixXcd unsorted = solver.eigenvectors();
+    std::vector<Index> order(static_cast<std::size_t>(H.rows()));
+    std::iota(order.begin(), order.end(), Index(0));
+    // Conjugates have one modulus, and stay side by side.
+    std::ranges::stable_sort(order,
+                             [&](Index a, Index b) { return std::abs(theta[a]) > std::abs(theta[b]); });
+    vectors.resize(H.rows(), H.rows());
+    for (const Index i : order) {
+      vectors.col(static_cast<Index>(values.size())) = unsorted.col(i).normalized();
+      values.push_back(theta[i]);
+    }
+  }
+};
+
+/// A V = V H + w b^T with V^T G V = I, V^T G w = 0.
+class KrylovSpace {
+ public:
+  KrylovSpace(const LinearOperator& A, const VectorXd& start, const ArnoldiSettings& settings)
+      : A_(A), G_(settings.inner), most_(std::min(settings.basis, start.size())) {
+    V_.resize(start.size(), most_ + 1);
+    H_ = MatrixXd::Zero(most_ + 1, most_ + 1);
+    V_.col(0) = start / norm(start);
+  }
+
+  /// Up to the full basis, or until the space is invariant.
+  /// @returns false where a product is not finite
+  bool extend() {
+    while (size_ < most_ && !invariant_) {
+      VectorXd w = A_(V_.col(size_));
+      ++products_;
+      if (!w.allFinite()) return false;
+      const double before = norm(w);
+      // Twice is enough [daniel1976reorthogonalization].
+      for (int time = 0; time < 2; ++time) {
+        const VectorXd h = V_.leftCols(size_ + 1).transpose() * weighted(w);
+        w -= V_.leftCols(size_ + 1) * h;
+        H_.col(size_).head(size_ + 1) += h;
+      }
+      const double left = norm(w);
+      invariant_ = !(left > 1e-13 * before);
+      H_(size_ + 1, size_) = invariant_ ? 0 : left;
+      if (!invariant_) V_.col(size_ + 1) = w / left;
+      ++size_;
+    }
+    return true;
+  }
+
+  [[nodiscard]] DominantEigenvalue dominant(const Ritz& ritz, double tolerance) const {
+    DominantEigenvalue found{.value = ritz.values.front(), .vector = V_.leftCols(size_) * ritz.vectors.col(0)};
+    found.residual = std::abs((H_.row(size_).head(size_) * ritz.vectors.col(0)).value());
+    found.converged = found.residual <= tolerance * std::abs(found.value);
+    found.stretch = Eigen::JacobiSVD<MatrixXd>(H_.topLeftCorner(size_ + 1, size_)).singularValues()[0];
+    found.products = products_;
+    return found;
+  }
+
+  [[nodiscard]] Ritz ritz() const { return Ritz(H_.topLeftCorner(size_, size_)); }
+
+  /// Keeps the space of the first Ritz vectors.
+  void restart(const Ritz& ritz, Index kept) {
+    if (std::abs(ritz.values[static_cast<std::size_t>(kept - 1)] -
+                 std::conj(ritz.values[static_cast<std::size_t>(kept)])) == 0 &&
+        ritz.values[static_cast<std::size_t>(kept)].imag() != 0)
+      ++kept;
+    MatrixXd parts(size_, kept);
+    for (Index i = 0; i < kept; ++i)
+      parts.col(i) = ritz.values[static_cast<std::size_t>(i)].imag() < 0 ? VectorXd(ritz.vectors.col(i).imag())
+                                                                        : VectorXd(ritz.vectors.col(i).real());
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(parts).householderQ() * MatrixXd::Identity(size_, kept);
+    const MatrixXd T = Q.transpose() * H_.topLeftCorner(size_, size_) * Q;
+    const Eigen::RowVectorXd below = H_.row(size_).head(size_) * Q;
+    const MatrixXd front = V_.leftCols(size_) * Q;
+    V_.col(kept) = V_.col(size_).eval();
+    V_.leftCols(kept) = front;
+    H_.setZero();
+    H_.topLeftCorner(kept, kept) = T;
+    H_.row(kept).head(kept) = below;
+    size_ = kept;
+  }
+
+  [[nodiscard]] bool is_invariant() const { return invariant_; }
+  [[nodiscard]] Index products() const { return products_; }
+
+ private:
+  [[nodiscard]] VectorXd weighted(const VectorXd& x) const { return G_ ? G_(x) : x; }
+  [[nodiscard]] double norm(const VectorXd& x) const { return std::sqrt(std::max(0.0, x.dot(weighted(x)))); }
+
+  const LinearOperator& A_;
+  const LinearOperator& G_;
+  Index most_, size_ = 0, products_ = 0;
+  bool invariant_ = false;
+  MatrixXd V_, H_;
+};
+
+}  // namespace
+
+DominantEigenvalue dominant_eigenvalue(const LinearOperator& A, const VectorXd& start,
+                                       const ArnoldiSettings& settings) {
+  KrylovSpace space(A, start, settings);
+  double stretch = 0;
+  while (true) {
+    if (!space.extend())
+      return {.value = std::numeric_limits<double>::infinity(),
+              .vector = start.cast<Complex>(),
+              .products = space.products()};
+    const Ritz ritz = space.ritz();
+    DominantEigenvalue found = space.dominant(ritz, settings.tolerance);
+    stretch = std::max(stretch, found.stretch);
+    found.stretch = stretch;
+    const bool decided = settings.threshold > 0 &&
+                         (found.exceeds(settings.threshold) || found.stretch <= settings.threshold);
+    const auto count = static_cast<Index>(ritz.values.size());
+    if (found.converged || decided || space.is_invariant() || settings.kept + 1 >= count ||
+        found.products + count - settings.kept > settings.most_products)
+      return found;
+    space.restart(ritz, settings.kept);
+  }
+}
+
+}  // namespace hmax

@@ -1,0 +1,142 @@
+#include "analysis/step_limits/step_map_limit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "analysis/spectrum/lanczos.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double norm_of(const VectorXd& y, const LinearOperator& inner) {
+  return inner ? std::sqrt(std::max(0.0, y.dot(inner(y)))) : y.norm();
+}
+
+/// The real motion of an eigenvector: that part of its plane that is largest.
+VectorXd real_motion(const Eigen::VectorXcd& vector) {
+  return vector.real().norm() >= vector.imag().norm() ? VectorXd(vector.real()) : VectorXd(vector.imag());
+}
+
+StepGrowth linear_growth(const StepMap& map, const VectorXd& start, const StepMapSettings& settings) {
+  const int p = settings.power;
+  const double threshold = std::exp(p * weak_growth);
+  const DominantEigenvalue found = dominant_eigenvalue(
+      [&](const VectorXd& y) { return map(y, p); }, start,
+      {.basis = settings.basis,
+       .kept = settings.basis / 3,
+       .most_products = settings.most_products,
+       .threshold = threshold,
+       .inner = settings.inner});
+  const double size = std::abs(found.value);
+  if (!std::isfinite(size)) return {infinity, true, start};
+  return {std::log(size) / p, found.exceeds(threshold), real_motion(found.vector)};
+}
+
+/// The mean of the last half of `rates`.
+double late_mean(const std::vector<double>& rates) {
+  const auto half = rates.begin() + static_cast<std::ptrdiff_t>(rates.size() / 2);
+  return std::accumulate(half, rates.end(), 0.0) / static_cast<double>(rates.end() - half);
+}
+
+/// The orbit of one start: the mean growth over its second half, until twice the length no longer changes it.
+StepGrowth orbit_growth(const StepMap& map, VectorXd y, const StepMapSettings& settings) {
+  std::vector<double> rates;
+  y /= norm_of(y, settings.inner);
+  double before = infinity;
+  for (std::size_t known = 8; rates.size() < static_cast<std::size_t>(settings.blocks);) {
+    VectorXd next = map(y, settings.power);
+    const double size = norm_of(next, settings.inner);
+    if (!std::isfinite(size)) return {infinity, true, y};
+    if (!(size > 0)) return {-infinity, false, y};
+    rates.push_back(std::log(size) / settings.power);
+    y = next / size;
+    if (rates.size() < known) continue;
+    const double now = late_mean(rates);
+    if (std::abs(now - before) < 0.1 * std::abs(now)) break;
+    before = now;
+    known *= 2;
+  }
+  const double rate = late_mean(rates);
+  return {rate, rate > weak_growth, y};
+}
+
+StepGrowth homogeneous_growth(const StepMap& map, const VectorXd& start, const StepMapSettings& settings) {
+  StepGrowth largest = orbit_growth(map, start, settings);
+  if (!largest.grows) {
+    const StepGrowth other = orbit_growth(map, start_vector(start.size()), settings);
+    if (other.rate > largest.rate) largest = other;
+  }
+  return largest;
+}
+
+/// The motion that was the slowest at the last step size, and a little of everything.
+VectorXd next_start(const VectorXd& motion, const LinearOperator& inner) {
+  const VectorXd noise = start_vector(motion.size());
+  return motion / norm_of(motion, inner) + 0.1 / norm_of(noise, inner) * noise;
+}
+
+}  // namespace
+
+StepGrowth growth_of_steps(const StepMap& map, const VectorXd& start, const StepMapSettings& settings) {
+  return settings.linear ? linear_growth(map, start, settings) : homogeneous_growth(map, start, settings);
+}
+
+StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const StepMapSettings& settings) {
+  VectorXd motion = start_vector(n);
+  const auto growth_at = [&](double h) {
+    if (settings.watch) settings.watch();
+    StepGrowth growth = growth_of_steps(map_at(h), next_start(motion, settings.inner), settings);
+    if (growth.motion.allFinite()) motion = growth.motion;
+    return growth;
+  };
+  double low = settings.least, high = low;
+  while (growth_at(low).grows) {
+    low /= 4;
+    if (low < 1e-3 * settings.least) return {.h_max = 0, .rate_above = 0, .motion = motion};
+  }
+  double above = 0;
+  while (true) {
+    high = low * settings.stride;
+    if (high > settings.most) return {.h_max = infinity, .rate_above = 0, .motion = motion};
+    const StepGrowth growth = growth_at(high);
+    above = growth.rate;
+    if (growth.grows) break;
+    low = high;
+  }
+  // Growth begins at a corner: by the line through the last two steps that grow, and by halves.
+  VectorXd critical = motion;
+  double farther = 0, of_farther = 0, root = 0;
+  for (int tries = 0; tries < 40 && high - low > settings.resolution * high; ++tries) {
+    double next = (low + high) / 2;
+    const bool has_line = farther > high && std::isfinite(of_farther) && of_farther > above && high < 1.1 * low;
+    if (has_line) {
+      const double crossing = high - above * (farther - high) / (of_farther - above);
+      // Where lines agree the corner is known better than any step beside it would show.
+      if (crossing > low && std::abs(crossing - root) < settings.resolution * high) break;
+      root = crossing;
+      next = std::clamp(crossing + 0.2 * (high - crossing), low + 0.05 * (high - low), high - 0.05 * (high - low));
+    }
+    const StepGrowth growth = growth_at(next);
+    if (!growth.grows) {
+      low = next;
+      continue;
+    }
+    farther = high;
+    of_farther = above;
+    high = next;
+    above = growth.rate;
+    critical = motion;
+  }
+  const double slope = farther > high && std::isfinite(of_farther) ? (of_farther - above) / (farther - high) : 0;
+  double h_max = root > low && root < high ? root : (low + high) / 2;
+  return {.h_max = h_max, .rate_above = std::max(0.001 * h_max * slope, 2 * weak_growth), .motion = critical};
+}
+
+}  // namespace hmax

@@ -1,0 +1,143 @@
+#include "bench/step_maps/old_jacobian.hpp"
+
+#include <memory>
+#include <utility>
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// Matrices that never change, and the slopes that need not be theirs.
+template <class MatrixT>
+struct FirstOrder {
+  using State = VectorXd;
+  using Jacobian = MatrixT;
+  static constexpr bool linear_stiff_part = true;
+
+  struct Parts {
+    Index n = 0;
+    MatrixT J, J_stiff;
+    RightHandSide rhs, stiff;
+    bool autonomous = true;
+  };
+  std::shared_ptr<const Parts> parts;
+
+  [[nodiscard]] Index dim() const { return parts->n; }
+  [[nodiscard]] bool is_autonomous() const { return parts->autonomous; }
+  void rhs(double t, const State& y, State& dydt) const { parts->rhs(t, y, dydt); }
+  void jacobian(double, const State&, Jacobian& J) const { J = parts->J; }
+  void rhs_stiff(double t, const State& y, State& dydt) const {
+    if (parts->stiff)
+      parts->stiff(t, y, dydt);
+    else
+      dydt.setZero();
+  }
+  void rhs_nonstiff(double t, const State& y, State& dydt) const {
+    State stiff(y.size());
+    rhs_stiff(t, y, stiff);
+    rhs(t, y, dydt);
+    dydt -= stiff;
+  }
+  void jacobian_stiff(double, const State&, Jacobian& J) const { J = parts->J_stiff; }
+};
+
+/// The same of a structure with sparse matrices.
+struct Structure : FirstOrder<Sparse> {
+  using Dofs = VectorXd;
+  using DofMatrix = Sparse;
+
+  struct Matrices {
+    VectorXd mass;
+    Sparse K, C;
+  };
+  std::shared_ptr<const Matrices> matrices;
+
+  [[nodiscard]] Index dofs() const { return matrices->mass.size(); }
+  [[nodiscard]] const Dofs& mass() const { return matrices->mass; }
+  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
+    State y(2 * q.size()), dydt(2 * q.size());
+    y << q, v;
+    rhs(t, y, dydt);
+    f = mass().cwiseProduct(dydt.tail(q.size()));
+  }
+  void stiffness(double, const Dofs&, const Dofs&, DofMatrix& K) const { K = matrices->K; }
+  void damping(double, const Dofs&, const Dofs&, DofMatrix& C) const { C = matrices->C; }
+};
+
+template <class MatrixT>
+MatrixT as(const AnyMatrix& matrix) {
+  if constexpr (std::is_same_v<MatrixT, MatrixXd>)
+    return dense(matrix);
+  else
+    return std::get<Sparse>(matrix);
+}
+
+template <class MatrixT>
+std::shared_ptr<const typename FirstOrder<MatrixT>::Parts> parts_of(const LinearModel& model, RightHandSide rhs,
+                                                                    bool autonomous, RightHandSide stiff) {
+  typename FirstOrder<MatrixT>::Parts parts;
+  parts.n = model.y.size();
+  parts.J = as<MatrixT>(model.J());
+  if (stiff) parts.J_stiff = as<MatrixT>(model.J_stiff());
+  parts.rhs = std::move(rhs);
+  parts.stiff = std::move(stiff);
+  parts.autonomous = autonomous;
+  return std::make_shared<const typename FirstOrder<MatrixT>::Parts>(std::move(parts));
+}
+
+bool is_sparse_structure(const LinearModel& model) {
+  return model.mechanical && is_sparse(model.mechanical->K) && is_sparse(model.mechanical->C);
+}
+
+RightHandSide product_with(AnyMatrix matrix) {
+  return [matrix = std::make_shared<const AnyMatrix>(std::move(matrix))](double, const VectorXd& y,
+                                                                        VectorXd& dydt) {
+    std::visit([&](const auto& held) { dydt.noalias() = held * y; }, *matrix);
+  };
+}
+
+}  // namespace
+
+AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool autonomous, RightHandSide stiff) {
+  if (!is_sparse_structure(model)) {
+    const bool sparse = is_sparse(model.J());
+    if (sparse)
+      return AnySystem(
+          FirstOrder<Sparse>{parts_of<Sparse>(model, std::move(rhs), autonomous, std::move(stiff))});
+    return AnySystem(
+        FirstOrder<MatrixXd>{parts_of<MatrixXd>(model, std::move(rhs), autonomous, std::move(stiff))});
+  }
+  const MechanicalPart& part = *model.mechanical;
+  Structure structure{{parts_of<Sparse>(model, std::move(rhs), autonomous, std::move(stiff))},
+                      std::make_shared<const Structure::Matrices>(Structure::Matrices{
+                          part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C)})};
+  return AnySystem(std::move(structure));
+}
+
+RightHandSide linear_part(const LinearModel& model) {
+  if (!is_sparse_structure(model)) return product_with(model.J());
+  struct Matrices {
+    VectorXd inverse_mass;
+    Sparse K, C;
+  };
+  const MechanicalPart& part = *model.mechanical;
+  const auto held = std::make_shared<const Matrices>(
+      Matrices{part.mass.cwiseInverse(), std::get<Sparse>(part.K), std::get<Sparse>(part.C)});
+  return [held](double, const VectorXd& y, VectorXd& dydt) {
+    const Index n = held->inverse_mass.size();
+    dydt.head(n) = y.tail(n);
+    dydt.tail(n).noalias() = -(held->K * y.head(n));
+    dydt.tail(n).noalias() -= held->C * y.tail(n);
+    dydt.tail(n).array() *= held->inverse_mass.array();
+  };
+}
+
+RightHandSide linear_stiff_part(const LinearModel& model) {
+  return model.J_stiff ? product_with(model.J_stiff()) : RightHandSide{};
+}
+
+}  // namespace hmax

@@ -1,0 +1,224 @@
+#include "bench/step_maps/predict_by_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "analysis/dynamics/growth.hpp"
+#include "analysis/spectrum/lanczos.hpp"
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/linearised_problem.hpp"
+#include "bench/limits/predict.hpp"
+#include "bench/limits/verification.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "bench/step_maps/old_jacobian.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Up to which an observed limit is the predicted one, relative: of linear maps, and of truncated iterations, whose
+/// orbits fluctuate.
+constexpr double tolerance_linear = 0.005, tolerance_truncated = 0.05;
+
+/// The range of |lambda| [1/s], as far as the modes are known.
+struct RateRange {
+  double slowest = infinity, fastest = 0;
+};
+RateRange rates_of(const ModeSet& modes) {
+  RateRange rates;
+  for (const Complex lambda : modes.spectrum.lambda) rates.fastest = std::max(rates.fastest, std::abs(lambda));
+  for (const Complex lambda : modes.spectrum.lambda)
+    if (std::abs(lambda) > 1e-7 * rates.fastest) rates.slowest = std::min(rates.slowest, std::abs(lambda));
+  return rates;
+}
+
+/// The step sizes among which the limit is sought.
+StepMapSettings settings_of(const Linearised& near, bool linear, const StepQuestion& question) {
+  const RateRange rates = rates_of(near.modes);
+  StepMapSettings settings{.linear = linear};
+  settings.least = 0.5 / rates.fastest;
+  settings.most = std::clamp(100 / rates.slowest, 1e4 / rates.fastest, 1e7 / rates.fastest);
+  settings.inner = energy_product(near.point.model);
+  settings.watch = question.watch;
+  return settings;
+}
+
+/// A limit and the motion that begins to grow there.
+struct Found {
+  Prediction row;
+  StepMapLimit limit;
+  StepMapSettings settings;
+};
+
+/// Whose Jacobian a run has.
+std::string words_of_jacobian(const StepOptions& options, bool same_state) {
+  if (options.is_frozen())
+    return same_state ? "the frozen Jacobian is that of the initial state, which is this state"
+                      : "the frozen Jacobian is that of the initial state, not of this state";
+  if (options.jacobian.every > 1)
+    return "near this state a Jacobian of the last steps is the exact one but for terms of second order";
+  return "the Jacobian is that of this state";
+}
+
+void say(Prediction& row, const std::string& sentence) {
+  row.note += (row.note.empty() ? "" : "; ") + sentence;
+}
+
+void put_limit(Prediction& row, const StepMapLimit& limit, const StepMapSettings& settings) {
+  row.modes.clear();
+  row.limiting.reset();
+  row.h_max = limit.h_max;
+  row.bound = std::isinf(limit.h_max) ? Bound::accuracy : limit.h_max > 0 ? Bound::stability : Bound::every_step;
+  const std::string sought =
+      std::isinf(limit.h_max) ? fmt::format("no step up to {:.3g} s", settings.most)
+      : limit.h_max > 0       ? std::string("from h_max on a step")
+                              : fmt::format("already a step of {:.3g} s", 1e-3 * settings.least);
+  const std::string strides =
+      fmt::format(", sought in strides of {:.0f} %", 100 * (settings.stride - 1));
+  if (settings.linear)
+    say(row, fmt::format("{} has a spectral radius above 1 (Arnoldi iteration on the map of a step){}", sought,
+                         strides));
+  else
+    say(row, fmt::format("{} lets a motion grow: a truncated iteration is homogeneous and not linear in the state, so "
+                         "that the limit is that of the mean growth over orbits of {} steps from seeded starts, not "
+                         "of every start{}",
+                         sought, settings.power * settings.blocks / 2, strides));
+}
+
+/// The model, the state whose Jacobian is taken, and the limit.
+Found found_limit(const Method& method, const Problem& problem, const Linearised& near,
+                  const StepQuestion& question, const LinearModel& jacobian) {
+  const StepOptions options = question.options.value_or(StepOptions{});
+  const bool by_modes = question.options && !options.is_frozen() && !options.is_truncated();
+  Found found;
+  found.settings = settings_of(near, !options.is_truncated(), question);
+  // A model that grows does so with every method.
+  found.row = predict(question.options ? method : find_method("linearly_implicit_euler"), near);
+  found.row.method = method.id;
+  if (found.row.bound == Bound::model) return found;
+  const bool same = near.point.model.t == 0 && near.point.model.y == problem.y0;
+  if (question.options) say(found.row, words_of_jacobian(options, same));
+  const Eigen::Index n = near.point.model.y.size();
+  if (by_modes) {
+    found.limit = {.h_max = infinity, .motion = start_vector(n)};
+    return found;
+  }
+  found.limit =
+      first_growing_step(step_maps(method, near.point.model, jacobian, options.linear), n, found.settings);
+  put_limit(found.row, found.limit, found.settings);
+  return found;
+}
+
+/// The problem with the Jacobian that a run has: that of its start, where a run starts elsewhere.
+Problem as_run(const Problem& free, const StepQuestion& question, const LinearModel& jacobian) {
+  if (!question.options || !question.options->is_frozen()) return free;
+  Problem changed = free;
+  std::visit(
+      [&]<class Sys>(const Sys& system) {
+        const RightHandSide rhs = [system](double t, const VectorXd& y, VectorXd& dydt) {
+          typename Sys::State in = y, out = y;
+          system.rhs(t, in, out);
+          dydt = out;
+        };
+        changed.system = with_jacobian_of(jacobian, rhs, is_autonomous(system));
+      },
+      free.system);
+  changed.extended.reset();
+  return changed;
+}
+
+/// How far a state is from rest: in energy, or where there is none by its numbers.
+Distance distance_from(const VectorXd& rest, const LinearOperator& inner) {
+  return [rest, inner](const Eigen::Ref<const VectorXd>& y) {
+    const VectorXd d = y - rest;
+    if (!d.allFinite()) return infinity;
+    return inner ? std::sqrt(std::max(0.0, d.dot(inner(d)))) : d.norm();
+  };
+}
+
+/// Runs at the steps that simulators take and far beyond.
+Observation watched_without_limit(const Problem& problem, const ShowSteps& run, const Distance& distance,
+                                  double farthest, std::string& contradiction) {
+  Observation seen{.h_max = infinity, .gap = std::numeric_limits<double>::quiet_NaN(), .agrees = true};
+  for (const double h : steps_without_limit(problem, farthest)) {
+    seen.steps = 512;
+    seen.agrees = !grows_at(run, distance, h, seen.steps);
+    if (seen.agrees) continue;
+    seen.h_max = std::numeric_limits<double>::quiet_NaN();
+    contradiction = fmt::format("runs of {} steps of {} s grow", seen.steps, to_text(h));
+    break;
+  }
+  return seen;
+}
+
+Observation watched_limit(const Found& found, const ShowSteps& run, const Distance& distance,
+                          std::string& contradiction) {
+  const double predicted = *found.row.h_max;
+  const ExpectedGrowth expected{.above = found.limit.rate_above,
+                                .beside = -infinity,
+                                .visible = 0.1,
+                                .share = 0.2,
+                                .resolution = found.settings.linear ? 1e-5 : 1e-3};
+  const ObservedLimit limit = observe_limit(run, distance, predicted, expected);
+  Observation seen{.h_max = limit.h, .gap = limit.h / predicted - 1, .steps = limit.steps};
+  const double tolerance = found.settings.linear ? tolerance_linear : tolerance_truncated;
+  seen.agrees = std::abs(seen.gap) <= tolerance;
+  if (!seen.agrees)
+    contradiction = fmt::format("integration shows another limit, beyond the tolerance of {} %", 100 * tolerance);
+  return seen;
+}
+
+void verify_steps(Found& found, const Method& method, const Problem& problem, const Linearised& near,
+                  const StepQuestion& question, const LinearModel& jacobian) {
+  const Problem free = after_ramps(problem);
+  if (std::string why = why_not_verified(method, problem, free, near); !why.empty())
+    return say(found.row, why);
+  RunSpec spec;
+  if (question.options) {
+    spec.jacobian = question.options->jacobian;
+    spec.linear_solve = question.options->linear;
+  }
+  const VectorXd& rest = near.point.model.y;
+  const LinearOperator& inner = found.settings.inner;
+  const Distance length = distance_from(VectorXd::Zero(rest.size()), inner);
+  const VectorXd noise = start_vector(rest.size());
+  VectorXd motion = found.limit.motion / length(found.limit.motion) + 0.01 / length(noise) * noise;
+  motion /= motion.cwiseAbs().maxCoeff();
+  const double size = small_displacement(problem, near, motion, 1e-7);
+  const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
+  const ShowSteps run = steps_of(method, as_run(free, question, jacobian), rest, size * motion, outcome, spec);
+  std::string contradiction;
+  Observation seen =
+      std::isinf(*found.row.h_max)
+          ? watched_without_limit(problem, run, distance_from(rest, inner), found.settings.most, contradiction)
+          : watched_limit(found, run, distance_from(rest, inner), contradiction);
+  seen.step_defect = step_defect(method);
+  if (!contradiction.empty()) say(found.row, contradiction);
+  found.row.observed = seen;
+}
+
+}  // namespace
+
+bool needs_step_map(const Method& method, const Prediction& row) {
+  return row.bound == Bound::unknown && method.needs_split && method.fixed_step && method.bind;
+}
+
+Prediction predict_by_steps(const Method& method, const Problem& problem, const Linearised& near,
+                            const StepQuestion& question) {
+  const bool frozen = question.options && question.options->is_frozen();
+  const LinearModel jacobian = frozen ? linear_model(problem, 0, problem.y0) : near.point.model;
+  Found found = found_limit(method, problem, near, question, jacobian);
+  const bool has_claim = found.row.bound == Bound::stability || found.row.bound == Bound::accuracy;
+  if (question.verified && has_claim) verify_steps(found, method, problem, near, question, jacobian);
+  return found.row;
+}
+
+}  // namespace hmax

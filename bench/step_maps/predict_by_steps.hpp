@@ -1,0 +1,32 @@
+/// Limits from the map of one step: of methods that no mode alone tells of, and of methods as simulators run them.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "bench/limits/prediction.hpp"
+#include "bench/step_maps/step_map.hpp"
+
+namespace hmax {
+
+/// What is asked of the steps of one method.
+struct StepQuestion {
+  std::optional<StepOptions> options;  ///< nothing: the method as it is
+  bool verified = false;               ///< also integrate on both sides, with the same options
+  std::function<void()> watch = {};    ///< called before each step size; may throw
+};
+
+/// Whether a row has no limit because its method treats parts of the model in different ways that have no common
+/// modes; then the map of a step has one.
+bool needs_step_map(const Method& method, const Prediction& row);
+
+/// The largest stable step near `near`: the first step size at which the map of a step on the linear model has a
+/// spectral radius above 1, or of truncated iterations an orbit that grows. A frozen Jacobian is that of the
+/// initial state of the problem. One that is exact or taken every K steps is that of the state itself but for terms of
+/// second order: with direct solutions the limit is that of the modes.
+/// @param method  with options: takes_step_options(); else one that is bound to code
+/// @param problem that of `near`
+Prediction predict_by_steps(const Method& method, const Problem& problem, const Linearised& near,
+                            const StepQuestion& question);
+
+}  // namespace hmax
