@@ -24,19 +24,37 @@ VectorXd real_motion(const Eigen::VectorXcd& vector) {
   return vector.real().norm() >= vector.imag().norm() ? VectorXd(vector.real()) : VectorXd(vector.imag());
 }
 
+/// The motion that was the slowest at the last step size, and a little of everything.
+VectorXd next_start(const VectorXd& motion, const LinearOperator& inner) {
+  const VectorXd noise = start_vector(motion.size());
+  return motion / norm_of(motion, inner) + 0.1 / norm_of(noise, inner) * noise;
+}
+
+/// The dominant motion of S^power.
+DominantEigenvalue dominant_of_power(const StepMap& map, const VectorXd& start, int power,
+                                     Eigen::Index most_products, const StepMapSettings& settings) {
+  return dominant_eigenvalue([&](const VectorXd& y) { return map(y, power); }, start,
+                             {.basis = settings.basis,
+                              .kept = settings.basis / 3,
+                              .most_products = most_products,
+                              .threshold = std::exp(power * settings.weak_growth),
+                              .inner = settings.inner});
+}
+
 StepGrowth linear_growth(const StepMap& map, const VectorXd& start, const StepMapSettings& settings) {
-  const int p = settings.power;
-  const double threshold = std::exp(p * weak_growth);
-  const DominantEigenvalue found = dominant_eigenvalue(
-      [&](const VectorXd& y) { return map(y, p); }, start,
-      {.basis = settings.basis,
-       .kept = settings.basis / 3,
-       .most_products = settings.most_products,
-       .threshold = threshold,
-       .inner = settings.inner});
+  int power = settings.power;
+  DominantEigenvalue found = dominant_of_power(map, start, power, settings.most_products, settings);
+  const auto threshold = [&] { return std::exp(power * settings.weak_growth); };
+  // Slow growth beside motions that neither grow nor decay is told apart by long products.
+  if (std::isfinite(std::abs(found.value)) && !found.converged && !found.exceeds(threshold()) &&
+      found.stretch > threshold() && settings.long_power > power) {
+    power = settings.long_power;
+    found = dominant_of_power(map, next_start(real_motion(found.vector), settings.inner), power,
+                              settings.most_products / 2, settings);
+  }
   const double size = std::abs(found.value);
   if (!std::isfinite(size)) return {infinity, true, start};
-  return {std::log(size) / p, found.exceeds(threshold), real_motion(found.vector)};
+  return {std::log(size) / power, found.exceeds(threshold()), real_motion(found.vector)};
 }
 
 /// The mean of the last half of `rates`.
@@ -59,12 +77,12 @@ StepGrowth orbit_growth(const StepMap& map, VectorXd y, const StepMapSettings& s
     y = next / size;
     if (rates.size() < known) continue;
     const double now = late_mean(rates);
-    if (std::abs(now - before) < 0.1 * std::abs(now)) break;
+    if (std::abs(now) > 0.01 && std::abs(now - before) < 0.1 * std::abs(now)) break;
     before = now;
     known *= 2;
   }
   const double rate = late_mean(rates);
-  return {rate, rate > weak_growth, y};
+  return {rate, rate > settings.weak_growth, y};
 }
 
 StepGrowth homogeneous_growth(const StepMap& map, const VectorXd& start, const StepMapSettings& settings) {
@@ -74,12 +92,6 @@ StepGrowth homogeneous_growth(const StepMap& map, const VectorXd& start, const S
     if (other.rate > largest.rate) largest = other;
   }
   return largest;
-}
-
-/// The motion that was the slowest at the last step size, and a little of everything.
-VectorXd next_start(const VectorXd& motion, const LinearOperator& inner) {
-  const VectorXd noise = start_vector(motion.size());
-  return motion / norm_of(motion, inner) + 0.1 / norm_of(noise, inner) * noise;
 }
 
 }  // namespace
@@ -99,12 +111,12 @@ StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const S
   double low = settings.least, high = low;
   while (growth_at(low).grows) {
     low /= 4;
-    if (low < 1e-3 * settings.least) return {.h_max = 0, .rate_above = 0, .motion = motion};
+    if (low < 1e-3 * settings.least) return {.h_max = 0, .motion = motion};
   }
   double above = 0;
   while (true) {
     high = low * settings.stride;
-    if (high > settings.most) return {.h_max = infinity, .rate_above = 0, .motion = motion};
+    if (high > settings.most) return {.h_max = infinity, .motion = motion};
     const StepGrowth growth = growth_at(high);
     above = growth.rate;
     if (growth.grows) break;
@@ -117,7 +129,8 @@ StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const S
     double next = (low + high) / 2;
     const bool has_line = farther > high && std::isfinite(of_farther) && of_farther > above && high < 1.1 * low;
     if (has_line) {
-      const double crossing = high - above * (farther - high) / (of_farther - above);
+      const double crossing =
+          high - (above - settings.weak_growth) * (farther - high) / (of_farther - above);
       // Where lines agree the corner is known better than any step beside it would show.
       if (crossing > low && std::abs(crossing - root) < settings.resolution * high) break;
       root = crossing;
@@ -134,9 +147,7 @@ StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const S
     above = growth.rate;
     critical = motion;
   }
-  const double slope = farther > high && std::isfinite(of_farther) ? (of_farther - above) / (farther - high) : 0;
-  double h_max = root > low && root < high ? root : (low + high) / 2;
-  return {.h_max = h_max, .rate_above = std::max(0.001 * h_max * slope, 2 * weak_growth), .motion = critical};
+  return {.h_max = root > low && root < high ? root : (low + high) / 2, .motion = critical};
 }
 
 }  // namespace hmax

@@ -23,15 +23,14 @@ struct StepMapSettings {
   double most = 0;          ///< [s] where it ends
   double stride = 1.5;      ///< between the steps that are tried: narrower windows of instability may lie between
   double resolution = 1e-4; ///< to which the limit is sought, relative
+  double weak_growth = 1e-6; ///< ln of the factor of a step that is no growth yet
   int power = 8;            ///< steps of one product
+  int long_power = 64;      ///< of the products that follow where the first ones do not tell
   Eigen::Index basis = 21, most_products = 126;  ///< of the Arnoldi iteration
   int blocks = 96;          ///< of homogeneous maps: products from each start
   LinearOperator inner = {};  ///< as ArnoldiSettings::inner: an energy
   std::function<void()> watch = {};  ///< called before each step size; may throw
 };
-
-/// Growth is seen where the factor of a step is larger than 1 by more than this.
-inline constexpr double weak_growth = 1e-6;
 
 /// The growth of motions at one step size.
 struct StepGrowth {
@@ -46,7 +45,6 @@ StepGrowth growth_of_steps(const StepMap& map, const Eigen::VectorXd& start, con
 
 struct StepMapLimit {
   double h_max = 0;        ///< [s]; infinity where no step up to `most` grows, 0 where every one does
-  double rate_above = 0;   ///< the growth at 1.001 h_max, ln of the factor of a step
   Eigen::VectorXd motion;  ///< that begins to grow, shape (n)
 };
 

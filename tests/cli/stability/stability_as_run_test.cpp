@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string pressed = "stability predict --mesh phantom --load press --set force=2 --methods ";
+const std::string pressed = "stability predict --mesh phantom --load press --set force=2 --set alpha=4 --methods ";
 
 TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
   const Json rows = Shell().hmax(pressed + "rosenbrock_23,rodas_4 --jacobian frozen --verify --json").json().at("rows");
@@ -19,7 +19,7 @@ TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
     EXPECT_EQ(row.at("options"), Json({{"jacobian", "frozen"}, {"linear", "direct"}})) << row.dump();
     EXPECT_EQ(row.at("bound"), "stability");
     EXPECT_TRUE(row.at("agrees").get<bool>()) << row.dump();
-    EXPECT_LE(std::abs(row.at("gap").get<double>()), 5e-3) << row.dump();
+    EXPECT_LE(std::abs(row.at("gap").get<double>()), 1e-2) << row.dump();
     EXPECT_NE(row.at("status").get<std::string>().find("initial state, not of this state"), std::string::npos);
   }
   EXPECT_EQ(rows[0].at("method"), "rosenbrock_23");
