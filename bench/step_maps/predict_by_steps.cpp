@@ -52,8 +52,8 @@ StepMapSettings settings_of(const Linearised& near, bool linear, const StepQuest
   settings.least = 0.5 / rates.fastest;
   settings.most = std::clamp(100 / rates.slowest, 1e4 / rates.fastest, 1e7 / rates.fastest);
   settings.weak_growth = weak_growth;
-  // Eight thousand steps resolve that beside undamped motions. Implicit-explicit steps take longer.
-  settings.long_power = question.options ? 128 : 32;
+  // Eight thousand steps resolve that beside undamped motions. Implicit-explicit steps take too long for as many.
+  settings.long_power = question.options ? 128 : settings.power;
   settings.inner = energy_product(near.point.model);
   settings.watch = question.watch;
   return settings;
