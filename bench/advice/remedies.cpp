@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ struct Scaling {
 };
 
 const std::vector<Scaling>& scalings() {
-  static const std::vector<Scaling> all{{"rho", {4, 16}},       {"E", {0.25, 0.0625}}, {"skin", {0.25, 0.0625}},
+  static const std::vector<Scaling> all{{"rho", {4, 16}}, {"mass", {4, 16}}, {"E", {0.25, 0.0625}}, {"skin", {0.25, 0.0625}},
                                         {"skin_thickness", {0.25, 0.0625}}, {"beta", {0.25, 0.0625, 0}}};
   return all;
 }
@@ -86,15 +87,21 @@ void try_time(Trials& trials, const Problem& problem, const AdviceQuestion& ques
   }
 }
 
-void try_coarser(Trials& trials, const Problem& problem, const std::function<Problem()>& coarser) {
+/// Nothing where there is no such model.
+std::optional<Problem> made(const std::function<Problem()>& make) {
   try {
-    const Problem made = coarser();
-    const auto count = [](const Problem& of) { return static_cast<double>(of.body->mesh().tetrahedron_count()); };
-    trials.helps({.change = "tetrahedra", .from = count(problem), .to = count(made)}, trials.question(),
-                 [&] { return made; });
+    return make();
   } catch (const InputError&) {
-    return;  // no such mesh
+    return std::nullopt;
   }
+}
+
+void try_coarser(Trials& trials, const Problem& problem, const std::function<Problem()>& make) {
+  const auto coarser = made(make);
+  if (!coarser) return;
+  const auto count = [](const Problem& of) { return static_cast<double>(of.body->mesh().tetrahedron_count()); };
+  trials.helps({.change = "tetrahedra", .from = count(problem), .to = count(*coarser)}, trials.question(),
+               [&] { return *coarser; });
 }
 
 /// More mass where elements are fast, so that steps of 1/8, 1/4, 1/2 and a whole frame are stable.
@@ -102,8 +109,9 @@ void try_mass(Trials& trials, const Problem& problem, const ProblemWith& make) {
   for (const double share : {0.125, 0.25, 0.5, 1.0}) {
     // The bound is reached at 0.95 of it, and a half is lost where the body stiffens.
     const double step = 1.5 * share * trials.question().frame();
-    const Problem heavier = make({{"mass_step", step}});
-    const Eigen::VectorXd added = heavier.body->added_mass();
+    const auto heavier = made([&] { return make({{"mass_step", step}}); });
+    if (!heavier) return;
+    const Eigen::VectorXd added = heavier->body->added_mass();
     if (added.sum() == 0) continue;
     const double whole = problem.body->point_mass().sum();
     if (added.sum() > whole) return;  // another body
@@ -112,7 +120,7 @@ void try_mass(Trials& trials, const Problem& problem, const ProblemWith& make) {
                       .to = step,
                       .cost = fmt::format("adds {:.2g} % of the mass, to {} of {} points", 100 * added.sum() / whole,
                                           (added.array() > 0).count(), added.size())},
-                     trials.question(), [&] { return heavier; }))
+                     trials.question(), [&] { return *heavier; }))
       return;
   }
 }

@@ -25,12 +25,18 @@ const std::array<Quantity, 3>& quantities() {
   return all;
 }
 
-/// Parameters of the problem that belong to a quantity, those of single regions too, times a factor.
+/// Parameters of the problem that belong to a quantity, those of single regions too, times a factor. A density does not
+/// act where the mass of the body is given.
 std::vector<std::pair<std::string, double>> scaled(const Problem& problem, const Quantity& quantity, double factor) {
+  const bool has_mass = std::ranges::any_of(
+      problem.parameters, [](const auto& parameter) { return parameter.first == "mass" && parameter.second != 0; });
   std::vector<std::pair<std::string, double>> values;
-  for (const auto& [name, value] : problem.parameters)
-    if (value != 0 && std::ranges::find(quantity.parameters, name.substr(0, name.find(':'))) != quantity.parameters.end())
+  for (const auto& [name, value] : problem.parameters) {
+    const std::string_view stem = std::string_view(name).substr(0, name.find(':'));
+    if (value == 0 || (stem == "rho" && has_mass)) continue;
+    if (std::ranges::find(quantity.parameters, stem) != quantity.parameters.end())
       values.emplace_back(name, factor * value);
+  }
   return values;
 }
 

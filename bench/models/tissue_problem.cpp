@@ -166,12 +166,16 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   return problem;
 }
 
-Problem with_settings(const Problem& problem, TissueSettings settings) {
-  const TissueBody& body = *problem.body;
+Problem with_body(const Problem& problem, std::shared_ptr<const TissueBody> body) {
   Problem changed = problem;
-  changed.body = std::make_shared<const TissueBody>(body.mesh(), std::move(settings), body.origin());
+  changed.body = std::move(body);
   changed.system = AnySystem(SharedBody{changed.body});
   return changed;
+}
+
+Problem with_settings(const Problem& problem, TissueSettings settings) {
+  const TissueBody& body = *problem.body;
+  return with_body(problem, std::make_shared<const TissueBody>(body.mesh(), std::move(settings), body.origin()));
 }
 
 Problem after_ramps(const Problem& problem) {

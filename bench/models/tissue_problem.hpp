@@ -1,6 +1,7 @@
 /// Tissue on meshes as problems of the catalogue: "fem_green@liver", "mass_spring/press@ball:n=8".
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,9 @@ bool is_tissue_id(std::string_view id);
 /// The problem of such an id, at rest at t = 0.
 /// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
 Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
+
+/// The same problem with another body, and the start that it has: shape (dim) of this body.
+Problem with_body(const Problem& problem, std::shared_ptr<const TissueBody> body);
 
 /// The same body made of other settings, with the same name, parameters and start.
 /// @throws std::invalid_argument  as TissueBody

@@ -14,7 +14,8 @@ TEST(AdviseCommand, AnswersInTheKeysOfTheContract) {
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.err, "");
   const Json document = told.json();
-  for (const char* key : {"model", "rate", "tolerance", "budget_ms", "machine", "rows", "recommended", "ties", "remedies"})
+  for (const char* key : {"model", "rate", "tolerance", "budget_ms", "machine", "rows", "recommended", "ties", "remedies",
+                          "proof", "uncertainty"})
     EXPECT_TRUE(document.contains(key)) << key;
   ASSERT_EQ(document.at("rows").size(), 2U);
   for (const char* key :
@@ -41,6 +42,23 @@ TEST(AdviseCommand, FailsWhereNothingSuits) {
   EXPECT_NE(told.out.find("no method that was tried meets this"), std::string::npos) << told.out;
 }
 
+TEST(AdviseCommand, KeepsTheAdviceInAStore) {
+  const Shell shell;
+  const Told told = shell.hmax(std::string(small_question) + " --out kept.sqlite --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const Told rows = shell.hmax("export kept.sqlite --of advice --json");
+  ASSERT_EQ(rows.exit_code, 0) << rows.err;
+  const Json kept = rows.json(), told_rows = told.json().at("rows");
+  ASSERT_EQ(kept.size(), told_rows.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(kept[i].at("method"), told_rows[i].at("method"));
+    EXPECT_EQ(kept[i].at("h"), told_rows[i].at("h"));
+    EXPECT_EQ(kept[i].at("verdict"), told_rows[i].at("verdict"));
+  }
+  const Told none = shell.hmax("export kept.sqlite --of limits");
+  EXPECT_NE(none.err.find("holds no limits; --of advice writes what it has"), std::string::npos) << none.err;
+}
+
 TEST(AdviseCommand, RefusesWrongInput) {
   const Shell shell;
   expect_refused(shell.hmax("advise --problem liver_forced"), "add --rate");
@@ -49,6 +67,8 @@ TEST(AdviseCommand, RefusesWrongInput) {
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --tolerance 2"), "below 1");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --budget -1"), "--budget is -1");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --methods adams_pece"), "--methods");
+  expect_refused(shell.hmax("advise --mesh cube:n=2 --rate 100 --motion-at surface:1"), "--motion");
+  expect_refused(shell.hmax("advise --mesh cube:n=2 --rate 100 --motion none.csv"), "none.csv");
 }
 
 }  // namespace

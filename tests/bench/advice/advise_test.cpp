@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 
@@ -21,6 +23,7 @@ AdviceQuestion question(double rate, const std::vector<std::string>& names, cons
   AdviceQuestion asked;
   asked.rate = rate;
   asked.frames = 50;
+  asked.proof = 5;
   asked.methods = choose_methods(names, {problem});
   return asked;
 }
@@ -92,8 +95,8 @@ TEST(Candidates, AreMethodsWithTheirChoices) {
     return candidates({find_method(id)}, problem).size();
   };
   EXPECT_EQ(count("rk4", body), 1U);
-  EXPECT_EQ(count("linearly_implicit_euler", body), 3U);
-  EXPECT_EQ(count("linearly_implicit_euler", oscillator), 2U);
+  EXPECT_EQ(count("linearly_implicit_euler", body), 4U);
+  EXPECT_EQ(count("linearly_implicit_euler", oscillator), 3U);
   EXPECT_EQ(count("adams_pece", oscillator), 0U);  // chooses its steps itself
   EXPECT_EQ(count("newmark", make_problem("lorenz")), 0U);
 }
@@ -103,7 +106,7 @@ TEST(Advise, RecommendsAStepThatHoldsWhenItIsRun) {
   const AdviceQuestion asked =
       question(100, {"symplectic_euler", "rk4", "linearly_implicit_euler", "newmark"}, problem);
   const Advice advice = advise(problem, asked);
-  ASSERT_EQ(advice.rows.size(), 6U);
+  ASSERT_EQ(advice.rows.size(), 7U);
   const AdviceRow* best = advice.recommended();
   ASSERT_NE(best, nullptr);
   EXPECT_LE(best->error, asked.tolerance);
@@ -120,6 +123,105 @@ TEST(Advise, RecommendsAStepThatHoldsWhenItIsRun) {
     EXPECT_NEAR(row.h_max_observed / row.h_max, 1, 0.1) << row.candidate.words();
     EXPECT_FALSE(holds(row.candidate, motion, reference, 1.15 * row.h_max)) << row.candidate.words();
   }
+}
+
+TEST(Advise, ProvesTheBestRowOnItsMotionAndOnAnother) {
+  const Problem problem = cube("press");
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  const Advice advice = advise(problem, asked);
+  ASSERT_NE(advice.recommended(), nullptr);
+  ASSERT_EQ(advice.proof.size(), 2U);
+  for (const ProofRun& run : advice.proof) {
+    EXPECT_TRUE(run.holds()) << run.motion;
+    EXPECT_GE(run.frames, 500U);
+    EXPECT_NEAR(run.seconds, static_cast<double>(run.frames) * 0.01, 1e-9);
+  }
+  EXPECT_NE(advice.proof[0].motion, advice.proof[1].motion);
+}
+
+TEST(Proof, FailsBeyondTheLimit) {
+  const Problem problem = cube("press", {{"E", 1e5}});
+  const AdviceQuestion asked = question(100, {"symplectic_euler"}, problem);
+  const Advice advice = advise(problem, asked);
+  ASSERT_NE(advice.recommended(), nullptr);
+  const AdviceRow& row = *advice.recommended();
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, asked.frame(), asked.tolerance);
+  // A frame that one step fills, 5 % beyond the limit.
+  const ProofPlan plan{.frame = 1.05 * row.h_max, .budget = 1, .seconds = 2, .slowest = 0};
+  for (const ProofRun& run : prove(row.candidate, 1, motion, reference, plan)) EXPECT_FALSE(run.holds()) << run.motion;
+}
+
+/// The same body with its points in another order, turned, mirrored and made in another unit.
+Problem moved(const Problem& problem, const Eigen::Matrix3d& turn) {
+  const TissueBody& body = *problem.body;
+  TetMesh mesh = body.mesh();
+  const Eigen::Index n = mesh.point_count();
+  const auto place = [&](Eigen::Index i) { return (5 * i + 3) % n; };
+  for (Eigen::Index i = 0; i < n; ++i) mesh.points.col(place(i)) = turn * body.mesh().points.col(i);
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    for (Eigen::Index a = 0; a < 4; ++a)
+      mesh.tetrahedra(a, t) = static_cast<TetMesh::Index>(place(body.mesh().tetrahedra(a, t)));
+    if (turn.determinant() < 0) std::swap(mesh.tetrahedra(0, t), mesh.tetrahedra(1, t));
+  }
+  TissueSettings settings = body.settings();
+  settings.gravity = turn * settings.gravity;
+  for (Support& support : settings.supports)
+    for (TetMesh::Index& i : support.points) i = static_cast<TetMesh::Index>(place(i));
+  for (PressingForce& force : settings.forces) {
+    for (TetMesh::Index& i : force.points) i = static_cast<TetMesh::Index>(place(i));
+    force.force = turn * force.force;
+  }
+  return with_body(problem, std::make_shared<const TissueBody>(mesh, settings, body.origin()));
+}
+
+TEST(Advise, IsTheSameForABodyRenumberedTurnedAndMirrored) {
+  const Problem problem = cube("press", {{"E", 1e5}});
+  ASSERT_EQ(problem.body->mesh().point_count() % 5, 2);  // 27 points: the new order is one
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "rk4", "newmark"}, problem);
+  const Advice before = advise(problem, asked);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
+                        mirror = Eigen::Vector3d(-1, 1, 1).asDiagonal();
+  for (const Eigen::Matrix3d& change : {turn, Eigen::Matrix3d(turn * mirror)}) {
+    const Advice after = advise(moved(problem, change), asked);
+    for (const AdviceRow& row : before.rows) {
+      const auto same = std::ranges::find(after.rows, row.candidate.method.id,
+                                          [](const AdviceRow& each) { return each.candidate.method.id; });
+      ASSERT_NE(same, after.rows.end());
+      EXPECT_EQ(same->steps_per_frame, row.steps_per_frame) << row.candidate.words();
+      EXPECT_EQ(same->bound, row.bound) << row.candidate.words();
+      EXPECT_NEAR(same->error, row.error, 1e-3 * row.error) << row.candidate.words();
+      if (std::isfinite(row.h_max)) {
+        EXPECT_NEAR(same->h_max, row.h_max, 1e-6 * row.h_max) << row.candidate.words();
+      }
+    }
+  }
+}
+
+TEST(LimitBands, AreRootsForAnUndampedBody) {
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) { return cube("press", values); };
+  const Problem problem = make({});
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem.y0.size());
+  const auto bands = limit_bands(find_method("central_difference"), problem, rest, make);
+  ASSERT_EQ(bands.size(), 2U);
+  EXPECT_EQ(bands[0].quantity, "stiffness");
+  EXPECT_NEAR(bands[0].exponent, -0.5, 1e-6);
+  EXPECT_NEAR(bands[0].h_high / bands[0].h_low, std::sqrt(1.29 / 0.71), 1e-6);
+  EXPECT_EQ(bands[1].quantity, "mass");
+  EXPECT_NEAR(bands[1].exponent, 0.5, 1e-6);
+}
+
+TEST(LimitBands, KnowDamping) {
+  const auto make = [](std::vector<std::pair<std::string, double>> values) {
+    if (values.empty() || values.front().first != "beta") values.emplace_back("beta", 0.01);
+    return cube("press", values);
+  };
+  const Problem problem = make({});
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem.y0.size());
+  const auto bands = limit_bands(find_method("rk4"), problem, rest, make);
+  ASSERT_EQ(bands.size(), 3U);
+  EXPECT_EQ(bands[2].quantity, "damping");
+  EXPECT_LT(bands[2].exponent, 0);
 }
 
 TEST(Advise, NamesWhatBindsTheStep) {
@@ -191,7 +293,7 @@ TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {
   AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
   asked.budget = 1e-8;
   const Advice failed = advise(problem, asked);
-  const std::vector<Remedy> found = remedies(problem, asked, failed, make);
+  const std::vector<Remedy> found = remedies(problem, asked, failed, {.with = make});
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found.front().change, "budget_ms");
   EXPECT_EQ(found.front().from, 1e-5);
@@ -205,7 +307,7 @@ TEST(Remedies, AreNoneOfAModelThatCannotBeMade) {
   asked.budget = 1e-8;
   const Advice failed = advise(problem, asked);
   const auto refuse = [](const auto&) -> Problem { throw InputError("no such parameter"); };
-  for (const Remedy& remedy : remedies(problem, asked, failed, refuse))
+  for (const Remedy& remedy : remedies(problem, asked, failed, {.with = refuse}))
     EXPECT_TRUE(remedy.change == "budget_ms" || remedy.change == "rate") << remedy.change;
 }
 

@@ -84,6 +84,16 @@ TEST(MeshChoice, WhatModelsCannotUseIsRefused) {
             std::string::npos);
 }
 
+TEST(MeshChoice, KnowsACoarserMesh) {
+  EXPECT_EQ(coarser_mesh("ball:n=6"), "ball:n=3");
+  EXPECT_EQ(coarser_mesh("cube"), "cube:n=2");
+  EXPECT_EQ(coarser_mesh("liver"), "");
+  EXPECT_EQ(coarser_mesh("liver:refine=1"), "liver");
+  EXPECT_EQ(coarser_mesh("ball:n=6:refine=2"), "ball:n=6:refine=1");
+  EXPECT_EQ(coarser_mesh("cube:n=1"), "");
+  for (const char* text : {"ball:n=6,radius=0.04", "cube:n=8:refine=1"}) EXPECT_NO_THROW(load_mesh(coarser_mesh(text)));
+}
+
 TEST(MeshChoice, UnitsAreNamesOrMetres) {
   EXPECT_EQ(unit_in_metres("m"), 1);
   EXPECT_EQ(unit_in_metres("cm"), 0.01);

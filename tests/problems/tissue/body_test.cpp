@@ -227,6 +227,60 @@ TEST(TissueBody, MassIsThatOfTheMaterialsOrAsGiven) {
   EXPECT_NEAR(body.kinetic_energy(VectorXd::Ones(body.dofs())), 1.5 * 3 / 2, 1e-13);
 }
 
+TEST(TissueBody, RaisedMassesAllowTheStepAndHaveNoWeight) {
+  const TetMesh mesh = uneven_box();
+  TissueSettings settings;
+  settings.materials = two_materials();
+  settings.gravity = {0, 0, -9.81};
+  settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
+  const TissueBody before(mesh, settings);
+  const VectorXd rest = VectorXd::Zero(before.dofs());
+  const auto largest_step = [&](const TissueBody& body) {
+    const VectorXd roots = body.mass().cwiseSqrt().cwiseInverse();
+    const MatrixXd scaled = roots.asDiagonal() * stiffness(body, 0, rest, rest) * roots.asDiagonal();
+    return 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
+  };
+  settings.mass_step = 2 * largest_step(before);
+  const TissueBody after(mesh, settings);
+  EXPECT_GE(largest_step(after), settings.mass_step);
+  EXPECT_LT(largest_step(after), 2 * settings.mass_step);
+  EXPECT_GT(after.added_mass().sum(), 0);
+  EXPECT_EQ(before.added_mass().sum(), 0);
+  EXPECT_EQ(force(after, 0, rest, rest), force(before, 0, rest, rest));
+  settings.mass_step = -1;
+  EXPECT_THROW(TissueBody(mesh, settings), std::invalid_argument);
+}
+
+TEST(SampledCurve, MeetsItsValuesSmoothlyAndDoesNotOvershoot) {
+  const std::vector<double> t{0, 0.1, 0.4, 0.5, 0.9}, v{0, 1, 1.5, 1.5, -2};
+  const SampledCurve curve(t, v);
+  for (std::size_t i = 0; i < t.size(); ++i) EXPECT_NEAR(curve.value(t[i]), v[i], 1e-15) << i;
+  EXPECT_EQ(curve.value(-1), 0);
+  EXPECT_EQ(curve.value(7), -2);
+  EXPECT_EQ(curve.rate(7), 0);
+  for (double at = 0.005; at < 0.9; at += 0.01) {
+    EXPECT_NEAR(curve.rate(at), (curve.value(at + 1e-6) - curve.value(at - 1e-6)) / 2e-6, 1e-5) << at;
+    EXPECT_LE(curve.value(at), 1.5 + 1e-15) << at;
+    EXPECT_GE(curve.value(at), -2) << at;
+  }
+  for (const double knot : t) EXPECT_NEAR(curve.rate(knot - 1e-9), curve.rate(knot + 1e-9), 1e-5) << knot;
+  EXPECT_THROW(SampledCurve({0}, {1}), std::invalid_argument);
+  EXPECT_THROW(SampledCurve({0, 0}, {1, 1}), std::invalid_argument);
+  EXPECT_THROW(SampledCurve({0, 1}, {1, std::nan("")}), std::invalid_argument);
+}
+
+TEST(TissueBody, SupportsOfTheSamePointsAddUp) {
+  const TetMesh mesh = box_mesh({0.2, 0.1, 0.1}, {4, 2, 2});
+  TissueSettings settings;
+  const auto points = points_in_box(mesh, {0, 0, 0}, {0, 1, 1});
+  const TimeProfile ramp{.kind = TimeProfile::Kind::ramp, .start = 0, .rise = 1};
+  settings.supports = {{points, {0.01, 0, 0}, ramp}, {points, {0, 0.02, 0}, ramp}};
+  const TissueBody body(mesh, settings);
+  const Eigen::Matrix3Xd x = body.positions(0.5, VectorXd::Zero(body.dofs()));
+  EXPECT_NEAR(x(0, 0) - mesh.points(0, 0), 0.005, 1e-16);
+  EXPECT_NEAR(x(1, 0) - mesh.points(1, 0), 0.01, 1e-16);
+}
+
 TEST(TissueBody, SupportsHoldTheirPointsOrMoveThem) {
   const TetMesh mesh = box_mesh({0.2, 0.1, 0.1}, {4, 2, 2});
   TissueSettings settings;

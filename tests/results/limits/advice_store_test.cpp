@@ -1,0 +1,79 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "results/limits/advice_columns.hpp"
+#include "results/limits/advice_exports.hpp"
+#include "results/store.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+AdviceKey a_question(double rate = 100) {
+  AdviceKey key;
+  for (const auto& column : advice_key_texts) key.*column.member = std::string(column.name) + ", 'quoted'";
+  key.rate = rate;
+  key.tolerance = 0.01;
+  key.budget = 0.001;
+  return key;
+}
+
+AdviceRecord a_record(const std::string& method) {
+  AdviceRecord record;
+  double value = 0.1;
+  for (const auto& column : advice_texts) record.*column.member = column.name;
+  for (const auto& column : advice_numbers) record.*column.member = value *= 1.7;
+  record.h_max = INFINITY;
+  record.h_max_observed = NAN;
+  record.method = method;
+  return record;
+}
+
+TEST(AdviceStore, KeepsEveryColumn) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  EXPECT_THROW(store.insert_advice(a_question(), {}), std::logic_error);
+  store.begin_session({});
+  const std::vector<AdviceRecord> records{a_record("rk4"), a_record("newmark")};
+  store.insert_advice(a_question(), records);
+  const std::vector<AdviceRecord> kept = Store::open_existing(scratch / "s.sqlite").advice();
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0].key, a_question());
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (const auto& column : advice_texts) EXPECT_EQ(kept[i].*column.member, records[i].*column.member) << column.name;
+    for (const auto& column : advice_numbers) {
+      const double before = records[i].*column.member, after = kept[i].*column.member;
+      EXPECT_TRUE(before == after || (std::isnan(before) && std::isnan(after))) << column.name;
+    }
+  }
+}
+
+TEST(AdviceStore, ReplacesTheAnswerToTheSameQuestion) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  store.begin_session({});
+  store.insert_advice(a_question(), std::vector{a_record("rk4"), a_record("newmark")});
+  store.insert_advice(a_question(1000), std::vector{a_record("rk4")});
+  store.insert_advice(a_question(), std::vector{a_record("symplectic_euler")});
+  const std::vector<AdviceRecord> kept = store.advice();
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0].method, "symplectic_euler");
+  EXPECT_EQ(kept[1].key.rate, 1000);
+  AdviceKey endless = a_question();
+  endless.budget = INFINITY;
+  EXPECT_THROW(store.insert_advice(endless, {}), std::invalid_argument);
+}
+
+TEST(AdviceExports, WriteNumbersThatDoNotApply) {
+  std::vector<AdviceRecord> records{a_record("rk4")};
+  records[0].key = a_question();
+  const std::string csv = advice_to_csv(records), lines = advice_to_jsonl(records);
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 2);
+  EXPECT_NE(csv.find(",unbounded,,"), std::string::npos) << csv;
+  EXPECT_NE(lines.find("\"h_max\":\"unbounded\",\"h_max_observed\":null"), std::string::npos) << lines;
+  EXPECT_NE(lines.find("\"rate\":100,"), std::string::npos) << lines;
+}
+
+}  // namespace
+}  // namespace hmax
