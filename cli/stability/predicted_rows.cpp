@@ -204,9 +204,14 @@ OperatingPointKey PredictedRows::key_of(const Problem& problem) const {
 /// The stored rows that answer the question.
 std::vector<LimitRow> PredictedRows::stored_rows(const OperatingPointKey& key) const {
   if (!store_ || !looks_up_) return {};
-  return stored_limits(
+  std::vector<LimitRow> known = stored_limits(
       *store_, key,
       {.verified = question_.verify, .from_start = question_.runs_from_start, .details = true});
+  // It may have been left unknown where nobody named the method.
+  std::erase_if(known, [&](const LimitRow& row) {
+    return row.bound == name_of(Bound::unknown) && std::ranges::find(question_.named, row.method) != question_.named.end();
+  });
+  return known;
 }
 
 void PredictedRows::add(std::size_t which) {
@@ -290,6 +295,11 @@ std::optional<Path> PredictedRows::motion_of(const Problem& problem, std::string
   }
 }
 
+bool LimitQuestion::seeks_in_steps(const Method& method, const Problem& problem) const {
+  constexpr Eigen::Index soon = 300;  // states whose steps are done within seconds
+  return problem.y0.size() <= soon || std::ranges::find(named, method.id) != named.end();
+}
+
 std::optional<StepOptions> PredictedRows::options_of(const Method& method) const {
   return takes_step_options(method) ? question_.options : std::nullopt;
 }
@@ -307,7 +317,10 @@ Prediction PredictedRows::predicted(const Method& method, const Problem& problem
                               .watch = [] { leave_when_interrupted(); }};
   if (by_steps.options) return predict_by_steps(method, problem, near, by_steps);
   Prediction prediction = predict(method, point, near.modes);
-  if (needs_step_map(method, prediction)) return predict_by_steps(method, problem, near, by_steps);
+  if (needs_step_map(method, prediction)) {
+    if (question_.seeks_in_steps(method, problem)) return predict_by_steps(method, problem, near, by_steps);
+    prediction.note += fmt::format("; its steps tell, which takes minutes: --methods {}", method.id);
+  }
   if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
     prediction.newton_step = largest_newton_step(method, problem);
   if (question_.verify) verify(prediction, method, problem, near);

@@ -26,8 +26,11 @@ struct LimitQuestion {
   bool runs_from_start = false;  ///< limits along a motion are verified by runs from its start
   std::optional<double> t_end;   ///< of that motion [s]; nothing: end_of_motion()
   std::optional<StepOptions> options = {};  ///< of linearly implicit methods; nothing: nobody asked
+  std::vector<std::string> named = {};      ///< methods that were asked for one by one, not by family or all
 
   [[nodiscard]] double end_of(const Problem& problem) const { return t_end.value_or(end_of_motion(problem)); }
+  /// Whether a limit may be sought in the steps of a method, which takes minutes on large models.
+  [[nodiscard]] bool seeks_in_steps(const Method& method, const Problem& problem) const;
 };
 
 /// Whether the load changes with time, so that one state does not tell of all.

@@ -100,6 +100,17 @@ void require_code(const std::vector<Method>& methods) {
           method.id));
 }
 
+/// Ids of the methods that the user names by id or alias, not by a family.
+std::vector<std::string> named_one_by_one(const MethodsChoice& choice, const std::vector<Method>& methods) {
+  std::vector<std::string> ids;
+  if (choice.names.empty()) return ids;
+  for (const std::string& name : parse_names("--methods", choice.names))
+    for (const Method& method : methods)
+      if (method.id == name || std::ranges::find(method.aliases, name) != method.aliases.end())
+        ids.push_back(method.id);
+  return ids;
+}
+
 void predict_rows(const PredictOptions& options, Console& console) {
   std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;
@@ -111,6 +122,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
   LimitQuestion question = question_of(options, problems.front());
   std::vector<Method> methods = options.methods.methods(problems);
   question.options = step_options(options, methods);
+  question.named = named_one_by_one(options.methods, methods);
   if (options.verify) require_code(methods);
   for (const Problem& problem : problems) remark_unusual(console, problem);
   options.problem.remark_idle(console, problems.front());
