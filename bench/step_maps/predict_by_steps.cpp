@@ -67,7 +67,7 @@ struct Found {
 };
 
 /// Whose Jacobian a run has.
-std::string words_of_jacobian(const StepOptions& options, bool same_state) {
+std::string words_of_jacobian(const StepChoices& options, bool same_state) {
   if (options.is_frozen())
     return same_state ? "the frozen Jacobian is that of the initial state, which is this state"
                       : "the frozen Jacobian is that of the initial state, not of this state";
@@ -104,7 +104,7 @@ void put_limit(Prediction& row, const StepMapLimit& limit, const StepMapSettings
 /// The model, the state whose Jacobian is taken, and the limit.
 Found found_limit(const Method& method, const Problem& problem, const Linearised& near,
                   const StepQuestion& question, const LinearModel& jacobian) {
-  const StepOptions options = question.options.value_or(StepOptions{});
+  const StepChoices options = question.options.value_or(StepChoices{});
   const bool by_modes = question.options && !options.is_frozen() && !options.is_truncated();
   Found found;
   found.settings = settings_of(near, !options.is_truncated(), question);

@@ -11,7 +11,7 @@ namespace hmax {
 
 /// What is asked of the steps of one method.
 struct StepQuestion {
-  std::optional<StepOptions> options;  ///< nothing: the method as it is
+  std::optional<StepChoices> options;  ///< nothing: the method as it is
   bool verified = false;               ///< also integrate on both sides, with the same options
   std::function<void()> watch = {};    ///< called before each step size; may throw
 };

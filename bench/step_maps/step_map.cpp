@@ -25,7 +25,7 @@ bool is_positive_definite(const Eigen::MatrixXd& K) { return K.llt().info() == E
 
 }  // namespace
 
-std::string name_with(const Method& method, const StepOptions& options) {
+std::string name_with(const Method& method, const StepChoices& options) {
   return fmt::format("{}, Jacobian {}, {}", method.id, to_string(options.jacobian), to_string(options.linear));
 }
 

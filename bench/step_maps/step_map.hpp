@@ -10,7 +10,7 @@
 namespace hmax {
 
 /// How a simulator runs a method that solves one linear system a step.
-struct StepOptions {
+struct StepChoices {
   JacobianUpdate jacobian{1};                          ///< exact
   LinearSolve linear{.by = LinearSolve::By::direct};
 
@@ -19,7 +19,7 @@ struct StepOptions {
 };
 
 /// "linearly_implicit_euler, Jacobian frozen, direct": a method with its options, as stores and tables name it.
-std::string name_with(const Method& method, const StepOptions& options);
+std::string name_with(const Method& method, const StepChoices& options);
 /// The id in such a name.
 std::string id_in(const std::string& name);
 

@@ -60,7 +60,7 @@ Json details_json(const Prediction& prediction) {
   return {{"modes", std::move(modes)}};
 }
 
-Json options_json(const std::optional<StepOptions>& options) {
+Json options_json(const std::optional<StepChoices>& options) {
   if (!options) return nullptr;
   return {{"jacobian", to_string(options->jacobian)}, {"linear", to_string(options->linear)}};
 }

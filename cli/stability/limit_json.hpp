@@ -16,7 +16,7 @@ namespace hmax {
 /// LimitRow::details of a prediction: the margins of its modes, of many the least.
 nlohmann::ordered_json details_json(const Prediction& prediction);
 /// {jacobian, linear} of a method that has them; null of others.
-nlohmann::ordered_json options_json(const std::optional<StepOptions>& options);
+nlohmann::ordered_json options_json(const std::optional<StepChoices>& options);
 
 /// The key `along` of these details: the path with the limit at each state.
 /// @param row      with the limit along the path

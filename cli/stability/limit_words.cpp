@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/limits/prediction.hpp"
 namespace hmax {
 
 namespace {
@@ -92,7 +93,7 @@ std::string words_of_notes(std::span<const LimitRow> rows) {
   };
   std::vector<Said> all;
   for (const LimitRow& row : rows) {
-    if (row.note.empty() || row.bound == "error_control") continue;
+    if (row.note.empty() || row.bound == name_of(Bound::error_control)) continue;
     const auto same = std::ranges::find_if(all, [&](const Said& said) {
       return said.note == row.note && said.material == row.point.material;
     });

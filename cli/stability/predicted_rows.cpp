@@ -300,12 +300,12 @@ bool LimitQuestion::seeks_in_steps(const Method& method, const Problem& problem)
   return problem.y0.size() <= soon || std::ranges::find(named, method.id) != named.end();
 }
 
-std::optional<StepOptions> PredictedRows::options_of(const Method& method) const {
+std::optional<StepChoices> PredictedRows::options_of(const Method& method) const {
   return takes_step_options(method) ? question_.options : std::nullopt;
 }
 
 std::string PredictedRows::name_of_row(const Method& method) const {
-  const std::optional<StepOptions> options = options_of(method);
+  const std::optional<StepChoices> options = options_of(method);
   return options ? name_with(method, *options) : method.id;
 }
 

@@ -25,7 +25,7 @@ struct LimitQuestion {
   bool path_by_default = false;  ///< nobody asked for it
   bool runs_from_start = false;  ///< limits along a motion are verified by runs from its start
   std::optional<double> t_end;   ///< of that motion [s]; nothing: end_of_motion()
-  std::optional<StepOptions> options = {};  ///< of linearly implicit methods; nothing: nobody asked
+  std::optional<StepChoices> options = {};  ///< of linearly implicit methods; nothing: nobody asked
   std::vector<std::string> named = {};      ///< methods that were asked for one by one, not by family or all
 
   [[nodiscard]] double end_of(const Problem& problem) const { return t_end.value_or(end_of_motion(problem)); }
@@ -70,7 +70,7 @@ class PredictedRows {
   [[nodiscard]] OperatingPointKey key_of(const Problem& problem) const;
   [[nodiscard]] std::vector<LimitRow> stored_rows(const OperatingPointKey& key) const;
   /// The options that are asked for, of a method that has them.
-  [[nodiscard]] std::optional<StepOptions> options_of(const Method& method) const;
+  [[nodiscard]] std::optional<StepChoices> options_of(const Method& method) const;
   /// What a row is called: with options the limits are others.
   [[nodiscard]] std::string name_of_row(const Method& method) const;
   [[nodiscard]] Prediction predicted(const Method& method, const Problem& problem, const OperatingPoint& point,

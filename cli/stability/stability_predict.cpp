@@ -32,13 +32,13 @@ struct PredictOptions {
 
 /// --jacobian and --linear; nothing where none of them is given.
 /// @throws InputError  for words that are none, and where nothing would change
-std::optional<StepOptions> step_options(const PredictOptions& options, const std::vector<Method>& methods) {
+std::optional<StepChoices> step_options(const PredictOptions& options, const std::vector<Method>& methods) {
   if (options.jacobian.empty() && options.linear.empty()) return std::nullopt;
-  StepOptions chosen;
+  StepChoices chosen;
   if (!options.jacobian.empty()) chosen.jacobian = jacobian_update_from(options.jacobian);
   if (!options.linear.empty()) chosen.linear = linear_solve_from(options.linear);
-  if (chosen.jacobian.every == JacobianUpdate::automatic) chosen.jacobian = StepOptions{}.jacobian;
-  if (chosen.linear.by == LinearSolve::By::automatic) chosen.linear = StepOptions{}.linear;
+  if (chosen.jacobian.every == JacobianUpdate::automatic) chosen.jacobian = StepChoices{}.jacobian;
+  if (chosen.linear.by == LinearSolve::By::automatic) chosen.linear = StepChoices{}.linear;
   if (std::ranges::none_of(methods, takes_step_options))
     throw InputError(
         "--jacobian and --linear apply to linearly implicit methods, and no method given is one; remove them, or add "
