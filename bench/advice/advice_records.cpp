@@ -20,29 +20,29 @@ AdviceKey advice_key(const Problem& problem, const AdviceQuestion& question, con
 
 std::vector<AdviceRecord> advice_records(const Advice& advice) {
   std::vector<AdviceRecord> records;
-  for (const AdviceRow& row : advice.rows)
-    records.push_back({.key = {},
-                       .method = row.candidate.method.id,
-                       .options = row.candidate.options(),
-                       .bound = std::string(name_of(row.bound)),
-                       .verdict = std::string(name_of(row.verdict)),
-                       .status = row.status,
-                       .h = row.h,
-                       .steps_per_frame = static_cast<double>(row.steps_per_frame),
-                       .h_max = row.h_max,
-                       .h_max_observed = row.h_max_observed,
-                       .h_accurate = row.h_accurate,
-                       .error = row.error,
-                       .frame_p50 = row.frame.p50,
-                       .frame_p99 = row.frame.p99,
-                       .frame_max = row.frame.max,
-                       .first_frame = row.first_frame,
-                       .frames = static_cast<double>(row.frames),
-                       .missed = static_cast<double>(row.missed),
-                       .newton_per_frame = row.newton_per_frame,
-                       .memory = row.memory ? static_cast<double>(*row.memory) : AdviceRecord::none,
-                       .stiffening = row.stiffening,
-                       .session = 0});
+  for (const AdviceRow& row : advice.rows) {
+    AdviceRecord& record = records.emplace_back();
+    record.method = row.candidate.method.id;
+    record.options = row.candidate.options();
+    record.bound = name_of(row.bound);
+    record.verdict = name_of(row.verdict);
+    record.status = row.status;
+    record.h = row.h;
+    record.steps_per_frame = static_cast<double>(row.steps_per_frame);
+    record.h_max = row.h_max;
+    record.h_max_observed = row.h_max_observed;
+    record.h_accurate = row.h_accurate;
+    record.error = row.error;
+    record.frame_p50 = row.frame.p50;
+    record.frame_p99 = row.frame.p99;
+    record.frame_max = row.frame.max;
+    record.first_frame = row.first_frame;
+    record.frames = static_cast<double>(row.frames);
+    record.missed = static_cast<double>(row.missed);
+    record.newton_per_frame = row.newton_per_frame;
+    record.memory = row.memory ? static_cast<double>(*row.memory) : AdviceRecord::none;
+    record.stiffening = row.stiffening;
+  }
   return records;
 }
 
