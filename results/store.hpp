@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
+#include "results/advice_record.hpp"
 #include "results/fingerprint.hpp"
 #include "results/limit_row.hpp"
-#include "results/limits/advice_record.hpp"
 #include "results/row.hpp"
 
 namespace hmax {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bench/advice/advise.hpp"
-#include "results/limits/advice_record.hpp"
+#include "results/advice_record.hpp"
 
 namespace hmax {
 

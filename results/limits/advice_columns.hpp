@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "results/limits/advice_record.hpp"
+#include "results/advice_record.hpp"
 #include "results/limits/columns.hpp"
 
 namespace hmax {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "results/limits/advice_record.hpp"
+#include "results/advice_record.hpp"
 
 namespace hmax {
 
