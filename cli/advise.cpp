@@ -128,13 +128,14 @@ Json to_json(const std::vector<ProofRun>& proof) {
   return list;
 }
 
-Json to_json(const std::vector<LimitBand>& bands) {
+/// @param h_max  that the bands are of [s]
+Json to_json(const std::vector<LimitBand>& bands, double h_max) {
   Json list = Json::array();
   for (const LimitBand& band : bands)
     list.push_back({{"quantity", band.quantity},
                     {"spread", band.spread},
-                    {"h_max_low", band.h_low},
-                    {"h_max_high", band.h_high},
+                    {"h_max_low", band.low * h_max},
+                    {"h_max_high", band.high * h_max},
                     {"exponent", band.exponent}});
   return list;
 }
@@ -167,7 +168,7 @@ Json to_json(const Problem& problem, const AdviceQuestion& question, const Advic
           {"machine", summary(fingerprint())},
           {"rows", std::move(rows)},
           {"proof", to_json(advice.proof)},
-          {"uncertainty", to_json(advice.bands)},
+          {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
           {"recommended", best ? to_json(*best, question, error_scale(problem)) : Json()},
           {"ties", std::move(ties)},
           {"remedies", std::move(remedies)}};
@@ -240,7 +241,7 @@ std::string words_of_best(const Problem& problem, const AdviceRow& row, const Ad
     text += line(&run == &advice.proof.front() ? "long runs" : "",
                  fmt::format("{} s, {}: stable, {} of {} frames took more than {} ms",
                              short_number(run.seconds, 3),
-                             &run == &advice.proof.front() ? "this motion over and over" : run.motion, run.missed,
+                             &run == &advice.proof.front() ? "this motion, repeated" : run.motion, run.missed,
                              run.frames, milliseconds(question.frame_budget())));
   if (!std::isnan(row.newton_per_frame))
     text += line("iterations", fmt::format("at most {} of Newton's method in 99.9 % of the frames",
@@ -251,9 +252,9 @@ std::string words_of_best(const Problem& problem, const AdviceRow& row, const Ad
                                : fmt::format("stable up to {} times the stiffness", short_number(row.stiffening, 3)));
   for (const LimitBand& band : advice.bands)
     text += line(&band == &advice.bands.front() ? "uncertainty" : "",
-                 fmt::format("h_max {} to {} ms where the {} is {} % less or more{}", milliseconds(band.h_low),
-                             milliseconds(band.h_high), band.quantity, short_number(100 * band.spread, 2),
-                             band.h_low < row.h ? ": at the lower end the step is unstable" : ""));
+                 fmt::format("h_max {} to {} ms where the {} is {} % less or more{}", milliseconds(band.low * row.h_max),
+                             milliseconds(band.high * row.h_max), band.quantity, short_number(100 * band.spread, 2),
+                             band.low * row.h_max < row.h ? ": at the lower end the step is unstable" : ""));
   if (const std::string modes = words_of_modes(row, advice); !modes.empty()) text += line("slow modes", modes);
   return text;
 }

@@ -49,6 +49,8 @@ std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem,
     const Problem changed = make(scaled(problem, quantity, factor));
     return predict(method, linearised(changed, 0, y)).h_max.value_or(std::nan(""));
   };
+  const double unchanged = predict(method, linearised(problem, 0, y)).h_max.value_or(std::nan(""));
+  if (!(unchanged > 0 && std::isfinite(unchanged))) return bands;
   for (const Quantity& quantity : quantities()) {
     if (scaled(problem, quantity, 1).empty()) continue;
     try {
@@ -56,8 +58,8 @@ std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem,
       if (!(low > 0 && high > 0 && std::isfinite(low) && std::isfinite(high))) continue;
       bands.push_back({.quantity = quantity.name,
                        .spread = quantity.spread,
-                       .h_low = std::min(low, high),
-                       .h_high = std::max(low, high),
+                       .low = std::min(low, high) / unchanged,
+                       .high = std::max(low, high) / unchanged,
                        .exponent = std::log(high / low) / std::log((1 + quantity.spread) / (1 - quantity.spread))});
     } catch (const InputError&) {
       continue;  // no such model

@@ -206,7 +206,8 @@ TEST(LimitBands, AreRootsForAnUndampedBody) {
   ASSERT_EQ(bands.size(), 2U);
   EXPECT_EQ(bands[0].quantity, "stiffness");
   EXPECT_NEAR(bands[0].exponent, -0.5, 1e-6);
-  EXPECT_NEAR(bands[0].h_high / bands[0].h_low, std::sqrt(1.29 / 0.71), 1e-6);
+  EXPECT_NEAR(bands[0].low, std::sqrt(1 / 1.29), 1e-6);
+  EXPECT_NEAR(bands[0].high, std::sqrt(1 / 0.71), 1e-6);
   EXPECT_EQ(bands[1].quantity, "mass");
   EXPECT_NEAR(bands[1].exponent, 0.5, 1e-6);
 }
