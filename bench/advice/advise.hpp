@@ -53,7 +53,7 @@ struct AdviceRow {
   double h = none;                    ///< [s]
   std::int64_t steps_per_frame = 0;   ///< a frame is a whole number of steps
   double h_max = none;                ///< predicted, the least along the motion [s]; infinity: no step is unstable
-  double h_max_observed = none;       ///< on the motion, to 2 % [s], of rows that suit; else NaN
+  double h_max_observed = none;       ///< on the motion, to 0.25 % [s], of rows that suit; else NaN
   double h_accurate = none;           ///< the longest step tried that meets the tolerance [s]
   AdviceBound bound = AdviceBound::rate;
   double error = none;                ///< relative to the largest displacement
