@@ -236,7 +236,7 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
   const double omega = slowest > 0 ? slowest / 4 : 1;
   settings.forces.front().force *= force;
   settings.forces.front().profile = {.kind = TimeProfile::Kind::sine, .omega = omega};
-  other.words = fmt::format("{:.3g} N across the press, back and forth every {:.3g} s", force,
+  other.words = fmt::format("a force of {:.3g} N in another direction, back and forth every {:.3g} s", force,
                             2 * std::numbers::pi / omega);
   other.problem = with_settings(motion.problem, std::move(settings));
   other.problem.y0 = motion.problem.y0;

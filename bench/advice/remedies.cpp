@@ -107,7 +107,7 @@ void try_coarser(Trials& trials, const Problem& problem, const std::function<Pro
 /// More mass where elements are fast, so that steps of 1/8, 1/4, 1/2 and a whole frame are stable.
 void try_mass(Trials& trials, const Problem& problem, const ProblemWith& make) {
   for (const double share : {0.125, 0.25, 0.5, 1.0}) {
-    // The bound is reached at 0.95 of it, and a half is lost where the body stiffens.
+    // Half as long again: steps stay below 0.95 of the limit, and a body that is pressed stiffens.
     const double step = 1.5 * share * trials.question().frame();
     const auto heavier = made([&] { return make({{"mass_step", step}}); });
     if (!heavier) return;

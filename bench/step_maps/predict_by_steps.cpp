@@ -92,8 +92,8 @@ void put_limit(Prediction& row, const StepMapLimit& limit, const StepMapSettings
   const std::string strides =
       fmt::format(", sought in strides of {:.0f} %", 100 * (settings.stride - 1));
   if (settings.linear)
-    say(row, fmt::format("{} has a spectral radius above 1.0005 (Arnoldi iteration on the map of a step){}", sought,
-                         strides));
+    say(row, fmt::format("{} has a spectral radius above {:.5g} (Arnoldi iteration on the map of a step){}", sought,
+                         std::exp(weak_growth), strides));
   else
     say(row, fmt::format("{} lets a motion grow: a truncated iteration is homogeneous and not linear in the state, so "
                          "that the limit is that of the mean growth over orbits of {} steps from seeded starts, not "

@@ -319,7 +319,7 @@ Prediction PredictedRows::predicted(const Method& method, const Problem& problem
   Prediction prediction = predict(method, point, near.modes);
   if (needs_step_map(method, prediction)) {
     if (question_.seeks_in_steps(method, problem)) return predict_by_steps(method, problem, near, by_steps);
-    prediction.note += fmt::format("; its steps tell, which takes minutes: --methods {}", method.id);
+    prediction.note += fmt::format("; --methods {} computes its limit from its steps, which takes minutes", method.id);
   }
   if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
     prediction.newton_step = largest_newton_step(method, problem);
