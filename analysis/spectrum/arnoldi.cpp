@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <vector>
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include "analysis/spectrum/eigen_solvers.hpp"
 
@@ -18,28 +15,6 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// The spectrum of the small matrix, the largest modulus first.
-struct Ritz {
-  std::vector<Complex> values;
-  Eigen::MatrixXcd vectors;  // columns of length 1
-
-  explicit Ritz(const MatrixXd& H) {
-    const Eigen::EigenSolver<MatrixXd> solver(H);
-    const Eigen::VectorXcd theta = solver.eigenvalues();
-    const Eigen::MatrixXcd unsorted = solver.eigenvectors();
-    std::vector<Index> order(static_cast<std::size_t>(H.rows()));
-    std::iota(order.begin(), order.end(), Index(0));
-    // Conjugates have one modulus, and stay side by side.
-    std::ranges::stable_sort(order,
-                             [&](Index a, Index b) { return std::abs(theta[a]) > std::abs(theta[b]); });
-    vectors.resize(H.rows(), H.rows());
-    for (const Index i : order) {
-      vectors.col(static_cast<Index>(values.size())) = unsorted.col(i).normalized();
-      values.push_back(theta[i]);
-    }
-  }
-};
 
 /// A V = V H + w b^T with V^T G V = I, V^T G w = 0.
 class KrylovSpace {
@@ -74,19 +49,18 @@ class KrylovSpace {
     return true;
   }
 
-  [[nodiscard]] DominantEigenvalue dominant(const Ritz& ritz, double tolerance) const {
+  [[nodiscard]] DominantEigenvalue dominant(const SortedEigenpairs& ritz, double tolerance) const {
     DominantEigenvalue found{.value = ritz.values.front(), .vector = V_.leftCols(size_) * ritz.vectors.col(0)};
     found.residual = std::abs((H_.row(size_).head(size_) * ritz.vectors.col(0)).value());
     found.converged = found.residual <= tolerance * std::abs(found.value);
-    found.stretch = Eigen::JacobiSVD<MatrixXd>(H_.topLeftCorner(size_ + 1, size_)).singularValues()[0];
     found.products = products_;
     return found;
   }
 
-  [[nodiscard]] Ritz ritz() const { return Ritz(H_.topLeftCorner(size_, size_)); }
+  [[nodiscard]] SortedEigenpairs ritz() const { return SortedEigenpairs(H_.topLeftCorner(size_, size_)); }
 
   /// Keeps the space of the first Ritz vectors.
-  void restart(const Ritz& ritz, Index kept) {
+  void restart(const SortedEigenpairs& ritz, Index kept) {
     if (std::abs(ritz.values[static_cast<std::size_t>(kept - 1)] -
                  std::conj(ritz.values[static_cast<std::size_t>(kept)])) == 0 &&
         ritz.values[static_cast<std::size_t>(kept)].imag() != 0)
@@ -126,18 +100,15 @@ class KrylovSpace {
 DominantEigenvalue dominant_eigenvalue(const LinearOperator& A, const VectorXd& start,
                                        const ArnoldiSettings& settings) {
   KrylovSpace space(A, start, settings);
-  double stretch = 0;
   while (true) {
     if (!space.extend())
       return {.value = std::numeric_limits<double>::infinity(),
               .vector = start.cast<Complex>(),
               .products = space.products()};
-    const Ritz ritz = space.ritz();
+    const SortedEigenpairs ritz = space.ritz();
     DominantEigenvalue found = space.dominant(ritz, settings.tolerance);
-    stretch = std::max(stretch, found.stretch);
-    found.stretch = stretch;
     const bool decided = settings.threshold > 0 &&
-                         (found.exceeds(settings.threshold) || found.stretch <= settings.threshold);
+                         (found.exceeds(settings.threshold) || found.stays_below(settings.threshold));
     const auto count = static_cast<Index>(ritz.values.size());
     if (found.converged || decided || space.is_invariant() || settings.kept + 1 >= count ||
         found.products + count - settings.kept > settings.most_products)

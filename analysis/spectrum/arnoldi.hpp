@@ -29,9 +29,6 @@ struct DominantEigenvalue {
   Eigen::VectorXcd vector;     ///< of length 1 in the norm of the inner product, shape (n)
   double residual = 0;         ///< |A x - value x| in that norm
   bool converged = false;      ///< to the tolerance
-  /// The largest factor by which A stretches a vector of the space that was searched, in that norm: a lower
-  /// bound of its norm.
-  double stretch = 0;
   Eigen::Index products = 0;
 
   /// Whether the modulus is above the threshold by much more than the residual, which bounds the error of an
@@ -39,6 +36,9 @@ struct DominantEigenvalue {
   [[nodiscard]] bool exceeds(double threshold) const {
     return std::abs(value) > threshold && residual < 0.05 * (std::abs(value) - threshold);
   }
+  /// Whether it is below the threshold by more than the residual. Ritz values lie within those of the operator: of an
+  /// eigenvalue that the space has no part of this tells nothing.
+  [[nodiscard]] bool stays_below(double threshold) const { return std::abs(value) + residual <= threshold; }
 };
 
 /// By Arnoldi iteration with thick restarts: a restart keeps the space of the largest Ritz vectors, which leaves a

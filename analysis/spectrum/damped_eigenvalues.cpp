@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
@@ -51,20 +50,14 @@ class Companion {
 /// Sorted by modulus; a pair of conjugates has equal residuals, so both or none count.
 /// @param below  the entry of H below its last column
 DampedEigenvalues converged(const MatrixXd& H, double below) {
-  const Eigen::EigenSolver<MatrixXd> solver(H);
+  const SortedEigenpairs pairs(H);
   DampedEigenvalues result{.lambda = {}, .rest = std::numeric_limits<double>::infinity()};
-  if (solver.info() != Eigen::Success) return result;
-  const Eigen::VectorXcd theta = solver.eigenvalues();
-  const Eigen::MatrixXcd vectors = solver.eigenvectors();
-  std::vector<Index> order(static_cast<std::size_t>(H.rows()));
-  std::iota(order.begin(), order.end(), Index(0));
-  std::ranges::stable_sort(order, [&](Index a, Index b) { return std::abs(theta[a]) > std::abs(theta[b]); });
-  for (const Index i : order) {
+  for (std::size_t i = 0; i < pairs.values.size(); ++i) {
     // |A V s - theta V s| = h_(k+1,k) |s_k| for |s| = 1.
-    const double residual = below * std::abs(vectors(H.rows() - 1, i)) / vectors.col(i).norm();
-    if (!(residual <= tolerance * std::abs(theta[i]))) break;
-    result.lambda.push_back(theta[i]);
-    result.rest = std::abs(theta[i]);
+    const double residual = below * std::abs(pairs.vectors(H.rows() - 1, static_cast<Index>(i)));
+    if (!(residual <= tolerance * std::abs(pairs.values[i]))) break;
+    result.lambda.push_back(pairs.values[i]);
+    result.rest = std::abs(pairs.values[i]);
   }
   return result;
 }

@@ -58,23 +58,10 @@ bool goes_dense(Index n, Index count, Index dense_to) {
 
 /// All eigenvalues by the QR algorithm, 25 n^3 operations, of which count + 1 are kept.
 LargestEigenvalues dense_largest(const MatrixXd& J, Index count) {
-  const Eigen::EigenSolver<MatrixXd> solver(J);
-  std::vector<Index> order(static_cast<std::size_t>(J.rows()));
-  std::iota(order.begin(), order.end(), Index(0));
-  const Eigen::VectorXcd lambda = solver.eigenvalues();
-  const Eigen::MatrixXcd vectors = solver.eigenvectors();
-  // Conjugates have one modulus and stay side by side.
-  std::ranges::stable_sort(order,
-                           [&](Index a, Index b) { return std::abs(lambda[a]) > std::abs(lambda[b]); });
+  const SortedEigenpairs pairs(J);
   // One more, so that trim() sees whether a pair would be cut.
-  const Index taken = std::min(count + 1, J.rows());
-  LargestEigenvalues result{.lambda = {}, .vectors = Eigen::MatrixXcd(J.rows(), taken)};
-  for (Index i = 0; i < taken; ++i) {
-    const Index from = order[static_cast<std::size_t>(i)];
-    result.lambda.push_back(lambda[from]);
-    result.vectors.col(i) = vectors.col(from).normalized();
-  }
-  return result;
+  const Index taken = std::min(count + 1, static_cast<Index>(pairs.values.size()));
+  return {.lambda = {pairs.values.begin(), pairs.values.begin() + taken}, .vectors = pairs.vectors.leftCols(taken)};
 }
 
 /// Takes off the value that was computed beyond `count`, unless it is the conjugate of the one before.

@@ -6,11 +6,13 @@
 #include <numeric>
 #include <vector>
 
+#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 
 namespace hmax {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -24,12 +26,6 @@ VectorXd real_motion(const Eigen::VectorXcd& vector) {
   return vector.real().norm() >= vector.imag().norm() ? VectorXd(vector.real()) : VectorXd(vector.imag());
 }
 
-/// The motion that was the slowest at the last step size, and a little of everything.
-VectorXd next_start(const VectorXd& motion, const LinearOperator& inner) {
-  const VectorXd noise = start_vector(motion.size());
-  return motion / norm_of(motion, inner) + 0.1 / norm_of(noise, inner) * noise;
-}
-
 /// The dominant motion of S^power.
 DominantEigenvalue dominant_of_power(const StepMap& map, const VectorXd& start, int power,
                                      Eigen::Index most_products, const StepMapSettings& settings) {
@@ -41,20 +37,39 @@ DominantEigenvalue dominant_of_power(const StepMap& map, const VectorXd& start, 
                               .inner = settings.inner});
 }
 
+/// By the matrix of the map, column by column, and the QR algorithm.
+StepGrowth dense_growth(const StepMap& map, Eigen::Index n, double weak_growth) {
+  MatrixXd S(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) S.col(j) = map(VectorXd::Unit(n, j), 1);
+  if (!S.allFinite()) return {infinity, true, start_vector(n)};
+  const SortedEigenpairs pairs(S);
+  const double rate = std::log(std::abs(pairs.values.front()));
+  return {rate, rate > weak_growth, real_motion(pairs.vectors.col(0))};
+}
+
 StepGrowth linear_growth(const StepMap& map, const VectorXd& start, const StepMapSettings& settings) {
+  if (start.size() <= settings.dense_to) return dense_growth(map, start.size(), settings.weak_growth);
   int power = settings.power;
   DominantEigenvalue found = dominant_of_power(map, start, power, settings.most_products, settings);
   const auto threshold = [&] { return std::exp(power * settings.weak_growth); };
-  // Slow growth beside motions that neither grow nor decay is told apart by long products.
+  // Slow growth beside motions that neither grow nor decay: the Ritz values of a short iteration lie within those, and
+  // tell nothing of it. A motion that has gone for thousands of steps consists mostly of what grows.
   if (std::isfinite(std::abs(found.value)) && !found.converged && !found.exceeds(threshold()) &&
-      found.stretch > threshold() && settings.long_power > power) {
+      !found.stays_below(threshold()) && settings.long_power > power) {
     power = settings.long_power;
-    found = dominant_of_power(map, next_start(real_motion(found.vector), settings.inner), power,
-                              settings.most_products / 2, settings);
+    VectorXd grown = start;
+    for (int product = 0; product < settings.long_products && grown.allFinite(); ++product) {
+      grown = map(grown, power);
+      grown /= norm_of(grown, settings.inner);
+    }
+    if (!grown.allFinite()) return {infinity, true, start};
+    found = dominant_of_power(map, grown, power, settings.basis, settings);
   }
   const double size = std::abs(found.value);
   if (!std::isfinite(size)) return {infinity, true, start};
-  return {std::log(size) / power, found.exceeds(threshold()), real_motion(found.vector)};
+  const bool grows = found.exceeds(threshold());
+  return {std::log(size) / power, grows, real_motion(found.vector),
+          grows || found.converged || found.stays_below(threshold())};
 }
 
 /// The mean of the last half of `rates`.
@@ -88,7 +103,7 @@ StepGrowth orbit_growth(const StepMap& map, VectorXd y, const StepMapSettings& s
 StepGrowth homogeneous_growth(const StepMap& map, const VectorXd& start, const StepMapSettings& settings) {
   StepGrowth largest = orbit_growth(map, start, settings);
   if (!largest.grows) {
-    const StepGrowth other = orbit_growth(map, start_vector(start.size()), settings);
+    const StepGrowth other = orbit_growth(map, start.reverse(), settings);
     if (other.rate > largest.rate) largest = other;
   }
   return largest;
@@ -101,11 +116,16 @@ StepGrowth growth_of_steps(const StepMap& map, const VectorXd& start, const Step
 }
 
 StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const StepMapSettings& settings) {
-  VectorXd motion = start_vector(n);
+  // Every step size begins with a part of every motion: from the motion of the one before an iteration may converge to a
+  // mode that does not grow, and miss one that does.
+  const VectorXd start = start_vector(n);
+  VectorXd motion = start;
+  bool resolved = true;
   const auto growth_at = [&](double h) {
     if (settings.watch) settings.watch();
-    StepGrowth growth = growth_of_steps(map_at(h), next_start(motion, settings.inner), settings);
+    StepGrowth growth = growth_of_steps(map_at(h), start, settings);
     if (growth.motion.allFinite()) motion = growth.motion;
+    resolved = resolved && growth.resolved;
     return growth;
   };
   double low = settings.least, high = low;
@@ -116,7 +136,7 @@ StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const S
   double above = 0;
   while (true) {
     high = low * settings.stride;
-    if (high > settings.most) return {.h_max = infinity, .motion = motion};
+    if (high > settings.most) return {.h_max = infinity, .motion = motion, .resolved = resolved};
     const StepGrowth growth = growth_at(high);
     above = growth.rate;
     if (growth.grows) break;
@@ -147,7 +167,9 @@ StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const S
     above = growth.rate;
     critical = motion;
   }
-  return {.h_max = root > low && root < high ? root : (low + high) / 2, .motion = critical};
+  return {.h_max = root > low && root < high ? root : (low + high) / 2,
+          .motion = critical,
+          .resolved = resolved};
 }
 
 }  // namespace hmax

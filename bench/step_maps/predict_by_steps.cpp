@@ -52,7 +52,7 @@ StepMapSettings settings_of(const Linearised& near, bool linear, const StepQuest
   settings.least = 0.5 / rates.fastest;
   settings.most = std::clamp(100 / rates.slowest, 1e4 / rates.fastest, 1e7 / rates.fastest);
   settings.weak_growth = weak_growth;
-  // Eight thousand steps resolve that beside undamped motions. Implicit-explicit steps take too long for as many.
+  // Thousands of steps resolve that beside undamped motions. Implicit-explicit steps take too long for as many.
   settings.long_power = question.options ? 128 : settings.power;
   settings.inner = energy_product(near.point.model);
   settings.watch = question.watch;
@@ -92,13 +92,14 @@ void put_limit(Prediction& row, const StepMapLimit& limit, const StepMapSettings
   const std::string strides =
       fmt::format(", sought in strides of {:.0f} %", 100 * (settings.stride - 1));
   if (settings.linear)
-    say(row, fmt::format("{} has a spectral radius above {:.5g} (Arnoldi iteration on the map of a step){}", sought,
-                         std::exp(weak_growth), strides));
+    say(row, fmt::format("{} has a spectral radius above {:.5g}{}", sought, std::exp(weak_growth), strides));
   else
     say(row, fmt::format("{} lets a motion grow: a truncated iteration is homogeneous and not linear in the state, so "
                          "that the limit is that of the mean growth over orbits of {} steps from seeded starts, not "
                          "of every start{}",
                          sought, settings.power * settings.blocks / 2, strides));
+  if (!limit.resolved)
+    say(row, "the iteration did not resolve slow growth at every step size, so that the limit may be smaller");
 }
 
 /// The model, the state whose Jacobian is taken, and the limit.

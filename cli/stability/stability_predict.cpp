@@ -162,7 +162,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
        "explicit_runge_kutta,structural --verify --json",
        "hmax stability predict --problem liver_forced --methods rk4,symplectic_euler --along --verify",
        "hmax stability predict --mesh phantom --load press --methods rk4 --along load",
-       "hmax stability predict --mesh phantom --methods rosenbrock_23 --jacobian frozen --verify"});
+       "hmax stability predict --mesh phantom --methods rosenbrock --jacobian frozen --verify"});
   const auto options = std::make_shared<PredictOptions>();
   options->problem.add_to(command);
   command

@@ -35,6 +35,17 @@ TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
   EXPECT_TRUE(resting[1].at("h_max").is_number());
 }
 
+TEST(StabilityAsRun, SeesSlowGrowthOfUndampedBodies) {
+  const Json rows = Shell()
+                        .hmax("stability predict --mesh phantom --methods rodas_4,rodas_5p --jacobian frozen --verify --json")
+                        .json()
+                        .at("rows");
+  for (const Json& row : rows) {
+    EXPECT_TRUE(row.at("agrees").get<bool>()) << row.dump();
+    EXPECT_LE(std::abs(row.at("gap").get<double>()), 1e-2) << row.dump();
+  }
+}
+
 TEST(StabilityAsRun, RunsWithTheOptionsThatWereAskedFor) {
   const Json row =
       Shell()
