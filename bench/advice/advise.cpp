@@ -193,9 +193,7 @@ class StepSearch {
     row.bound = cause;
     row.verdict = AdviceVerdict::suitable;
     if (question_.least_error) spend_budget(row);
-    // One late frame of a short motion may be the machine's.
-    const bool late = row.missed > 1 && 1000 * row.missed > row.frames;
-    if (late || row.frame.p50 > question_.frame_budget()) {
+    if (is_late(row.missed, row.frames) || row.frame.p50 > question_.frame_budget()) {
       row.bound = AdviceBound::budget;
       row.verdict = AdviceVerdict::too_slow;
       row.status = fmt::format("{} of {} frames took more than the budget", row.missed, row.frames);
@@ -356,7 +354,7 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
     const MotionRun run = run_motion(row.candidate, model.motion, model.reference, question.frame(),
                                      row.steps_per_frame, question.frames, watcher);
     record(row, run, row.steps_per_frame, question);
-    if (!is_timed(row) || 1000 * row.missed > row.frames) {
+    if (!is_timed(row) || is_late(row.missed, row.frames)) {
       row.verdict = AdviceVerdict::too_slow;
       row.bound = AdviceBound::budget;
       row.status = fmt::format("{} of {} frames took more than the budget", row.missed, row.frames);

@@ -29,6 +29,9 @@ struct MotionRun {
 /// The smallest value that a share of all of them does not exceed; NaN of none.
 double quantile(std::vector<double> values, double share);
 
+/// Whether a deadline is missed by more than one frame in a thousand. A single late frame may be the machine's.
+inline bool is_late(std::size_t missed, std::size_t frames) { return missed > 1 && 1000 * missed > frames; }
+
 /// Order statistics of the time of a frame [s].
 struct FrameTimes {
   double p50 = std::numeric_limits<double>::quiet_NaN(), p99 = p50, max = p50;

@@ -17,7 +17,7 @@ struct ProofRun {
   double frame_p999 = 0;  ///< CPU time that 99.9 % of the frames do not exceed [s]
 
   /// Stable, and within the budget in 99.9 % of the frames.
-  [[nodiscard]] bool holds() const { return stable && 1000 * missed <= frames; }
+  [[nodiscard]] bool holds() const { return stable && !is_late(missed, frames); }
 };
 
 /// What is run, and how long.

@@ -55,7 +55,8 @@ class Trials {
       const Advice advice = advise(changed(), question, watcher_);
       const AdviceRow* row = advice.recommended();
       if (!row) return false;
-      if (remedy.change == "budget_ms") remedy.to = 1.1e3 * row->frame.p99;
+      if (remedy.change == "budget_ms")
+        remedy.to = 1.1e3 * std::ranges::max(advice.proof, {}, &ProofRun::frame_p999).frame_p999;
       remedy.method = row->candidate.words();
       remedy.h = row->h;
       found.push_back(std::move(remedy));
