@@ -134,8 +134,8 @@ struct BifurcationColumn {
 /// @param skip, count  looks that are not kept, and kept, at each value
 /// @param map_at  the period map of a value; called by several threads at once unless the branch is followed
 /// @param follow  each value starts where the one before has ended, instead of at y0: the branch is followed
-/// @param going   called by the calling thread with the share that is done; the diagram ends early when it
-///                returns false
+/// @param going   called by the calling thread with the share that is done; when it returns false the diagram
+///                ends, after the values that other threads have begun
 std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(double)>& map_at,
                                            const std::vector<double>& values, const Eigen::VectorXd& y0,
                                            int skip, int count, bool follow,
