@@ -12,7 +12,7 @@
 #include "bench/limits/prediction.hpp"
 #include "plots/draw.hpp"
 #include "plots/report.hpp"
-#include "results/numbers.hpp"
+#include "results/limits/limit_exports.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -23,50 +23,18 @@ namespace fs = std::filesystem;
 
 bool has_gap(const LimitRow& row) { return row.is_observed() && std::isfinite(row.gap); }
 
-std::string number(double value) {
-  if (std::isnan(value)) return "";
-  return std::isinf(value) ? "unbounded" : to_text(value);
-}
-
 /// For people: five digits.
 std::string shown(double value) {
   if (std::isnan(value)) return "-";
   return std::isinf(value) ? "unbounded" : fmt::format("{:.5g}", value);
 }
 
-constexpr std::string_view limits_header =
-    "case,family,parameters,method,bound,h_max_s,observed_s,gap,steps_used,agrees,limiting_re,limiting_im,omega_rad_s,"
-    "zeta,state\n";
-constexpr std::string_view nonlinear_header =
-    "case,family,parameters,method,bound,at_rest_s,observed_small_s,along_least_s,along_t_s,along_growing,"
-    "observed_from_start_s\n";
-
-/// The first cells of a line: the case and the method.
-std::string case_cells(const LimitCase& each, const LimitRow& row) {
-  return fmt::format("{},{},{},{},{}", csv_cell(each.label), csv_cell(each.family), csv_cell(row.point.parameters),
-                     csv_cell(row.method), row.bound);
-}
-
-std::string limits_csv(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
-  std::string text(limits_header);
-  for (const auto& [which, row] : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", case_cells(cases[which], row), number(row.h_max),
-                        number(row.observed), number(row.gap), number(row.steps_used),
-                        !row.is_observed()          ? ""
-                        : row.verdict == "confirmed" ? "yes"
-                                                     : "no",
-                        number(row.re), number(row.im), number(row.omega), number(row.zeta),
-                        csv_cell(row.state));
-  return text;
-}
-
-std::string nonlinear_csv(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
-  std::string text(nonlinear_header);
-  for (const auto& [which, row] : rows)
-    text += fmt::format("{},{},{},{},{},{},{}\n", case_cells(cases[which], row), number(row.h_max),
-                        number(row.observed), number(row.along_least), number(row.along_at),
-                        number(row.along_growing), number(row.from_start));
-  return text;
+/// The rows of a study as a store exports them.
+void write_rows(const fs::path& file, const std::vector<StudyRow>& rows) {
+  std::vector<LimitRow> limits;
+  for (const StudyRow& row : rows) limits.push_back(row.limit);
+  const std::string text = limits_to_csv(limits);
+  write_file(file, text, text.substr(0, text.find('\n') + 1));
 }
 
 /// The families of methods that the figure tells apart, in the order of its colours, and their markers.
@@ -200,8 +168,8 @@ LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<S
 fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows,
                              const std::vector<StudyRow>& nonlinear, const std::string& machine,
                              const fs::path& folder) {
-  write_file(folder / "limits.csv", limits_csv(cases, rows), limits_header);
-  write_file(folder / "nonlinear.csv", nonlinear_csv(cases, nonlinear), nonlinear_header);
+  write_rows(folder / "limits.csv", rows);
+  write_rows(folder / "nonlinear.csv", nonlinear);
   const LimitSummary summary = summary_of(cases, rows);
   std::vector<ReportSection> sections;
   sections.push_back(

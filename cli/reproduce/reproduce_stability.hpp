@@ -18,7 +18,8 @@ struct LimitSummary {
 };
 LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows);
 
-/// Writes limits.csv, nonlinear.csv, the figure hmax_predicted_vs_observed and a README.md into `folder`.
+/// Writes limits.csv and nonlinear.csv with the columns of `hmax export --of limits`, the figure
+/// hmax_predicted_vs_observed and a README.md into `folder`.
 /// @param machine  one line: where it was done
 /// @returns the README.md
 /// @throws InputError when the folder cannot be written
