@@ -18,13 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<MeshFormat, 7> formats{{{".msh", "Gmsh 1, 2.2, 4.1", true},
-                                             {".vtk", "VTK legacy", false},
-                                             {".vtu", "VTK XML", true},
-                                             {".node", "TetGen, with .ele", false},
-                                             {".ele", "TetGen, with .node", false},
-                                             {".mesh", "Medit", false},
-                                             {".veg", "Vega", false}}};
+constexpr std::array<MeshFormat, 7> formats{{{".msh", "Gmsh 1, 2.2, 4.1", true, read_gmsh},
+                                             {".vtk", "VTK legacy", false, read_vtk},
+                                             {".vtu", "VTK XML", true, read_vtu},
+                                             {".node", "TetGen, with .ele", false, nullptr},
+                                             {".ele", "TetGen, with .node", false, nullptr},
+                                             {".mesh", "Medit", false, read_medit},
+                                             {".veg", "Vega", false, read_vega}}};
 
 /// ".msh .vtk .vtu ..."
 std::string known_extensions() {
@@ -87,12 +87,8 @@ MeshFile counted_from_one(TetMesh mesh, std::string name) {
 }
 
 MeshFile read_mesh(const std::string& name, std::string_view text) {
-  const std::string extension = lower_extension(name);
-  if (extension == ".msh") return read_gmsh(name, text);
-  if (extension == ".vtk") return read_vtk(name, text);
-  if (extension == ".vtu") return read_vtu(name, text);
-  if (extension == ".mesh") return read_medit(name, text);
-  if (extension == ".veg") return read_vega(name, text);
+  const auto format = std::ranges::find(formats, lower_extension(name), &MeshFormat::extension);
+  if (format != formats.end() && format->read != nullptr) return format->read(name, text);
   throw std::invalid_argument("'" + name + "' is no mesh by its extension; name a file " +
                               known_extensions());
 }

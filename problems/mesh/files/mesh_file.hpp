@@ -55,6 +55,8 @@ struct MeshFormat {
   std::string_view extension;  ///< ".msh"
   std::string_view name;       ///< for people
   bool written;                ///< by us too
+  /// From the bytes of one file; null where a mesh takes two. @param name  in errors
+  MeshFile (*read)(const std::string& name, std::string_view text);
 };
 std::span<const MeshFormat> mesh_formats();
 
