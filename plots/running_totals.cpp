@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "results/errors.hpp"
-#include "results/published.hpp"
+#include "results/published/published.hpp"
 
 namespace hmax {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/step_limits/stable_step.hpp"
-#include "bench/limits/newton_step.hpp"
 #include "bench/limits/operating_point.hpp"
-#include "bench/limits/step_defect.hpp"
+#include "bench/limits/steps/newton_step.hpp"
+#include "bench/limits/steps/step_defect.hpp"
 
 namespace hmax {
 

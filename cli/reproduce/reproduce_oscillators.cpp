@@ -13,11 +13,11 @@
 #include "bench/timing/sweep.hpp"
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"
-#include "plots/report.hpp"
+#include "plots/pages/report.hpp"
 #include "plots/running_totals.hpp"
 #include "plots/steps.hpp"
 #include "problems/oscillator/liver_problems.hpp"
-#include "results/published.hpp"
+#include "results/published/published.hpp"
 
 namespace hmax {
 

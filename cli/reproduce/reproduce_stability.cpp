@@ -11,7 +11,7 @@
 #include "bench/catalogue/families.hpp"
 #include "bench/limits/prediction.hpp"
 #include "plots/draw.hpp"
-#include "plots/report.hpp"
+#include "plots/pages/report.hpp"
 #include "results/limits/limit_exports.hpp"
 #include "results/table.hpp"
 

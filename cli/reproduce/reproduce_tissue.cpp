@@ -17,7 +17,7 @@
 #include "cli/bodies/static_comparison.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
 #include "plots/draw.hpp"
-#include "plots/report.hpp"
+#include "plots/pages/report.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "results/errors.hpp"

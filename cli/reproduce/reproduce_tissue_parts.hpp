@@ -6,7 +6,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "cli/reproduce/tissue_study.hpp"
-#include "plots/report.hpp"
+#include "plots/pages/report.hpp"
 
 namespace hmax {
 

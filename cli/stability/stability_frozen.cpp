@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/limits/linearly_implicit.hpp"
+#include "bench/limits/steps/linearly_implicit.hpp"
 #include "cli/stability/stability.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"

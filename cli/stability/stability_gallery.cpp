@@ -19,7 +19,7 @@
 #include "core/parallel_for.hpp"
 #include "plots/draw.hpp"
 #include "plots/drawn/sliding.hpp"
-#include "plots/page.hpp"
+#include "plots/pages/page.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "results/errors.hpp"
 

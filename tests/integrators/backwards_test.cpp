@@ -11,8 +11,8 @@
 #include "integrators/observers.hpp"
 #include "integrators/structural/generalized_alpha.hpp"
 #include "problems/oscillator/oscillator_reference.hpp"
+#include "tests/integrators/implicit/rosenbrock_systems.hpp"
 #include "tests/integrators/implicit_methods.hpp"
-#include "tests/integrators/rosenbrock_systems.hpp"
 
 namespace hmax {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"
-#include "plots/report.hpp"
+#include "plots/pages/report.hpp"
 #include "plots/running_totals.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/limits/newton_step.hpp"
 #include "bench/limits/predict.hpp"
+#include "bench/limits/steps/newton_step.hpp"
 #include "bench/limits/verification.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"

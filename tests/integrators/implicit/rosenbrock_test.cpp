@@ -9,7 +9,7 @@
 #include "problems/any_system.hpp"
 #include "problems/oscillator/oscillator.hpp"
 #include "problems/test_set/van_der_pol.hpp"
-#include "tests/integrators/rosenbrock_systems.hpp"
+#include "tests/integrators/implicit/rosenbrock_systems.hpp"
 
 namespace hmax {
 namespace {

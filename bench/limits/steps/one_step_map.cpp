@@ -1,4 +1,4 @@
-#include "bench/limits/one_step_map.hpp"
+#include "bench/limits/steps/one_step_map.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "results/published.hpp"
+#include "results/published/published.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "bench/limits/newton_step.hpp"
+#include "bench/limits/steps/newton_step.hpp"
 
 #include <algorithm>
 #include <cmath>

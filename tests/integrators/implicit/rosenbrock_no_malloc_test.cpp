@@ -7,7 +7,7 @@
 #define eigen_assert(condition) \
   ((condition) ? void(0) : throw std::logic_error("Eigen's assertion failed: " #condition))
 
-#include "tests/integrators/rosenbrock_systems.hpp"
+#include "tests/integrators/implicit/rosenbrock_systems.hpp"
 
 namespace hmax {
 namespace {

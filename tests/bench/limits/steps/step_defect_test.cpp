@@ -1,5 +1,5 @@
 /// Wrong coefficients in every method: what moves no limit is seen by the steps themselves.
-#include "bench/limits/step_defect.hpp"
+#include "bench/limits/steps/step_defect.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "results/published.hpp"
+#include "results/published/published.hpp"
 
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "results/errors.hpp"
-#include "results/published_texts.hpp"
+#include "results/published/published_texts.hpp"
 
 namespace hmax {
 

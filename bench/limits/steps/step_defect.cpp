@@ -1,4 +1,4 @@
-#include "bench/limits/step_defect.hpp"
+#include "bench/limits/steps/step_defect.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "bench/limits/linearly_implicit.hpp"
+#include "bench/limits/steps/linearly_implicit.hpp"
 
 #include <tuple>
 #include <type_traits>

@@ -1,4 +1,4 @@
-#include "plots/report.hpp"
+#include "plots/pages/report.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "plots/page.hpp"
+#include "plots/pages/page.hpp"
 
 #include <gtest/gtest.h>
 
