@@ -91,6 +91,13 @@ class Counted : public S {
     ++stats_->jacobian;
     S::jacobian_stiff(t, y, J);
   }
+  /// The stiffness of the stiff part, one evaluation of its Jacobian.
+  template <class Matrix>
+  requires SplitStructure<S>
+  void stiffness_stiff(Matrix& K) const {
+    ++stats_->jacobian;
+    S::stiffness_stiff(K);
+  }
 
  private:
   Stats* stats_;  ///< not owned

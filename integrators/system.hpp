@@ -109,6 +109,27 @@ concept SplitSystem = System<S> &&
   system.jacobian_stiff(t, y, J);
 };
 
+/// A split second-order system whose stiff part is that of a linear structure, (v, -M^-1 (K0 q + C0 v)). It writes the
+/// constant matrices K0 and C0, shape (dofs, dofs), in place of which jacobian_stiff has no symmetric matrix.
+template <class S>
+concept SplitStructure = SplitSystem<S> && SecondOrderSystem<S> &&
+    requires(const S& system, typename S::DofMatrix& matrix) {
+  // matrix = K0 [N/m] or C0 [N s/m]
+  system.stiffness_stiff(matrix);
+  system.damping_stiff(matrix);
+};
+
+/// Whether the stiff part of a system is given as the matrices of a structure, and these are sparse.
+template <SplitSystem S>
+constexpr bool has_stiff_structure(const S& system) {
+  if constexpr (requires { system.has_stiff_structure(); })
+    return system.has_stiff_structure();
+  else if constexpr (SplitStructure<S>)
+    return has_sparse_matrices(system);
+  else
+    return false;
+}
+
 /// True when the stiff part of a split system is known to be linear in y, with a Jacobian that never changes:
 /// one Newton correction then solves its equations. A type says so by
 /// `static constexpr bool linear_stiff_part = true`.

@@ -60,6 +60,9 @@ class BasicAnySystem {
   void rhs_stiff(Real t, const State& y, State& dydt) const { self_->rhs_stiff(t, y, dydt); }
   void rhs_nonstiff(Real t, const State& y, State& dydt) const { self_->rhs_nonstiff(t, y, dydt); }
   void jacobian_stiff(Real t, const State& y, Jacobian& J) const { self_->jacobian_stiff(t, y, J); }
+  [[nodiscard]] bool has_stiff_structure() const { return self_->has_stiff_structure(); }
+  void stiffness_stiff(DofMatrix& K) const { self_->stiffness_stiff(K); }
+  void damping_stiff(DofMatrix& C) const { self_->damping_stiff(C); }
 
  private:
   struct Interface {
@@ -92,6 +95,9 @@ class BasicAnySystem {
     virtual void rhs_stiff(Real, const State&, State&) const = 0;
     virtual void rhs_nonstiff(Real, const State&, State&) const = 0;
     virtual void jacobian_stiff(Real, const State&, Jacobian&) const = 0;
+    virtual bool has_stiff_structure() const = 0;
+    virtual void stiffness_stiff(DofMatrix&) const = 0;
+    virtual void damping_stiff(DofMatrix&) const = 0;
   };
 
   /// Calls call(in..., out) with the vectors of the system, converting where they differ from ours.
@@ -167,6 +173,9 @@ class BasicAnySystem {
     static constexpr bool with_offset = requires(const S& s, Own& X) { s.offset(X); };
     static constexpr bool second_order = requires { typename S::Dofs; };
     static constexpr bool split = requires(const S& s, Own& out) { s.rhs_stiff(OwnReal{}, out, out); };
+    static constexpr bool split_structure = requires(const S& s, typename S::DofMatrix& K) {
+      s.stiffness_stiff(K);
+    };
 
    public:
     explicit Model(S system) : system_(std::move(system)) {}
@@ -288,6 +297,20 @@ class BasicAnySystem {
         matrix_through<typename S::Jacobian>(
             J, [&](auto& matrix) { system_.jacobian_stiff(static_cast<OwnReal>(t), own, matrix); });
       }
+    }
+    bool has_stiff_structure() const override {
+      if constexpr (requires { system_.has_stiff_structure(); })
+        return system_.has_stiff_structure();
+      else
+        return split_structure && has_sparse_matrices();
+    }
+    void stiffness_stiff(DofMatrix& K) const override {
+      if constexpr (split_structure)
+        matrix_through<typename S::DofMatrix>(K, [&](auto& matrix) { system_.stiffness_stiff(matrix); });
+    }
+    void damping_stiff(DofMatrix& C) const override {
+      if constexpr (split_structure)
+        matrix_through<typename S::DofMatrix>(C, [&](auto& matrix) { system_.damping_stiff(matrix); });
     }
 
    private:

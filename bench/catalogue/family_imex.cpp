@@ -26,7 +26,7 @@ Method imex() {
           .bind =
               [](const Problem& problem) {
                 return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
-                  return ImexRk<T, typename Sys::State, jacobian_type<Sys>>{};
+                  return ImexRk<T, typename Sys::State, stiff_equations_type<Sys>>{};
                 });
               },
           .amplification = shared(additive_amplification(T::tableau, T::order))};

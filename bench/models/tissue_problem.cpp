@@ -68,6 +68,8 @@ struct SharedBody {
     dydt -= stiff;
   }
   void jacobian_stiff(double, const State&, Jacobian& J) const { pack(rest().first, rest().second, J); }
+  void stiffness_stiff(DofMatrix& K) const { K = rest().first; }
+  void damping_stiff(DofMatrix& C) const { C = rest().second; }
 
  private:
   /// K and C at rest: the stiff part of a body is its motion at small strain. Made when somebody asks.

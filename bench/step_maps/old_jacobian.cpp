@@ -53,6 +53,7 @@ struct Structure : FirstOrder<Sparse> {
   struct Matrices {
     VectorXd mass;
     Sparse K, C;
+    Sparse K_stiff, C_stiff;  // empty where there is no stiff part
   };
   std::shared_ptr<const Matrices> matrices;
 
@@ -66,7 +67,19 @@ struct Structure : FirstOrder<Sparse> {
   }
   void stiffness(double, const Dofs&, const Dofs&, DofMatrix& K) const { K = matrices->K; }
   void damping(double, const Dofs&, const Dofs&, DofMatrix& C) const { C = matrices->C; }
+  [[nodiscard]] bool has_stiff_structure() const { return matrices->K_stiff.size() > 0; }
+  void stiffness_stiff(DofMatrix& K) const { K = matrices->K_stiff; }
+  void damping_stiff(DofMatrix& C) const { C = matrices->C_stiff; }
 };
+
+/// K or C of a stiff part, from its Jacobian (0, I; -M^-1 K, -M^-1 C).
+/// @param first  its column in the Jacobian
+Sparse matrix_of(const Sparse& J_stiff, const VectorXd& mass, Index first) {
+  const Index n = mass.size();
+  Sparse matrix = -(mass.asDiagonal() * Sparse(J_stiff.block(n, first, n, n)));
+  matrix.makeCompressed();
+  return matrix;
+}
 
 template <class MatrixT>
 MatrixT as(const AnyMatrix& matrix) {
@@ -112,9 +125,13 @@ AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool aut
         FirstOrder<MatrixXd>{parts_of<MatrixXd>(model, std::move(rhs), autonomous, std::move(stiff))});
   }
   const MechanicalPart& part = *model.mechanical;
-  Structure structure{{parts_of<Sparse>(model, std::move(rhs), autonomous, std::move(stiff))},
-                      std::make_shared<const Structure::Matrices>(Structure::Matrices{
-                          part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C)})};
+  Structure::Matrices matrices{part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C), {}, {}};
+  Structure structure{{parts_of<Sparse>(model, std::move(rhs), autonomous, std::move(stiff))}, {}};
+  if (const Sparse& J_stiff = structure.parts->J_stiff; J_stiff.size() > 0) {
+    matrices.K_stiff = matrix_of(J_stiff, part.mass, 0);
+    matrices.C_stiff = matrix_of(J_stiff, part.mass, part.mass.size());
+  }
+  structure.matrices = std::make_shared<const Structure::Matrices>(std::move(matrices));
   return AnySystem(std::move(structure));
 }
 

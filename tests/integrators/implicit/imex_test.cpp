@@ -321,6 +321,66 @@ TYPED_TEST(Imex, SolvesALinearStiffPartByOneCorrectionAndOneMatrix) {
   EXPECT_LT((y - other).norm(), 1e-13);
 }
 
+/// Three masses in a row: springs and dampers are the stiff part, cubic springs to the ground the other one.
+struct Chain {
+  using State = Eigen::VectorXd;
+  using Dofs = Eigen::VectorXd;
+  using DofMatrix = Eigen::SparseMatrix<double>;
+  using Jacobian = Eigen::SparseMatrix<double>;
+  static constexpr bool linear_stiff_part = true;
+  Eigen::Vector3d masses{0.5, 2, 1};
+
+  static Eigen::Matrix3d K() { return Eigen::Matrix3d{{900, -400, 0}, {-400, 700, -300}, {0, -300, 300}}; }
+  static Eigen::Matrix3d C() { return Eigen::Matrix3d{{3, -1, 0}, {-1, 2, -1}, {0, -1, 1}}; }
+  static Eigen::Index dim() { return 6; }
+  static Eigen::Index dofs() { return 3; }
+  [[nodiscard]] Dofs mass() const { return masses; }
+  void force(double, const Dofs& q, const Dofs& v, Dofs& f) const {
+    f = -(K() * q + C() * v) - 50 * q.array().cube().matrix();
+  }
+  void stiffness(double, const Dofs& q, const Dofs&, DofMatrix& matrix) const {
+    Eigen::Matrix3d tangent = K();
+    tangent.diagonal() += 150 * q.cwiseAbs2();
+    matrix = tangent.sparseView();
+  }
+  void damping(double, const Dofs&, const Dofs&, DofMatrix& matrix) const { matrix = C().sparseView(); }
+  void rhs_stiff(double, const State& y, State& dydt) const {
+    dydt << y.tail(3), (-(K() * y.head(3) + C() * y.tail(3))).cwiseQuotient(masses);
+  }
+  void rhs_nonstiff(double, const State& y, State& dydt) const {
+    dydt << Eigen::Vector3d::Zero(), (-50 * y.head(3).array().cube().matrix()).cwiseQuotient(masses);
+  }
+  void rhs(double t, const State& y, State& dydt) const {
+    State other(6);
+    rhs_stiff(t, y, dydt);
+    rhs_nonstiff(t, y, other);
+    dydt += other;
+  }
+  void jacobian_stiff(double, const State&, Jacobian& J) const {
+    Eigen::MatrixXd packed = Eigen::MatrixXd::Zero(6, 6);
+    packed.topRightCorner(3, 3).setIdentity();
+    packed.bottomRows(3) << -(masses.cwiseInverse().asDiagonal() * K()),
+        -(masses.cwiseInverse().asDiagonal() * C());
+    J = packed.sparseView();
+  }
+  void stiffness_stiff(DofMatrix& matrix) const { matrix = K().sparseView(); }
+  void damping_stiff(DofMatrix& matrix) const { matrix = C().sparseView(); }
+};
+
+TYPED_TEST(Imex, ReducesTheEquationsOfAStructureToItsVelocities) {
+  using Reduced = ImexRk<TypeParam, Chain::State, stiff_equations_type<Chain>>;
+  static_assert(std::is_same_v<stiff_equations_type<Chain>, MechanicalJacobian<double>>);
+  Chain::State packed(6), reduced(6);
+  packed << 0.1, -0.2, 0.3, 1, 0, -1;
+  reduced = packed;
+  integrate(StepperFor<TypeParam, Chain>{}, Chain{}, Span<double>{0, 1}, packed, FixedStep<double>(1.0 / 64));
+  const auto end = integrate(Reduced{}, Chain{}, Span<double>{0, 1}, reduced, FixedStep<double>(1.0 / 64));
+  EXPECT_EQ(end.outcome, Outcome::reached_end);
+  EXPECT_EQ(end.stats.factorisations, 1);
+  EXPECT_LT((packed - reduced).norm(), 1e-12 * packed.norm());
+  EXPECT_GT(packed.norm(), 1e-3);
+}
+
 TYPED_TEST(Imex, TakesJacobiansAsAsked) {
   for (const auto& [update, expected] :
        {std::pair{JacobianUpdate{JacobianUpdate::frozen}, 1}, std::pair{JacobianUpdate{1}, 50},
