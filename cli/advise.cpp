@@ -362,7 +362,7 @@ void advise_on(const AdviseOptions& options, Console& console) {
     const Remaking make = remaking(options.problem);
     advice = advise(problem, question, watcher, make.with);
     if (!advice.recommended())
-      advice.remedies = remedies(
+      find_remedies(
           problem, question, advice, make,
           [&](double share, const std::string& what) { watcher(share, "what would help: " + what); });
   }

@@ -402,6 +402,46 @@ void recommend(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
     if (is_suitable(rows[i]) && rank_of(rows[i], question) <= noise * best) rows[i].verdict = AdviceVerdict::tie;
 }
 
+/// Says what is being done, and which share of all is done.
+using Now = std::function<void(double share, std::string what)>;
+
+/// The motion, its reference and the limits along it.
+/// @param advice  gets what people read of them
+/// @returns the candidates, in the order of AnalysedModel::h_max
+std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& question, AnalysedModel& model,
+                               Advice& advice, const Now& now, const Watcher& watch) {
+  now(0, "finding a load that the model bears");
+  model.motion = question.motion ? probing_motion(problem, *question.motion, watch) : probing_motion(problem, watch);
+  lengthen(model.motion, question);
+  advice.motion = fmt::format("{}; to t = {:.6g} s", model.motion.words, model.motion.t_end);
+  advice.t_end = model.motion.t_end;
+  now(0.05, "finding the reference motion");
+  model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch);
+  advice.scale = model.reference.scale;
+  advice.reference_error = model.reference.error_bound;
+  std::vector<Candidate> all = candidates(question.methods, model.motion.problem);
+  if (all.empty())
+    throw InputError(fmt::format("none of the methods can step {} at a fixed step; name others with --methods",
+                                 problem.id));
+  now(0.2, "limits along the motion");
+  predict_limits(model, all, watch);
+  advice.stiffened = model.stiffened;
+  return all;
+}
+
+/// Of the rows that suit: nobody takes the others, and some take a million steps.
+void observe_limits(std::vector<AdviceRow>& rows, const AnalysedModel& model, const Now& now) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    AdviceRow& row = rows[i];
+    if (!is_suitable(row) || !std::isfinite(row.h_max)) continue;
+    now(0.8 + 0.19 * static_cast<double>(i) / static_cast<double>(rows.size()),
+        "runs beside the limit of " + row.candidate.words());
+    row.h_max_observed = observed_limit(row, model);
+    if (std::isnan(row.h_max_observed) && row.status.empty())
+      row.status = "growth just beyond the limit is too slow to be seen on the motion";
+  }
+}
+
 }  // namespace
 
 std::string_view name_of(AdviceBound bound) {
@@ -417,62 +457,48 @@ std::string_view name_of(AdviceVerdict verdict) {
 
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher,
               const ProblemWith& make) {
+  Advice advice;
+  advise(problem, question, advice, watcher, make);
+  return advice;
+}
+
+void advise(const Problem& problem, const AdviceQuestion& question, Advice& advice, const AdviceWatcher& watcher,
+            const ProblemWith& make) {
   double share = 0;
   std::string what;
   const Watcher watch = [&] {
     if (watcher) watcher(share, what);
   };
-  const auto now = [&](double part, std::string text) {
+  const Now now = [&](double part, std::string text) {
     share = part;
     what = std::move(text);
     watch();
   };
-  Advice advice;
+  advice = {};
   AnalysedModel model;
-  now(0, "finding a load that the model bears");
-  model.motion = question.motion ? probing_motion(problem, *question.motion, watch) : probing_motion(problem, watch);
-  lengthen(model.motion, question);
-  now(0.05, "finding the reference motion");
-  model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch);
-  const std::vector<Candidate> all = candidates(question.methods, model.motion.problem);
-  if (all.empty())
-    throw InputError(fmt::format("none of the methods can step {} at a fixed step; name others with --methods",
-                                 problem.id));
-  now(0.2, "limits along the motion");
-  predict_limits(model, all, watch);
+  const std::vector<Candidate> all = analyse(problem, question, model, advice, now, watch);
   const auto modes = slowest_modes(model.near.modes);
   for (const auto& [omega, zeta] : modes) advice.modes.push_back(omega);
 
   for (std::size_t i = 0; i < all.size(); ++i) {
     now(0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(all.size()), "steps of " + all[i].words());
     advice.rows.push_back(searched_row(all[i], i, question, model, modes, watch));
+    sort_rows(advice.rows, question);
   }
-  sort_rows(advice.rows, question);
+  advice.stage = AdviceStage::timing;
   now(0.7, "timing the best methods");
   time_best(advice.rows, question, model, watch);
+  advice.stage = AdviceStage::proving;
   now(0.75, "long runs of the best method");
   advice.proof = prove_best(advice.rows, question, model, modes.empty() ? 0 : modes.front().first, watch);
+  advice.stage = AdviceStage::observing;
+  observe_limits(advice.rows, model, now);
+  now(0.99, "how sure the limit is");
+  // Behind the last call of the watcher, so that what it throws leaves nothing recommended.
   recommend(advice.rows, question);
-  for (std::size_t i = 0; i < advice.rows.size(); ++i) {
-    AdviceRow& row = advice.rows[i];
-    // Nobody takes the others, and some take a million steps.
-    if (!is_suitable(row) || !std::isfinite(row.h_max)) continue;
-    now(0.8 + 0.2 * static_cast<double>(i) / static_cast<double>(advice.rows.size()),
-        "runs beside the limit of " + row.candidate.words());
-    row.h_max_observed = observed_limit(row, model);
-    if (std::isnan(row.h_max_observed) && row.status.empty())
-      row.status = "growth just beyond the limit is too slow to be seen on the motion";
-  }
-  if (const AdviceRow* best = advice.recommended(); best && make && std::isfinite(best->h_max)) {
-    now(0.99, "how sure the limit is");
+  if (const AdviceRow* best = advice.recommended(); best && make && std::isfinite(best->h_max))
     advice.bands = limit_bands(best->candidate.method, problem, model.motion.problem.y0, make);
-  }
-  advice.motion = fmt::format("{}; to t = {:.6g} s", model.motion.words, model.motion.t_end);
-  advice.scale = model.reference.scale;
-  advice.reference_error = model.reference.error_bound;
-  advice.t_end = model.motion.t_end;
-  advice.stiffened = model.stiffened;
-  return advice;
+  advice.stage = AdviceStage::done;
 }
 
 }  // namespace hmax

@@ -81,7 +81,17 @@ struct Remedy {
   double h = 0;         ///< [s]
 };
 
+/// How far a search is; each stage has what those before it find.
+enum class AdviceStage {
+  searching,  ///< the steps of the candidates
+  timing,     ///< frames of the best rows
+  proving,    ///< long runs of the best row
+  observing,  ///< runs beside the limits of the rows that suit
+  done
+};
+
 struct Advice {
+  AdviceStage stage = AdviceStage::searching;
   std::string motion;                 ///< in words: what the probing motion is
   double scale = 0;                   ///< its largest displacement [m], or largest |y_i|
   double reference_error = 0;         ///< bound, relative to the scale
@@ -113,6 +123,11 @@ using AdviceWatcher = std::function<void(double share, const std::string& what)>
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {},
               const ProblemWith& make = {});
 
+/// The same into `advice`. What the watcher throws leaves the rows that are finished, best first, none of them
+/// recommended, and says in Advice::stage what is missing.
+void advise(const Problem& problem, const AdviceQuestion& question, Advice& advice, const AdviceWatcher& watcher = {},
+            const ProblemWith& make = {});
+
 /// How a model can be made again.
 struct Remaking {
   ProblemWith with;                      ///< other parameters
@@ -122,8 +137,9 @@ struct Remaking {
 /// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first: a
 /// larger budget, a lower rate, and of a body a coarser mesh, more mass where elements are fast, more density, a softer
 /// material, a softer or thinner skin, less damping by stiffness.
-/// @param failed  what was found without a change
-std::vector<Remedy> remedies(const Problem& problem, const AdviceQuestion& question, const Advice& failed,
-                             const Remaking& make, const AdviceWatcher& watcher = {});
+/// @param failed  what was found without a change. What helps goes into Advice::remedies, where it stays when the
+///                watcher throws.
+void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,
+                   const AdviceWatcher& watcher = {});
 
 }  // namespace hmax

@@ -41,8 +41,8 @@ const std::vector<Scaling>& scalings() {
 
 class Trials {
  public:
-  Trials(const AdviceQuestion& question, const Advice& failed, const AdviceWatcher& watcher)
-      : question_(question), watcher_(watcher) {
+  Trials(const AdviceQuestion& question, Advice& failed, const AdviceWatcher& watcher)
+      : question_(question), watcher_(watcher), found_(failed.remedies) {
     question_.frames = std::min<std::size_t>(question.frames, 100);
     question_.methods = nearest_methods(failed);
   }
@@ -59,7 +59,7 @@ class Trials {
         remedy.to = 1.1e3 * std::ranges::max(advice.proof, {}, &ProofRun::frame_p999).frame_p999;
       remedy.method = row->candidate.words();
       remedy.h = row->h;
-      found.push_back(std::move(remedy));
+      found_.push_back(std::move(remedy));
       return true;
     } catch (const InputError&) {
       return false;  // no such model, or no reference there either
@@ -67,11 +67,11 @@ class Trials {
   }
 
   [[nodiscard]] const AdviceQuestion& question() const { return question_; }
-  std::vector<Remedy> found;
 
  private:
   AdviceQuestion question_;
   const AdviceWatcher& watcher_;
+  std::vector<Remedy>& found_;
 };
 
 void try_time(Trials& trials, const Problem& problem, const AdviceQuestion& question) {
@@ -142,17 +142,17 @@ void try_parameters(Trials& trials, const Problem& problem, const ProblemWith& m
 
 }  // namespace
 
-std::vector<Remedy> remedies(const Problem& problem, const AdviceQuestion& question, const Advice& failed,
-                             const Remaking& make, const AdviceWatcher& watcher) {
+void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,
+                   const AdviceWatcher& watcher) {
+  failed.remedies.clear();
   Trials trials(question, failed, watcher);
-  if (!trials.are_possible()) return {};
+  if (!trials.are_possible()) return;
   try_time(trials, problem, question);
   if (problem.body) {
     if (make.coarser) try_coarser(trials, problem, make.coarser);
     try_mass(trials, problem, make.with);
     try_parameters(trials, problem, make.with);
   }
-  return std::move(trials.found);
 }
 
 }  // namespace hmax

@@ -139,6 +139,56 @@ TEST(Advise, ProvesTheBestRowOnItsMotionAndOnAnother) {
   EXPECT_NE(advice.proof[0].motion, advice.proof[1].motion);
 }
 
+TEST(Advise, KeepsTheRowsThatAreFinishedWhenItIsInterrupted) {
+  struct Enough {};
+  const Problem problem = cube("press");
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "rk4", "newmark"}, problem);
+  const auto interrupted_at = [&](std::string_view task) {
+    Advice advice;
+    const AdviceWatcher stop = [&](double, const std::string& what) {
+      if (what.starts_with(task)) throw Enough{};
+    };
+    EXPECT_THROW(advise(problem, asked, advice, stop), Enough) << task;
+    EXPECT_EQ(advice.recommended(), nullptr) << task;
+    for (const AdviceRow& row : advice.rows) EXPECT_NE(row.verdict, AdviceVerdict::tie) << task;
+    return advice;
+  };
+  EXPECT_TRUE(interrupted_at("finding the reference").rows.empty());
+  const Advice searched = interrupted_at("steps of newmark");
+  EXPECT_EQ(searched.stage, AdviceStage::searching);
+  ASSERT_EQ(searched.rows.size(), 2U);
+  EXPECT_LE(searched.rows[0].frame.p50, searched.rows[1].frame.p50);
+  EXPECT_GT(searched.scale, 0);
+  EXPECT_FALSE(searched.motion.empty());
+  for (const auto& [task, stage] : {std::pair("timing", AdviceStage::timing),
+                                    {"long runs", AdviceStage::proving},
+                                    {"runs beside", AdviceStage::observing},
+                                    {"how sure", AdviceStage::observing}}) {
+    const Advice advice = interrupted_at(task);
+    EXPECT_EQ(advice.stage, stage) << task;
+    EXPECT_EQ(advice.rows.size(), 3U) << task;
+    EXPECT_EQ(advice.proof.empty(), stage != AdviceStage::observing) << task;
+  }
+}
+
+TEST(Advise, IsTheSameWhetherItIsWatchedOrNot) {
+  const Problem problem = cube("press");
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  std::size_t calls = 0;
+  double last = 0;
+  Advice advice;
+  advice.rows.resize(3);  // of an earlier question
+  advise(problem, asked, advice, [&](double share, const std::string&) {
+    ++calls;
+    EXPECT_GE(share, last);
+    last = share;
+  });
+  EXPECT_GT(calls, 10U);
+  EXPECT_EQ(advice.stage, AdviceStage::done);
+  EXPECT_EQ(advice.rows.size(), 2U);
+  EXPECT_NE(advice.recommended(), nullptr);
+}
+
 TEST(Proof, FailsBeyondTheLimit) {
   const Problem problem = cube("press", {{"E", 1e5}});
   const AdviceQuestion asked = question(100, {"symplectic_euler"}, problem);
@@ -293,8 +343,9 @@ TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {
   const Problem problem = make({});
   AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
   asked.budget = 1e-8;
-  const Advice failed = advise(problem, asked);
-  const std::vector<Remedy> found = remedies(problem, asked, failed, {.with = make});
+  Advice failed = advise(problem, asked);
+  find_remedies(problem, asked, failed, {.with = make});
+  const std::vector<Remedy>& found = failed.remedies;
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found.front().change, "budget_ms");
   EXPECT_EQ(found.front().from, 1e-5);
@@ -305,13 +356,30 @@ TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {
   EXPECT_FALSE(found.front().method.empty());
 }
 
+TEST(Remedies, ThatWereFoundStayWhenTheSearchIsInterrupted) {
+  struct Enough {};
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) { return cube("press", values); };
+  const Problem problem = make({});
+  AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  asked.budget = 1e-8;
+  Advice failed = advise(problem, asked);
+  const AdviceWatcher stop = [&](double, const std::string&) {
+    if (!failed.remedies.empty()) throw Enough{};
+  };
+  EXPECT_THROW(find_remedies(problem, asked, failed, {.with = make}, stop), Enough);
+  ASSERT_EQ(failed.remedies.size(), 1U);
+  EXPECT_EQ(failed.remedies.front().change, "budget_ms");
+  EXPECT_GT(failed.remedies.front().h, 0);
+}
+
 TEST(Remedies, AreNoneOfAModelThatCannotBeMade) {
   const Problem problem = cube("press");
   AdviceQuestion asked = question(100, {"newmark"}, problem);
   asked.budget = 1e-8;
-  const Advice failed = advise(problem, asked);
+  Advice failed = advise(problem, asked);
   const auto refuse = [](const auto&) -> Problem { throw InputError("no such parameter"); };
-  for (const Remedy& remedy : remedies(problem, asked, failed, {.with = refuse}))
+  find_remedies(problem, asked, failed, {.with = refuse});
+  for (const Remedy& remedy : failed.remedies)
     EXPECT_TRUE(remedy.change == "budget_ms" || remedy.change == "rate") << remedy.change;
 }
 
