@@ -39,6 +39,11 @@ std::string panel_in_words(const Panel& panel) {
                      axis_in_words(panel.x));
 }
 
+/// "recommended: rk4", or what there is of both.
+std::string named(const Mark& mark) {
+  return mark.label.empty() ? mark.name : fmt::format("{}: {}", mark.label, mark.name);
+}
+
 void replace_element(std::string& text, std::string_view name, const std::string& content) {
   const std::string opening = fmt::format("<{}>", name), closing = fmt::format("</{}>", name);
   const std::size_t from = text.find(opening);
@@ -54,7 +59,7 @@ std::string alt_text(const Figure& figure) {
   for (const Panel& panel : figure.panels) {
     panels.push_back(panel_in_words(panel));
     for (const Curve& curve : panel.curves) entries.push_back(curve.label);
-    for (const Mark& mark : panel.marks) entries.push_back(mark.label);
+    for (const Mark& mark : panel.marks) entries.push_back(mark.name.empty() ? mark.label : named(mark));
     for (const Area& area : panel.areas) entries.push_back(area.label);
     for (const Fill& fill : panel.fills) entries.push_back(fill.label);
   }

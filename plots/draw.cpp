@@ -193,6 +193,16 @@ Extent extent_of(const Panel& panel, double panel_width, double panel_height) {
   return extent;
 }
 
+/// What the names of an axis take beside the room that its numbers have [pixels].
+double room_for_names(const Axis& axis) {
+  constexpr double label_and_gaps = 46;
+  std::size_t longest = 0;
+  for (const std::string& name : axis.names) longest = std::max(longest, length_of(name));
+  if (longest == 0) return 0;
+  const auto shown = static_cast<double>(std::min(longest, longest_label));
+  return std::max(0.0, character * shown + label_and_gaps - left_margin);
+}
+
 std::size_t characters(double pixels, double each) { return static_cast<std::size_t>(pixels / each); }
 
 /// The text being written: script and data grow together, a block of data has the number by which the script
@@ -298,7 +308,7 @@ class Writer {
   void plot(const Fill& fill, const Panel& panel);
   void plot(const Arrows& arrows);
   void plot(const Curve& curve, const Panel& panel, const Place& place, const Extent& extent);
-  void plot(const Mark& mark, const Panel& panel);
+  void plot(const Mark& mark, const Panel& panel, const Extent& extent);
   std::vector<std::array<double, 4>> rows_of(const Curve& curve, const Panel& panel, const Place& place,
                                              const Extent& extent) const;
   void key();
@@ -339,7 +349,7 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   const auto column = static_cast<double>(index % static_cast<std::size_t>(columns_));
   const double left = width_ / columns_ * column + left_margin;
   const double top = tops_[index / static_cast<std::size_t>(columns_)];
-  const Place place{left, left + panel_width(columns_), top, top + panel_height_};
+  const Place place{left + room_for_names(panel.y), left + panel_width(columns_), top, top + panel_height_};
   const Extent extent = extent_of(panel, place.right - place.left, panel_height_);
   script_ += "\nunset label\nunset object\n";
   for (std::size_t i = 0; index == 0 && i < title_.size(); ++i)
@@ -352,7 +362,7 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   for (const Fill& fill : panel.fills) plot(fill, panel);
   if (!panel.arrows.x.empty()) plot(panel.arrows);
   for (const Curve& curve : panel.curves) plot(curve, panel, place, extent);
-  for (const Mark& mark : panel.marks) plot(mark, panel);
+  for (const Mark& mark : panel.marks) plot(mark, panel, extent);
   if (index + 1 == figure_.panels.size()) key();
   script_ += "plot ";
   if (plots_.empty()) plots_.emplace_back("NaN");
@@ -387,7 +397,13 @@ void Writer::axes(const Panel& panel, const Place& place, const Extent& extent) 
           "'sans-serif,12'", "center");
   script_ += "unset ylabel\n";
   script_ += panel.grid ? "set grid ls 100\n" : "unset grid\n";
-  label(panel.y.label, left - left_margin + 14, (top + bottom) / 2, "'sans-serif,12'", "center rotate by 90");
+  label(panel.y.label, left - room_for_names(panel.y) - left_margin + 14, (top + bottom) / 2, "'sans-serif,12'",
+        "center rotate by 90");
+  for (std::size_t i = 0; i < panel.y.names.size(); ++i) {
+    const double at = fraction(static_cast<double>(i + 1), panel.y, extent.y);
+    label(shortened(one_line(panel.y.names[i]), longest_label), left - 10, bottom - at * (bottom - top),
+          "'sans-serif,12'", "right");
+  }
   script_ += panel.x.logarithmic ? "set logscale x\n" : "unset logscale x\n";
   script_ += panel.y.logarithmic ? "set logscale y\n" : "unset logscale y\n";
   script_ += drawn_range('x', panel.x, extent.x) + drawn_range('y', panel.y, extent.y);
@@ -492,12 +508,19 @@ void Writer::plot(const Curve& curve, const Panel& panel, const Place& place, co
   if (curve.style.marker != 0) plots_.push_back(from + " using 1:2 with points " + point_of(curve.style));
 }
 
-void Writer::plot(const Mark& mark, const Panel& panel) {
+void Writer::plot(const Mark& mark, const Panel& panel, const Extent& extent) {
   if (!drawable(mark.x, panel.x) || !drawable(mark.y, panel.y)) return;
   const std::string from = source(block(mark.label, {{mark.x, mark.y, 0, 0}}, 2));
   // A white rim keeps the mark apart from the curves under it.
   plots_.push_back(from + " using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff'");
   plots_.push_back(from + " using 1:2 with points lw 1.6 " + point_of(mark.style, 1.15));
+  if (mark.name.empty()) return;
+  // Towards the middle of the panel, where there is room.
+  const double x = fraction(mark.x, panel.x, extent.x), y = fraction(mark.y, panel.y, extent.y);
+  script_ += fmt::format(
+      "set label {} at graph {:.5f},{:.5f} {} offset {},{} font 'sans-serif,12' noenhanced front\n",
+      gnuplot_string(shortened(one_line(mark.name), longest_label)), x, y, x > 0.5 ? "right" : "left",
+      x > 0.5 ? -1 : 1, y > 0.5 ? -0.8 : 0.8);
 }
 
 /// The key under the panels: every entry a sample of the line with its marker, filled down the columns.

@@ -50,6 +50,7 @@ struct Mark {
   double x, y;
   Style style;
   std::string label = {};  ///< text in the key; marks of one label share one entry
+  std::string name = {};   ///< text beside the mark
 };
 
 struct Range {
@@ -60,6 +61,8 @@ struct Axis {
   std::string label = {};  ///< quantity and unit, "x [m]"
   bool logarithmic = false;
   std::optional<Range> range = {};  ///< computed from the points when absent
+  /// Of a vertical axis: what stands at 1, 2, ... in the place of numbers, the panel being narrower for it.
+  std::vector<std::string> names = {};
 };
 
 struct Panel {

@@ -92,6 +92,12 @@ std::pair<std::string, int> logarithmic_tics(const Range& range, double length, 
 std::string tics(char axis_name, const Axis& axis, const Range& range, double length) {
   const bool across = axis_name == 'x';
   const std::string text = fmt::format("set {}tics out scale 0.5 nomirror ", axis_name);
+  if (!axis.names.empty()) {
+    // The names themselves are labels: those of tics cannot have underscores.
+    std::string places;
+    for (std::size_t i = 0; i < axis.names.size(); ++i) places += fmt::format("{}'' {}", i == 0 ? "" : ", ", i + 1);
+    return text + "(" + places + ")\n";
+  }
   // The default format shows as many digits as the ends of the range have.
   if (!axis.logarithmic)
     return fmt::format("set format {} '%g'\n{}{}\n", axis_name, text,

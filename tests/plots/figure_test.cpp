@@ -131,6 +131,46 @@ TEST_F(FigureTest, SaysInWordsWhatIsSeen) {
   EXPECT_NE(svg.find("Shown: rk2_heun, rk4.</desc>"), std::string::npos);
 }
 
+TEST(FigureSourceText, AMarkHasItsNameBesideIt) {
+  Figure figure = small_figure();
+  figure.panels[0].marks = {{.x = 0.1, .y = 1e-4, .style = {.marker = 7}, .label = "best", .name = "hht_alpha"},
+                            {.x = 0.01, .y = 1e-8, .style = {.marker = 7}, .label = "best"}};
+  const std::string script = source_of(figure, "steps").script;
+  const std::regex name(
+      R"(set label 'hht_alpha' at graph 0\.\d+,0\.\d+ (left|right) offset [^\n]* noenhanced front\n)");
+  EXPECT_EQ(std::distance(std::sregex_iterator(script.begin(), script.end(), name), std::sregex_iterator()), 1);
+  EXPECT_NE(alt_text(figure).find("best: hht_alpha"), std::string::npos) << alt_text(figure);
+}
+
+TEST(FigureSourceText, NamesOfAnAxisStandInThePlaceOfNumbers) {
+  Figure figure{.panels = {{.x = {"h [s]", true},
+                            .y = {.label = "method", .range = Range{0.5, 2.5}},
+                            .curves = {{.x = {0.1, 0.2}, .y = {1, 2}, .style = {.marker = 7}, .line = false}}}}};
+  const auto left_edge = [&] {
+    const std::string script = source_of(figure, "steps").script;
+    const std::size_t at = script.find("set lmargin at screen ");
+    return std::stod(script.substr(at + 22));
+  };
+  const double before = left_edge();
+  figure.panels[0].y.names = {"hht_alpha", "linearly_implicit_euler, Jacobian frozen"};
+  const std::string script = source_of(figure, "steps").script;
+  EXPECT_NE(script.find("set label 'hht_alpha' at screen "), std::string::npos) << script;
+  EXPECT_NE(script.find("set ytics out scale 0.5 nomirror ('' 1, '' 2)"), std::string::npos) << script;
+  EXPECT_GT(left_edge(), before);
+  EXPECT_LT(left_edge(), 0.5);
+}
+
+TEST_F(FigureTest, GnuplotDrawsNames) {
+  if (!gnuplot_available()) GTEST_SKIP() << "gnuplot is not installed";
+  Figure figure = small_figure();
+  figure.panels[0].y = {.label = "method", .range = Range{0.5, 2.5}, .names = {"one", "two"}};
+  figure.panels[0].marks = {{.x = 0.1, .y = 1, .style = {.marker = 7}, .name = "hht_alpha"}};
+  const FigureFiles files = draw(figure, folder, "names");
+  ASSERT_TRUE(files.drawn()) << files.problem;
+  const std::string svg = contents(folder / "names.svg");
+  for (const char* name : {"one", "two", "hht_alpha"}) EXPECT_NE(svg.find(name), std::string::npos) << name;
+}
+
 TEST(AltText, CountsWhatItDoesNotName) {
   Figure figure = small_figure();
   figure.panels.resize(7, figure.panels[0]);
