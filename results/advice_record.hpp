@@ -47,6 +47,13 @@ struct AdviceRecord {
   double memory = none;            ///< [bytes]
   double stiffening = none;
   std::int64_t session = 0;  ///< session that computed it; set by the store, 0 before
+
+  /// Stable, accurate and in time.
+  [[nodiscard]] bool suits() const {
+    return verdict == "recommended" || verdict == "tie" || verdict == "suitable";
+  }
+  /// "rk4", "linearly_implicit_euler, Jacobian frozen, direct"
+  [[nodiscard]] std::string words() const { return options.empty() ? method : method + ", " + options; }
 };
 
 }  // namespace hmax
