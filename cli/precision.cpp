@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <stdlib.h>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,6 +14,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/temporary_folder.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"
@@ -74,31 +73,6 @@ PrecisionSpec spec_of(const PrecisionOptions& options) {
         "--rtol");
   return spec;
 }
-
-/// A folder that lives as long as this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code error;
-    const std::filesystem::path place = std::filesystem::temp_directory_path(error);
-    std::string name = (place / "hmax_XXXXXX").string();
-    if (error || !mkdtemp(name.data()))
-      throw InputError(fmt::format(
-          "no folder for temporary files can be made{}; set TMPDIR to a place that can be written",
-          error ? "" : " in " + place.string()));
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
