@@ -1,0 +1,223 @@
+#include "cli/advice/advice_words.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/advice/advice_records.hpp"
+#include "results/fingerprint.hpp"
+
+namespace hmax {
+
+namespace {
+
+std::string milliseconds(double seconds, int digits = 3) {
+  if (std::isnan(seconds)) return "-";
+  return std::isinf(seconds) ? "unbounded" : short_number(1e3 * seconds, digits);
+}
+
+std::string percent(double share) { return std::isfinite(share) ? short_number(100 * share, 2) + " %" : "-"; }
+
+/// What keeps the step from being longer.
+std::string words_of_bound(const AdviceRow& row) {
+  switch (row.bound) {
+    case AdviceBound::stability:
+      return "stability: a longer part of a frame is within 5 % of the limit or beyond it";
+    case AdviceBound::accuracy:
+      return "accuracy: the next longer part of a frame misses the tolerance";
+    case AdviceBound::newton:
+      return "Newton's method: it does not converge for the next longer part of a frame";
+    case AdviceBound::budget:
+      return "the budget: frames take longer than it";
+    case AdviceBound::rate:
+      break;
+  }
+  return "the rate: one step a frame suffices";
+}
+
+std::string words_of_modes(const AdviceRow& row, const Advice& advice) {
+  std::string words;
+  for (std::size_t i = 0; i < std::min(advice.modes.size(), row.damping_added.size()); ++i)
+    if (std::isfinite(row.damping_added[i]))
+      words +=
+          fmt::format("{}{} rad/s: damping ratio {:+.2g}, frequency {:+.2g} %", words.empty() ? "" : "; ",
+                      short_number(advice.modes[i], 3), row.damping_added[i], 100 * row.frequency_shift[i]);
+  return words;
+}
+
+std::string words_of_limit(const AdviceRow& row) {
+  if (std::isinf(row.h_max)) return "stable at every step size (linearised model)";
+  if (std::isnan(row.h_max)) return "no limit is predicted; stable in the run";
+  const std::string seen = std::isnan(row.h_max_observed) ? "growth just beyond it is too slow to be observed"
+                                                          : milliseconds(row.h_max_observed) + " ms observed";
+  return fmt::format("h_max {} ms predicted, the smallest along the motion; {}", milliseconds(row.h_max, 4),
+                     seen);
+}
+
+std::string words_of_step(const AdviceRow& row) {
+  return fmt::format("take {} with h = {} ms, {} step{} per frame", row.candidate.words(),
+                     milliseconds(row.h, 5), row.steps_per_frame, row.steps_per_frame == 1 ? "" : "s");
+}
+
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+/// What was measured of the recommended row.
+void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice,
+                  const AdviceQuestion& question) {
+  facts.emplace_back("stability", words_of_limit(row));
+  facts.emplace_back("limited by", words_of_bound(row));
+  facts.emplace_back("error", fmt::format("{} of the {}", percent(row.error), error_scale(problem)));
+  facts.emplace_back(
+      "CPU time",
+      fmt::format("{} ms per frame (median), {} ms (99 %), {} ms (maximum); {} times real time",
+                  milliseconds(row.frame.p50), milliseconds(row.frame.p99), milliseconds(row.frame.max),
+                  short_number(row.realtime_factor(question.rate), 3)));
+  facts.emplace_back("deadline", fmt::format("{} of {} frames took more than {} ms", row.missed, row.frames,
+                                             milliseconds(question.frame_budget())));
+  for (const ProofRun& run : advice.proof) {
+    const bool first = &run == &advice.proof.front();
+    facts.emplace_back(first ? "long runs" : "",
+                       fmt::format("{} s, {}: stable, {} of {} frames took more than {} ms",
+                                   short_number(run.seconds, 3), first ? "this motion, repeated" : run.motion,
+                                   run.missed, run.frames, milliseconds(question.frame_budget())));
+  }
+  if (!std::isnan(row.newton_per_frame))
+    facts.emplace_back("iterations", fmt::format("at most {} of Newton's method in 99.9 % of the frames",
+                                                 short_number(row.newton_per_frame)));
+}
+
+/// How far it is from what it does not bear, and what it does to slow motions.
+void add_margins(Facts& facts, const AdviceRow& row, const Advice& advice) {
+  if (!std::isnan(row.stiffening))
+    facts.emplace_back(
+        "margin", std::isinf(row.stiffening)
+                      ? "stable at every stiffness"
+                      : fmt::format("stable up to {} times the stiffness", short_number(row.stiffening, 3)));
+  for (const LimitBand& band : advice.bands)
+    facts.emplace_back(
+        &band == &advice.bands.front() ? "uncertainty" : "",
+        fmt::format("h_max {} to {} ms where the {} is {} % less or more{}",
+                    milliseconds(band.low * row.h_max), milliseconds(band.high * row.h_max), band.quantity,
+                    short_number(100 * band.spread, 2),
+                    band.low * row.h_max < row.h ? ": at the lower end the step is unstable" : ""));
+  if (const std::string modes = words_of_modes(row, advice); !modes.empty())
+    facts.emplace_back("slow modes", modes);
+  std::vector<std::string> ties;
+  for (const AdviceRow& each : advice.rows)
+    if (each.verdict == AdviceVerdict::tie)
+      ties.push_back(fmt::format("{} at {} ms", each.candidate.words(), milliseconds(each.h, 4)));
+  if (!ties.empty()) facts.emplace_back("equally good", fmt::format("{}", fmt::join(ties, "; ")));
+}
+
+std::vector<std::string> words_of_remedies(const Advice& advice) {
+  std::vector<std::string> words;
+  for (const Remedy& remedy : advice.remedies)
+    words.push_back(fmt::format("{} {} in place of {}{}: {} with h = {} ms", remedy.change,
+                                short_number(remedy.to), short_number(remedy.from),
+                                remedy.cost.empty() ? "" : " (" + remedy.cost + ")", remedy.method,
+                                milliseconds(remedy.h, 5)));
+  return words;
+}
+
+/// What is said above the remedies.
+std::string words_of_help(const Advice& advice, bool interrupted) {
+  const bool none = advice.remedies.empty();
+  if (interrupted)
+    return none ? "Interrupted: no change that was tried so far helps."
+                : "Interrupted; what helps, of the changes tried so far:";
+  return none ? "No change that was tried helps." : "What helps, each tried:";
+}
+
+/// How far an interrupted search got.
+std::string words_of_interruption(const Advice& advice) {
+  switch (advice.stage) {
+    case AdviceStage::searching:
+      return "interrupted: rows so far; the best are not timed and not proved";
+    case AdviceStage::timing:
+      return "interrupted: the best rows are not all timed, and not proved by long runs";
+    case AdviceStage::proving:
+      return "interrupted: the best rows are timed, but not proved by long runs";
+    case AdviceStage::observing:
+    case AdviceStage::done:
+      break;
+  }
+  return fmt::format("interrupted: the best rows are timed{}, but not all limits are observed",
+                     advice.proof.empty() ? "" : ", the first is proved by long runs");
+}
+
+std::vector<std::vector<std::string>> table_of(const std::vector<AdviceRecord>& rows) {
+  std::vector<std::vector<std::string>> table{{"method", "h [ms]", "steps", "h_max [ms]", "observed [ms]",
+                                               "error", "frame [ms]", "p99 [ms]", "bound", "verdict"}};
+  for (const AdviceRecord& row : rows)
+    table.push_back({row.words(), milliseconds(row.h, 4), fmt::format("{:.0f}", row.steps_per_frame),
+                     milliseconds(row.h_max, 4), milliseconds(row.h_max_observed), percent(row.error),
+                     milliseconds(row.frame_p50), milliseconds(row.frame_p99), row.bound, row.verdict});
+  return table;
+}
+
+/// Why rows do not suit, each reason once.
+std::vector<std::string> reasons_of(const std::vector<AdviceRecord>& rows) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
+  for (const AdviceRecord& row : rows) {
+    if (row.status.empty() || row.suits()) continue;
+    const auto same =
+        std::ranges::find(reasons, row.status, &std::pair<std::string, std::vector<std::string>>::first);
+    (same == reasons.end() ? reasons.emplace_back(row.status, std::vector<std::string>{}) : *same)
+        .second.push_back(row.words());
+  }
+  std::vector<std::string> lines;
+  for (const auto& [reason, methods] : reasons)
+    lines.push_back(fmt::format("{}: {}", fmt::join(methods, "; "), reason));
+  return lines;
+}
+
+}  // namespace
+
+std::string error_scale(const Problem& problem) {
+  return problem.body ? "largest displacement" : "range of each state";
+}
+
+AdviceText words_of(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
+                    bool interrupted) {
+  AdviceText text;
+  text.model = fmt::format("{}{}{}", problem.id, problem.material.empty() ? "" : ", ", problem.material);
+  text.motion = advice.motion;
+  text.question = fmt::format("{} Hz, error at most {} of the {}{}, frames of at most {} ms",
+                              short_number(question.rate), percent(question.tolerance), error_scale(problem),
+                              problem.body ? fmt::format(", {} mm", milliseconds(advice.scale)) : "",
+                              milliseconds(question.frame_budget()));
+  if (const AdviceRow* best = advice.recommended()) {
+    text.answer = words_of_step(*best);
+    add_measured(text.facts, problem, *best, advice, question);
+    add_margins(text.facts, *best, advice);
+  } else if (interrupted && advice.stage != AdviceStage::done) {
+    text.answer = words_of_interruption(advice);
+  } else {
+    text.answer = "no method that was tried meets this";
+    text.help = words_of_help(advice, interrupted);
+    text.remedies = words_of_remedies(advice);
+  }
+  const std::vector<AdviceRecord> rows = advice_records(advice);
+  text.table = table_of(rows);
+  text.reasons = reasons_of(rows);
+  text.machine = summary(fingerprint());
+  return text;
+}
+
+std::string for_people(const AdviceText& text, const Console& console) {
+  std::string all =
+      fmt::format("{}: {}\n{}\n\n{}\n", text.model, text.motion, text.question, console.strong(text.answer));
+  for (const auto& [name, words] : text.facts) all += fmt::format("  {:<13} {}\n", name, words);
+  if (!text.help.empty()) all += text.help + "\n";
+  for (const std::string& remedy : text.remedies) all += "  " + remedy + "\n";
+  TextTable table(text.table.front());
+  for (std::size_t i = 1; i < text.table.size(); ++i) table.add(text.table[i]);
+  all += "\n" + table.text(console) + "\n";
+  for (const std::string& reason : text.reasons) all += reason + "\n";
+  all += console.faint(text.machine) + "\n";
+  return text.left_out.empty() ? all : all + text.left_out + "\n";
+}
+
+}  // namespace hmax

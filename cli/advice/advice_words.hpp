@@ -1,0 +1,40 @@
+/// The answer of `hmax advise` in words: what the text and the page both show.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/advice/advise.hpp"
+#include "cli/shared/console.hpp"
+
+namespace hmax {
+
+/// What errors are relative to.
+std::string error_scale(const Problem& problem);
+
+/// An answer, sentence by sentence.
+struct AdviceText {
+  std::string model;     ///< id of the problem, and its material
+  std::string motion;    ///< by which steps are judged
+  std::string question;  ///< rate, tolerance and budget
+  std::string answer;    ///< what to take; that nothing suits; or how far an interrupted search got
+  /// Of what is recommended: names and words; what has no name goes on with the last.
+  std::vector<std::pair<std::string, std::string>> facts;
+  std::string help;                             ///< what is said of remedies; empty where none are sought
+  std::vector<std::string> remedies;            ///< one change each
+  std::vector<std::vector<std::string>> table;  ///< every row, under its headings
+  std::vector<std::string> reasons;             ///< why rows do not suit, each reason once
+  std::string left_out;                         ///< methods that were not tried; empty where all were
+  std::string machine;                          ///< that the times are of
+};
+
+/// The words of an answer; AdviceText::left_out is left.
+/// @param interrupted  the search was: nothing is recommended, or not every remedy was tried
+AdviceText words_of(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
+                    bool interrupted);
+
+/// The text of the command.
+std::string for_people(const AdviceText& text, const Console& console);
+
+}  // namespace hmax

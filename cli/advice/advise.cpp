@@ -1,0 +1,229 @@
+/// hmax advise: which integrator, and how large a step, for a model and a frame rate.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bench/advice/advice_records.hpp"
+#include "bench/advice/advise.hpp"
+#include "bench/models/support_sets.hpp"
+#include "cli/advice/advice_json.hpp"
+#include "cli/advice/advice_page.hpp"
+#include "cli/advice/advice_words.hpp"
+#include "cli/bodies/body_words.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/outputs.hpp"
+#include "results/errors.hpp"
+#include "results/fingerprint.hpp"
+#include "results/numbers.hpp"
+#include "results/store.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+struct AdviseOptions {
+  ProblemChoice problem;
+  std::optional<double> rate, tolerance, budget;
+  std::string methods, frames, out, output, motion;
+  std::vector<std::string> motion_at;
+};
+
+double positive(const char* option, double value, const char* example) {
+  if (!(value > 0 && std::isfinite(value)))
+    throw InputError(fmt::format("{} is {} but must be positive, such as {}", option, to_text(value), example));
+  return value;
+}
+
+AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem) {
+  if (!options.rate) throw InputError("no frame rate is given; add --rate, such as --rate 100");
+  AdviceQuestion question;
+  question.rate = positive("--rate", *options.rate, "100");
+  if (question.rate < 1 || question.rate > 1e5)
+    throw InputError(fmt::format("--rate is {} Hz, but must lie between 1 and 100000", to_text(question.rate)));
+  if (options.tolerance) {
+    question.tolerance = positive("--tolerance", *options.tolerance, "0.01");
+    if (question.tolerance >= 1)
+      throw InputError("--tolerance is relative to the largest displacement and must be below 1, such as 0.01");
+  }
+  if (options.budget) question.budget = positive("--budget", *options.budget, "5") / 1000;
+  question.least_error = options.budget && !options.tolerance;
+  if (!options.frames.empty())
+    question.frames = static_cast<std::size_t>(
+        std::min<std::int64_t>(parse_count("--frames", options.frames, 1), 1'000'000));
+  if (!options.motion_at.empty() && options.motion.empty())
+    throw InputError("--motion-at names the points of --motion; add a file of forces or displacements");
+  if (!options.motion.empty()) {
+    question.motion = read_user_motion(options.motion);
+    if (!options.motion_at.empty()) {
+      if (options.problem.body.mesh.empty()) throw InputError("--motion-at names points of --mesh; name a mesh");
+      question.motion->points = points_of_sets(
+          options.motion_at, load_mesh(options.problem.body.mesh, options.problem.body.metres()));
+    }
+  }
+  question.methods = options.methods.empty()
+                         ? choose_methods(simulator_methods(), {problem})
+                         : choose_methods(with_their_parameters(parse_names("--methods", options.methods)), {problem});
+  return question;
+}
+
+/// Methods that were asked for and do not step this problem.
+std::string words_of_left_out(const AdviseOptions& options, const Problem& problem) {
+  if (!options.methods.empty()) return {};
+  std::vector<std::string> names;
+  for (const std::string& name : simulator_methods())
+    if (!suits(find_method(name), problem)) names.push_back(name);
+  return names.empty() ? ""
+                       : fmt::format("left out: {}, which need positions and velocities or a stiff part that the "
+                                     "problem does not declare",
+                                     fmt::join(names, ", "));
+}
+
+Remaking remaking(const ProblemChoice& choice) {
+  Remaking make;
+  make.with = [&](const std::vector<std::pair<std::string, double>>& values) {
+    ProblemChoice changed = choice;
+    for (const auto& [name, value] : values) {
+      std::erase_if(changed.set, [&](const std::string& text) { return text.starts_with(name + "="); });
+      changed.set.push_back(name + "=" + to_text(value));
+    }
+    return changed.make();
+  };
+  if (const std::string coarser = coarser_mesh(choice.body.mesh); !coarser.empty())
+    make.coarser = [&choice, coarser] {
+      ProblemChoice changed = choice;
+      changed.body.mesh = coarser;
+      return changed.make();
+    };
+  return make;
+}
+
+/// @throws InputError  for a store or a page that cannot have its name
+void check_names(const AdviseOptions& options) {
+  if (!options.out.empty()) (void)store_path(options.out);
+  if (!options.output.empty()) check_page_name(options.output);
+}
+
+/// Fills the answer; what would help is sought where nothing is recommended.
+/// @returns false after Ctrl-C: what is finished is in `advice`
+/// @throws Interrupted  when nothing is
+bool search(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question, Advice& advice,
+            const Console& console) {
+  Progress progress(console, "advise");
+  const auto& interrupted = interrupt_flag();
+  const AdviceWatcher watcher = [&](double share, const std::string& what) {
+    if (interrupted) throw Interrupted{};
+    progress.update(share, what);
+  };
+  try {
+    const Remaking make = remaking(options.problem);
+    advise(problem, question, advice, watcher, make.with);
+    if (!advice.recommended())
+      find_remedies(problem, question, advice, make, [&](double share, const std::string& what) {
+        watcher(share, "what would help: " + what);
+      });
+  } catch (const Interrupted&) {
+    if (advice.rows.empty()) throw;
+    return false;
+  }
+  return true;
+}
+
+/// Behind the answer itself, which is not lost when something cannot be written.
+void keep(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question, const Advice& advice,
+          const AdviceText& text, Console& console) {
+  if (options.out.empty() && options.output.empty()) return;
+  console.flush();
+  const AdviceKey key = advice_key(problem, question, advice);
+  const std::vector<AdviceRecord> rows = advice_records(advice);
+  if (!options.out.empty()) {
+    Store store = Store::open_or_create(store_path(options.out));
+    store.begin_session(fingerprint());
+    store.insert_advice(key, rows);
+  }
+  if (options.output.empty()) return;
+  const std::string missing = write_advice_page(options.output, text, key, rows, error_scale(problem));
+  if (!missing.empty()) console.remark(missing);
+}
+
+void advise_on(const AdviseOptions& options, Console& console) {
+  check_names(options);
+  const Problem problem = options.problem.make();
+  const AdviceQuestion question = question_of(options, problem);
+  // Before the minutes of the search, and behind the files that are read, which are no outputs.
+  if (!options.output.empty()) check_writable(options.output);
+  remark_unusual(console, problem);
+  options.problem.remark_idle(console, problem);
+  Advice advice;
+  const bool finished = search(options, problem, question, advice, console);
+  if (!advice.recommended()) console.exit_code = Exit::failed;
+  AdviceText text = words_of(problem, question, advice, !finished);
+  text.left_out = words_of_left_out(options, problem);
+  if (console.json)
+    console.print_json(advice_json(problem, question, advice, !finished));
+  else
+    console.print(for_people(text, console));
+  if (finished) return keep(options, problem, question, advice, text, console);
+  // An answer that was kept before is better than a part of one.
+  const bool wanted = !options.out.empty() || !options.output.empty();
+  console.remark(wanted ? "interrupted; the rows so far are printed, and neither stored nor written to a page"
+                        : "interrupted; the rows so far are printed");
+  console.exit_code = Exit::interrupted;
+}
+
+}  // namespace
+
+void add_advise(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "advise",
+      "Which integrator, and how large a step: for a model and a frame rate; exit 1 where nothing suits",
+      {"hmax advise --mesh liver --material male_normal --rate 100",
+       "hmax advise --mesh phantom --load tool --rate 1000 --budget 0.5 --json",
+       "hmax advise --problem liver_forced --rate 100 --tolerance 1e-3",
+       "hmax advise --problem liver_forced --rate 100 --methods rk4,newmark --output advice.html"});
+  const auto options = std::make_shared<AdviseOptions>();
+  options->problem.add_to(command);
+  add_number(command, "--rate", options->rate, "Frame rate [Hz]; required");
+  add_number(command, "--tolerance", options->tolerance,
+             "Largest error of the motion, relative to the largest displacement of a body, or to the range of each "
+             "state [1]; 0.01 by default");
+  add_number(command, "--budget", options->budget,
+             "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
+             "default");
+  command
+      .add_option("--methods", options->methods,
+                  fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
+                              fmt::join(simulator_methods(), ", ")))
+      ->type_name("A,B");
+  command.add_option("--frames", options->frames, "Number of frames that the best methods are timed for; 1000 by default")
+      ->type_name("N");
+  command
+      .add_option("--motion", options->motion,
+                  "Motion of a body in place of the probing motion: CSV with the columns t [s] and fx, fy, fz [N] or x, "
+                  "y, z [m], forces or displacements")
+      ->type_name("FILE");
+  command
+      .add_option("--motion-at", options->motion_at,
+                  "Points that --motion acts on, as --support; the far end of the body by default; may be repeated")
+      ->type_name("SET")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--out", options->out,
+                  "Store of the advice, one row a method: a file that ends in .sqlite, or a name under results/runs; none "
+                  "by default")
+      ->type_name("STORE");
+  command
+      .add_option("--output", options->output,
+                  "Page of HTML with the whole answer and its figures, which needs no other file; none by default")
+      ->type_name("FILE.html");
+  add_force(command);
+  command.callback([options, &console] { advise_on(*options, console); });
+}
+
+}  // namespace hmax

@@ -1,0 +1,203 @@
+#include <sstream>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* small_question =
+    "advise --mesh cube:n=2 --model fem_green --load press --rate 100 --frames 50 --methods rk4,newmark";
+
+TEST(AdviseCommand, AnswersInTheKeysOfTheContract) {
+  const Shell shell;
+  const Told told = shell.hmax(std::string(small_question) + " --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.err, "");
+  const Json document = told.json();
+  for (const char* key : {"model", "rate", "tolerance", "budget_ms", "machine", "rows", "recommended", "ties", "remedies",
+                          "proof", "uncertainty"})
+    EXPECT_TRUE(document.contains(key)) << key;
+  ASSERT_EQ(document.at("rows").size(), 2U);
+  for (const char* key :
+       {"method", "options", "h", "steps_per_frame", "h_max", "h_max_observed", "h_accurate", "bound", "error",
+        "error_of", "frame_ms", "missed", "frames", "realtime_factor", "memory_bytes", "damping_added", "margin",
+        "verdict", "status"})
+    EXPECT_TRUE(document.at("rows")[0].contains(key)) << key;
+  EXPECT_EQ(document.at("recommended"), document.at("rows")[0]);
+  EXPECT_EQ(document.at("recommended").at("verdict"), "recommended");
+  EXPECT_EQ(document.at("budget_ms"), 10.0);
+}
+
+TEST(AdviseCommand, SaysWhatToTakeAndWhy) {
+  const Told told = Shell().hmax(small_question);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.out.find("take "), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("limited by "), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find(" frames took more than 10 ms"), std::string::npos) << told.out;
+}
+
+TEST(AdviseCommand, FailsWhereNothingSuits) {
+  const Told told = Shell().hmax(std::string(small_question) + " --budget 1e-6");
+  EXPECT_EQ(told.exit_code, 1) << told.err;
+  EXPECT_NE(told.out.find("no method that was tried meets this"), std::string::npos) << told.out;
+}
+
+TEST(AdviseCommand, KeepsTheAdviceInAStore) {
+  const Shell shell;
+  const Told told = shell.hmax(std::string(small_question) + " --out kept.sqlite --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const Told rows = shell.hmax("export kept.sqlite --of advice --json");
+  ASSERT_EQ(rows.exit_code, 0) << rows.err;
+  const Json kept = rows.json(), told_rows = told.json().at("rows");
+  ASSERT_EQ(kept.size(), told_rows.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(kept[i].at("method"), told_rows[i].at("method"));
+    EXPECT_EQ(kept[i].at("h"), told_rows[i].at("h"));
+    EXPECT_EQ(kept[i].at("verdict"), told_rows[i].at("verdict"));
+  }
+  const Told none = shell.hmax("export kept.sqlite --of limits");
+  EXPECT_NE(none.err.find("holds no limits; --of advice writes what it has"), std::string::npos) << none.err;
+}
+
+constexpr const char* page_question =
+    "advise --problem liver_forced --rate 100 --frames 20 --methods rk4,newmark --output page.html";
+
+/// Words with one space between them.
+std::string spaced(const std::string& text) {
+  std::istringstream words(text);
+  std::string line;
+  for (std::string word; words >> word;) line += (line.empty() ? "" : " ") + word;
+  return line;
+}
+
+/// What a reader of a page sees.
+std::string seen(const std::string& page) {
+  std::string text;
+  bool inside = false;  // of a tag
+  for (const char c : page.substr(page.find("<body>"))) {
+    inside = inside || c == '<';
+    text += inside ? ' ' : c;
+    inside = inside && c != '>';
+  }
+  for (const auto& [entity, character] : {std::pair("&lt;", "<"), {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}})
+    for (std::size_t at; (at = text.find(entity)) != std::string::npos;)
+      text.replace(at, std::string_view(entity).size(), character);
+  return spaced(text);
+}
+
+/// The number of places where a text has a part.
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(AdvisePage, HoldsTheWholeAnswer) {
+  const Shell shell;
+  const Told told = shell.hmax(page_question);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const std::string page = read_text(shell / "page.html"), text = seen(page);
+  EXPECT_NE(page.find("<title>liver_forced at 100 Hz: integrator and step size</title>"), std::string::npos);
+  EXPECT_NE(text.find("its own motion; to t = 100 s"), std::string::npos);
+  std::istringstream lines(told.out);
+  std::string line;
+  std::getline(lines, line);  // model and motion, which stand apart on the page
+  std::size_t compared = 0;
+  for (; std::getline(lines, line); ++compared)
+    EXPECT_NE(text.find(spaced(line)), std::string::npos) << line << "\n" << text;
+  EXPECT_GE(compared, 12U);
+  EXPECT_NE(text.find(" c="), std::string::npos) << "the parameters";
+}
+
+TEST(AdvisePage, NeedsNothingElse) {
+  const Shell shell;
+  ASSERT_EQ(shell.hmax(page_question).exit_code, 0);
+  const std::string page = read_text(shell / "page.html");
+  EXPECT_EQ(page.find("<!DOCTYPE html>"), 0U);
+  EXPECT_EQ(page.find("://"), std::string::npos);
+  EXPECT_EQ(count_of(page, "src=\""), count_of(page, "src=\"data:image/svg+xml;base64,"));
+  EXPECT_EQ(count_of(page, "href=\""), count_of(page, "href=\"#"));
+  // rk4 has a limit, so there are two figures where gnuplot is.
+  EXPECT_EQ(count_of(page, "<img alt=\"") + count_of(page, ": not drawn. "), 2U);
+  EXPECT_EQ(count_of(page, "<img "), count_of(page, "<img alt=\"Error and CPU time of each method. ") +
+                                        count_of(page, "<img alt=\"Steps and their limits. "));
+  for (const char* element : {"table", "tr", "td", "th", "h2", "figure", "p", "ul", "li"})
+    EXPECT_EQ(count_of(page, fmt::format("<{}>", element)) + count_of(page, fmt::format("<{} ", element)),
+              count_of(page, fmt::format("</{}>", element)))
+        << element;
+}
+
+TEST(AdvisePage, HasItsTablesWithoutGnuplot) {
+  const Shell shell;
+  const Told told = shell.line(std::string("PATH=/nowhere '" HMAX_PROGRAM "' ") + page_question + " --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.err, "hmax: gnuplot is not installed; apt-get install gnuplot-nox, then ask again\n");
+  EXPECT_EQ(told.json().at("rows").size(), 2U);
+  const std::string text = seen(read_text(shell / "page.html"));
+  EXPECT_NE(text.find("not drawn. gnuplot is not installed"), std::string::npos) << text;
+  EXPECT_NE(text.find("method h [ms] steps"), std::string::npos) << text;
+}
+
+TEST(AdvisePage, ShowsTextOfFilesAsItIs) {
+  const Shell shell;
+  write_text(shell / "own.toml",
+             "[problem]\nname = \"a<b>&c\"\nt_end = 5\n[equations]\nx = \"v\"\nv = \"-x\"\n"
+             "[initial]\nx = 1\nv = 0\n");
+  const Told told =
+      shell.hmax("advise --problem own.toml --rate 100 --frames 20 --methods rk2_heun,rk4 --output own.html");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const std::string page = read_text(shell / "own.html");
+  EXPECT_EQ(page.find("a<b>"), std::string::npos);
+  EXPECT_NE(page.find("<title>a&lt;b&gt;&amp;c at 100 Hz"), std::string::npos) << page.substr(0, 400);
+}
+
+TEST(AdvisePage, SaysWhatWouldHelpWhereNothingSuits) {
+  const Shell shell;
+  const Told told = shell.hmax(std::string(small_question) + " --budget 1e-6 --output page.html");
+  EXPECT_EQ(told.exit_code, 1) << told.err;
+  const std::string text = seen(read_text(shell / "page.html"));
+  EXPECT_NE(text.find("no method that was tried meets this What helps, each tried: "), std::string::npos) << text;
+  EXPECT_NE(text.find(" budget_ms "), std::string::npos) << text;
+  EXPECT_NE(text.find("Methods that do not suit"), std::string::npos) << text;
+}
+
+TEST(AdvisePage, IsRefusedBeforeTheSearch) {
+  // What is found is printed before the page is written: nothing was searched where nothing is printed.
+  const Shell shell;
+  const std::string ask = "advise --problem liver_forced --rate 100 --frames 20 --methods rk4 --output ";
+  for (const char* name : {"page.md", "page", "page.htm", ".html"})
+    expect_refused(shell.hmax(ask + name), "let its name end in .html, such as advice.html");
+  expect_refused(shell.hmax(ask + "/dev/null/folder/page.html"), "Cannot write '/dev/null/folder/page.html'");
+  write_text(shell / "mine.html", "<p>mine</p>");
+  expect_refused(shell.hmax(ask + "mine.html"), "--force");
+  EXPECT_EQ(read_text(shell / "mine.html"), "<p>mine</p>");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --out a/b"), "--out is 'a/b'");
+}
+
+TEST(AdvisePage, ThatCannotBeWrittenLosesNoAnswer) {
+  const Shell shell;
+  const Told told = shell.line(std::string("ln -s /dev/full page.html && hmax ") + page_question);
+  EXPECT_EQ(told.exit_code, 2);
+  EXPECT_NE(told.out.find("take "), std::string::npos) << told.out;
+  EXPECT_NE(told.err.find("Cannot write 'page.html'"), std::string::npos) << told.err;
+}
+
+TEST(AdviseCommand, RefusesWrongInput) {
+  const Shell shell;
+  expect_refused(shell.hmax("advise --problem liver_forced"), "add --rate");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 0"), "--rate is 0");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 1e9"), "between 1 and 100000");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --tolerance 2"), "below 1");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --budget -1"), "--budget is -1");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --methods adams_pece"), "--methods");
+  expect_refused(shell.hmax("advise --mesh cube:n=2 --rate 100 --motion-at surface:1"), "--motion");
+  expect_refused(shell.hmax("advise --mesh cube:n=2 --rate 100 --motion none.csv"), "none.csv");
+}
+
+}  // namespace
+}  // namespace hmax
