@@ -1,11 +1,7 @@
 /// A struct of your own, integrated: a strip of tissue that stiffens as it stretches, let go under a weight.
 #include <cmath>
 #include <cstdio>
-
-#include "integrators/explicit/adaptive.hpp"
-#include "integrators/explicit/explicit_rk.hpp"
-#include "integrators/explicit/tableaux.hpp"
-#include "integrators/observers.hpp"
+#include <hmax/hmax.hpp>
 
 /// m x'' = m g - c x' - k x exp(x / l) as a first-order system in y = (x, x').
 struct TissueStrip {

@@ -9,7 +9,7 @@
 #include "plots/advice/advice_figures.hpp"
 #include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
-#include "plots/page.hpp"
+#include "plots/pages/page.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

@@ -21,7 +21,7 @@ std::string milliseconds(double seconds, int digits = 3) {
 std::string percent(double share) { return std::isfinite(share) ? short_number(100 * share, 2) + " %" : "-"; }
 
 /// What keeps the step from being longer.
-std::string words_of_bound(const AdviceRow& row) {
+std::string sentence_of_bound(const AdviceRow& row) {
   switch (row.bound) {
     case AdviceBound::stability:
       return "stability: a longer part of a frame is within 5 % of the limit or beyond it";
@@ -67,7 +67,7 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice,
                   const AdviceQuestion& question) {
   facts.emplace_back("stability", words_of_limit(row));
-  facts.emplace_back("limited by", words_of_bound(row));
+  facts.emplace_back("limited by", sentence_of_bound(row));
   facts.emplace_back("error", fmt::format("{} of the {}", percent(row.error), error_scale(problem)));
   facts.emplace_back(
       "CPU time",

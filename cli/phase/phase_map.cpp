@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "analysis/dynamics/fixed_point_search.hpp"
-#include "bench/limits/steps/one_step_map.hpp"
+#include "bench/step_maps/one_step_map.hpp"
 #include "bench/models/planar.hpp"
 #include "cli/phase/phase.hpp"
 #include "plots/dynamics.hpp"

@@ -1,4 +1,4 @@
-#include "bench/limits/steps/one_step_map.hpp"
+#include "bench/step_maps/one_step_map.hpp"
 
 #include <cmath>
 #include <limits>
