@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <filesystem>
+#include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -57,6 +59,38 @@ TEST(Folders, EachHeaderIsNamedInTheReadmeOfItsFolder) {
     for (const std::string& file : unnamed_headers(folder, readme))
       ADD_FAILURE() << file << " is not named in " << folder << "/README.md.";
   }
+}
+
+/// Sources that the first column of a table of a README names, `name.hpp` or `name.*`, and that are not there.
+std::vector<std::string> lost_sources(const std::string& folder, const std::string& readme) {
+  static const std::regex row("\\| ([^|]*) \\|"), name("`([a-z_0-9/]+)\\.(hpp|cpp|\\*)`");
+  std::vector<std::string> lost;
+  std::istringstream lines(readme);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch first;
+    if (!std::regex_search(line, first, row, std::regex_constants::match_continuous)) continue;
+    const std::string cell = first[1];
+    for (std::sregex_iterator it(cell.begin(), cell.end(), name), end; it != end; ++it) {
+      const std::string stem = folder + "/" + (*it)[1].str();
+      const auto is_there = [&](const char* ending) { return std::filesystem::exists(source_dir() / (stem + ending)); };
+      if (!is_there(".hpp") && !is_there(".cpp")) lost.push_back(stem);
+    }
+  }
+  return lost;
+}
+
+TEST(Folders, ReadmesNameWhatIsThere) {
+  for (const std::string& folder : folders_of_headers()) {
+    for (const std::string& source : lost_sources(folder, read_text(source_dir() / folder / "README.md")))
+      ADD_FAILURE() << folder << "/README.md names " << source << ", which is not there.";
+    const std::size_t slash = folder.rfind('/');
+    if (slash == std::string::npos) continue;
+    const std::string parent = folder.substr(0, slash);
+    EXPECT_NE(read_text(source_dir() / parent / "README.md").find(folder.substr(slash + 1) + "/"), std::string::npos)
+        << parent << "/README.md does not name its folder " << folder << ".";
+  }
+  EXPECT_EQ(lost_sources("plots", "| `draw.*`, `sketch.hpp` | `paper.hpp` |"),
+            std::vector<std::string>{"plots/sketch"});
 }
 
 TEST(Folders, NoneHasMoreThanThirtyEntries) {
