@@ -53,7 +53,7 @@ struct Structure : FirstOrder<Sparse> {
   struct Matrices {
     VectorXd mass;
     Sparse K, C;
-    Sparse K_stiff, C_stiff;  // empty where there is no stiff part
+    Sparse K_stiff, C_stiff;  // empty where there is no stiff part, or one that is no structure
   };
   std::shared_ptr<const Matrices> matrices;
 
@@ -72,13 +72,12 @@ struct Structure : FirstOrder<Sparse> {
   void damping_stiff(DofMatrix& C) const { C = matrices->C_stiff; }
 };
 
-/// K or C of a stiff part, from its Jacobian (0, I; -M^-1 K, -M^-1 C).
-/// @param first  its column in the Jacobian
-Sparse matrix_of(const Sparse& J_stiff, const VectorXd& mass, Index first) {
-  const Index n = mass.size();
-  Sparse matrix = -(mass.asDiagonal() * Sparse(J_stiff.block(n, first, n, n)));
-  matrix.makeCompressed();
-  return matrix;
+/// Whether J is that of a structure, (0, I; ...): otherwise it has no K and C.
+bool moves_by_velocities(const Sparse& J) {
+  const Index n = J.rows() / 2;
+  Sparse upper = J.topRows(n);
+  for (Index i = 0; i < n; ++i) upper.coeffRef(i, n + i) -= 1;
+  return upper.norm() == 0;
 }
 
 template <class MatrixT>
@@ -127,9 +126,12 @@ AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool aut
   const MechanicalPart& part = *model.mechanical;
   Structure::Matrices matrices{part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C), {}, {}};
   Structure structure{{parts_of<Sparse>(model, std::move(rhs), autonomous, std::move(stiff))}, {}};
-  if (const Sparse& J_stiff = structure.parts->J_stiff; J_stiff.size() > 0) {
-    matrices.K_stiff = matrix_of(J_stiff, part.mass, 0);
-    matrices.C_stiff = matrix_of(J_stiff, part.mass, part.mass.size());
+  if (const Sparse& J_stiff = structure.parts->J_stiff; J_stiff.size() > 0 && moves_by_velocities(J_stiff)) {
+    auto [K, C] = detail::stiffness_and_damping_of(J_stiff, part.mass);
+    matrices.K_stiff = std::get<Sparse>(K);
+    matrices.C_stiff = std::get<Sparse>(C);
+    matrices.K_stiff.makeCompressed();
+    matrices.C_stiff.makeCompressed();
   }
   structure.matrices = std::make_shared<const Structure::Matrices>(std::move(matrices));
   return AnySystem(std::move(structure));

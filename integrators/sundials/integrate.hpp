@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "integrators/implicit/jacobian.hpp"
+#include "integrators/implicit/stiff_part.hpp"
 #include "integrators/integrate.hpp"
 #include "integrators/sundials/solver.hpp"
 
@@ -136,9 +137,7 @@ class Binding {
   void evaluate(double t, const State& y) {
     evaluated_ = true;
     if constexpr (SplitSystem<Sys>)
-      if (split_)
-        return hmax::detail::write_as<jacobian_type<Sys>>(
-            J_, [&](auto& own) { system_.jacobian_stiff(t, y, own); });
+      if (split_) return source_.evaluate(StiffPart<Sys>(system_), t, y, J_);
     source_.evaluate(system_, t, y, J_);
   }
 

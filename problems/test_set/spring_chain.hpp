@@ -115,6 +115,11 @@ class SpringChain {
     dydt.tail(n_) /= m_;
   }
   void jacobian_stiff(Real /*t*/, const State& y, Jacobian& J) const { packed_jacobian(y, Real(0), J); }
+  void stiffness_stiff(DofMatrix& K) const {
+    detail::write_sparse(
+        K, n_, [&](const auto& emit) { tridiagonal([&](Eigen::Index) { return k_; }, Real(1), 0, 0, emit); });
+  }
+  void damping_stiff(DofMatrix& C) const { damping(Real(0), {}, {}, C); }
   void rhs_nonstiff(Real /*t*/, const State& y, State& dydt) const {
     dydt.head(n_).setZero();
     pull(y.data(), y.data() + n_, Real(0), Real(0), k3_, dydt.data() + n_);
