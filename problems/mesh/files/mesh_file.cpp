@@ -18,13 +18,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<MeshFormat, 7> formats{{{".msh", "Gmsh 1, 2.2, 4.1", true, read_gmsh},
-                                             {".vtk", "VTK legacy", false, read_vtk},
-                                             {".vtu", "VTK XML", true, read_vtu},
-                                             {".node", "TetGen, with .ele", false, nullptr},
-                                             {".ele", "TetGen, with .node", false, nullptr},
-                                             {".mesh", "Medit", false, read_medit},
-                                             {".veg", "Vega", false, read_vega}}};
+/// A form of mesh files.
+struct MeshFormat {
+  std::string_view extension;
+  /// From the bytes of one file; null where a mesh takes two. @param name  in errors
+  MeshFile (*read)(const std::string& name, std::string_view text);
+};
+constexpr std::array<MeshFormat, 7> formats{{{".msh", read_gmsh},
+                                             {".vtk", read_vtk},
+                                             {".vtu", read_vtu},
+                                             {".node", nullptr},
+                                             {".ele", nullptr},
+                                             {".mesh", read_medit},
+                                             {".veg", read_vega}}};
 
 /// ".msh .vtk .vtu ..."
 std::string known_extensions() {
@@ -61,9 +67,13 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-}  // namespace
+/// The form of a file by its name; null where there is none.
+const MeshFormat* format_of(const fs::path& file) {
+  const auto* const found = std::ranges::find(formats, lower_extension(file), &MeshFormat::extension);
+  return found == formats.end() ? nullptr : found;
+}
 
-std::span<const MeshFormat> mesh_formats() { return formats; }
+}  // namespace
 
 std::string MeshFile::where(Eigen::Index tetrahedron) const {
   const auto t = static_cast<std::size_t>(tetrahedron);
@@ -87,26 +97,25 @@ MeshFile counted_from_one(TetMesh mesh, std::string name) {
 }
 
 MeshFile read_mesh(const std::string& name, std::string_view text) {
-  const auto format = std::ranges::find(formats, lower_extension(name), &MeshFormat::extension);
-  if (format != formats.end() && format->read != nullptr) return format->read(name, text);
+  if (const MeshFormat* format = format_of(name); format != nullptr && format->read != nullptr)
+    return format->read(name, text);
   throw std::invalid_argument("'" + name + "' is no mesh by its extension; name a file " +
                               known_extensions());
 }
 
 MeshFile read_mesh_file(const fs::path& file) {
-  const std::string extension = lower_extension(file);
-  if (extension != ".node" && extension != ".ele") {
+  const MeshFormat* format = format_of(file);
+  if (format == nullptr || format->read != nullptr) {
     std::error_code ignored;
     if (fs::is_directory(file, ignored))
       throw std::invalid_argument("'" + file.string() + "' is a folder; name a file " + known_extensions() +
                                   " in it");
-    if (fs::exists(file, ignored) &&
-        std::ranges::find(formats, extension, &MeshFormat::extension) == formats.end())
+    if (fs::exists(file, ignored) && format == nullptr)
       return read_mesh(file.string(), "");  // which says what extensions there are
     return read_mesh(file.string(), read_whole(file));
   }
   fs::path node = file, ele = file;
-  if (extension == ".ele")
+  if (lower_extension(file) == ".ele")
     node.replace_extension(".node");
   else
     ele.replace_extension(".ele");

@@ -50,18 +50,8 @@ struct MeshFile {
 /// A mesh that no file has numbered: points and tetrahedra count from 1.
 MeshFile counted_from_one(TetMesh mesh, std::string name = {});
 
-/// A way to write meshes down.
-struct MeshFormat {
-  std::string_view extension;  ///< ".msh"
-  std::string_view name;       ///< for people
-  bool written;                ///< by us too
-  /// From the bytes of one file; null where a mesh takes two. @param name  in errors
-  MeshFile (*read)(const std::string& name, std::string_view text);
-};
-std::span<const MeshFormat> mesh_formats();
-
 /// Reads Gmsh .msh (1, 2, 4.1; ASCII and binary), VTK .vtk and .vtu, TetGen .node/.ele (either of the pair),
-/// Medit .mesh. Tetrahedra are kept, those of second order by their corners; points, lines and
+/// Medit .mesh, Vega .veg. Tetrahedra are kept, those of second order by their corners; points, lines and
 /// triangles are kept where they belong to a group; other volumes are refused.
 /// @throws std::invalid_argument one sentence with file, line or byte, and remedy
 MeshFile read_mesh_file(const std::filesystem::path& file);
