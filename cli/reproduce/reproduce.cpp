@@ -70,6 +70,7 @@ void stability_study(const std::filesystem::path& folder, Console& console) {
   const auto& interrupted = interrupt_flag();
   const auto stop = [&] { return interrupted.load(); };
   const std::vector<LimitCase> cases = limit_cases();
+  check_limit_files(folder);
   Store store = Store::open_or_create(folder / "limits.sqlite");
   const auto study = [&](const char* task, CaseKind kind, const std::vector<Method>& chosen) {
     Progress progress(console, task);

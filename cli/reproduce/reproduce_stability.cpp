@@ -29,12 +29,13 @@ std::string shown(double value) {
   return std::isinf(value) ? "unbounded" : fmt::format("{:.5g}", value);
 }
 
+constexpr const char *linear_file = "limits.csv", *nonlinear_file = "nonlinear.csv";
+
 /// The rows of a study as a store exports them.
 void write_rows(const fs::path& file, const std::vector<StudyRow>& rows) {
   std::vector<LimitRow> limits;
   for (const StudyRow& row : rows) limits.push_back(row.limit);
-  const std::string text = limits_to_csv(limits);
-  write_file(file, text, text.substr(0, text.find('\n') + 1));
+  write_file(file, limits_to_csv(limits), limits_to_csv({}));
 }
 
 /// The families of methods that the figure tells apart, in the order of its colours, and their markers.
@@ -165,11 +166,15 @@ LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<S
   return summary;
 }
 
+void check_limit_files(const fs::path& folder) {
+  for (const char* file : {linear_file, nonlinear_file}) check_writable(folder / file, limits_to_csv({}));
+}
+
 fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows,
                              const std::vector<StudyRow>& nonlinear, const std::string& machine,
                              const fs::path& folder) {
-  write_rows(folder / "limits.csv", rows);
-  write_rows(folder / "nonlinear.csv", nonlinear);
+  write_rows(folder / linear_file, rows);
+  write_rows(folder / nonlinear_file, nonlinear);
   const LimitSummary summary = summary_of(cases, rows);
   std::vector<ReportSection> sections;
   sections.push_back(

@@ -18,6 +18,9 @@ struct LimitSummary {
 };
 LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows);
 
+/// Before the minutes of the study. @throws InputError  when these files are there and are others
+void check_limit_files(const std::filesystem::path& folder);
+
 /// Writes limits.csv and nonlinear.csv with the columns of `hmax export --of limits`, the figure
 /// hmax_predicted_vs_observed and a README.md into `folder`.
 /// @param machine  one line: where it was done
