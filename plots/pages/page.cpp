@@ -44,7 +44,7 @@ constexpr std::string_view style =
     "h1{font-size:1.7rem}h2{font-size:1.3rem;margin-top:3rem;border-bottom:1px solid #d4d4d4}"
     "figure{margin:1.5rem 0}img{max-width:100%;height:auto}figcaption{color:#606060;font-size:.9rem}"
     "table{border-collapse:collapse;font-size:.85rem;display:block;overflow-x:auto}"
-    "th,td{padding:.15rem .7rem;text-align:right;vertical-align:top;border-bottom:1px solid #e4e4e4;white-space:nowrap}"
+    "th,td{padding:.15rem .4rem;text-align:right;vertical-align:top;border-bottom:1px solid #e4e4e4;white-space:nowrap}"
     "th:first-child,td:first-child{text-align:left;padding-left:0;white-space:normal}"
     ".words{text-align:left}"
     ".facts th,.facts td{font-size:1rem;text-align:left;white-space:normal}.facts th{min-width:6.5rem}"
