@@ -78,7 +78,6 @@ double stiffening_along(const TrajectoryLimit& along) {
 
 void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher) {
   const Problem& problem = model.motion.problem;
-  model.near = linearised(problem, 0, problem.y0);
   const Path path = path_of(model.reference);
   std::vector<Method> asked;
   for (const Candidate& candidate : all) asked.push_back(candidate.method);
@@ -183,7 +182,8 @@ class StepSearch {
       if (suffices(run)) break;
       cause = cause_of(run);
       failed = steps;
-      const bool hopeless = cause == AdviceBound::accuracy
+      const bool hopeless = cause == AdviceBound::budget     ? true
+                            : cause == AdviceBound::accuracy
                                 ? time_to_suffice(row) > 2 * question_.frame_budget()
                                 : steps >= most_steps_after_failure * first;
       if (hopeless) return conclude_failure(row, cause);
@@ -202,6 +202,8 @@ class StepSearch {
 
  private:
   static constexpr std::int64_t most_steps = 100'000, most_steps_after_failure = 64;
+  /// A run whose frames take longer than so many budgets is not finished.
+  static constexpr double most_budgets = 4;
 
   /// About what a frame takes with as many steps as meet the tolerance, from the order of the method [s].
   [[nodiscard]] double time_to_suffice(const AdviceRow& row) const {
@@ -224,13 +226,14 @@ class StepSearch {
   /// Why a run does not suffice. One that is off by the whole motion has grown, though it may be bounded.
   [[nodiscard]] static AdviceBound cause_of(const MotionRun& run) {
     if (run.outcome == Outcome::newton_failed) return AdviceBound::newton;
+    if (run.outcome == Outcome::stopped) return AdviceBound::budget;
     return run.reached_end() && run.error <= 1 ? AdviceBound::accuracy : AdviceBound::stability;
   }
 
   MotionRun run_at(AdviceRow& row, std::int64_t steps) const {
     if (watcher_) watcher_();
-    MotionRun run =
-        run_motion(row.candidate, model_.motion, model_.reference, question_.frame(), steps, 1, watcher_);
+    MotionRun run = run_motion(row.candidate, model_.motion, model_.reference, question_.frame(), steps,
+                               {.most_per_frame = most_budgets * question_.frame_budget()}, watcher_);
     record(row, run, steps, question_);
     row.status = run.note;
     return run;
@@ -272,6 +275,12 @@ class StepSearch {
 
   void conclude_failure(AdviceRow& row, AdviceBound cause) const {
     row.bound = cause;
+    if (cause == AdviceBound::budget) {
+      row.verdict = AdviceVerdict::too_slow;
+      row.error = AdviceRow::none;
+      row.status = fmt::format("frames take more than {} times the budget; the run was not finished", most_budgets);
+      return;
+    }
     if (cause == AdviceBound::accuracy && row.frame.p50 > question_.frame_budget()) {
       row.bound = AdviceBound::budget;
       row.verdict = AdviceVerdict::too_slow;
@@ -352,7 +361,7 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
       continue;
     }
     const MotionRun run = run_motion(row.candidate, model.motion, model.reference, question.frame(),
-                                     row.steps_per_frame, question.frames, watcher);
+                                     row.steps_per_frame, {.frames = question.frames}, watcher);
     record(row, run, row.steps_per_frame, question);
     if (!is_timed(row) || is_late(row.missed, row.frames)) {
       row.verdict = AdviceVerdict::too_slow;
@@ -410,19 +419,21 @@ using Now = std::function<void(double share, std::string what)>;
 /// @returns the candidates, in the order of AnalysedModel::h_max
 std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& question, AnalysedModel& model,
                                Advice& advice, const Now& now, const Watcher& watch) {
-  now(0, "finding a load that the model bears");
+  now(0, "finding a load with an equilibrium");
   model.motion = question.motion ? probing_motion(problem, *question.motion, watch) : probing_motion(problem, watch);
   lengthen(model.motion, question);
   advice.motion = fmt::format("{}; to t = {:.6g} s", model.motion.words, model.motion.t_end);
   advice.t_end = model.motion.t_end;
-  now(0.05, "finding the reference motion");
-  model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch);
-  advice.scale = model.reference.scale;
-  advice.reference_error = model.reference.error_bound;
   std::vector<Candidate> all = candidates(question.methods, model.motion.problem);
   if (all.empty())
     throw InputError(fmt::format("none of the methods can step {} at a fixed step; name others with --methods",
                                  problem.id));
+  now(0.05, "finding the reference motion");
+  model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
+  const double rk4_limit = predict(find_method("rk4"), model.near).h_max.value_or(0);
+  model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch, rk4_limit);
+  advice.scale = model.reference.scale;
+  advice.reference_error = model.reference.error_bound;
   now(0.2, "limits along the motion");
   predict_limits(model, all, watch);
   advice.stiffened = model.stiffened;

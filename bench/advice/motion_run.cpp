@@ -11,9 +11,16 @@ namespace hmax {
 
 namespace {
 
+/// Ends a run from its sink.
+struct TooSlow {};
+
 /// One run from the start; adds to `result`.
+/// @param most_per_frame  as RunLength has it
 void run_once(const Candidate& candidate, const Runner& runner, const ProbingMotion& motion,
-              const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame, MotionRun& result) {
+              const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame, double most_per_frame,
+              MotionRun& result) {
+  constexpr double least_run = 1;  // [s]
+  constexpr std::int64_t least_frames = 5, looked_every = 256;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
   const double h = frame / static_cast<double>(steps_per_frame);
   std::int64_t step = -1;
@@ -21,6 +28,15 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
   ImplicitWork work;
   std::int64_t newton = 0;
   double last = thread_cpu_seconds();
+  const double start = last;
+  const auto look_at_the_clock = [&] {
+    const double now = thread_cpu_seconds();
+    const std::int64_t begun = std::max(least_frames, step / steps_per_frame + 1);
+    if (now - start < std::max(least_run, most_per_frame * static_cast<double>(begun))) return;
+    // The frame at hand takes at least this long.
+    if (step % steps_per_frame != 0) result.frames_s.push_back(now - last);
+    throw TooSlow{};
+  };
   const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     ++step;
     if (step % steps_per_frame == 0 && step > 0) {
@@ -31,11 +47,19 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
     }
     if (instant < reference.t.size() && t >= reference.t[instant] - 0.25 * h)
       result.error = std::max(result.error, relative_error(motion, reference, instant++, y));
+    if (std::isfinite(most_per_frame) && (step % steps_per_frame == 0 || step % looked_every == 0)) look_at_the_clock();
     if (step % steps_per_frame == 0) last = thread_cpu_seconds();
   };
   RunSpec spec = candidate.spec(h, frames * frame);
   spec.work = &work;
-  const RunRecord record = runner.run(spec, sink);
+  RunRecord record;
+  try {
+    record = runner.run(spec, sink);
+  } catch (const TooSlow&) {
+    record.outcome = Outcome::stopped;
+    record.t = static_cast<double>(step) * h;
+    record.stats.steps = step;
+  }
   result.outcome = record.outcome;
   result.t = record.t;
   result.steps += record.stats.steps;
@@ -59,16 +83,16 @@ FrameTimes frame_times(const std::vector<double>& frames_s) {
 }
 
 MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,
-                     double frame, std::int64_t steps_per_frame, std::size_t frames, const Watcher& watcher) {
+                     double frame, std::int64_t steps_per_frame, const RunLength& length, const Watcher& watcher) {
   const PinnedThread pinned;
   const Runner runner = candidate.method.bind(motion.problem);
   MotionRun result;
   do {
     if (watcher) watcher();
     const std::size_t before = result.frames_s.size();
-    run_once(candidate, runner, motion, reference, frame, steps_per_frame, result);
+    run_once(candidate, runner, motion, reference, frame, steps_per_frame, length.most_per_frame, result);
     if (result.frames_s.size() == before) break;  // a motion of one frame
-  } while (result.reached_end() && result.frames_s.size() < frames);
+  } while (result.reached_end() && result.frames_s.size() < length.frames);
   return result;
 }
 

@@ -39,11 +39,18 @@ struct FrameTimes {
 /// NaN of no frames.
 FrameTimes frame_times(const std::vector<double>& frames_s);
 
-/// Runs the motion with `steps_per_frame` steps in each frame, again from the start until there are so many frames;
-/// once where it does not reach its end. The thread is kept on its processor.
+/// How long a motion is run.
+struct RunLength {
+  std::size_t frames = 1;  ///< again from the start until there are so many
+  /// A run that has taken a second, and so much for each frame and at least five, ends as Outcome::stopped: CPU time [s].
+  double most_per_frame = std::numeric_limits<double>::infinity();
+};
+
+/// Runs the motion with `steps_per_frame` steps in each frame; once where it does not reach its end. The thread is kept
+/// on its processor.
 /// @param frame  [s]
 MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,
-                     double frame, std::int64_t steps_per_frame, std::size_t frames = 1,
+                     double frame, std::int64_t steps_per_frame, const RunLength& length = {},
                      const Watcher& watcher = {});
 
 /// Whether a step is stable on the motion, and for 500 steps at least: it reaches the end, and a run that starts

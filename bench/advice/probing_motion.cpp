@@ -112,12 +112,12 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
                       hold, rise)};
 }
 
-/// The state at each of some instants, by newmark at h; nothing where a step is not solved.
-std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion, double h,
+/// The state at each of some instants, by a method at h; nothing where a step is not solved.
+std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion, const char* method, double h,
                                                     const std::vector<double>& at, const Watcher& watcher) {
   std::vector<Eigen::VectorXd> states;
   const RunSpec spec{.t_end = motion.t_end, .h = h, .max_steps = 100'000'000};
-  const RunRecord record = find_method("newmark").bind(motion.problem).run(
+  const RunRecord record = find_method(method).bind(motion.problem).run(
       spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
         if (watcher) watcher();
         if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h) states.emplace_back(y);
@@ -139,13 +139,29 @@ double scale_of(const std::vector<Eigen::VectorXd>& y) {
   return scale;
 }
 
-ReferenceMotion halved_until_steady(const ProbingMotion& motion, double frame, double tolerance,
+/// What integrates the reference of a body, and its first step, which divides a frame [s].
+struct ReferenceMethod {
+  const char* method;
+  double h;
+};
+
+/// Newmark from a step that simulators take; rk4 from half of its limit where that costs less. A step of newmark takes
+/// as long as hundreds of evaluations of the force of a body, and needs some dozen times shorter steps than this.
+ReferenceMethod reference_method(double frame, double rk4_limit) {
+  constexpr double longest = 0.01, most_explicit_steps = 200;
+  const auto part_of_frame = [&](double most) { return frame / std::ceil(frame / most); };
+  const double h = std::min(longest, rk4_limit / 2);
+  if (h >= longest / most_explicit_steps) return {"rk4", part_of_frame(h)};
+  return {"newmark", part_of_frame(longest)};
+}
+
+ReferenceMotion halved_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, double tolerance,
                                     ReferenceMotion reference, const Watcher& watcher) {
   constexpr int most_halvings = 12;
   std::optional<std::vector<Eigen::VectorXd>> coarse;
-  double h = frame / std::ceil(frame / 0.01);
+  double h = by.h;
   for (int halving = 0; halving <= most_halvings; ++halving, h /= 2) {
-    auto fine = sampled(motion, h, reference.t, watcher);
+    auto fine = sampled(motion, by.method, h, reference.t, watcher);
     if (fine && coarse) {
       reference.scale = scale_of(*fine);
       double change = 0;
@@ -160,9 +176,9 @@ ReferenceMotion halved_until_steady(const ProbingMotion& motion, double frame, d
     coarse = std::move(fine);
   }
   throw InputError(fmt::format(
-      "no reference of {} to {:.2g} is found: newmark still changes by {:.2g} at h = {:.3g} s; give a larger --tolerance, "
+      "no reference of {} to {:.2g} is found: {} still changes by {:.2g} at h = {:.3g} s; give a larger --tolerance, "
       "a smaller load or a model that holds it",
-      motion.problem.id, tolerance, reference.error_bound, 2 * h));
+      motion.problem.id, tolerance, by.method, reference.error_bound, 2 * h));
 }
 
 }  // namespace
@@ -244,13 +260,14 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
 }
 
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
-                                 const Watcher& watcher) {
+                                 const Watcher& watcher, double rk4_limit) {
   constexpr double most_instants = 50;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
   const double stride = std::ceil(frames / most_instants);
   ReferenceMotion reference;
   for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
-  if (motion.problem.body) return halved_until_steady(motion, frame, tolerance, std::move(reference), watcher);
+  if (motion.problem.body)
+    return halved_until_steady(motion, reference_method(frame, rk4_limit), tolerance, std::move(reference), watcher);
   const Reference exact = make_reference(motion.problem, motion.t_end);
   reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
   for (const double t : reference.t) {

@@ -26,7 +26,7 @@ std::vector<ProofRun> prove(const Candidate& candidate, std::int64_t steps_per_f
   const auto frames = static_cast<std::size_t>(std::ceil(plan.seconds / plan.frame));
   std::vector<ProofRun> proofs;
   const auto run = [&](const ProbingMotion& of, const ReferenceMotion& against) {
-    proofs.push_back(judged(run_motion(candidate, of, against, plan.frame, steps_per_frame, frames, watcher), of.words, plan));
+    proofs.push_back(judged(run_motion(candidate, of, against, plan.frame, steps_per_frame, {.frames = frames}, watcher), of.words, plan));
   };
   const double h = plan.frame / static_cast<double>(steps_per_frame);
   run(motion, reference);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/predict.hpp"
@@ -49,17 +50,18 @@ std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem,
     const Problem changed = make(scaled(problem, quantity, factor));
     return predict(method, linearised(changed, 0, y)).h_max.value_or(std::nan(""));
   };
-  const double unchanged = predict(method, linearised(problem, 0, y)).h_max.value_or(std::nan(""));
-  if (!(unchanged > 0 && std::isfinite(unchanged))) return bands;
+  std::optional<double> unchanged;
   for (const Quantity& quantity : quantities()) {
     if (scaled(problem, quantity, 1).empty()) continue;
     try {
+      if (!unchanged) unchanged = predict(method, linearised(problem, 0, y)).h_max.value_or(std::nan(""));
+      if (!(*unchanged > 0 && std::isfinite(*unchanged))) return bands;
       const double low = limit_of(quantity, 1 - quantity.spread), high = limit_of(quantity, 1 + quantity.spread);
       if (!(low > 0 && high > 0 && std::isfinite(low) && std::isfinite(high))) continue;
       bands.push_back({.quantity = quantity.name,
                        .spread = quantity.spread,
-                       .low = std::min(low, high) / unchanged,
-                       .high = std::max(low, high) / unchanged,
+                       .low = std::min(low, high) / *unchanged,
+                       .high = std::max(low, high) / *unchanged,
                        .exponent = std::log(high / low) / std::log((1 + quantity.spread) / (1 - quantity.spread))});
     } catch (const InputError&) {
       continue;  // no such model

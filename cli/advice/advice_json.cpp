@@ -106,7 +106,7 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
                 {"budget_ms", 1e3 * question.frame_budget()},
                 {"machine", summary(fingerprint())},
                 {"rows", std::move(rows)},
-                {"proof", best ? to_json(advice.proof) : Json::array()},
+                {"proof", to_json(advice.proof)},
                 {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
                 {"recommended", best ? to_json(*best, question, error_scale(problem)) : Json()},
                 {"ties", std::move(ties)},

@@ -88,7 +88,7 @@ void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, co
                                                  short_number(row.newton_per_frame)));
 }
 
-/// How far it is from what it does not bear, and what it does to slow motions.
+/// The margin to instability, and the damping added to slow modes.
 void add_margins(Facts& facts, const AdviceRow& row, const Advice& advice) {
   if (!std::isnan(row.stiffening))
     facts.emplace_back(
@@ -134,17 +134,17 @@ std::string words_of_help(const Advice& advice, bool interrupted) {
 std::string words_of_interruption(const Advice& advice) {
   switch (advice.stage) {
     case AdviceStage::searching:
-      return "interrupted: rows so far; the best are not timed and not proved";
+      return "interrupted: rows so far; the best are not timed and not verified";
     case AdviceStage::timing:
-      return "interrupted: the best rows are not all timed, and not proved by long runs";
+      return "interrupted: the best rows are not all timed, and not verified by long runs";
     case AdviceStage::proving:
-      return "interrupted: the best rows are timed, but not proved by long runs";
+      return "interrupted: the best rows are timed, but not verified by long runs";
     case AdviceStage::observing:
     case AdviceStage::done:
       break;
   }
   return fmt::format("interrupted: the best rows are timed{}, but not all limits are observed",
-                     advice.proof.empty() ? "" : ", the first is proved by long runs");
+                     advice.proof.empty() ? "" : ", the first is verified by long runs");
 }
 
 std::vector<std::vector<std::string>> table_of(const std::vector<AdviceRecord>& rows) {

@@ -1,5 +1,6 @@
 /// hmax advise: which integrator, and how large a step, for a model and a frame rate.
 #include <algorithm>
+#include <exception>
 #include <cmath>
 #include <memory>
 
@@ -110,9 +111,9 @@ void check_names(const AdviseOptions& options) {
 }
 
 /// Fills the answer; what would help is sought where nothing is recommended.
-/// @returns false after Ctrl-C: what is finished is in `advice`
-/// @throws Interrupted  when nothing is
-bool search(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question, Advice& advice,
+/// @returns what ended the search early, Interrupted after Ctrl-C: what is finished is in `advice`; else null
+/// @throws the same when nothing is
+std::exception_ptr search(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question, Advice& advice,
             const Console& console) {
   Progress progress(console, "advise");
   const auto& interrupted = interrupt_flag();
@@ -127,11 +128,21 @@ bool search(const AdviseOptions& options, const Problem& problem, const AdviceQu
       find_remedies(problem, question, advice, make, [&](double share, const std::string& what) {
         watcher(share, "what would help: " + what);
       });
-  } catch (const Interrupted&) {
+  } catch (...) {
     if (advice.rows.empty()) throw;
-    return false;
+    return std::current_exception();
   }
-  return true;
+  return nullptr;
+}
+
+/// Whether it was Ctrl-C. @throws what it was otherwise
+bool was_interrupted(const std::exception_ptr& end) {
+  if (!end) return false;
+  try {
+    std::rethrow_exception(end);
+  } catch (const Interrupted&) {
+    return true;
+  }
 }
 
 /// Behind the answer itself, which is not lost when something cannot be written.
@@ -141,14 +152,19 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   console.flush();
   const AdviceKey key = advice_key(problem, question, advice);
   const std::vector<AdviceRecord> rows = advice_records(advice);
+  std::exception_ptr page_failure;  // the store is written all the same
+  if (!options.output.empty()) try {
+      const std::string missing = write_advice_page(options.output, text, key, rows, error_scale(problem));
+      if (!missing.empty()) console.remark(missing);
+    } catch (const InputError&) {
+      page_failure = std::current_exception();
+    }
   if (!options.out.empty()) {
     Store store = Store::open_or_create(store_path(options.out));
     store.begin_session(fingerprint());
     store.insert_advice(key, rows);
   }
-  if (options.output.empty()) return;
-  const std::string missing = write_advice_page(options.output, text, key, rows, error_scale(problem));
-  if (!missing.empty()) console.remark(missing);
+  if (page_failure) std::rethrow_exception(page_failure);
 }
 
 void advise_on(const AdviseOptions& options, Console& console) {
@@ -160,15 +176,20 @@ void advise_on(const AdviseOptions& options, Console& console) {
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
   Advice advice;
-  const bool finished = search(options, problem, question, advice, console);
+  const std::exception_ptr end = search(options, problem, question, advice, console);
+  const bool finished = end == nullptr;
   if (!advice.recommended()) console.exit_code = Exit::failed;
   AdviceText text = words_of(problem, question, advice, !finished);
   text.left_out = words_of_left_out(options, problem);
-  if (console.json)
+  if (console.json) {
+    (void)was_interrupted(end);  // one document: an error takes the place of the answer
     console.print_json(advice_json(problem, question, advice, !finished));
-  else
+  } else {
     console.print(for_people(text, console));
+  }
   if (finished) return keep(options, problem, question, advice, text, console);
+  console.flush();
+  if (!was_interrupted(end)) return;
   // An answer that was kept before is better than a part of one.
   const bool wanted = !options.out.empty() || !options.output.empty();
   console.remark(wanted ? "interrupted; the rows so far are printed, and neither stored nor written to a page"
