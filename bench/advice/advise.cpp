@@ -377,7 +377,7 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
 /// @param slowest  the slowest frequency [rad/s]; 0: not known
 std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question,
                                  const AnalysedModel& model, double slowest, const Watcher& watcher) {
-  constexpr double most_cpu = 10;  // [s] of both motions
+  constexpr double most_cpu = 20;  // [s] of both motions
   while (is_suitable(rows.front())) {
     AdviceRow& best = rows.front();
     const double affordable = most_cpu / 2 * best.realtime_factor(question.rate);

@@ -117,7 +117,7 @@ using AdviceWatcher = std::function<void(double share, const std::string& what)>
 /// The step of a candidate is a whole part of a frame. The search begins with the longest one below 0.95 of the
 /// predicted limit and takes shorter ones until the motion holds and meets the tolerance. The best rows are then timed
 /// over `frames` frames, in turn; the best must hold for `proof` simulated seconds, as far as they take no more than
-/// 10 s of CPU time. Rows within 10 % of the best are ties.
+/// 20 s of CPU time. Rows within 10 % of the best are ties.
 /// @throws InputError  as probing_motion() and reference_motion()
 /// @param make  for the bands of the limit; without it there are none
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {},

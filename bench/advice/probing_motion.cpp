@@ -7,13 +7,13 @@
 #include <tuple>
 #include <utility>
 
-#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "integrators/linear/sparse_solver.hpp"
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -31,6 +31,15 @@ double size_of(const TetMesh& mesh) {
 
 bool is_driven_by_time(const TissueBody& body) { return body.steady_from() > 0; }
 
+/// The largest displacement K^-1 f [m]; 0 where K has no inverse.
+double linear_displacement(const TissueBody::DofMatrix& K, Eigen::VectorXd f) {
+  SparseSolver<double> solver;
+  solver.set({.by = LinearSolve::By::direct});
+  if (!solver.factor(K)) return 0;
+  solver.solve(f);
+  return largest_displacement(f);
+}
+
 /// The forces times this move the body by 2 % of its size, by its stiffness at `q`.
 double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   const TissueBody& body = *pressed.body;
@@ -43,10 +52,7 @@ double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   free.body->force(0, q, zero, without_force);
   TissueBody::DofMatrix K;
   body.stiffness(0, q, zero, K);
-  const Eigen::SimplicialLDLT<TissueBody::DofMatrix> factor(K);
-  const double given = factor.info() == Eigen::Success
-                           ? largest_displacement(factor.solve(with_force - without_force))
-                           : 0;
+  const double given = linear_displacement(K, with_force - without_force);
   return given > 0 && std::isfinite(given) ? 0.02 * size_of(body.mesh()) / given : 1;
 }
 
@@ -63,10 +69,44 @@ void come_and_go(std::vector<PressingForce>& forces) {
   forces = std::move(both);
 }
 
+/// The searches for an equilibrium of a large body, each with a factor whose cost grows like the square of the degrees of
+/// freedom, have fewer iterations, and none is begun with a load under which they are likely to fail: a smaller one
+/// serves as well.
+bool is_large(const TissueBody& body) { return body.dofs() > 5000; }
+
+StaticSettings settings_for(const TissueBody& body, double tolerance) {
+  StaticSettings settings{.tolerance = tolerance};
+  if (!is_large(body)) return settings;
+  settings.iterations = 50;
+  settings.load_steps = 1;
+  return settings;
+}
+
+/// The first of 1, 1/2, ..., 1/64 that is tried: of a large body one that would move it by at most 2 % of its size, if its
+/// stiffness stayed that at rest.
+double first_share(const Problem& problem) {
+  const TissueBody& body = *problem.body;
+  if (!is_large(body)) return 1;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
+  Eigen::VectorXd f(body.dofs());
+  TissueBody::DofMatrix K;
+  body.force(0, zero, zero, f);
+  body.stiffness(0, zero, zero, K);
+  const double most = 0.02 * size_of(body.mesh()), moved = linear_displacement(K, std::move(f));
+  double share = 1;
+  while (share > 1.0 / 64 && share * moved > most) share /= 2;
+  return share;
+}
+
+std::string_view words_of_share(const TissueBody& body) {
+  return is_large(body) ? "under which it has an equilibrium"
+                        : "the most of 1, 1/2, 1/4, ... with an equilibrium";
+}
+
 /// The largest share of the load, 1, 1/2, ..., 1/64, that has an equilibrium; nothing where none has one.
 std::optional<double> share_with_equilibrium(const Problem& problem, const Watcher& watcher) {
-  const StaticSettings settings{.tolerance = 1e-6};
-  for (double share = 1; share >= 1.0 / 64; share /= 2) {
+  const StaticSettings settings = settings_for(*problem.body, 1e-6);
+  for (double share = first_share(problem); share >= 1.0 / 64; share /= 2) {
     if (watcher) watcher();
     if (found_equilibrium(problem, share, settings, [] { return 0.0; }).converged) return share;
   }
@@ -77,8 +117,7 @@ std::optional<double> share_with_equilibrium(const Problem& problem, const Watch
 std::pair<double, std::string> probing_share(const Problem& problem, const Watcher& watcher) {
   if (const auto share = share_with_equilibrium(problem, watcher))
     return {*share, *share == 1 ? "the load"
-                                : fmt::format("{:.3g} of the load, the most of 1, 1/2, 1/4, ... with an equilibrium",
-                                              *share)};
+                                : fmt::format("{:.3g} of the load, {}", *share, words_of_share(*problem.body))};
   const double share = force_for_2_percent(problem, Eigen::VectorXd::Zero(problem.body->dofs()));
   return {share, fmt::format("{:.3g} of the load, which moves the body by about 2 % of its size; 1/64 of it has no "
                              "equilibrium",
@@ -206,20 +245,18 @@ PressingForce far_press(const TissueBody& body) {
 RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher) {
   const TissueSettings& settings = problem.body->settings();
   if (settings.gravity.norm() == 0) return {problem, ""};
-  TissueSettings weighted = settings;
-  for (double share = 1; share >= 1.0 / 64; share /= 2) {
+  TissueSettings weighted = settings, alone = settings;
+  alone.forces.clear();
+  for (double share = first_share(with_settings(problem, alone)); share >= 1.0 / 64; share /= 2) {
     if (watcher) watcher();
-    weighted.gravity = share * settings.gravity;
-    TissueSettings alone = weighted;
-    alone.forces.clear();
+    weighted.gravity = alone.gravity = share * settings.gravity;
     const StaticSolution resting =
-        found_equilibrium(with_settings(problem, std::move(alone)), 1, {.tolerance = 1e-10}, [] { return 0.0; });
+        found_equilibrium(with_settings(problem, alone), 1, settings_for(*problem.body, 1e-10),
+                          [] { return 0.0; });
     if (!resting.converged) continue;
     RestingBody found{share == 1 ? problem : with_settings(problem, std::move(weighted)),
                       share == 1 ? " beside gravity"
-                                 : fmt::format(" beside {:.3g} of gravity, the most of 1, 1/2, 1/4, ... with an "
-                                               "equilibrium",
-                                               share)};
+                                 : fmt::format(" beside {:.3g} of gravity, {}", share, words_of_share(*problem.body))};
     found.problem.y0.head(resting.q.size()) = resting.q;
     return found;
   }
