@@ -19,7 +19,7 @@ struct TooSlow {};
 void run_once(const Candidate& candidate, const Runner& runner, const ProbingMotion& motion,
               const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame, double most_per_frame,
               MotionRun& result) {
-  constexpr double least_run = 1;  // [s]
+  constexpr double least_run = 1, least_first_frame = 20;  // [s]
   constexpr std::int64_t least_frames = 5, looked_every = 256;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
   const double h = frame / static_cast<double>(steps_per_frame);
@@ -28,13 +28,16 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
   ImplicitWork work;
   std::int64_t newton = 0;
   double last = thread_cpu_seconds();
-  const double start = last;
+  double start = last;
   const auto look_at_the_clock = [&] {
     const double now = thread_cpu_seconds();
-    const std::int64_t begun = std::max(least_frames, step / steps_per_frame + 1);
-    if (now - start < std::max(least_run, most_per_frame * static_cast<double>(begun))) return;
+    const bool in_first = step < steps_per_frame;
+    if (step == steps_per_frame) start = now;
+    const std::int64_t begun = std::max(least_frames, step / steps_per_frame);
+    const double least = in_first ? least_first_frame : least_run;
+    if (now - start < std::max(least, most_per_frame * static_cast<double>(begun))) return;
     // The frame at hand takes at least this long.
-    if (step % steps_per_frame != 0) result.frames_s.push_back(now - last);
+    if (step % steps_per_frame != 0) (in_first ? result.first_frame_s : result.frames_s.emplace_back()) = now - last;
     throw TooSlow{};
   };
   const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {

@@ -42,7 +42,8 @@ FrameTimes frame_times(const std::vector<double>& frames_s);
 /// How long a motion is run.
 struct RunLength {
   std::size_t frames = 1;  ///< again from the start until there are so many
-  /// A run that has taken a second, and so much for each frame and at least five, ends as Outcome::stopped: CPU time [s].
+  /// A run that has taken so much for each frame but the first, and for at least five, and a second in all, ends as
+  /// Outcome::stopped; also one whose first frame takes 20 s: CPU time [s].
   double most_per_frame = std::numeric_limits<double>::infinity();
 };
 
