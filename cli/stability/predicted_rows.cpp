@@ -296,7 +296,7 @@ std::optional<Path> PredictedRows::motion_of(const Problem& problem, std::string
 }
 
 bool LimitQuestion::seeks_in_steps(const Method& method, const Problem& problem) const {
-  constexpr Eigen::Index soon = 2000;  // states whose steps are done within a minute
+  constexpr Eigen::Index soon = 2000;  // states whose steps are done within a minute or two
   return problem.y0.size() <= soon || std::ranges::find(named, method.id) != named.end();
 }
 
