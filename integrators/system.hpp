@@ -110,7 +110,8 @@ concept SplitSystem = System<S> &&
 };
 
 /// A split second-order system whose stiff part is that of a linear structure, (v, -M^-1 (K0 q + C0 v)). It writes the
-/// constant matrices K0 and C0, shape (dofs, dofs), in place of which jacobian_stiff has no symmetric matrix.
+/// constant matrices K0 and C0, shape (dofs, dofs); jacobian_stiff has the same in one matrix of twice the size,
+/// which is not symmetric.
 template <class S>
 concept SplitStructure = SplitSystem<S> && SecondOrderSystem<S> &&
     requires(const S& system, typename S::DofMatrix& matrix) {
