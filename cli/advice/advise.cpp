@@ -1,7 +1,7 @@
 /// hmax advise: which integrator, and how large a step, for a model and a frame rate.
 #include <algorithm>
-#include <exception>
 #include <cmath>
+#include <exception>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -113,8 +113,8 @@ void check_names(const AdviseOptions& options) {
 /// Fills the answer; what would help is sought where nothing is recommended.
 /// @returns what ended the search early, Interrupted after Ctrl-C: what is finished is in `advice`; else null
 /// @throws the same when nothing is
-std::exception_ptr search(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question, Advice& advice,
-            const Console& console) {
+std::exception_ptr search(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question,
+                          Advice& advice, const Console& console) {
   Progress progress(console, "advise");
   const auto& interrupted = interrupt_flag();
   const AdviceWatcher watcher = [&](double share, const std::string& what) {
@@ -153,12 +153,13 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   const AdviceKey key = advice_key(problem, question, advice);
   const std::vector<AdviceRecord> rows = advice_records(advice);
   std::exception_ptr page_failure;  // the store is written all the same
-  if (!options.output.empty()) try {
-      const std::string missing = write_advice_page(options.output, text, key, rows, error_scale(problem));
-      if (!missing.empty()) console.remark(missing);
-    } catch (const InputError&) {
-      page_failure = std::current_exception();
-    }
+  try {
+    const std::string missing =
+        options.output.empty() ? "" : write_advice_page(options.output, text, key, rows, error_scale(problem));
+    if (!missing.empty()) console.remark(missing);
+  } catch (const InputError&) {
+    page_failure = std::current_exception();
+  }
   if (!options.out.empty()) {
     Store store = Store::open_or_create(store_path(options.out));
     store.begin_session(fingerprint());
