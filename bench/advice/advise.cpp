@@ -182,11 +182,7 @@ class StepSearch {
       if (suffices(run)) break;
       cause = cause_of(run);
       failed = steps;
-      const bool hopeless = cause == AdviceBound::budget     ? true
-                            : cause == AdviceBound::accuracy
-                                ? time_to_suffice(row) > 2 * question_.frame_budget()
-                                : steps >= most_steps_after_failure * first;
-      if (hopeless) return conclude_failure(row, cause);
+      if (is_hopeless(row, cause, steps, first)) return conclude_failure(row, cause);
     }
     refine(row, failed, steps, cause);
     row.h_accurate = row.h;
@@ -209,6 +205,13 @@ class StepSearch {
   [[nodiscard]] double time_to_suffice(const AdviceRow& row) const {
     const int order = std::max(1, row.candidate.method.order);
     return row.frame.p50 * std::max(1.0, std::pow(row.error / question_.tolerance, 1.0 / order));
+  }
+
+  /// Whether more steps per frame than those that did not suffice would not suffice either.
+  [[nodiscard]] bool is_hopeless(const AdviceRow& row, AdviceBound cause, std::int64_t steps, std::int64_t first) const {
+    if (cause == AdviceBound::budget) return true;
+    if (cause == AdviceBound::accuracy) return time_to_suffice(row) > 2 * question_.frame_budget();
+    return steps >= most_steps_after_failure * first;
   }
 
   /// Those of the longest step below the predicted limit; one more than most_steps where they are more.
