@@ -67,6 +67,22 @@ TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
   EXPECT_NE(motion.words.find("equilibrium"), std::string::npos) << motion.words;
 }
 
+TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
+  const Problem problem = make_problem("fem_green/gravity@ball:n=8", {.material = {}, .parameters = {}, .y0 = {}});
+  ASSERT_GT(problem.body->dofs(), 5000);
+  const RestingBody resting = resting_under_gravity(problem);
+  const double share = resting.problem.body->settings().gravity.norm() / problem.body->settings().gravity.norm();
+  EXPECT_GT(share, 0);
+  EXPECT_LT(share, 1);
+  EXPECT_NE(resting.words.find("under which it has an equilibrium"), std::string::npos) << resting.words;
+  // At rest there: the forces are those of rounding.
+  Eigen::VectorXd f(problem.body->dofs()), start(problem.body->dofs());
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(f.size());
+  resting.problem.body->force(0, zero, zero, start);
+  resting.problem.body->force(0, resting.problem.y0.head(f.size()), zero, f);
+  EXPECT_LT(f.norm(), 1e-8 * start.norm());
+}
+
 TEST(ProbingMotion, TakesAsMuchOfALoadAsMovesTheBodyByTwoPercent) {
   const ProbingMotion motion = probing_motion(cube("press", {{"force", 1e6}}));
   const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
@@ -111,12 +127,12 @@ TEST(MotionRun, EndsWhereItsFramesTakeTooLong) {
   const ProbingMotion motion = probing_motion(problem);
   const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
   const Candidate candidate = candidates({find_method("symplectic_euler")}, problem).front();
-  // Six million steps; a second of them is far from the end.
-  const MotionRun run = run_motion(candidate, motion, reference, 0.01, 100'000, {.most_per_frame = 1e-9});
+  // Eighteen million steps, which no machine takes half of in a second.
+  const MotionRun run = run_motion(candidate, motion, reference, 0.01, 300'000, {.most_per_frame = 1e-9});
   EXPECT_EQ(run.outcome, Outcome::stopped);
   EXPECT_LT(run.t, 0.5 * motion.t_end);
   EXPECT_EQ(run.error, std::numeric_limits<double>::infinity());
-  EXPECT_FALSE(run.frames_s.empty());
+  EXPECT_GT(run.steps, 0);
 }
 
 TEST(Candidates, AreMethodsWithTheirChoices) {
