@@ -14,6 +14,16 @@ std::string to_text(double value) {
   return {digits, end};
 }
 
+std::string rounded_text(double value, int digits) {
+  char text[64];
+  auto [end, error] = std::to_chars(text, text + sizeof text, value, std::chars_format::general, digits);
+  double rounded = value;
+  std::from_chars(text, end, rounded);
+  if (std::abs(rounded) < 1e6 && std::string_view(text, end).find("e+") != std::string_view::npos)
+    end = std::to_chars(text, text + sizeof text, rounded, std::chars_format::fixed, 0).ptr;
+  return {text, end};
+}
+
 std::optional<double> to_number(std::string_view text) {
   constexpr std::string_view blanks = " \t\r";
   const auto first = text.find_first_not_of(blanks);

@@ -272,7 +272,7 @@ std::string TextTable::text(const Console& console) const {
 std::string short_number(double value, int digits) {
   if (std::isnan(value)) return std::string(no_number);
   if (std::isinf(value)) return std::string(value > 0 ? too_large : too_low);
-  return fmt::format("{:.{}g}", value, digits);
+  return rounded_text(value, digits);
 }
 
 }  // namespace hmax

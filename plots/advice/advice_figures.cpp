@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "results/numbers.hpp"
+
 namespace hmax {
 
 namespace {
@@ -47,7 +49,7 @@ Range around(const std::vector<double>& values) {
   return {low / margin, high * margin};
 }
 
-std::string short_number(double value) { return fmt::format("{:.3g}", value); }
+std::string short_number(double value) { return rounded_text(value, 3); }
 
 /// The lines at tolerance and budget, and the corner where both are met.
 void add_bounds(Panel& panel, double tolerance, double budget) {

@@ -40,6 +40,12 @@ TEST(Numbers, AreWrittenWithTheFewestDigitsThatReadBack) {
   EXPECT_EQ(to_text(0.00005), "5e-05");
   EXPECT_EQ(to_text(-0.0), "-0");
   EXPECT_EQ(to_text(-std::nan("")), "nan");
+  EXPECT_EQ(rounded_text(2212.4, 3), "2210");
+  EXPECT_EQ(rounded_text(999.6, 3), "1000");
+  EXPECT_EQ(rounded_text(-49512, 3), "-49500");
+  EXPECT_EQ(rounded_text(0.00012345, 3), "0.000123");
+  EXPECT_EQ(rounded_text(1.5e7, 3), "1.5e+07");
+  EXPECT_EQ(rounded_text(999'999'9.0, 3), "1e+07");
 }
 
 TEST(Table, ComesBackFromItsFileBitForBit) {
