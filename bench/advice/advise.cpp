@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/numerical_damping.hpp"
+#include "bench/advice/motion_limits.hpp"
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/predict.hpp"
-#include "bench/limits/steps/linearly_implicit.hpp"
 #include "core/peak_memory.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -26,17 +26,6 @@ constexpr double safety = 0.95;
 /// Rows this close to the best are as good.
 constexpr double noise = 1.10;
 
-/// What is known of the model before anything is tried.
-struct AnalysedModel {
-  ProbingMotion motion;
-  ReferenceMotion reference;
-  Linearised near;                  ///< at the start of the motion
-  std::vector<double> h_max;        ///< of each method, the least along the motion; NaN where there is none
-  std::vector<std::string> status;  ///< why there is none
-  double stiffened = 1;
-  double fastest = 0;               ///< the fastest undamped frequency at the start [rad/s]; 0: not known
-};
-
 /// A body stays where it is after its motion; of other problems the motion must have frames to be timed.
 /// @throws InputError  where it has not
 void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
@@ -46,51 +35,6 @@ void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
     throw InputError(fmt::format("the motion of {} ends at {:.6g} s, before {} frames of {:.6g} Hz; take a higher --rate",
                                  motion.problem.id, motion.t_end, least_frames, question.rate));
   motion.t_end = least_frames * question.frame();
-}
-
-/// The states of the reference at which limits are looked for.
-Path path_of(const ReferenceMotion& reference) {
-  constexpr std::size_t most = 10;
-  Path path;
-  const std::size_t stride = std::max<std::size_t>(1, (reference.t.size() + most - 1) / most);
-  for (std::size_t i = 0; i < reference.t.size(); i += stride) {
-    path.at.push_back(reference.t[i]);
-    path.y.push_back(reference.y[i]);
-  }
-  return path;
-}
-
-/// The least of the limits at the start and along the motion; NaN where there is none.
-double least_limit(const Prediction& start, const std::optional<TrajectoryLimit>& along) {
-  double h = start.h_max.value_or(AdviceRow::none);
-  if (along && !std::isnan(along->least)) h = std::isnan(h) ? along->least : std::min(h, along->least);
-  return h;
-}
-
-/// How many times the square of the fastest frequency grows along the motion, from the limits of the central
-/// difference, 2 / omega.
-double stiffening_along(const TrajectoryLimit& along) {
-  const double start = along.h_max.front();
-  return along.least > 0 && std::isfinite(along.least) && std::isfinite(start)
-             ? std::pow(start / along.least, 2)
-             : 1;
-}
-
-void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher) {
-  const Problem& problem = model.motion.problem;
-  const Path path = path_of(model.reference);
-  std::vector<Method> asked;
-  for (const Candidate& candidate : all) asked.push_back(candidate.method);
-  if (problem.body) asked.push_back(find_method("central_difference"));
-  const auto along = limits_along(asked, problem, path, watcher);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Prediction start = predict(all[i].method, model.near);
-    model.h_max.push_back(least_limit(start, along[i]));
-    model.status.push_back(std::isnan(model.h_max.back()) ? start.note : "");
-  }
-  if (problem.body && along.back()) model.stiffened = stiffening_along(*along.back());
-  for (const MechanicalMode& mode : model.near.modes.spectrum.mechanical)
-    model.fastest = std::max(model.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
 }
 
 /// The slowest oscillations of a spectrum [rad/s] with their damping ratios.
@@ -116,35 +60,6 @@ void set_mode_changes(AdviceRow& row, const std::vector<std::pair<double, double
     row.damping_added.push_back(shown.zeta - zeta);
     row.frequency_shift.push_back(shown.omega / omega - 1);
   }
-}
-
-bool is_frozen(const Candidate& candidate) { return candidate.jacobian.every == JacobianUpdate::frozen; }
-/// Whether the step is not that of the method itself, so that the limit of the method is not its limit.
-bool is_approximate(const Candidate& candidate) {
-  return candidate.linear_solve.iterations > 0 || candidate.jacobian.every > 1;
-}
-
-/// The predicted limit where the Jacobian is that of the start, as of an undamped spring that stiffens as much as the
-/// motion makes the fastest mode stiffen [s].
-double limit_of_frozen(const Candidate& candidate, const AnalysedModel& model) {
-  const auto method = linearly_implicit_method(candidate.method.id);
-  if (!method) return AdviceRow::none;
-  const double exit = frozen_spring_exit(*method, model.stiffened);
-  return std::isinf(exit) ? infinity : model.fastest > 0 ? exit / model.fastest : AdviceRow::none;
-}
-
-/// How many times stiffer than on the motion the body may become before the step is unstable: limits of explicit
-/// methods fall as the root of the stiffness, old Jacobians tolerate a ratio.
-void set_margin(AdviceRow& row, const AnalysedModel& model) {
-  if (is_approximate(row.candidate)) return;
-  if (is_frozen(row.candidate)) {
-    const auto method = linearly_implicit_method(row.candidate.method.id);
-    if (method && model.fastest > 0 && row.h > 0)
-      row.stiffening = tolerated_stiffness(*method, row.h * model.fastest).most / model.stiffened;
-    return;
-  }
-  if (std::isfinite(row.h_max)) row.stiffening = std::pow(row.h_max / row.h, 2);
-  if (std::isinf(row.h_max)) row.stiffening = infinity;
 }
 
 /// Puts a run into its row.
@@ -302,20 +217,24 @@ class StepSearch {
   const Watcher& watcher_;
 };
 
+bool is_suitable(const AdviceRow& row) {
+  return row.verdict == AdviceVerdict::suitable || row.verdict == AdviceVerdict::recommended ||
+         row.verdict == AdviceVerdict::tie;
+}
+
 /// One candidate at the longest of its steps that suffices.
-/// @param i  its place in AnalysedModel::h_max
+/// @param i  its place in AnalysedModel::limits
 AdviceRow searched_row(const Candidate& candidate, std::size_t i, const AdviceQuestion& question,
                        const AnalysedModel& model, const std::vector<std::pair<double, double>>& modes,
                        const Watcher& watcher) {
   AdviceRow row;
   row.candidate = candidate;
-  row.h_max = is_approximate(candidate) ? AdviceRow::none : model.h_max[i];
-  if (is_frozen(candidate)) row.h_max = limit_of_frozen(candidate, model);
+  row.h_max = model.limits[i].h_max;
   reset_peak_memory();
   StepSearch(question, model, watcher)(row);
   row.memory = peak_memory();
-  if (row.status.empty()) row.status = model.status[i];
-  set_margin(row, model);
+  if (row.status.empty()) row.status = model.limits[i].status;
+  if (is_suitable(row)) row.stiffening = stiffening_margin(candidate, model.limits[i], model, row.h, watcher);
   set_mode_changes(row, modes);
   return row;
 }
@@ -336,11 +255,6 @@ double observed_limit(const AdviceRow& row, const AnalysedModel& model) {
 /// What rows are ranked by; smaller is better.
 double rank_of(const AdviceRow& row, const AdviceQuestion& question) {
   return question.least_error ? row.error : row.frame.p50;
-}
-
-bool is_suitable(const AdviceRow& row) {
-  return row.verdict == AdviceVerdict::suitable || row.verdict == AdviceVerdict::recommended ||
-         row.verdict == AdviceVerdict::tie;
 }
 
 void sort_rows(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
@@ -419,7 +333,7 @@ using Now = std::function<void(double share, std::string what)>;
 
 /// The motion, its reference and the limits along it.
 /// @param advice  gets what people read of them
-/// @returns the candidates, in the order of AnalysedModel::h_max
+/// @returns the candidates, in the order of AnalysedModel::limits
 std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& question, AnalysedModel& model,
                                Advice& advice, const Now& now, const Watcher& watch) {
   now(0, "finding a load with an equilibrium");
@@ -448,7 +362,7 @@ void observe_limits(std::vector<AdviceRow>& rows, const AnalysedModel& model, co
   for (std::size_t i = 0; i < rows.size(); ++i) {
     AdviceRow& row = rows[i];
     if (!is_suitable(row) || !std::isfinite(row.h_max)) continue;
-    now(0.8 + 0.19 * static_cast<double>(i) / static_cast<double>(rows.size()),
+    now(0.8 + 0.17 * static_cast<double>(i) / static_cast<double>(rows.size()),
         "runs beside the limit of " + row.candidate.words());
     row.h_max_observed = observed_limit(row, model);
     if (std::isnan(row.h_max_observed) && row.status.empty())
@@ -467,6 +381,11 @@ std::string_view name_of(AdviceVerdict verdict) {
   constexpr std::array<std::string_view, 6> names{"recommended", "tie",        "suitable",
                                                   "unstable",    "inaccurate", "too_slow"};
   return names[static_cast<std::size_t>(verdict)];
+}
+
+std::string_view name_of(AdviceStage stage) {
+  constexpr std::array<std::string_view, 6> names{"searching", "timing", "proving", "observing", "remedies", "done"};
+  return names[static_cast<std::size_t>(stage)];
 }
 
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher,
@@ -507,6 +426,11 @@ void advise(const Problem& problem, const AdviceQuestion& question, Advice& advi
   advice.proof = prove_best(advice.rows, question, model, modes.empty() ? 0 : modes.front().first, watch);
   advice.stage = AdviceStage::observing;
   observe_limits(advice.rows, model, now);
+  if (!advice.rows.empty() && is_suitable(advice.rows.front())) {
+    now(0.97, "how much larger the loads may be");
+    const AdviceRow& best = advice.rows.front();
+    advice.load_margin = load_margin(best.candidate, best.h, model.motion, model.reference, make, watch);
+  }
   now(0.99, "how sure the limit is");
   // Behind the last call of the watcher, so that what it throws leaves nothing recommended.
   recommend(advice.rows, question);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/advice/candidate.hpp"
+#include "bench/advice/load_margin.hpp"
 #include "bench/advice/motion_run.hpp"
 #include "bench/advice/probing_motion.hpp"
 #include "bench/advice/proof.hpp"
@@ -64,7 +65,7 @@ struct AdviceRow {
   std::optional<std::int64_t> memory; ///< peak of the process while the row was tried [bytes]
   std::vector<double> damping_added;  ///< to the damping ratio of each of Advice::modes
   std::vector<double> frequency_shift;///< relative, of each of them
-  double stiffening = none;           ///< how many times stiffer the body may become before h is unstable
+  double stiffening = none;           ///< how many times stiffer the model may become before h is unstable
   AdviceVerdict verdict = AdviceVerdict::unstable;
   std::string status;                 ///< what the verdict rests on, or why a number is missing
 
@@ -87,8 +88,11 @@ enum class AdviceStage {
   timing,     ///< frames of the best rows
   proving,    ///< long runs of the best row
   observing,  ///< runs beside the limits of the rows that suit
+  remedies,   ///< changes under which something would suit, where nothing does
   done
 };
+/// "searching", ...
+std::string_view name_of(AdviceStage stage);
 
 struct Advice {
   AdviceStage stage = AdviceStage::searching;
@@ -101,6 +105,7 @@ struct Advice {
   std::vector<AdviceRow> rows;        ///< best first
   std::vector<ProofRun> proof;        ///< long runs of the recommended row
   std::vector<LimitBand> bands;       ///< of its limit
+  LoadMargin load_margin;             ///< of the recommended row
   std::vector<Remedy> remedies;       ///< where nothing is recommended
 
   /// The first row, if it is recommended.

@@ -145,14 +145,15 @@ void try_parameters(Trials& trials, const Problem& problem, const ProblemWith& m
 void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,
                    const AdviceWatcher& watcher) {
   failed.remedies.clear();
+  failed.stage = AdviceStage::remedies;
   Trials trials(question, failed, watcher);
-  if (!trials.are_possible()) return;
-  try_time(trials, problem, question);
-  if (problem.body) {
+  if (trials.are_possible()) try_time(trials, problem, question);
+  if (trials.are_possible() && problem.body) {
     if (make.coarser) try_coarser(trials, problem, make.coarser);
     try_mass(trials, problem, make.with);
     try_parameters(trials, problem, make.with);
   }
+  failed.stage = AdviceStage::done;
 }
 
 }  // namespace hmax

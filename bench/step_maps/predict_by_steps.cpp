@@ -229,6 +229,19 @@ void verify_steps(Found& found, const Method& method, const Problem& problem, co
   found.row.observed = seen;
 }
 
+/// The same model with K times `factor`.
+LinearModel stiffer(const LinearModel& model, double factor) {
+  LinearModel changed = model;
+  std::visit([&](auto& K) { K *= factor; }, changed.mechanical->K);
+  changed.J = [J_of = model.J, factor, n = model.mechanical->mass.size()] {
+    AnyMatrix J = J_of();
+    // Sparse structures are stepped by K and C alone.
+    if (auto* whole = std::get_if<Eigen::MatrixXd>(&J)) whole->bottomLeftCorner(n, n) *= factor;
+    return J;
+  };
+  return changed;
+}
+
 }  // namespace
 
 bool needs_step_map(const Method& method, const Prediction& row) {
@@ -243,6 +256,31 @@ Prediction predict_by_steps(const Method& method, const Problem& problem, const 
   const bool has_claim = found.row.bound == Bound::stability || found.row.bound == Bound::accuracy;
   if (question.verified && has_claim) verify_steps(found, method, problem, near, question, jacobian);
   return found.row;
+}
+
+double tolerated_stiffening(const Method& method, const Problem& problem, const Linearised& near,
+                            const StepChoices& options, double h, const std::function<void()>& watch) {
+  constexpr double most = 64, stride = 1.25, resolution = 1.02;
+  const LinearModel& model = near.point.model;
+  if (!model.mechanical) return std::numeric_limits<double>::quiet_NaN();
+  const StepMapSettings settings = settings_of(near, !options.is_truncated(), {.options = options, .watch = watch});
+  const LinearModel jacobian = linear_model(problem, 0, problem.y0);
+  const VectorXd start = start_vector(model.y.size());
+  const auto grows = [&](double factor) {
+    if (watch) watch();
+    return growth_of_steps(step_maps(method, stiffer(model, factor), jacobian, options.linear)(h), start, settings).grows;
+  };
+  if (grows(1)) return 0;
+  double low = 1, high = stride;
+  while (!grows(high)) {
+    if (high >= most) return infinity;
+    low = std::exchange(high, high * stride);
+  }
+  while (high / low > resolution) {
+    const double middle = std::sqrt(low * high);
+    (grows(middle) ? high : low) = middle;
+  }
+  return low;
 }
 
 }  // namespace hmax

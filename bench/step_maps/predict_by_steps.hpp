@@ -29,4 +29,11 @@ bool needs_step_map(const Method& method, const Prediction& row);
 Prediction predict_by_steps(const Method& method, const Problem& problem, const Linearised& near,
                             const StepQuestion& question);
 
+/// How many times stiffer a mechanical model may become before steps of h grow that keep the Jacobian of the initial
+/// state: K alone is multiplied, damping and Jacobian stay. In strides of a quarter, then to 2 %.
+/// @param near  where the model is, with the problem of predict_by_steps()
+/// @returns 0 where steps of h grow already, infinity where 64 times is tolerated, NaN for what is not mechanical
+double tolerated_stiffening(const Method& method, const Problem& problem, const Linearised& near,
+                            const StepChoices& options, double h, const std::function<void()>& watch = {});
+
 }  // namespace hmax

@@ -14,7 +14,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::string& error_of) {
+/// @param load  of the recommended row; else empty
+Json margin_json(double stiffening, const LoadMargin* load) {
+  Json margin{{"stiffening", number_or_word(stiffening)}};
+  if (!load) return margin;
+  margin["load"] = number_or_word(load->holds);
+  margin["load_fails"] = number_or_word(load->fails);
+  margin["displacement"] = number_or_word(load->displacement);
+  margin["load_limited_by"] = !std::isfinite(load->fails) ? Json() : Json(load->of_model ? "model" : "step");
+  return margin;
+}
+
+Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::string& error_of,
+             const LoadMargin* load = nullptr) {
   const auto numbers = [](const std::vector<double>& values) {
     Json list = Json::array();
     for (const double value : values) list.push_back(number_or_word(value));
@@ -47,7 +59,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
           {"memory_bytes", row.memory ? Json(*row.memory) : Json()},
           {"damping_added", numbers(row.damping_added)},
           {"frequency_shift", numbers(row.frequency_shift)},
-          {"margin", {{"stiffening", number_or_word(row.stiffening)}}},
+          {"margin", margin_json(row.stiffening, load)},
           {"verdict", name_of(row.verdict)},
           {"status", row.status}};
 }
@@ -81,8 +93,9 @@ Json to_json(const std::vector<LimitBand>& bands, double h_max) {
 nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion& question,
                                    const Advice& advice, bool interrupted) {
   Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
+  const AdviceRow* best = advice.recommended();
   for (const AdviceRow& row : advice.rows) {
-    rows.push_back(to_json(row, question, error_scale(problem)));
+    rows.push_back(to_json(row, question, error_scale(problem), &row == best ? &advice.load_margin : nullptr));
     if (row.verdict == AdviceVerdict::tie) ties.push_back(row.candidate.words());
   }
   for (const Remedy& remedy : advice.remedies)
@@ -93,7 +106,6 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
                         {"then", {{"method", remedy.method}, {"h", remedy.h}}}});
   Json parameters = Json::object();
   for (const auto& [name, value] : problem.parameters) parameters[name] = value;
-  const AdviceRow* best = advice.recommended();
   Json document{{"model", problem.id},
                 {"material", problem.material},
                 {"parameters", std::move(parameters)},
@@ -108,10 +120,13 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
                 {"rows", std::move(rows)},
                 {"proof", to_json(advice.proof)},
                 {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
-                {"recommended", best ? to_json(*best, question, error_scale(problem)) : Json()},
+                {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
                 {"ties", std::move(ties)},
                 {"remedies", std::move(remedies)}};
-  if (interrupted) document["interrupted"] = true;
+  if (interrupted) {
+    document["interrupted"] = true;
+    document["stage"] = name_of(advice.stage);
+  }
   return document;
 }
 

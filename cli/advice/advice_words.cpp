@@ -88,13 +88,27 @@ void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, co
                                                  short_number(row.newton_per_frame)));
 }
 
+/// How much larger the motion may become, as runs showed; empty where none was made.
+std::string words_of(const LoadMargin& margin, bool of_body) {
+  if (std::isnan(margin.holds)) return {};
+  const std::string loads = of_body ? "loads" : "force and initial state";
+  const std::string size = of_body ? fmt::format(", {} mm", milliseconds(margin.displacement)) : "";
+  const std::string held = margin.holds > 1 ? fmt::format("stable at {} times the {}{}", short_number(margin.holds, 3), loads, size)
+                                            : fmt::format("stable at the {} of the motion{}", loads, size);
+  if (!std::isfinite(margin.fails)) return held + "; more was not run";
+  return fmt::format("{}; not at {} times{}", held, short_number(margin.fails, 3),
+                     margin.of_model ? ", where a quarter of the step fails too" : "");
+}
+
 /// The margin to instability, and the damping added to slow modes.
-void add_margins(Facts& facts, const AdviceRow& row, const Advice& advice) {
+void add_margins(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice) {
   if (!std::isnan(row.stiffening))
     facts.emplace_back(
         "margin", std::isinf(row.stiffening)
-                      ? "stable at every stiffness"
-                      : fmt::format("stable up to {} times the stiffness", short_number(row.stiffening, 3)));
+                      ? "predicted: stable at every stiffness"
+                      : fmt::format("predicted: stable up to {} times the stiffness", short_number(row.stiffening, 3)));
+  if (const std::string loads = words_of(advice.load_margin, problem.body != nullptr); !loads.empty())
+    facts.emplace_back(std::isnan(row.stiffening) ? "margin" : "", "observed: " + loads);
   for (const LimitBand& band : advice.bands)
     facts.emplace_back(
         &band == &advice.bands.front() ? "uncertainty" : "",
@@ -140,6 +154,7 @@ std::string words_of_interruption(const Advice& advice) {
     case AdviceStage::proving:
       return "interrupted: the best rows are timed, but not verified by long runs";
     case AdviceStage::observing:
+    case AdviceStage::remedies:
     case AdviceStage::done:
       break;
   }
@@ -191,8 +206,8 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
   if (const AdviceRow* best = advice.recommended()) {
     text.answer = words_of_step(*best);
     add_measured(text.facts, problem, *best, advice, question);
-    add_margins(text.facts, *best, advice);
-  } else if (interrupted && advice.stage != AdviceStage::done) {
+    add_margins(text.facts, problem, *best, advice);
+  } else if (interrupted && advice.stage < AdviceStage::remedies) {
     text.answer = words_of_interruption(advice);
   } else {
     text.answer = "no method that was tried meets this";

@@ -381,9 +381,58 @@ TEST(Advise, TellsHowFarAFrozenJacobianReaches) {
     return row.candidate.jacobian.every == JacobianUpdate::frozen;
   });
   ASSERT_NE(frozen, advice.rows.end());
-  // Every step up to twice the stiffness (docs/reference/facts.md), and a short one far beyond.
+  // Every step up to twice the stiffness (docs/reference/facts.md), and a short one of a damped body far beyond.
   EXPECT_GT(frozen->stiffening * advice.stiffened, 2);
-  EXPECT_TRUE(std::isfinite(frozen->stiffening));
+}
+
+TEST(Advise, PredictsLimitsThatNoModeTells) {
+  // Under load the stiff part and the rest of a body have no common modes.
+  const Problem problem = cube("press");
+  const Advice advice = advise(problem, question(100, {"imex_euler", "linearly_implicit_euler"}, problem));
+  const auto imex = std::ranges::find(advice.rows, "imex_euler", [](const AdviceRow& row) { return row.candidate.method.id; });
+  ASSERT_NE(imex, advice.rows.end());
+  EXPECT_LE(imex->h, imex->h_max) << imex->status;
+  for (const AdviceRow& row : advice.rows) EXPECT_FALSE(std::isnan(row.h_max)) << row.candidate.words() << row.status;
+}
+
+TEST(LoadMargin, IsOpenWhereNothingStiffens) {
+  const auto make = [](const std::string& load) {
+    return make_problem("fem_cauchy/" + load + "@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
+  };
+  const Problem problem = make("press");
+  const Advice advice = advise(problem, question(100, {"symplectic_euler"}, problem));
+  ASSERT_NE(advice.recommended(), nullptr);
+  EXPECT_EQ(advice.load_margin.holds, 8);
+  EXPECT_TRUE(std::isinf(advice.load_margin.fails));
+  EXPECT_NEAR(advice.load_margin.displacement, 8 * advice.scale, 0.1 * 8 * advice.scale);
+}
+
+TEST(LoadMargin, EndsWhereASpringThatStiffensIsTooFastForTheStep) {
+  const Problem problem = make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 0}}, .y0 = {1, 0}});
+  const Candidate candidate{find_method("symplectic_euler"), {}, {}};
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, 0.1, 0.01);
+  // The stiffness is k1 + 3 k3 x^2, at most that of x = 1: the step is half of its limit.
+  const double m = 1.45, k1 = 0.7, k3 = 0.8;
+  const double h = 1 / std::sqrt((k1 + 3 * k3) / m);
+  ASSERT_TRUE(holds(candidate, motion, reference, h));
+  const LoadMargin margin = load_margin(candidate, h, motion, reference, {});
+  EXPECT_GT(margin.holds, 1);
+  EXPECT_LT(margin.fails, 8);
+  EXPECT_LT(margin.fails / margin.holds, 1.5);
+  EXPECT_FALSE(margin.of_model);
+  EXPECT_TRUE(holds(candidate, larger_motion(motion, margin.holds, {}), reference, h));
+  EXPECT_FALSE(holds(candidate, larger_motion(motion, margin.fails, {}), reference, h));
+}
+
+TEST(LoadMargin, MovesWhatMovesABody) {
+  const Problem pressed = cube("press"), touched = cube("tool");
+  const ProbingMotion larger = larger_motion(probing_motion(pressed), 3, {});
+  EXPECT_EQ(larger.problem.body->settings().forces.front().force,
+            3 * probing_motion(pressed).problem.body->settings().forces.front().force);
+  const ProbingMotion deeper = larger_motion({.problem = touched, .t_end = 1, .words = ""}, 3, {});
+  EXPECT_EQ(deeper.problem.body->settings().tools.front().travel, 3 * touched.body->settings().tools.front().travel);
+  EXPECT_EQ(deeper.problem.y0, touched.y0);
 }
 
 TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {

@@ -31,6 +31,8 @@ TEST(AdviseCommand, AnswersInTheKeysOfTheContract) {
   EXPECT_EQ(document.at("recommended"), document.at("rows")[0]);
   EXPECT_EQ(document.at("recommended").at("verdict"), "recommended");
   EXPECT_EQ(document.at("budget_ms"), 10.0);
+  for (const char* key : {"stiffening", "load", "load_fails", "displacement", "load_limited_by"})
+    EXPECT_TRUE(document.at("recommended").at("margin").contains(key)) << key;
 }
 
 TEST(AdviseCommand, SaysWhatToTakeAndWhy) {
@@ -39,6 +41,22 @@ TEST(AdviseCommand, SaysWhatToTakeAndWhy) {
   EXPECT_NE(told.out.find("take "), std::string::npos) << told.out;
   EXPECT_NE(told.out.find("limited by "), std::string::npos) << told.out;
   EXPECT_NE(told.out.find(" frames took more than 10 ms"), std::string::npos) << told.out;
+}
+
+TEST(AdviseCommand, TellsWhatIsFinishedWhenItIsInterrupted) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer is too slow for times of a test";
+#endif
+  // A million frames of Newton's method are not timed within the four seconds after which `timeout` interrupts.
+  const Told told = Shell().line("timeout --foreground -s INT 4 '" HMAX_PROGRAM
+                                 "' advise --mesh cube:n=2 --load press --rate 100 --methods newmark --frames 1000000 --json");
+  EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+  const Json document = told.json();
+  EXPECT_EQ(document.at("interrupted"), true);
+  EXPECT_EQ(document.at("stage"), "timing");
+  EXPECT_TRUE(document.at("recommended").is_null());
+  ASSERT_EQ(document.at("rows").size(), 1U);
+  EXPECT_EQ(document.at("rows")[0].at("verdict"), "suitable");
 }
 
 TEST(AdviseCommand, FailsWhereNothingSuits) {

@@ -1,0 +1,78 @@
+#include "bench/advice/load_margin.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/advice/motion_run.hpp"
+#include "bench/models/body_balance.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "bench/timing/timing.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double largest = 8;   // factor
+constexpr double most_cpu = 10;  // [s]
+
+/// The largest displacement of a run [m], or |y_i - y_i(0)|.
+double displacement_of(const Candidate& candidate, double h, const ProbingMotion& motion) {
+  double farthest = 0;
+  const Eigen::VectorXd& y0 = motion.problem.y0;
+  const bool of_body = motion.problem.body != nullptr;
+  (void)candidate.method.bind(motion.problem)
+      .run(candidate.spec(h, motion.t_end), [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        const Eigen::VectorXd moved = y - y0;
+        farthest = std::max(farthest, of_body ? largest_displacement(moved.head(moved.size() / 2))
+                                              : moved.cwiseAbs().maxCoeff());
+      });
+  return farthest;
+}
+
+}  // namespace
+
+ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make) {
+  ProbingMotion larger = motion;
+  if (motion.problem.body) {
+    TissueSettings settings = motion.problem.body->settings();
+    for (PressingForce& force : settings.forces) force.force *= factor;
+    for (Support& support : settings.supports) support.travel *= factor;
+    for (SphereTool& tool : settings.tools) tool.travel *= factor;
+    larger.problem = with_settings(motion.problem, std::move(settings));
+    larger.problem.y0 = motion.problem.y0;
+    return larger;
+  }
+  const auto P = std::ranges::find(motion.problem.parameters, "P", &std::pair<std::string, double>::first);
+  if (make && P != motion.problem.parameters.end()) larger.problem = make({{"P", factor * P->second}});
+  larger.problem.y0 = factor * motion.problem.y0;
+  return larger;
+}
+
+LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion, const ReferenceMotion& reference,
+                       const ProblemWith& make, const Watcher& watcher) {
+  LoadMargin margin;
+  const double begun = thread_cpu_seconds();
+  const auto is_late = [&] { return thread_cpu_seconds() - begun > most_cpu; };
+  const auto stays = [&](double factor, double step) {
+    if (watcher) watcher();
+    return holds(candidate, larger_motion(motion, factor, make), reference, step);
+  };
+  double low = 1, high = infinity;
+  for (double factor = 2; factor <= largest && std::isinf(high) && !is_late(); factor *= 2)
+    (stays(factor, h) ? low : high) = factor;
+  for (int i = 0; i < 2 && std::isfinite(high) && !is_late(); ++i) {
+    const double middle = std::sqrt(low * high);
+    (stays(middle, h) ? low : high) = middle;
+  }
+  if (low == 1 && std::isinf(high)) return margin;  // not even one run in that time
+  margin.holds = low;
+  margin.fails = low < largest && std::isinf(high) ? LoadMargin::none : high;
+  margin.of_model = std::isfinite(high) && !is_late() && !stays(high, h / 4);
+  margin.displacement = displacement_of(candidate, h, larger_motion(motion, low, make));
+  return margin;
+}
+
+}  // namespace hmax

@@ -1,0 +1,31 @@
+/// How much larger the motion may become before the recommended step fails.
+#pragma once
+
+#include <limits>
+
+#include "bench/advice/candidate.hpp"
+#include "bench/advice/probing_motion.hpp"
+#include "bench/advice/uncertainty.hpp"
+
+namespace hmax {
+
+/// Found by running the candidate on larger motions.
+struct LoadMargin {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  double holds = none;         ///< the largest factor of the loads at which the step is stable
+  double fails = none;         ///< the smallest tried at which it is not; infinity: 8 holds
+  double displacement = none;  ///< the largest of the motion at `holds`: of a body [m], else of |y_i - y_i(0)|
+  /// A quarter of the step fails at `fails` too: the model itself gives way, or moves so that neighbours part.
+  bool of_model = false;
+};
+
+/// The motion with its loads, and the travels of its supports and tools, times a factor; gravity as it is. Of what is no body
+/// the amplitude P of its force, where it has one and `make` is given, and its initial state.
+ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make);
+
+/// Motions of 2, 4 and 8 times the loads, until one fails, then two between; none is begun after 10 s of CPU time.
+/// `fails` is NaN where that ends the search, and all numbers are where it ends it before the first.
+LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion, const ReferenceMotion& reference,
+                       const ProblemWith& make, const Watcher& watcher = {});
+
+}  // namespace hmax

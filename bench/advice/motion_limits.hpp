@@ -1,0 +1,45 @@
+/// What is known of a model before its candidates are tried: the motion, its reference, and the limits along it.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/advice/candidate.hpp"
+#include "bench/advice/probing_motion.hpp"
+#include "bench/limits/linearised_problem.hpp"
+
+namespace hmax {
+
+/// The predicted limit of one candidate.
+struct CandidateLimit {
+  double h_max = std::numeric_limits<double>::quiet_NaN();  ///< [s]; infinity: no step is unstable, NaN: not known
+  std::string status;                                       ///< why it is not known
+};
+
+struct AnalysedModel {
+  ProbingMotion motion;
+  ReferenceMotion reference;
+  Linearised near;                      ///< at the start of the motion
+  std::vector<Linearised> elsewhere;    ///< where else limits of steps are looked for, as places_of()
+  std::vector<CandidateLimit> limits;   ///< of each candidate
+  double stiffened = 1;                 ///< times the square of the fastest frequency at the start: the most along the motion
+  double fastest = 0;                   ///< the fastest undamped frequency at the start [rad/s]; 0: not known
+};
+
+/// Fills AnalysedModel::limits, and what the motion makes of the model: the least limits at the start and at ten states
+/// of the reference. Limits that no mode tells, of Jacobians that are frozen, of truncated iterations and of implicit-explicit
+/// steps, come from the maps of their steps, of models up to 2000 states: at the start and where the body is stiffest, or of
+/// small problems at all ten states. Of larger bodies frozen Jacobians have that of an undamped spring which stiffens as
+/// much as the fastest mode.
+void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher);
+
+/// How many times stiffer than on the motion the model may become before steps of h are unstable: of frozen Jacobians from
+/// the maps of their steps, or of the largest bodies as predict_limits(); of other methods from (h_max / h)^2. NaN where no
+/// limit is known, the Jacobian is of every tenth step, the iteration truncated or the method implicit-explicit.
+/// @param limit  of the candidate
+double stiffening_margin(const Candidate& candidate, const CandidateLimit& limit, const AnalysedModel& model, double h,
+                         const Watcher& watcher);
+
+}  // namespace hmax
