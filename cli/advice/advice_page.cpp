@@ -1,14 +1,9 @@
 #include "cli/advice/advice_page.hpp"
 
-#include <fstream>
-#include <iterator>
-
 #include <fmt/format.h>
 
-#include "cli/shared/temporary_folder.hpp"
+#include "cli/shared/drawn_svg.hpp"
 #include "plots/advice/advice_figures.hpp"
-#include "plots/draw.hpp"
-#include "plots/gnuplot.hpp"
 #include "plots/pages/page.hpp"
 #include "results/errors.hpp"
 
@@ -24,29 +19,16 @@ struct Shown {
   std::string name, caption;
 };
 
-PagePicture picture_of(const Shown& shown, const fs::path& folder) {
-  const FigureFiles made = draw(shown.figure, folder, shown.name);
-  if (!made.drawn()) return {.caption = shown.caption, .problem = made.problem};
-  std::ifstream in(made.base.string() + ".svg", std::ios::binary);
-  return {.svg = {std::istreambuf_iterator<char>(in), {}}, .caption = shown.caption, .alt = made.alt};
+/// A page without its figures still has every number.
+PagePicture picture_of(const Shown& shown) {
+  const DrawnSvg drawn = drawn_svg(shown.figure, shown.name);
+  return {.svg = drawn.svg, .caption = shown.caption, .problem = drawn.problem, .alt = drawn.alt};
 }
 
-/// One picture each. A page without its figures still has every number.
+/// One picture each.
 std::vector<PagePicture> pictures_of(const std::vector<Shown>& figures) {
   std::vector<PagePicture> pictures;
-  const auto go_without = [&](const std::string& problem) {
-    pictures.clear();
-    for (const Shown& shown : figures) pictures.push_back({.caption = shown.caption, .problem = problem});
-    return pictures;
-  };
-  if (!gnuplot_available())
-    return go_without("gnuplot is not installed; apt-get install gnuplot-nox, then ask again");
-  try {
-    const TemporaryFolder folder;
-    for (const Shown& shown : figures) pictures.push_back(picture_of(shown, folder.path()));
-  } catch (const InputError& error) {
-    return go_without(error.what());
-  }
+  for (const Shown& shown : figures) pictures.push_back(picture_of(shown));
   return pictures;
 }
 

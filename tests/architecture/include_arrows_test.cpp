@@ -75,7 +75,7 @@ TEST(IncludeArrows, ArrowsThatPointUpOrSidewaysAreRefused) {
 TEST(IncludeArrows, ArrowsThatPointDownAreAllowed) {
   EXPECT_FALSE(violation({"integrators/rk.hpp", "integrators/system.hpp", true}));
   EXPECT_FALSE(violation({"analysis/order.hpp", "results/row.hpp", true}));
-  EXPECT_FALSE(violation({"cli/run.cpp", "plots/figure.hpp", true}));
+  EXPECT_FALSE(violation({"cli/run/run.cpp", "plots/figure.hpp", true}));
   EXPECT_FALSE(violation({"integrators/rk.hpp", "array", false}));
 }
 

@@ -40,6 +40,22 @@ TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {
   EXPECT_NE(told.out.find("before that, at t = 8 s"), std::string::npos) << told.out;
 }
 
+TEST(Run, DrawsMotionsOfWhatIsNoBody) {
+  const Shell shell;
+  const Told told = shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --picture motion.svg --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  if (!told.json().at("picture").is_null()) {
+    const std::string svg = read_text(shell / "motion.svg");
+    for (const char* words : {"orbit", "x [m]", "v [m/s]", "rk4, h = 0.1 s"})
+      EXPECT_NE(svg.find(words), std::string::npos) << words;
+  } else {
+    EXPECT_NE(told.err.find("gnuplot is not installed"), std::string::npos) << told.err;
+  }
+  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --picture motion.svg --colour displacement"),
+                 "is for pictures of bodies");
+  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --picture motion.pdf"), "end in .svg");
+}
+
 TEST(Run, KeepsRobertsonsConcentrationsAtLooseTolerances) {
   for (const char* method : {"radau_iia_5", "sdirk_4", "tr_bdf2"})
     for (const char* rtol : {"1e-2", "1e-3", "1e-4", "1e-6"})

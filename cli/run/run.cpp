@@ -13,13 +13,14 @@
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/tool_report.hpp"
+#include "cli/run/motion_outputs.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/drawn_svg.hpp"
 #include "cli/shared/outputs.hpp"
 #include "integrators/control.hpp"
 #include "integrators/implicit/newton.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
-#include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -30,9 +31,6 @@ namespace hmax {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Points are kept in memory until the file is written: 10 million of two states are a quarter of a gigabyte.
-constexpr double most_points = 1e7;
 
 struct RunOptions {
   ProblemChoice problem;
@@ -84,9 +82,6 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
 bool is_series(const RunOptions& options) {
   return form_of(options.output, {{".csv", "the motion"}, {".pvd", "a body, for ParaView"}}) == ".pvd";
 }
-
-/// A series for ParaView has a file for each of its instants.
-constexpr double most_frames = 1e4;
 
 /// Throws unless the points that are asked for can be made and written.
 void check_output(const RunOptions& options, const RunSpec& spec, const Problem& problem) {
@@ -141,102 +136,9 @@ TimedRun reported_run(const Runner& runner, const RunSpec& spec, const Console& 
   });
 }
 
-/// Where a body has got to.
-struct BodyEnd {
-  double max_displacement;  ///< of a free point [m]
-  double energy;            ///< potential and kinetic [J]
-  double least_volume;      ///< of a tetrahedron, relative to that at rest [1]
-  Eigen::Index crushed;     ///< the tetrahedron
-};
-BodyEnd end_of(const TissueBody& body, double t, const Eigen::VectorXd& y) {
-  const Eigen::Index n = body.dofs();
-  const Eigen::VectorXd q = y.head(n), v = y.tail(n);
-  const auto [volume, tetrahedron] = body.least_volume(t, q);
-  return {.max_displacement = largest_displacement(q),
-          .energy = body.energy(t, q) + body.kinetic_energy(v),
-          .least_volume = volume,
-          .crushed = tetrahedron};
-}
-
 std::string with_unit(double value, std::string_view unit) {
   return std::isfinite(value) ? fmt::format("{} {}", short_number(value), unit)
                               : "beyond the range of numbers";
-}
-
-bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
-
-/// The unit of a state, empty where only the user's file knows it.
-std::string unit_of(const Problem& problem, std::size_t state) {
-  if (!is_oscillator(problem)) return {};
-  return state == 0 ? "m" : "m/s";
-}
-
-/// Runs again, outside the clock, and writes a mesh at every instant that is passed, for ParaView.
-std::size_t write_series(const RunOptions& options, const RunSpec& spec, const Problem& problem,
-                         const Runner& runner) {
-  namespace fs = std::filesystem;
-  RunSpec sampled = spec;
-  sampled.every = options.every.value_or(0);
-  const TissueBody& body = *problem.body;
-  const fs::path series(options.output);
-  std::vector<std::pair<double, std::string>> frames;
-  runner.run(sampled, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-    if (static_cast<double>(frames.size()) > most_frames)
-      throw InputError(
-          fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_frames));
-    const std::string name = fmt::format("{}_{:05}.vtu", series.stem().string(), frames.size());
-    const Eigen::MatrixXd displacement = body.positions(t, y.head(body.dofs())) - body.mesh().points;
-    write_file(series.parent_path() / name,
-               vtu_text(problem.body->origin()->file,
-                        {.points = {{"displacement", problem.body->origin()->on_points(displacement)}},
-                         .tetrahedra = {}}));
-    frames.emplace_back(t, name);
-  });
-  write_file(series, pvd_text(frames));
-  return frames.size();
-}
-
-/// Runs again, outside the clock, and writes the points that are passed; of bodies how far and with how much
-/// energy.
-std::size_t write_points(const RunOptions& options, const RunSpec& spec, const Problem& problem,
-                         const Method& method, const Runner& runner) {
-  RunSpec sampled = spec;
-  sampled.every = options.every.value_or(0);
-  Table table;
-  table.notes = {{"problem", problem.id},
-                 {"parameters", describe(problem.parameters)},
-                 {"y0", start_in_words(problem)},
-                 {"method", method.id}};
-  if (spec.adaptive) {
-    table.notes.emplace_back("rtol", to_text(spec.rtol));
-    table.notes.emplace_back("atol", to_text(spec.atol));
-    table.notes.emplace_back("control", control_of(method, spec));
-  } else {
-    table.notes.emplace_back("h", to_text(spec.h));
-  }
-  table.columns = {"t [s]"};
-  for (std::size_t i = 0; i < problem.states.size(); ++i) {
-    const std::string unit = unit_of(problem, i);
-    table.columns.push_back(problem.states[i] + (unit.empty() ? "" : " [" + unit + "]"));
-  }
-  if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
-  table.values.resize(table.columns.size());
-  const auto add = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-    if (static_cast<double>(table.values[0].size()) > most_points)
-      throw InputError(
-          fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
-    table.values[0].push_back(t);
-    if (problem.body) {
-      const BodyEnd here = end_of(*problem.body, t, y);
-      table.values[1].push_back(here.max_displacement);
-      table.values[2].push_back(here.energy);
-      return;
-    }
-    for (Eigen::Index i = 0; i < y.size(); ++i) table.values[static_cast<std::size_t>(i) + 1].push_back(y[i]);
-  };
-  runner.run(sampled, add);
-  write_csv(options.output, table);
-  return table.values[0].size();
 }
 
 /// Whether the user limits the iterations of an adaptive run, which then takes shorter steps instead.
@@ -460,20 +362,35 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
                                  problem.body ? "add --json, or remove it" : "remove it"));
 }
 
+/// @returns how many points or meshes were written
+std::size_t write_output(const RunOptions& options, const WatchedRun& run) {
+  if (is_series(options)) return write_series(options.output, run);
+  const Table table = points_of(run);
+  write_csv(options.output, table);
+  return table.values[0].size();
+}
+
 /// Throws unless the picture that is asked for can be drawn and written.
 void check_picture(const RunOptions& options, const Problem& problem) {
   if (!options.picture.wanted()) return;
-  if (!problem.body)
-    throw InputError(fmt::format(
-        "{} is no body on a mesh, so there is nothing to draw; leave --picture out, or name a mesh with --mesh",
-        problem.id));
-  options.picture.check(*problem.body);
+  if (problem.body) return options.picture.check(*problem.body);
+  if (!options.picture.colour.empty() || !options.picture.from.empty())
+    throw InputError(fmt::format("--{} is for pictures of bodies, and {} is none; leave it out",
+                                 options.picture.colour.empty() ? "from" : "colour", problem.id));
 }
 
 /// @returns whether the picture that is asked for is drawn
-bool draw_picture(const RunOptions& options, const Problem& problem, const Method& method,
-                  const RunSpec& spec, const RunRecord& record, Console& console) {
+bool draw_picture(const RunOptions& options, const WatchedRun& run, const RunRecord& record, Console& console) {
   if (!options.picture.wanted()) return false;
+  const auto& [problem, method, runner, spec] = run;
+  if (!problem.body) {
+    const DrawnSvg drawn = drawn_svg(motion_figure(run, record), "motion");
+    if (!drawn.problem.empty())
+      console.remark(fmt::format("the picture {} is not drawn: {}", options.picture.file, drawn.problem));
+    else
+      write_file(options.picture.file, drawn.svg);
+    return drawn.problem.empty();
+  }
   if (record.outcome == Outcome::diverged) {
     console.remark(fmt::format(
         "the picture {} is not drawn, since what has diverged has no shape; {}", options.picture.file,
@@ -517,11 +434,11 @@ void run(const RunOptions& options, Console& console) {
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
   const bool reached_end = result.record.outcome == Outcome::reached_end;
+  WatchedRun watched{problem, method, runner, spec};
+  watched.spec.every = options.every.value_or(0);
   std::optional<std::size_t> points;
-  if (!options.output.empty())
-    points = is_series(options) ? write_series(options, spec, problem, runner)
-                                : write_points(options, spec, problem, method, runner);
-  const bool drawn = draw_picture(options, problem, method, spec, result.record, console);
+  if (!options.output.empty()) points = write_output(options, watched);
+  const bool drawn = draw_picture(options, watched, result.record, console);
   if (reached_end) {
     remark_end(problem, spec, result.record, console);
     warn_of_tool(console, problem, result.record.t, result.record.y);
@@ -531,7 +448,7 @@ void run(const RunOptions& options, Console& console) {
 
   if (console.json) {
     Json document = to_json(problem, method, spec, result, options.full);
-    if (problem.body) document["picture"] = drawn ? Json(options.picture.file) : Json();
+    document["picture"] = drawn ? Json(options.picture.file) : Json();
     if (points) {
       document["output"] = options.output;
       document["points"] = *points;
@@ -581,7 +498,7 @@ void add_run(CLI::App& app, Console& console) {
                   "Limit of Newton's method for each stage; 50, adaptive 7 by default")
       ->type_name("NUMBER");
   command.add_flag("--full", options->full, "With --json and a mesh: print the whole end state");
-  options->picture.add_to(command, "With a mesh: draw the body at the end of the run");
+  options->picture.add_to(command, "Draw the body at the end of the run; without a mesh the states over time and an oscillator's orbit");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   command
       .add_option("--output", options->output,

@@ -1,0 +1,172 @@
+#include "cli/run/motion_outputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/models/body_balance.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "cli/shared/outputs.hpp"
+#include "plots/curves.hpp"
+#include "problems/mesh/files/mesh_import.hpp"
+#include "problems/mesh/files/mesh_writers.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
+
+/// Every k-th row, and the last one, so that at most `most` and one remain.
+Table thinned(Table table, std::size_t most) {
+  const std::size_t rows = table.values.front().size(), stride = (rows + most - 1) / most;
+  if (stride <= 1) return table;
+  for (std::vector<double>& column : table.values) {
+    std::vector<double> kept;
+    for (std::size_t i = 0; i < rows; i += stride) kept.push_back(column[i]);
+    if ((rows - 1) % stride != 0) kept.push_back(column.back());
+    column = std::move(kept);
+  }
+  return table;
+}
+
+/// The rows before the first in which a state is above `times` the largest of the start; two rows at least.
+Table before_it_leaves(Table table, double times) {
+  double start = 0;
+  for (std::size_t i = 1; i < table.values.size(); ++i) start = std::max(start, std::abs(table.values[i].front()));
+  if (start == 0) start = 1;
+  std::size_t rows = table.values.front().size();
+  for (std::size_t i = 1; i < table.values.size(); ++i) {
+    const auto out = std::ranges::find_if(table.values[i], [&](double y) { return !(std::abs(y) <= times * start); });
+    rows = std::min(rows, std::max<std::size_t>(2, static_cast<std::size_t>(out - table.values[i].begin())));
+  }
+  for (std::vector<double>& column : table.values) column.resize(std::min(rows, column.size()));
+  return table;
+}
+
+/// Whether half of the points lie in the first thousandth of the time, as those of stiff problems do.
+bool begins_fast(const Table& table) {
+  const std::vector<double>& t = table.values.front();
+  return t.size() > 20 && t[t.size() / 2] < 1e-3 * t.back();
+}
+
+/// Between the long steps of an error control motions are smooth: more points of the same run.
+Table smooth(const WatchedRun& run, Table table) {
+  constexpr std::size_t samples = 2000;
+  if (!run.spec.adaptive || run.spec.every > 0 || table.values.front().size() > samples) return table;
+  WatchedRun closer = run;
+  closer.spec.every = run.spec.t_end / static_cast<double>(samples);
+  return points_of(closer);
+}
+
+/// The method and how its steps are chosen.
+std::string words_of_steps(const WatchedRun& run) {
+  return run.spec.adaptive
+             ? fmt::format("{}, rtol {}, atol {}", run.method.id, to_text(run.spec.rtol), to_text(run.spec.atol))
+             : fmt::format("{}, h = {} s", run.method.id, to_text(run.spec.h));
+}
+
+}  // namespace
+
+BodyEnd end_of(const TissueBody& body, double t, const Eigen::VectorXd& y) {
+  const Eigen::Index n = body.dofs();
+  const Eigen::VectorXd q = y.head(n), v = y.tail(n);
+  const auto [volume, tetrahedron] = body.least_volume(t, q);
+  return {.max_displacement = largest_displacement(q),
+          .energy = body.energy(t, q) + body.kinetic_energy(v),
+          .least_volume = volume,
+          .crushed = tetrahedron};
+}
+
+std::string unit_of(const Problem& problem, std::size_t state) {
+  if (!is_oscillator(problem)) return {};
+  return state == 0 ? "m" : "m/s";
+}
+
+std::size_t write_series(const std::filesystem::path& file, const WatchedRun& run) {
+  const TissueBody& body = *run.problem.body;
+  std::vector<std::pair<double, std::string>> frames;
+  run.runner.run(run.spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    if (static_cast<double>(frames.size()) > most_frames)
+      throw InputError(
+          fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_frames));
+    const std::string name = fmt::format("{}_{:05}.vtu", file.stem().string(), frames.size());
+    const Eigen::MatrixXd displacement = body.positions(t, y.head(body.dofs())) - body.mesh().points;
+    write_file(file.parent_path() / name,
+               vtu_text(body.origin()->file,
+                        {.points = {{"displacement", body.origin()->on_points(displacement)}}, .tetrahedra = {}}));
+    frames.emplace_back(t, name);
+  });
+  write_file(file, pvd_text(frames));
+  return frames.size();
+}
+
+Table points_of(const WatchedRun& run) {
+  const auto& [problem, method, runner, spec] = run;
+  Table table;
+  table.notes = {{"problem", problem.id},
+                 {"parameters", describe(problem.parameters)},
+                 {"y0", start_in_words(problem)},
+                 {"method", method.id}};
+  if (spec.adaptive) {
+    table.notes.emplace_back("rtol", to_text(spec.rtol));
+    table.notes.emplace_back("atol", to_text(spec.atol));
+    table.notes.emplace_back("control", control_of(method, spec));
+  } else {
+    table.notes.emplace_back("h", to_text(spec.h));
+  }
+  table.columns = {"t [s]"};
+  for (std::size_t i = 0; i < problem.states.size(); ++i) {
+    const std::string unit = unit_of(problem, i);
+    table.columns.push_back(problem.states[i] + (unit.empty() ? "" : " [" + unit + "]"));
+  }
+  if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
+  table.values.resize(table.columns.size());
+  runner.run(spec, [&table, body = problem.body](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    if (static_cast<double>(table.values[0].size()) > most_points)
+      throw InputError(
+          fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
+    table.values[0].push_back(t);
+    if (body) {
+      const BodyEnd here = end_of(*body, t, y);
+      table.values[1].push_back(here.max_displacement);
+      table.values[2].push_back(here.energy);
+      return;
+    }
+    for (Eigen::Index i = 0; i < y.size(); ++i) table.values[static_cast<std::size_t>(i) + 1].push_back(y[i]);
+  });
+  return table;
+}
+
+Figure motion_figure(const WatchedRun& run, const RunRecord& record) {
+  constexpr std::size_t most_states = 8, most_drawn = 4000;
+  const bool diverged = record.outcome == Outcome::diverged;
+  Table table = points_of(run);
+  const bool logarithmic = begins_fast(table);
+  if (!logarithmic) table = smooth(run, std::move(table));
+  if (diverged) table = before_it_leaves(std::move(table), 100);
+  table = thinned(std::move(table), most_drawn);
+  const std::size_t states = table.columns.size() - 1;
+  const std::vector<std::string> shown(table.columns.begin() + 1,
+                                       table.columns.begin() + 1 + static_cast<std::ptrdiff_t>(std::min(states, most_states)));
+  const std::vector<LabelledTable> motion{{"", table}};
+  Figure figure = series_figure(
+      diverged ? fmt::format("{} diverged at t = {:.4g} s; what is above a hundred times the start is not drawn",
+                             run.problem.id, record.t)
+               : run.problem.id,
+      motion, shown);
+  for (Panel& panel : figure.panels) panel.x.logarithmic = logarithmic;
+  if (is_oscillator(run.problem))
+    figure.panels.push_back(phase_panel({.title = "orbit", .orbits = motion, .x = shown[0], .v = shown[1]}));
+  figure.footer = fmt::format("{}; {}{}", words_of_steps(run), describe_acting(run.problem),
+                              states > most_states ? fmt::format("; the first {} of {} states", most_states, states) : "");
+  return figure;
+}
+
+}  // namespace hmax
