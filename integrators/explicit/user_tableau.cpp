@@ -14,6 +14,7 @@ namespace {
 /// Order conditions are checked up to this order: 1205 rooted trees have at most 10 nodes.
 constexpr int highest_order = 10;
 
+/// @param parts  numbers and words that follow one another in the message, without separators
 /// @throws std::invalid_argument  always; the message begins with the name of the tableau
 template <class... Parts>
 [[noreturn]] void refuse(const TableauRows& rows, const Parts&... parts) {
@@ -26,6 +27,7 @@ template <class... Parts>
 }
 
 /// Refuses NaN and infinity.
+/// @param what  the coefficients as the user calls them: a, b, b_hat or c
 void require_finite(const TableauRows& rows, const std::vector<long double>& values, const char* what) {
   // Also finite as doubles: 1e4000 is a long double.
   for (const long double value : values)
@@ -33,7 +35,7 @@ void require_finite(const TableauRows& rows, const std::vector<long double>& val
       refuse(rows, what, " holds a coefficient that is not finite; correct it");
 }
 
-/// Refuses weights that are not one finite number for each stage.
+/// Refuses weights that are not one finite number for each stage. Nodes c are checked by it too.
 void require_weights(const TableauRows& rows, const std::vector<long double>& weights, const char* what) {
   if (weights.size() != rows.b.size())
     refuse(rows, what, " has ", weights.size(), " entries but b has ", rows.b.size(),
@@ -41,7 +43,8 @@ void require_weights(const TableauRows& rows, const std::vector<long double>& we
   require_finite(rows, weights, what);
 }
 
-/// Refuses weights that violate the condition of order 1, |sum_i b_i - 1| <= tableau_tolerance.
+/// Refuses weights that violate the condition of order 1, |sum_i b_i - 1| <= tableau_tolerance. Without it
+/// the method does not converge: on y' = 1 the slope is wrong for every h.
 void require_consistent(const TableauRows& rows, const std::vector<long double>& weights, const char* what) {
   require_weights(rows, weights, what);
   // Order 1: sum_i b_i = 1.
@@ -55,7 +58,7 @@ void require_consistent(const TableauRows& rows, const std::vector<long double>&
 /// a as one row-major matrix, strictly lower triangular, shape (s, s). Rows may be shorter than s: entries
 /// that are not given are zero.
 /// @throws std::invalid_argument  unless a has one row for each stage, of at most s entries, with zeros on
-///                                and above the diagonal
+///                                and above the diagonal; rows and columns are counted from 1 in messages
 std::vector<long double> matrix_of(const TableauRows& rows) {
   const std::size_t s = rows.b.size();
   if (rows.a.size() != s)
@@ -79,7 +82,9 @@ std::vector<long double> matrix_of(const TableauRows& rows) {
   return a;
 }
 
-/// Refuses nodes with |sum_j a_ij - c_i| > tableau_tolerance.
+/// Refuses nodes with |sum_j a_ij - c_i| > tableau_tolerance. The order conditions suppose that rows sum to
+/// their nodes [hairer1993solving, II.1].
+/// @param a  as matrix_of() made it, shape (s, s)
 void require_nodes(const TableauRows& rows, const std::vector<long double>& a) {
   require_weights(rows, rows.c, "c");
   // The largest |sum_j a_ij - c_i|, with its row for the message.
@@ -92,6 +97,7 @@ void require_nodes(const TableauRows& rows, const std::vector<long double>& a) {
 
 }  // namespace
 
+/// Checks nothing: who calls answers for the coefficients. Taken by value, since a and b are kept.
 RuntimeTableau completed_tableau(std::string name, std::vector<long double> a, std::vector<long double> b,
                                  const std::vector<long double>& b_hat) {
   RuntimeTableau tableau;
@@ -104,19 +110,23 @@ RuntimeTableau completed_tableau(std::string name, std::vector<long double> a, s
   tableau.c.assign(s, 0);
   for (std::size_t i = 0; i < s; ++i)
     for (std::size_t j = 0; j < i; ++j) tableau.c[i] += tableau.a[i * s + j];
+  // At most highest_order, also where the method has a higher one.
   tableau.computed_order = order_of(tableau.a, tableau.b, highest_order, tableau_tolerance);
+  // Zeros without an embedded method: then the stepper has no error estimate.
   tableau.b_err.assign(s, 0);
   if (!b_hat.empty()) {
     for (std::size_t i = 0; i < s; ++i) tableau.b_err[i] = tableau.b[i] - b_hat[i];
     tableau.embedded_order = order_of(tableau.a, b_hat, highest_order, tableau_tolerance);
   }
-  // First same as last: a_sj = b_j and b_s = 0. c_s = sum_j b_j = 1 follows.
+  // First same as last: a_sj = b_j and b_s = 0, compared exactly. c_s = sum_j b_j = 1 follows. A method of
+  // one stage has nothing to hand on.
   const auto last = tableau.a.end() - static_cast<std::ptrdiff_t>(s);
   // The stepper then saves one evaluation a step.
   tableau.fsal = s > 1 && tableau.b.back() == 0 && std::equal(tableau.b.begin(), tableau.b.end(), last);
   return tableau;
 }
 
+/// Weights first, then a, c and b_hat: b tells how many stages there are.
 RuntimeTableau runtime_tableau(const TableauRows& rows) {
   if (rows.b.empty()) refuse(rows, "b is empty; a method has at least one stage");
   require_consistent(rows, rows.b, "b");

@@ -16,7 +16,8 @@ namespace {
 using Index = PanelAnalysis::Index;
 using Indices = std::vector<Index>;
 
-/// An undirected graph: the neighbours of v, without v, are to[first[v]], ..., to[first[v + 1] - 1].
+/// An undirected graph: the neighbours of v, without v, are to[first[v]], ..., to[first[v + 1] - 1]. Each
+/// edge is stored at both ends.
 struct Graph {
   Indices first{0}, to;
 
@@ -26,7 +27,8 @@ struct Graph {
   }
 };
 
-/// The unknowns of a pattern, those that have one and the same taken for one.
+/// The unknowns of a pattern, those that have one and the same taken for one: the graph of a body,
+/// whose points have three unknowns each, then has a third of the vertices.
 struct Groups {
   Indices first{0};  ///< unknown of each group, and one more
   Indices of;        ///< group of each unknown
@@ -39,7 +41,8 @@ struct Groups {
     const auto column = [&](Index j) { return inner.subspan(outer[j], outer[j + 1] - outer[j]); };
     of.resize(n);
     for (Index j = 0; j < n; ++j) {
-      // Equal patterns of adjacent columns: one group.
+      // Equal patterns of adjacent columns: one group. Since the diagonal is among the rows, its unknowns are
+      // all neighbours of one another.
       if (j > 0 && !std::ranges::equal(column(j), column(j - 1))) first.push_back(j);
       of[j] = static_cast<Index>(first.size()) - 1;
     }
@@ -59,7 +62,8 @@ struct Groups {
   [[nodiscard]] Index size(Index g) const { return first[g + 1] - first[g]; }  ///< unknowns of group g
 };
 
-/// The vertices in an order of approximate minimum degree, which keeps the fill of L small.
+/// The vertices in an order of approximate minimum degree, which keeps the fill of L small: vertex order[k]
+/// is eliminated as the k-th, shape (n) [davis2016survey].
 Indices minimum_degree(const Graph& graph) {
   const Index n = graph.size();
   Eigen::SparseMatrix<double> pattern(n, n);
@@ -75,7 +79,8 @@ Indices minimum_degree(const Graph& graph) {
   return {order.indices().data(), order.indices().data() + n};
 }
 
-/// The graph with vertex order[k] called k.
+/// The graph with vertex order[k] called k. Neighbours of a vertex need not ascend afterwards.
+/// @param order  a permutation of the vertices, shape (n)
 Graph renamed(const Graph& graph, const Indices& order) {
   // name: the inverse of order.
   Indices name(order.size());
@@ -88,9 +93,11 @@ Graph renamed(const Graph& graph, const Indices& order) {
   return out;
 }
 
-/// The elimination tree: of each vertex, the first later one that its elimination touches; -1: none.
+/// The elimination tree: of each vertex, the first later one that its elimination touches; -1: none. It is
+/// that of L: parent[j] is the row of the first entry below the diagonal of column j.
 /// @source [davis2016survey] 4.1
 Indices elimination_tree(const Graph& graph) {
+  // root[v]: an ancestor of v, the highest one that a walk through v has seen; -1: v is a root so far.
   Indices parent(graph.size(), -1), root(graph.size(), -1);
   for (Index k = 0; k < graph.size(); ++k)
     // Up from each earlier neighbour of k to the root of its subtree, whose parent k becomes. root[]
@@ -106,7 +113,9 @@ Indices elimination_tree(const Graph& graph) {
   return parent;
 }
 
-/// The vertices with every subtree together, roots last: a depth-first search without recursion.
+/// The vertices with every subtree together, roots last: a depth-first search without recursion, whose depth
+/// could be that of the whole tree.
+/// @param parent  of each vertex, a later one, or -1
 Indices postorder(const Indices& parent) {
   const auto n = static_cast<Index>(parent.size());
   Indices child(n, -1), next(n, -1), order, way;
@@ -137,7 +146,9 @@ Indices postorder(const Indices& parent) {
 /// Panels in the making: each is known by its last vertex, to which the others point.
 class Merging {
  public:
-  /// @param size  unknowns of each vertex
+  /// @param graph   in the order of elimination, which is a postorder of `parent`
+  /// @param parent  elimination tree of the graph
+  /// @param size    unknowns of each vertex
   Merging(const Graph& graph, Indices parent, Indices size)
       : parent_(std::move(parent)),
         width_(std::move(size)),
@@ -145,7 +156,8 @@ class Merging {
         zeros_(parent_.size(), 0),
         into_(parent_.size()) {
     std::iota(into_.begin(), into_.end(), 0);
-    // Row i of L has an entry in every vertex on the way up from a neighbour to i.
+    // Row i of L has an entry in every vertex on the way up from a neighbour to i. So the heights, rows of L
+    // below each vertex counted in unknowns, grow row by row.
     Indices seen(parent_.size(), -1);
     for (Index i = 0; i < graph.size(); ++i) {
       seen[i] = i;
@@ -157,7 +169,8 @@ class Merging {
     }
     // First, children whose rows are the unknowns and rows of their parent: no zeros are added.
     merge([](double, double, double zeros) { return zeros == 0; });
-    // A few zeros are cheaper than many small panels [ashcraft1989influence].
+    // A few zeros are cheaper than many small panels [ashcraft1989influence]: the narrower the panel, the
+    // larger the share of zeros among its entries that it may have.
     merge([](double width, double entries, double zeros) {
       return zeros < (width <= 24 ? 0.3 : width <= 48 ? 0.15 : 0.05) * entries;
     });
@@ -172,9 +185,11 @@ class Merging {
 
  private:
   /// Merges children into their parents where allowed(width, entries, zeros among them) of the whole.
+  /// Vertices come in postorder: what is merged into a child is there before its parent looks at it.
   template <class Allowed>
   void merge(const Allowed& allowed) {
     const auto n = static_cast<Index>(parent_.size());
+    // Panels by the panel of their parent, as the merging before this one has left them.
     std::vector<Indices> children(n);
     for (Index v = 0; v < n; ++v)
       if (into_[v] == v && parent_[v] >= 0) children[panel_of(parent_[v])].push_back(v);
@@ -186,8 +201,10 @@ class Merging {
       });
       for (const Index c : children[v]) {
         const double wc = width_[c], width = wc + width_[v];
-        // Columns of the child get the rows that only the parent has.
+        // Columns of the child get the rows that only the parent has: its own ones are among the unknowns and
+        // the rows of the parent, so it lacks the difference in number.
         const double zeros = zeros_[c] + zeros_[v] + wc * (width_[v] + height_[v] - height_[c]);
+        // Entries: a triangle of `width` unknowns, and the rows below it.
         if (!allowed(width, width * (width / 2 + height_[v]), zeros)) continue;
         // The child's columns join the panel of v, whose rows stay.
         into_[c] = v;
@@ -203,7 +220,8 @@ class Merging {
   Indices into_;               ///< next vertex on the way to the last one of the panel
 };
 
-/// Sums of squares: from^2 excluded ... to^2, that is sum_{from < m <= to} m^2.
+/// Sums of squares: from^2 excluded ... to^2, that is sum_{from < m <= to} m^2. In double, since the cube of
+/// a height of some thousands is beyond 32 bits.
 double squares(double from, double to) {
   // 1 + 4 + ... + m^2
   const auto up_to = [](double m) { return m * (m + 1) * (2 * m + 1) / 6; };
@@ -277,7 +295,8 @@ class Planner {
   Indices first_;                    ///< unknown of each vertex in L
 };
 
-/// Panels, in the order of their last vertices, which is a postorder again.
+/// Panels, in the order of their last vertices, which is a postorder again. The vertices of a panel need not
+/// follow one another: a child that was merged may have siblings after it that were not.
 void Planner::gather_panels() {
   const Index n = vertices_.count();
   // Which vertices make a panel.
@@ -302,7 +321,8 @@ void Planner::gather_panels() {
   for (Index v = 0; v < n; ++v) members_[next[panel_[v]]++] = v;
 }
 
-/// Unknowns of L panel after panel, and the tree of the panels.
+/// Unknowns of L panel after panel, so that those of a panel are contiguous, and the tree of the panels. A
+/// group keeps its unknowns side by side and in their order.
 void Planner::number_unknowns() {
   plan_.to.resize(groups_.of.size());
   first_.resize(vertices_.count());
@@ -322,7 +342,8 @@ void Planner::number_unknowns() {
   }
 }
 
-/// Rows: the later neighbours of its own unknowns, and the rows of its children. By groups first.
+/// Rows: the later neighbours of its own unknowns, and the rows of its children. By groups first, sorted by
+/// their place in L. Each row so stands once in the list of each panel it passes on its way up the tree.
 void Planner::find_rows() {
   std::vector<Indices> touched(count());
   for (Index p = 0; p < count(); ++p) {
@@ -342,11 +363,13 @@ void Planner::find_rows() {
     if (here.parent >= 0)
       for (const Index v : mine)
         if (panel_[v] > here.parent) touched[here.parent].push_back(v);
+    // No later panel asks for them: memory follows the front of the elimination, not the whole of L.
     mine = {};
   }
 }
 
-/// Where the numbers of each panel stand, and what all of them cost.
+/// Where the numbers of each panel stand, and what all of them cost: column j of L, with m entries from its
+/// diagonal down, m^2 operations, for m from height + 1 to height + width.
 void Planner::place_values() {
   for (PanelAnalysis::Panel& here : plan_.panels) {
     const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
@@ -360,10 +383,12 @@ void Planner::place_values() {
   }
 }
 
-/// Where updates lie: on the two stacks by turns, down the tree.
+/// Where updates lie: on the two stacks by turns, down the tree. While a panel writes its update those of its
+/// children are still read, and postorder frees updates in the reverse order of their making.
 void Planner::place_updates() {
   std::vector<PanelAnalysis::Panel>& panels = plan_.panels;
   // Depth in the tree: a panel and its children use different stacks.
+  // eldest: the first child in postorder, whose update lies below those of its siblings.
   Indices depth(count(), 0), eldest(count(), -1);
   for (Index p = count(); p-- > 0;)
     if (panels[p].parent >= 0) depth[p] = depth[panels[p].parent] + 1;
@@ -381,7 +406,7 @@ void Planner::place_updates() {
   }
 }
 
-/// Where rows stand in parents.
+/// Where rows stand in parents. A panel without a parent has no rows and keeps three equal ends.
 void Planner::join_rows() {
   for (PanelAnalysis::Panel& here : plan_.panels) {
     here.joins[0] = here.joins[1] = here.joins[2] = plan_.joins.size();
@@ -395,6 +420,7 @@ void Planner::join_rows_of(PanelAnalysis::Panel& here) {
   std::vector<PanelAnalysis::Run>& joins = plan_.joins;
   const PanelAnalysis::Panel& above = plan_.panels[here.parent];
   const Index end = above.first + above.width;
+  // Rows ascend on both sides, so one pass over the rows of the parent finds all.
   std::size_t at = above.rows;
   bool inside = true;
   for (Index k = 0; k < here.height; ++k) {
@@ -417,7 +443,8 @@ void Planner::join_rows_of(PanelAnalysis::Panel& here) {
   if (inside) here.joins[1] = here.joins[2];
 }
 
-/// Entries of A: each column of an unknown, at the unknown itself and those eliminated later.
+/// Entries of A: each column of an unknown, at the unknown itself and those eliminated later. One array
+/// row_at serves all panels: each panel overwrites the places that it reads, so nothing is cleared.
 void Planner::place_entries() {
   Indices row_at(plan_.to.size(), 0);  // of each unknown of L among the rows of the panel at hand
   for (Index p = 0; p < count(); ++p) {
@@ -428,7 +455,9 @@ void Planner::place_entries() {
   }
 }
 
-/// Writes the runs of the columns of one panel.
+/// Writes the runs of the columns of one panel. Places are counted in `values`: T by columns of padded width,
+/// then B, from `below` on, by columns of padded height. Rows of earlier unknowns are left out: they stand in
+/// the columns of those, A being symmetric.
 /// @param row_at  of an unknown of L that is a row of the panel: its number among the rows
 void Planner::place_entries_of(Index p, const Indices& row_at) {
   const PanelAnalysis::Panel& here = plan_.panels[p];
@@ -443,6 +472,7 @@ void Planner::place_entries_of(Index p, const Indices& row_at) {
       for (Index from = outer_[j]; from < outer_[j + 1];) {
         const Index group = groups_.of[inner_[from]], length = groups_.size(group);
         const Index row = plan_.to[groups_.first[group]];
+        // A group is on one side as a whole: its first unknown decides.
         if (row >= here.first + here.width)
           plan_.entries.push_back(
               {from, length, below + column * tall + static_cast<std::size_t>(row_at[row])});
@@ -456,6 +486,7 @@ void Planner::place_entries_of(Index p, const Indices& row_at) {
 
 }  // namespace
 
+/// The sequence is that of need: panels, their unknowns, their rows, then the places of numbers.
 PanelAnalysis::PanelAnalysis(std::span<const Index> outer, std::span<const Index> inner) {
   Planner planner(*this, outer, inner);
   planner.gather_panels();

@@ -180,12 +180,15 @@ class PanelFactor {
   /// The update of a panel, lower triangle of shape (padded height, height).
   Scalar* update(const Panel& panel) { return stacks_[panel.stack].data() + panel.update; }
 
-  /// Copies `count` numbers and fills up to the padded length with zeros.
+  /// Copies `count` numbers and fills up to the padded length with zeros, which the kernels calculate with.
   static void load(const Scalar* from, Index count, Scalar* to) {
     std::copy_n(from, count, to);
     std::fill(to + count, to + PanelShape::padded(count), Scalar(0));
   }
 
+  /// One step of the multifrontal method, for panel p [liu1992multifrontal]:
+  ///   (T; B) = A + updates of the children,   L diag(d) L_T^T = (T; B),
+  ///   U = rest of their updates - B diag(d) B^T,   B being that of L.
   /// The front of a panel is a matrix of its unknowns and rows; its columns of unknowns are the panel
   /// itself.
   /// @returns false where a pivot is zero or not finite
@@ -207,6 +210,8 @@ class PanelFactor {
     Scalar* const d = d_.data() + panel.first;
     // L and d of the columns; U = -B D B^T goes to the parent.
     kernels_->eliminate(T, B, w, h, d);
+    // The kernels do not look at their pivots. After a failure the updates that still wait are of no use, and
+    // the next factor() begins without them.
     for (Index i = 0; i < w; ++i) {
       if (!(std::abs(d[i]) > 0) || !std::isfinite(std::abs(d[i]))) return false;
       inverse_[panel.first + i] = Scalar(1) / d[i];
@@ -237,7 +242,8 @@ class PanelFactor {
   }
 
   /// Adds the columns of a child's update that are unknowns of its parent to the panel of that: to T the
-  /// rows that are unknowns of the parent too, to B the others.
+  /// rows that are unknowns of the parent too, to B the others. Runs of rows before joins[1] of the child are
+  /// of the first kind, those from there to joins[2] of the second. The lower triangle is enough.
   void join_unknowns(const Panel& child, const Panel& parent) {
     const auto [T, B] = parts(parent);
     const auto* const joins = plan_.joins.data();
@@ -257,7 +263,7 @@ class PanelFactor {
   }
 
   /// Adds the other columns of a child's update, whose rows are rows of the parent, to the update of its
-  /// parent.
+  /// parent. Called after the kernel has written that, which overwrites it.
   void join_rows(const Panel& child, const Panel& parent) {
     const auto* const joins = plan_.joins.data();
     for (std::size_t c = child.joins[1]; c < child.joins[2]; ++c)
@@ -278,7 +284,7 @@ class PanelFactor {
 
   const PanelKernels<Scalar>* kernels_ = &detail::panel_kernels<Scalar>();
   PanelAnalysis plan_;
-  /// Panels, updates by stack, and the vectors of one panel in solve().
+  /// Panels, updates by stack, and the vectors of one panel in solve(); all begin at multiples of 64 bytes.
   AlignedVector values_, stacks_[2], own_, part_;
   /// D, its reciprocals and the unknowns, in the order of elimination, shape (n).
   std::vector<Scalar> d_, inverse_, x_;

@@ -16,7 +16,8 @@ namespace hmax::panel_loops {
 using Index = std::ptrdiff_t;
 
 /// So many columns are subtracted from a tile before it is written back, and so many rows of them serve all
-/// tiles beside one another: both stay in the caches.
+/// tiles beside one another: both stay in the caches. A block of A of this shape has 256 KiB in doubles, the
+/// factors of one tile at most 8 KiB. `depth` is a multiple of 8, so that blocks begin at aligned addresses.
 inline constexpr Index depth = 128, rows_at_once = 256;
 
 /// A number as a type, so that loops over it are unrolled.
@@ -25,7 +26,8 @@ struct Count {
   static constexpr int value = N;
 };
 
-/// f(Count<n>) for an n from 1 to N known at run time.
+/// f(Count<n>) for an n from 1 to N known at run time; a larger one counts as N, of which the caller takes
+/// one group after another.
 template <int N, class F>
 inline void with_count(Index n, const F& f) {
   if constexpr (N > 1) {
@@ -35,13 +37,15 @@ inline void with_count(Index n, const F& f) {
 }
 
 /// factors(q, c) = d_q S(c, q) for k columns of S, each NC side by side.
+/// @param S  its first row that counts, columns lds apart;  @param d  (k);  @param factors  (NC, k)
 template <class Lanes, int NC, class Scalar>
 inline void scale(const Scalar* S, Index lds, const Scalar* d, Index k, Scalar* factors) {
   for (Index q = 0; q < k; ++q)
     for (int c = 0; c < NC; ++c) factors[q * NC + c] = d[q] * S[q * lds + c];
 }
 
-/// What finishes NC columns of L below their diagonal block: 1 / d_p, and d_p L(c, p) for p < c < NC.
+/// What finishes NC columns of L below their diagonal block: 1 / d_p, and d_p L(c, p) for p < c < NC. The
+/// reciprocals make one division a column of what would be one a number.
 template <int NC, class Scalar>
 struct DiagonalBlock {
   Scalar inverse[NC], factor[NC][NC];
@@ -70,6 +74,8 @@ inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar*
       else
         sum[c][v] = Lanes::load(C + c * ldc + v * W);
     }
+  // Columns of A outside, so that each number of A is loaded once and the sums never leave the registers.
+  // Every sum takes its terms in the order of q, whatever the width: so bits are the same.
   for (Index q = 0; q < k; ++q, A += lda, factors += NC) {
     V column[NV];
 #pragma GCC unroll 4
@@ -97,7 +103,7 @@ inline void tile(Scalar* C, Index ldc, const Scalar* A, Index lda, const Scalar*
 }
 
 /// The same for all rows from `from` to `to`, multiples of the width; what is left of them by single
-/// registers.
+/// registers. Rows are counted in C and A alike, from the addresses given.
 /// @param k  columns of A;  @param block  DiagonalBlock, or Nothing
 template <class Lanes, int NC, bool overwrites, class Block, class Scalar>
 inline void tiles(Index from, Index to, Scalar* C, Index ldc, const Scalar* A, Index lda,
@@ -111,6 +117,7 @@ inline void tiles(Index from, Index to, Scalar* C, Index ldc, const Scalar* A, I
 
 /// C <- C - A diag(d) S^T, or without C where it is overwritten, shape (rows, columns) with k columns of A.
 /// Blocks of depth columns and rows_at_once rows stay in the caches.
+/// @param rows   a multiple of 8, with padding;  @param S  shape (columns, k), columns lds apart
 /// @param lower  what stands above the diagonal is of no use
 template <class Lanes, class Scalar>
 inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, const Scalar* A, Index lda,
@@ -122,6 +129,8 @@ inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, co
   for (Index q = 0; q < k; q += depth, overwrites = false) {
     // Columns q, ..., q + deep - 1 of A and S.
     const Index deep = k - q < depth ? k - q : depth;
+    // Rows outside of columns: the block of A is read for every tile of columns, the factors are made again
+    // for each block of rows, which costs one multiplication for 256 in the tiles.
     for (Index top = 0; top < rows; top += rows_at_once) {
       const Index bottom = rows - top < rows_at_once ? rows : top + rows_at_once;
       for (Index c = 0; c < columns; c += Lanes::columns) {
@@ -129,6 +138,7 @@ inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, co
         if (lower && c >= bottom) break;
         with_count<Lanes::columns>(columns - c, [&]<int NC>(Count<NC>) {
           scale<Lanes, NC>(S + q * lds + c, lds, d + q, deep, factors);
+          // c is a multiple of the width: the tile begins at the diagonal.
           const Index from = lower && c > top ? c : top;
           if (overwrites)
             tiles<Lanes, NC, true>(from, bottom, C + c * ldc, ldc, A + q * lda, lda, factors, deep,
@@ -144,6 +154,9 @@ inline void subtract_product(Scalar* C, Index ldc, Index rows, Index columns, co
 
 /// L D L^T of the NC columns of a diagonal block, in place:
 ///   d_p = T(p, p),   L(r, p) = T(r, p) / d_p,   T(r, c) -= L(r, p) d_p L(c, p).
+/// A pivot of zero is divided by all the same: infinity or NaN spreads, and who asked for the factors looks
+/// at d.
+/// @param T  the first number of the block, columns ldt apart;  @param d  shape (NC), written
 template <class Lanes, int NC, class Scalar>
 inline void factor_diagonal(Scalar* T, Index ldt, Scalar* d, DiagonalBlock<NC, Scalar>& block) {
   for (int p = 0; p < NC; ++p) {
@@ -160,7 +173,9 @@ inline void factor_diagonal(Scalar* T, Index ldt, Scalar* d, DiagonalBlock<NC, S
 
 /// PanelKernels::eliminate, from left to right: a group of columns takes the updates of the columns before
 /// it in its block, is factored, and every complete block of `depth` columns then updates all columns after
-/// it.
+/// it. Within a block the columns look back, from block to block they push ahead: the first keeps sums in
+/// registers, the second passes over the rest of the panel once for `depth` columns.
+/// @param T, B  shapes (padded w, w) and (padded h, w);  @param d  shape (w), written
 template <class Lanes>
 void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, Index h,
                typename Lanes::Scalar* d) {
@@ -178,6 +193,7 @@ void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, In
         Scalar* const own = T + j * ldt;
         // Columns s, ..., j - 1 act on the diagonal block, which is then factored,
         scale<Lanes, NC>(T + s * ldt + j, ldt, d + s, j - s, factors);
+        // (NB rows also where the last group has fewer columns: the others are padding)
         tiles<Lanes, NC, false>(j, j + NB, own, ldt, T + s * ldt, ldt, factors, j - s, Nothing{});
         factor_diagonal<Lanes, NC>(own + j, ldt, d + j, block);
         // and on the rows below it in T and in B, which end as columns of L.
@@ -194,7 +210,7 @@ void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, In
   }
 }
 
-/// PanelKernels::update, U = -B diag(d) B^T.
+/// PanelKernels::update, U = -B diag(d) B^T, shape (padded h, h): U needs no zeros first.
 template <class Lanes>
 void update(const typename Lanes::Scalar* B, Index w, Index h, const typename Lanes::Scalar* d,
             typename Lanes::Scalar* U) {
@@ -202,7 +218,7 @@ void update(const typename Lanes::Scalar* B, Index w, Index h, const typename La
   subtract_product<Lanes>(U, ld, ld, h, B, ld, B, ld, d, w, true, true);
 }
 
-/// y <- y - A x for NC columns and the rows from `from` to `to`.
+/// y <- y - A x for NC columns and the rows from `from` to `to`, multiples of the width; x has shape (NC).
 template <class Lanes, int NC, class Scalar>
 inline void subtract_columns(Index from, Index to, const Scalar* A, Index lda, const Scalar* x, Scalar* y) {
   using V = typename Lanes::V;
@@ -216,6 +232,7 @@ inline void subtract_columns(Index from, Index to, const Scalar* A, Index lda, c
 }
 
 /// PanelKernels::forward: eight columns at a time, T^-1 by substitution, then what they subtract below.
+/// Rows below eight begin at an aligned address; the last group may have fewer, with none below.
 template <class Lanes>
 void forward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, Index w, Index h,
              typename Lanes::Scalar* x, typename Lanes::Scalar* part) {
@@ -236,7 +253,8 @@ void forward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, I
   }
 }
 
-/// sums(c) += eight partial sums of A_c . x, of rows r, r + 8, ...
+/// sums(c) += eight partial sums of A_c . x, of rows r, r + 8, ... from `from` to `to`, multiples of 8. Rows
+/// of padding add nothing, since x is zero there.
 template <class Lanes, int NC, class Scalar>
 inline void add_dots(Index from, Index to, const Scalar* A, Index lda, const Scalar* x,
                      typename Lanes::V (&sums)[NC][8 / Lanes::width]) {
@@ -266,20 +284,21 @@ void backward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, 
           for (int v = 0; v < 8 / Lanes::width; ++v) sums[c][v] = V{};
         add_dots<Lanes, NC>(0, ldb, B + first * ldb, ldb, part, sums);
         add_dots<Lanes, NC>(j + 8, ldt, T + first * ldt, ldt, x, sums);
-        // The same order of summation for every width of the registers.
+        // The same order of summation for every width of the registers: of eight numbers four, two, one.
         for (int c = 0; c < NC; ++c) {
           alignas(64) Scalar s[8];
           for (int v = 0; v < 8 / Lanes::width; ++v) Lanes::store(s + v * Lanes::width, sums[c][v]);
           x[first + c] -= ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
         }
       });
-    // Inside of the eight columns.
+    // Inside of the eight columns: L^T by substitution, upwards from the last of them.
     for (Index c = end - 1; c >= j; --c)
       for (Index r = c + 1; r < end; ++r) x[c] -= T[c * ldt + r] * x[r];
   }
 }
 
 /// The table of the loops above for one instruction set.
+/// @param name  a literal: it is kept
 template <class Lanes>
 constexpr PanelKernels<typename Lanes::Scalar> kernels_of(const char* name) {
   return {name, eliminate<Lanes>, update<Lanes>, forward<Lanes>, backward<Lanes>};

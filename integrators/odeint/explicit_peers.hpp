@@ -23,7 +23,7 @@ namespace native = boost::numeric::odeint;
 
 /// A step of given size by any stepper of Odeint. Inside it there is no dense output; Odeint's own way is to
 /// step to the time that is asked for, so a copy does that from the left end.
-/// @tparam StepperT  a stepper with do_step(f, y, t, y_new, h)
+/// @tparam StepperT  a stepper with do_step(f, y, t, y_new, h), perhaps a multistep method
 template <System Sys, class StepperT>
 class FixedPeer {
  public:
@@ -39,6 +39,7 @@ class FixedPeer {
     // The history of a multistep method belongs to one step size: a shorter last step starts anew.
     if (h != h_) stepper_ = StepperT();
     h_ = h;
+    // By reference: Odeint would copy the function, with its two states, at every call.
     stepper_.do_step(std::ref(rhs_), y, t, y_new, h);
   }
 
@@ -54,13 +55,16 @@ class FixedPeer {
   Real h_ = 0;        ///< of the last step
 };
 
-/// Fehlberg's pair, its step steered by Odeint.
+/// Fehlberg's pair, its step steered by Odeint. A step stands where
+///   max_i |err_i| / (atol + rtol (|y_i| + h |f_i|)) <= 1,   f at the start of the step;
+/// after a rejection h shrinks, to h / 5 at least; where the maximum is below 1/2 it becomes up to 4.5 h.
 template <System Sys, class ErrorStepper>
 class ControlledPeer {
  public:
   using Real = real_of<typename Sys::State>;
   using Values = values_of<typename Sys::State>;
 
+  /// @param system  must outlive the peer;  @param rtol, atol  Odeint takes them in the other order
   ControlledPeer(const Sys& system, Real rtol, Real atol)
       : rhs_(system), controlled_(typename Controlled::error_checker_type(atol, rtol)) {}
 
@@ -82,7 +86,8 @@ class ControlledPeer {
   Controlled controlled_;
 };
 
-/// The pair of Dormand and Prince, first same as last, with its dense output of order 4.
+/// The pair of Dormand and Prince [dormand1980family], first same as last, with its dense output of order 4.
+/// The error is weighed and the step steered as in ControlledPeer; the slopes at both ends are kept here.
 template <System Sys>
 class Dopri5Peer {
  public:
@@ -107,10 +112,12 @@ class Dopri5Peer {
     return accepted_;
   }
 
-  /// Takes back a step that Odeint accepted though it is not finite.
+  /// Takes back a step that Odeint accepted though it is not finite: the next attempt begins with the slope
+  /// at the same start.
   void take_back() { accepted_ = false; }
 
-  /// out = y(t) from y and f at both ends of the step: no evaluation.
+  /// out = y(t), t in (t0, t1), from y and f at both ends of the last step and the stages that the stepper
+  /// holds: no evaluation.
   void inside(const Values& y0, Real t0, const Values& y1, Real t1, Real t, Values& out) {
     controlled_.stepper().calc_state(t, out, y0, start_, t0, y1, end_, t1);
   }
@@ -125,8 +132,9 @@ class Dopri5Peer {
   bool started_ = false, accepted_ = false;
 };
 
-/// Extrapolation of Bulirsch and Stoer, order and step chosen together. It has no dense output: inside a
-/// step a fresh stepper steps to the time that is asked for, with the same tolerances.
+/// Extrapolation of the modified midpoint rule in h^2 by Bulirsch and Stoer [hairer1993solving, II.9], order
+/// and step chosen together. It has no dense output: inside a step a fresh stepper steps to the time that is
+/// asked for, with the same tolerances.
 template <System Sys>
 class BulirschStoerPeer {
  public:
@@ -142,6 +150,7 @@ class BulirschStoerPeer {
     return stepper_.try_step(std::ref(rhs_), y, t, y_new, h) == native::success;
   }
 
+  /// out = y(t), t in (t0, t1), by steps from t0 with the same error test.
   void inside(const Values& y0, Real t0, const Values&, Real, Real t, Values& out) {
     Stepper stepper = fresh_;
     out = y0;
@@ -164,7 +173,8 @@ class BulirschStoerPeer {
   Stepper stepper_, fresh_;
 };
 
-/// The same with a dense output of high order, which makes its steps a little different.
+/// The same with a dense output of high order, which makes its steps a little different: 2, 6, 10, ...
+/// midpoint steps instead of 2, 4, 6, ..., as the interpolant asks for [hairer1993solving, II.9].
 template <System Sys>
 class BulirschStoerDensePeer {
  public:
@@ -190,9 +200,10 @@ class BulirschStoerDensePeer {
 
   /// Where the step ended: the stepper repeats it with shorter ones by itself.
   [[nodiscard]] Real reached() const { return reached_; }
+  /// The next attempt starts anew from the state it is given.
   void take_back() { started_ = false; }
 
-  /// out = y(t) by the extrapolated interpolant of the step, no evaluation.
+  /// out = y(t) by the extrapolated interpolant of the last step, no evaluation. It knows its ends.
   void inside(const Values&, Real, const Values&, Real, Real t, Values& out) { stepper_.calc_state(t, out); }
 
  private:

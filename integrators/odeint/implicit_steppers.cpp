@@ -17,7 +17,7 @@ namespace ublas = boost::numeric::ublas;
 
 namespace {
 
-/// What Odeint's implicit steppers compute in: dense and row by row.
+/// What Odeint's implicit steppers compute in: dense and row by row, as ublas::matrix is by default.
 template <class Real>
 using Vector = ublas::vector<Real>;
 template <class Real>
@@ -33,7 +33,7 @@ Real* data(Vector<Real>& v) {
   return &*v.begin();
 }
 
-/// f in the form of Odeint.
+/// f in the form of Odeint, which copies its functions: three pointers to functions and one to the system.
 template <class Real>
 struct Rhs {
   SystemCalls<Real> calls;
@@ -42,7 +42,7 @@ struct Rhs {
   }
 };
 
-/// df/dy and df/dt in the form that Odeint's Rosenbrock stepper calls.
+/// df/dy and df/dt in the form that Odeint's Rosenbrock stepper calls. J has shape (n, n) by then.
 /// @throws NotSolved  where df/dy is not finite, since Odeint would factor it all the same
 template <class Real>
 struct Jacobian {
@@ -63,13 +63,17 @@ struct Coefficients : native::default_rosenbrock_coefficients<Real> {
   const Real d4 = static_cast<Real>(-0.0362);
 };
 
-/// RODAS with Odeint's step control; components are weighed by atol + rtol max(|y_i|, |y_new,i|).
+/// RODAS with Odeint's step control; components are weighed by atol + rtol max(|y_i|, |y_new,i|). With the
+/// root mean square err of the weighed estimate a step stands where err <= 1, and
+///   h_next = h min(6, max(1/5, 0.9 err^(-1/4))),
+/// after accepted steps at most what their two last errors foretell.
 template <class Real>
 using Controlled = native::rosenbrock4_controller<native::rosenbrock4<Real, Coefficients<Real>>>;
 
 }  // namespace
 
-/// What the header hides from C++20: the system and the work vectors in uBLAS, shape (n).
+/// What the header hides from C++20: the system and the work vectors in uBLAS, shape (n). `out` is for dense
+/// output; the other two take copies of the caller's arrays, which uBLAS cannot refer to.
 template <class Real>
 struct Rosenbrock4<Real>::Memory {
   std::pair<Rhs<Real>, Jacobian<Real>> system;
@@ -88,7 +92,10 @@ Rosenbrock4<Real>::Rosenbrock4(const SystemCalls<Real>& calls, std::size_t n, Re
 template <class Real>
 Rosenbrock4<Real>::~Rosenbrock4() = default;
 
-/// Afterwards h is that of the next attempt, whatever the result.
+/// Afterwards h is that of the next attempt, whatever the result. Odeint adds h to the copy of t here. An
+/// attempt costs one Jacobian, one factorisation of I / (h / 4) - J, and six evaluations of f and six
+/// substitutions, for six stages. y_new is written also where the attempt is rejected.
+/// @throws NotSolved  where df/dy is not finite; y_new stays as it was
 template <class Real>
 bool Rosenbrock4<Real>::try_step(const Real* y, Real t, Real* y_new, Real& h) {
   Memory& m = *memory_;
@@ -98,7 +105,8 @@ bool Rosenbrock4<Real>::try_step(const Real* y, Real t, Real* y_new, Real& h) {
   return stands;
 }
 
-/// The stepper inside the controller, without its error test.
+/// The stepper inside the controller, without its error test; Odeint computes the estimate all the same.
+/// @throws NotSolved  where df/dy is not finite; y_new stays as it was
 template <class Real>
 void Rosenbrock4<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   Memory& m = *memory_;
@@ -107,7 +115,9 @@ void Rosenbrock4<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   std::copy(m.y_new.begin(), m.y_new.end(), y_new);
 }
 
-/// Odeint computes the coefficients of dense output only when it is asked for them.
+/// Odeint computes the coefficients of dense output only when it is asked for them, from the stages of the
+/// last attempt: so no step may lie between that and this call. With s = (t - t0) / (t1 - t0)
+///   y(t) = (1 - s) y0 + s (y1 + (1 - s) (p + s q)),   cubic in s.
 template <class Real>
 void Rosenbrock4<Real>::inside(const Real* y0, Real t0, const Real* y1, Real t1, Real t, Real* out) {
   Memory& m = *memory_;
@@ -118,7 +128,8 @@ void Rosenbrock4<Real>::inside(const Real* y0, Real t0, const Real* y1, Real t1,
   std::copy(m.out.begin(), m.out.end(), out);
 }
 
-/// `rehearsed` is the copy on which a factorisation is tried.
+/// `rehearsed` is the copy on which a factorisation is tried, shape (n, n); y holds the start of a step, then
+/// its end.
 template <class Real>
 struct ImplicitEuler<Real>::Memory {
   SystemCalls<Real> calls;
@@ -127,7 +138,7 @@ struct ImplicitEuler<Real>::Memory {
   native::implicit_euler<Real> stepper;
 };
 
-/// The iteration ends where |d|_2 <= tolerance.
+/// The iteration ends where |d|_2 <= tolerance, an absolute one: Odeint has no relative one here.
 template <class Real>
 ImplicitEuler<Real>::ImplicitEuler(const SystemCalls<Real>& calls, std::size_t n)
     : memory_(new Memory{calls, Vector<Real>(n), Matrix<Real>(n, n),
@@ -136,10 +147,13 @@ template <class Real>
 ImplicitEuler<Real>::~ImplicitEuler() = default;
 
 /// Odeint's simplified Newton method: with J at (t + h, y), d = (h J - I)^-1 (y + h f(t + h, Y) - Y), Y -=
-/// d.
+/// d. Only the first d has this matrix: later ones have what Odeint makes of it by factoring it again. That
+/// changes how fast the iteration converges, not what it converges to.
+/// @throws NotSolved  on a singular matrix, or after most_iterations; y_new stays as it was
 template <class Real>
 void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   Memory& m = *memory_;
+  // Begins as the identity and is used for all rehearsals of a step, as Odeint uses its own.
   ublas::permutation_matrix<std::size_t> pivots(m.y.size());
   // A factorisation of the copy in the place of Odeint's own, which would end the process.
   const auto rehearse = [&] {
@@ -161,6 +175,7 @@ void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
     rehearse();
   };
   std::copy_n(y, m.y.size(), m.y.begin());
+  // In place: m.y is y before and y_new after.
   m.stepper.do_step(std::make_pair(f, J), m.y, t, h);
   std::copy(m.y.begin(), m.y.end(), y_new);
 }

@@ -21,7 +21,8 @@ namespace hmax::odeint {
 
 namespace detail {
 
-/// A step that is about to be accepted, as observers see it.
+/// A step that is about to be accepted, as observers see it. It refers to all that it is given, so it lives
+/// no longer than the call of the observer.
 template <class Peer, class State>
 class View : public StepEnds<State> {
  public:
@@ -71,7 +72,8 @@ class Walk {
     next = now;
   }
 
-  /// Accepts `next` at t_next; true when an observer ends the run there.
+  /// Accepts `next` at t_next; true when an observer ends the run there. Without an observer y_ waits
+  /// for finish().
   bool accept(Real t_next) {
     ++run_.stats.steps;
     if constexpr (watched) {
@@ -179,7 +181,8 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
 /// Steps steered by Odeint; it wants to be told the first one, which hmax chooses as for its own methods.
 /// @tparam Peer         try_step(y, t, y_new, h) -> bool and inside(...), as in explicit_peers.hpp
 /// @param y             initial state in, last accepted state out, shape (n)
-/// @param rtol, atol    Odeint's own test: how they weigh the error is up to its stepper
+/// @param rtol, atol    Odeint's own test: how they weigh the error is up to its stepper; the first step is
+///                      chosen in the root mean square of hmax
 /// @param first_order   order of the error estimate that the first step is chosen for
 /// @param max_steps     attempts allowed
 /// @throws std::invalid_argument  where the span runs backwards
@@ -225,7 +228,7 @@ RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
     if (!stands || !was_finite) {
       walk.reject();
       if (stands) {
-        // Odeint takes an error that is no number for a small one.
+        // Odeint takes an error that is no number for a small one: h is not cut by it, so it is here.
         if constexpr (requires { peer.take_back(); }) peer.take_back();
         h = tried / 4;
       }

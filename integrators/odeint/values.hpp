@@ -11,7 +11,7 @@
 namespace hmax::odeint {
 
 namespace detail {
-/// std::array where the size is fixed, else std::vector.
+/// std::array where the size is fixed, else std::vector: numbers in the order of the state, shape (n).
 template <class State, int n = State::RowsAtCompileTime>
 struct ValuesOf {
   using type = std::array<typename State::Scalar, n>;

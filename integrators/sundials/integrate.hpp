@@ -27,7 +27,8 @@ class View : public StepEnds<State> {
   View(Solver& solver, double t0, double t1, const State& y0, const State& y1, N_Vector inside)
       : StepEnds<State>(t0, t1, t1 - t0, y0, y1), solver_(solver), inside_(inside) {}
 
-  /// out = y(t), t in [t0, t1], by the library; at t1 the state itself.
+  /// out = y(t), t in [t0, t1], by the library; at t1 the state itself. Only while the step is the last one:
+  /// the library keeps no history of earlier steps.
   void at(double t, State& out) {
     if (t == this->t1()) return copy_state(this->y1(), out);
     solver_.interpolate(t, inside_);
@@ -39,8 +40,8 @@ class View : public StepEnds<State> {
   N_Vector inside_;  ///< holds the interpolated state
 };
 
-/// The system behind the callbacks. The library is C: an exception of the system waits here until the library
-/// has returned.
+/// The system behind the callbacks, to which it refers. The library is C: an exception of the system waits
+/// here until the library has returned. Its address is their user data, so a binding must stay where it is.
 template <System Sys>
 class Binding {
  public:
@@ -48,7 +49,8 @@ class Binding {
   using Matrix = equations_type<Sys>;
   using Shifted = with_scalar<Matrix, double>;
 
-  /// @param split  the Jacobian is that of the declared stiff part
+  /// @param split   the Jacobian is that of the declared stiff part
+  /// @param update  frozen: every question for a new J after the first is answered with the one at hand
   Binding(const Sys& system, bool split, JacobianUpdate update)
       : system_(system), split_(split), update_(update) {
     source_.init(system);
@@ -78,7 +80,7 @@ class Binding {
   }
 
   /// The matrix and the solver of (I - gamma J) x = b: KLU for sparse Jacobians where it is wanted, ours
-  /// otherwise.
+  /// otherwise. A matrix for KLU has the pattern of I - J at the start, with the diagonal.
   /// @param t, y  start of the run, shape (n);  @param klu  whether sparse equations go to KLU
   Equations equations(double t, const State& y, bool klu, SUNContext context) {
     if constexpr (hmax::detail::is_variant<Matrix>) {
@@ -102,7 +104,8 @@ class Binding {
   }
 
  private:
-  /// What a callback returns: 0; > 0, the library may try a shorter step; < 0, it gives up.
+  /// What a callback returns: 0; > 0, the library may try a shorter step; < 0, it gives up at once. The signs
+  /// are what the library asks for, the numbers are ours.
   static constexpr int done = 0, try_shorter = 1, give_up = -1;
 
   /// The binding behind the user data of a callback.
@@ -111,7 +114,8 @@ class Binding {
   /// Which part of f = stiff + nonstiff; whole: f.
   enum class Part { whole, stiff, nonstiff };
 
-  /// A right-hand side as the library calls it. A result that is not finite asks for a shorter step.
+  /// A right-hand side as the library calls it, dydt = f(t, y) or a part of it, shape (n). A result that is
+  /// not finite asks for a shorter step.
   template <Part part>
   static int call(double t, N_Vector y, N_Vector dydt, void* self) {
     Binding& binding = of(self);
@@ -134,6 +138,7 @@ class Binding {
   }
 
   /// J_ = df/dy at (t, y), or the Jacobian of the stiff part.
+  /// @throws what the system throws
   void evaluate(double t, const State& y) {
     evaluated_ = true;
     if constexpr (SplitSystem<Sys>)
@@ -141,9 +146,10 @@ class Binding {
     source_.evaluate(system_, t, y, J_);
   }
 
-  /// A = I - gamma J.
+  /// A = I - gamma J, gamma = h times a coefficient of the method [units of t].
   /// @param keep   the library would use the Jacobian at hand again
-  /// @param fresh  whether it got a new one
+  /// @param fresh  whether it got a new one: the library counts from there when J is due again
+  /// @returns done, or give_up with the exception kept for rethrow()
   int write_system(double t, const State& y, SUNMatrix A, booleantype keep, booleantype& fresh,
                    double gamma) {
     try {
@@ -182,9 +188,11 @@ class Binding {
 }  // namespace detail
 
 /// Integrates y' = f(t, y) over `span`, as hmax::integrate does, by a method of SUNDIALS. Fixed steps are
-/// those of ARKODE; CVODE always chooses its own.
-/// @param y         initial state in, last bounded state out, shape (n)
-/// @param observer  called as observer(View&) once for each accepted step, in order of time
+/// those of ARKODE; CVODE always chooses its own. Only forwards, with states of doubles.
+/// @param method     of imex and mri the system must be a SplitSystem
+/// @param y          initial state in, last bounded state out, shape (n)
+/// @param observer   called as observer(View&) once for each accepted step, in order of time
+/// @param max_steps  steps allowed, by our count
 /// @throws what the system throws; std::invalid_argument backwards and for `atols` that are not one for each
 ///         component; std::runtime_error when the library refuses the settings
 template <System Sys, class Observer>
@@ -197,6 +205,7 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
 
   // next: memory of the library's state, which copies of y go through; inside: that of dense output.
+  // Declared from what is used to what uses it: the solver is freed first, then vectors and binding.
   SUNContext context = this_context();
   detail::Binding<Sys> binding(system, method.package == Package::imex, settings.jacobian);
   const Vector next = make_vector<State>(y.size(), context), inside = make_vector<State>(y.size(), context);
@@ -208,7 +217,8 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
       method, settings, binding.callbacks(), std::move(equations), span.t0, span.t_end, next.get(), context);
 
   double t = span.t0;
-  // y holds the last accepted state; the library has counted steps and iterations.
+  // y holds the last accepted state, at t; `at` is where the run ended or failed. The library has counted
+  // steps and iterations.
   auto finish = [&](Outcome outcome, double at, std::string_view note = {}) {
     RunEnd<double> end{outcome, at, solver->stats()};
     end.note = note;

@@ -17,14 +17,17 @@ namespace hmax::sundials {
 
 namespace {
 
-/// At fixed steps nothing but rounding is to disturb the order: the stage equations are solved to this.
+/// At fixed steps nothing but rounding is to disturb the order: the stage equations are solved to this, as
+/// relative tolerance and as absolute one, in the units of the state.
 constexpr double tight = 1e-12;
-/// Newton iterations of a stage at fixed steps, where a step cannot be cut.
+/// Newton iterations of a stage at fixed steps, where a step cannot be cut; by default the library gives up
+/// after three.
 constexpr int patient_iterations = 20;
 /// The library counts steps of one call, and a call is one step here.
 constexpr long no_limit = -1;
 
-/// In the place of the library's handler, which prints to standard error.
+/// In the place of the library's handler, which prints to standard error. Arguments: flag, module, function,
+/// message, user data.
 void be_silent(int, const char*, const char*, char*, void*) {}
 
 /// @throws std::runtime_error  where the flag is negative; `what` names what was to be set
@@ -42,15 +45,19 @@ void* checked(void* made, const char* what) {
 /// Flags ARK_RHSFUNC_FAIL = -8 down to ARK_UNREC_RHSFUNC_ERR = -11: f failed, or was not finite.
 bool is_rhs_failure(int flag) { return flag <= ARK_RHSFUNC_FAIL && flag >= ARK_UNREC_RHSFUNC_ERR; }
 
-/// One count of an integrator, by its own function.
+/// One count of an integrator, by its own function. The flag of `read` is not looked at: it fails where
+/// `memory` is null, and own() has seen to that.
 std::int64_t count_of(int (*read)(void*, long int*), void* memory) {
   long int count = 0;
   read(memory, &count);
   return count;
 }
 
-/// The memory of one integrator, freed by the function of its kind.
+/// The memory of one integrator, freed by the function of its kind, which stands beside the pointer: the
+/// library has void* for all kinds.
 using Memory = std::unique_ptr<void, void (*)(void*)>;
+/// Takes over what a creating function has returned.
+/// @tparam Free  takes the address of a pointer, which it sets to null: here that of a copy
 /// @throws std::runtime_error  where `made` is null
 template <void (*Free)(void**)>
 Memory own(void* made, const char* what) {
@@ -59,6 +66,7 @@ Memory own(void* made, const char* what) {
 
 /// Tells an integrator its tolerances.
 /// @param scalar, vector  its functions for one absolute tolerance and for one for each component
+/// @param y0  of the type and the length of the run's vectors; its values do not matter
 /// @throws std::runtime_error  where the library refuses them, as negative ones
 void set_tolerances(void* memory, const Settings& settings, N_Vector y0, int (*scalar)(void*, double, double),
                     int (*vector)(void*, double, N_Vector)) {
@@ -81,6 +89,8 @@ struct FreeNonlinearSolver {
 /// by Newton's method, or y_new = gamma f(t_new, y_new) + known by functional iteration for Adams.
 class Cvode final : public Solver {
  public:
+  /// @param equations  of BDF, taken over: the library refers to them and frees neither; empty for Adams
+  /// @param y0         copied by the library, shape (n)
   /// @throws std::runtime_error  where the library refuses a setting
   Cvode(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
         double t0, double t_end, N_Vector y0, SUNContext context)
@@ -96,12 +106,14 @@ class Cvode final : public Solver {
     // The stop time is exact: no step passes the end of the run.
     check(CVodeSetStopTime(cvode, t_end), "the end time");
     if (method.package == Package::cvode_adams) {
-      // No Jacobian and no factorisation: the iteration converges where gamma |J| < 1.
+      // No Jacobian and no factorisation: the iteration converges where gamma |J| < 1. With 0 vectors
+      // of Anderson's acceleration it is the plain one.
       functional_iteration_.reset(SUNNonlinSol_FixedPoint(y0, 0, context));
       checked(functional_iteration_.get(), "a functional iteration");
       check(CVodeSetNonlinearSolver(cvode, functional_iteration_.get()), "the functional iteration");
       return;
     }
+    // The solver first: the function that writes its matrix is refused without one.
     check(CVodeSetLinearSolver(cvode, equations_.solver.get(), equations_.matrix.get()), "the linear solver");
     check(CVodeSetLinSysFn(cvode, calls.cvode_system), "the linear equations");
     // K >= 1: J at every K-th step. frozen is the business of the callback, automatic that of CVODE.
@@ -111,13 +123,16 @@ class Cvode final : public Solver {
     }
   }
 
-  /// One step of the library's own size.
+  /// One step of the library's own size. t_end serves the first call, for the direction and the scale of the
+  /// first step; where the run ends the stop time says.
   int step(double t_end, N_Vector y, double& t) override {
     return CVode(memory_.get(), t_end, y, &t, CV_ONE_STEP);
   }
-  // Derivative of order 0 of the Nordsieck polynomial.
+  /// Derivative of order 0 of the Nordsieck polynomial of the last step. The library refuses a t outside
+  /// of that; observers ask inside.
   void interpolate(double t, N_Vector out) override { CVodeGetDky(memory_.get(), t, 0, out); }
-  /// A step is rejected by its error test or by its iteration.
+  /// A step is rejected by its error test or by its iteration. `newton` counts the functional iterations of
+  /// Adams too; a factorisation is a setup of the linear solver.
   [[nodiscard]] Stats stats() const override {
     void* cvode = memory_.get();
     Stats stats;
@@ -135,7 +150,9 @@ class Cvode final : public Solver {
   Memory memory_;
 };
 
-/// Embedded explicit Runge-Kutta methods, y_new = y + h sum_i b_i k_i.
+/// Embedded explicit Runge-Kutta methods,
+///   k_i = f(t + c_i h, y + h sum_{j < i} a_ij k_j),   y_new = y + h sum_i b_i k_i.
+/// The error estimate is the difference to the embedded weights; the library tests it and chooses h.
 class ErkStep final : public Solver {
  public:
   /// @throws std::runtime_error, std::invalid_argument  where the library refuses a setting or has no such
@@ -170,8 +187,11 @@ class ErkStep final : public Solver {
     double h = t_end - start;
     if (is_rhs_failure(flag)) ERKStepGetCurrentStep(erk, &h);
     while (is_rhs_failure(flag) && adaptive_) {
+      // As CVODE and ARKStep cut a step whose iteration does not converge.
       h /= 4;
+      // The flag of the last failure goes back: failure_of() calls it diverged.
       if (!(start + h > start)) break;
+      // Counts go on after a reset, but the stop time is forgotten. y is the state at `start`.
       check(ERKStepReset(erk, start, y), "a restart");
       check(ERKStepSetInitStep(erk, h), "the step of a restart");
       check(ERKStepSetStopTime(erk, t_end), "the end time");
@@ -183,6 +203,7 @@ class ErkStep final : public Solver {
   [[nodiscard]] Stats stats() const override {
     Stats stats;
     stats.steps = count_of(ERKStepGetNumSteps, memory_.get());
+    // Accepted steps are attempts too.
     stats.rejected = count_of(ERKStepGetNumStepAttempts, memory_.get()) - stats.steps;
     return stats;
   }
@@ -196,6 +217,8 @@ class ErkStep final : public Solver {
 /// nonstiff + stiff, of which the second is implicit. Without a pair f has no explicit part.
 class ArkStep final : public Solver {
  public:
+  /// @param calls      nonstiff and stiff of a pair; of dirk rhs alone, all of it implicit
+  /// @param equations  taken over: the library refers to them and frees neither
   /// @throws std::runtime_error  where the library refuses a setting
   ArkStep(const Method& method, const Settings& settings, const Callbacks& calls, Equations equations,
           double t0, double t_end, N_Vector y0, SUNContext context)
@@ -237,6 +260,7 @@ class ArkStep final : public Solver {
     void* ark = memory_.get();
     Stats stats;
     stats.steps = count_of(ARKStepGetNumSteps, ark);
+    // Accepted steps are attempts too; setups are factorisations, as in CVODE.
     stats.rejected = count_of(ARKStepGetNumStepAttempts, ark) - stats.steps;
     stats.newton = count_of(ARKStepGetNumNonlinSolvIters, ark);
     stats.factorisations = count_of(ARKStepGetNumLinSolvSetups, ark);
@@ -249,10 +273,14 @@ class ArkStep final : public Solver {
   Memory memory_;
 };
 
-/// The fast part takes method.fast_steps explicit steps of order 3 inside each slow step, of order 3 too.
-/// Slow steps have the size h and fast ones h / fast_steps; neither is adapted.
+/// Multirate, explicit in both parts. The slow method is the library's of order 3, whose three stages run
+/// through 1/3, 5/12 and 1/4 of a step of size h. In each the fast part takes explicit steps of order 3 too,
+/// of size h / method.fast_steps, the last one cut to the end of the stage: 2 + 3 + 2 of them for h / 5.
+/// Neither size is adapted.
 class MriStep final : public Solver {
  public:
+  /// @param calls  stiff is the fast part, nonstiff the slow one; both are explicit
+  /// @param y0     copied by both integrators, shape (n)
   /// @throws std::runtime_error  where the library refuses a setting
   MriStep(const Method& method, const Settings& settings, const Callbacks& calls, double t0, double t_end,
           N_Vector y0, SUNContext context)
@@ -269,6 +297,7 @@ class MriStep final : public Solver {
     check(ARKStepSetTableNum(fast_.get(), ARKODE_DIRK_NONE, ARKODE_BOGACKI_SHAMPINE_4_2_3), "the fast table");
     check(ARKStepSetMaxNumSteps(fast_.get(), no_limit), "steps without limit");
     check(ARKStepSetFixedStep(fast_.get(), settings.h / method.fast_steps), "the fast step");
+    // Through this MRIStep drives the fast integrator, to the end of one stage at a time. It owns neither.
     MRIStepInnerStepper stepper = nullptr;
     check(ARKStepCreateMRIStepInnerStepper(fast_.get(), &stepper), "the fast part");
     bridge_.reset(stepper);
@@ -286,6 +315,7 @@ class MriStep final : public Solver {
   void interpolate(double t, N_Vector out) override { MRIStepGetDky(slow_.get(), t, 0, out); }
   [[nodiscard]] Stats stats() const override {
     Stats stats;
+    // Slow steps alone; a fixed step without an error test is never rejected.
     stats.steps = count_of(MRIStepGetNumSteps, slow_.get());
     return stats;
   }
@@ -299,6 +329,7 @@ class MriStep final : public Solver {
 std::unique_ptr<Solver> make_solver(const Method& method, const Settings& settings,
                                     const Callbacks& callbacks, Equations equations, double t0, double t_end,
                                     N_Vector y0, SUNContext context) {
+  // Without a default, so that the compiler names a package that is missing here.
   switch (method.package) {
     case Package::cvode_adams:
     case Package::cvode_bdf:
@@ -320,6 +351,7 @@ std::unique_ptr<Solver> make_solver(const Method& method, const Settings& settin
 SUNContext this_context() {
   struct Context {
     SUNContext context = nullptr;
+    // No MPI communicator: vectors are serial.
     Context() { check(SUNContext_Create(nullptr, &context), "a context"); }
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
@@ -329,9 +361,11 @@ SUNContext this_context() {
   return mine.context;
 }
 
-/// Flags that no case lists give step_too_small.
+/// Flags that no case lists give step_too_small. The words are literals, so they outlive the run.
+/// @param flag  < 0, as step() returned it
 Failure failure_of(int flag) {
-  // CVODE and ARKODE number the failures of a run alike down to -11.
+  // CVODE and ARKODE number the failures of a run alike down to -11, and ARK_TOO_CLOSE too.
+  // ARK_INNERSTEP_FAIL is of MRIStep alone: its fast steps are explicit and fixed, so only f can fail there.
   switch (flag) {
     case ARK_TOO_MUCH_WORK:
       return {Outcome::too_many_steps, "SUNDIALS reports that it took too many steps"};

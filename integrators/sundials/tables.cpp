@@ -1,3 +1,4 @@
+/// Tables of ARKODE [reynolds2023arkode], and the correction of those that ERKStep runs wrongly.
 #include "integrators/sundials/tables.hpp"
 
 #include <algorithm>
@@ -8,7 +9,9 @@
 
 namespace hmax::sundials {
 
-/// c_s = 1, but a_sj != b_j for some j, within 1e-14.
+/// c_s = 1, but a_sj != b_j for some j, within 1e-14: coefficients are fractions or have 16 digits, so that
+/// two that differ by more are meant to. a_ss = 0, so b_s must be zero too. Others are run rightly.
+/// @param table  explicit, of s >= 1 stages
 bool is_taken_for_fsal(const ARKodeButcherTableMem& table) {
   constexpr double rounding = 1e-14;
   const int last = table.stages - 1;
@@ -19,7 +22,8 @@ bool is_taken_for_fsal(const ARKodeButcherTableMem& table) {
 }
 
 /// (A, b, c) -> ((A, 0; b^T, 0), (b, 0), (c, 1)), d -> (d, 0): stage s + 1 is f(t + h, y_new). Order and
-/// embedded order stay.
+/// embedded order stay, since no weight falls on the new stage.
+/// @throws std::bad_alloc
 Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
   const int s = table.stages;
   Table longer(ARKodeButcherTable_Alloc(s + 1, table.d != nullptr ? SUNTRUE : SUNFALSE));
@@ -29,6 +33,7 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
   longer->p = table.p;
   for (int i = 0; i < s; ++i) {
     std::copy_n(table.A[i], s, longer->A[i]);
+    // Row s is the new stage, counted from 0; the last column of A stays zero.
     longer->A[s][i] = longer->b[i] = table.b[i];
     longer->c[i] = table.c[i];
     if (table.d != nullptr) longer->d[i] = table.d[i];
@@ -39,6 +44,7 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table) {
 }
 
 namespace {
+/// A new table, owned by the caller.
 /// @param first, last  ids of the kind that the library knows
 /// @throws std::invalid_argument  where the library has no table of this id
 /// @param load  the function of the library that makes the table
@@ -62,6 +68,7 @@ Table library_table(ARKODE_DIRKTableID id) {
 }
 
 Table explicit_table(ARKODE_ERKTableID id) {
+  // Only those that need it: the stage more costs an evaluation of f in each step.
   Table table = library_table(id);
   return is_taken_for_fsal(*table) ? with_honest_last_stage(*table) : std::move(table);
 }
