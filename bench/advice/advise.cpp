@@ -345,14 +345,16 @@ std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& que
   if (all.empty())
     throw InputError(fmt::format("none of the methods can step {} at a fixed step; name others with --methods",
                                  problem.id));
-  now(0.05, "finding the reference motion");
+  now(0.02, "finding the reference motion");
   model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
   const double rk4_limit = predict(find_method("rk4"), model.near).h_max.value_or(0);
   model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch, rk4_limit);
   advice.scale = model.reference.scale;
   advice.reference_error = model.reference.error_bound;
-  now(0.2, "limits along the motion");
-  predict_limits(model, all, watch);
+  now(0.1, "limits along the motion");
+  predict_limits(model, all, watch, [&](std::size_t i) {
+    now(0.1 + 0.2 * static_cast<double>(i) / static_cast<double>(all.size()), "limit of " + all[i].words());
+  });
   advice.stiffened = model.stiffened;
   return all;
 }

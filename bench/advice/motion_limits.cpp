@@ -50,7 +50,9 @@ StepChoices choices_of(const Candidate& candidate) {
 }
 
 /// The least limit of the maps of steps at all places; NaN where none has one.
-CandidateLimit limit_by_steps(const Candidate& candidate, const AnalysedModel& model, const Watcher& watcher) {
+/// @param of_modes  that of the method itself
+CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& of_modes, const AnalysedModel& model,
+                              const Watcher& watcher) {
   StepQuestion question{.options = std::nullopt, .watch = watcher};
   if (takes_step_options(candidate.method)) question.options = choices_of(candidate);
   CandidateLimit limit;
@@ -59,7 +61,11 @@ CandidateLimit limit_by_steps(const Candidate& candidate, const AnalysedModel& m
     if (here.h_max) limit.h_max = lesser(limit.h_max, *here.h_max);
     if (!here.h_max && limit.status.empty()) limit.status = here.note;
   };
-  look(model.near);
+  // A frozen Jacobian is that of the start: there the method steps as it is.
+  if (is_frozen(candidate) && !is_truncated(candidate))
+    limit = of_modes;
+  else
+    look(model.near);
   std::ranges::for_each(model.elsewhere, look);
   if (!std::isnan(limit.h_max)) limit.status.clear();
   return limit;
@@ -79,7 +85,7 @@ CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& of_mod
   const bool is_of_modes = !is_frozen(candidate) && !is_truncated(candidate) &&
                            !(candidate.method.needs_split && std::isnan(of_modes.h_max));
   if (is_of_modes) return of_modes;
-  if (model.motion.problem.y0.size() <= most_states_stepped) return limit_by_steps(candidate, model, watcher);
+  if (model.motion.problem.y0.size() <= most_states_stepped) return limit_by_steps(candidate, of_modes, model, watcher);
   return is_frozen(candidate) && !is_truncated(candidate) ? limit_of_frozen_spring(candidate, model) : CandidateLimit{};
 }
 
@@ -101,7 +107,8 @@ std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
 
 }  // namespace
 
-void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher) {
+void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,
+                    const std::function<void(std::size_t)>& progress) {
   const Problem& problem = model.motion.problem;
   const Path path = path_of(model.reference);
   std::vector<Method> asked;
@@ -113,6 +120,7 @@ void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, con
     model.fastest = std::max(model.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
   model.elsewhere = places_of(model, path, along.back());
   for (std::size_t i = 0; i < all.size(); ++i) {
+    if (progress) progress(i);
     const Prediction start = predict(all[i].method, model.near);
     CandidateLimit of_modes{.h_max = lesser(start.h_max.value_or(unknown), along[i] ? along[i]->least : unknown),
                             .status = {}};

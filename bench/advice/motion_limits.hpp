@@ -1,6 +1,7 @@
 /// What is known of a model before its candidates are tried: the motion, its reference, and the limits along it.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -33,7 +34,9 @@ struct AnalysedModel {
 /// steps, come from the maps of their steps, of models up to 2000 states: at the start and where the body is stiffest, or of
 /// small problems at all ten states. Of larger bodies frozen Jacobians have that of an undamped spring which stiffens as
 /// much as the fastest mode.
-void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher);
+/// @param progress  called with the number of each candidate before its turn
+void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,
+                    const std::function<void(std::size_t)>& progress = {});
 
 /// How many times stiffer than on the motion the model may become before steps of h are unstable: of frozen Jacobians from
 /// the maps of their steps, or of the largest bodies as predict_limits(); of other methods from (h_max / h)^2. NaN where no

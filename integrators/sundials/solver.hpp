@@ -38,7 +38,7 @@ struct Method {
   int explicit_table = ARKODE_ERK_NONE;   ///< of erk and imex
   int implicit_table = ARKODE_DIRK_NONE;  ///< of dirk and imex
   bool klu = true;                        ///< sparse equations are solved by KLU, else by LinearSolver
-  int fast_steps = 5;                     ///< of mri: h is this many steps of the fast part
+  int fast_steps = 5;                     ///< of mri, per slow step; each slow stage rounds its share up
 };
 
 /// How a run chooses its steps, and what is exact enough.
