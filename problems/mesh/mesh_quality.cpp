@@ -26,6 +26,13 @@ double signed_volume(const Corners& x) {
   return (x.col(1) - x.col(0)).dot((x.col(2) - x.col(0)).cross(x.col(3) - x.col(0))) / 6;
 }
 
+double least_height(const Corners& x) {
+  double largest = 0;  // of twice the area, squared
+  for (const auto& [a, b, c] : tetrahedron_faces)
+    largest = std::max(largest, (x.col(b) - x.col(a)).cross(x.col(c) - x.col(a)).squaredNorm());
+  return 6 * signed_volume(x) / std::sqrt(largest);
+}
+
 std::array<double, 6> dihedral_angles(const Corners& x) {
   Eigen::Matrix<double, 3, 4> normals;
   for (int i = 0; i < 4; ++i) {

@@ -27,6 +27,15 @@ TEST(MeshQuality, TheCornerOfACubeHasItsClosedFormAngles) {
   EXPECT_NEAR(mean_ratio(x), 12 * std::pow(0.5, 2. / 3) / 9, 1e-15);
 }
 
+/// The height over the slanted face of area sqrt(3) / 2, and edge sqrt(2) times sqrt(2 / 3).
+TEST(MeshQuality, TheLeastHeightIsOverTheLargestFace) {
+  EXPECT_NEAR(least_height(corners_of(unit_tetrahedron(), 0)), 1 / std::sqrt(3.), 1e-15);
+  EXPECT_NEAR(least_height(corners_of(regular_tetrahedron(), 0)), 2 / std::sqrt(3.), 1e-15);
+  Corners x = corners_of(unit_tetrahedron(), 0);
+  x.col(1).swap(x.col(2));
+  EXPECT_LT(least_height(x), 0);
+}
+
 TEST(MeshQuality, ShapeDoesNotDependOnSizeAndPlace) {
   Corners x = corners_of(unit_tetrahedron(), 0);
   x.col(1) << 1.3, 0.2, -0.1;
