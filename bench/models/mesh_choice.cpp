@@ -45,8 +45,9 @@ void refuse_parameter(const std::string& mesh, const std::string& text) {
 
 MeshFile from_file(const MeshRequest& request) {
   for (const auto& [name, value] : request.parameters)
-    if (name != "refine")
-      throw InputError(fmt::format("a mesh from a file has no parameter '{}'; it takes refine only", name));
+    if (!is_modifier(name))
+      throw InputError(
+          fmt::format("a mesh from a file has no parameter '{}'; it takes refine and mend only", name));
   std::error_code ignored;
   if (!std::filesystem::exists(request.name, ignored) &&
       request.name.find_first_of("./") == std::string::npos) {
@@ -57,12 +58,7 @@ MeshFile from_file(const MeshRequest& request) {
     throw InputError(
         fmt::format("there is no mesh or file '{}'; {}", request.name, suggestion(request.name, names)));
   }
-  MeshFile file = read_mesh_file(request.name);
-  if (const int times = refinements_of(request); times > 0) {
-    require_valid(file);
-    file = refined(file, times);
-  }
-  return file;
+  return read_mesh_file(request.name);
 }
 
 }  // namespace
@@ -72,15 +68,20 @@ OpenedMesh open_mesh(const std::string& text) {
     if (text.empty()) throw InputError("no mesh is given; name one, like liver or ball:n=6, or a file");
     const MeshRequest request = parse_mesh_request(text);
     const bool named = has_name(request.name);
-    return OpenedMesh{.file = named ? counted_from_one(mesh_by_name(request), text) : from_file(request),
+    OpenedMesh opened{.file = named ? counted_from_one(unmodified_mesh(request), text) : from_file(request),
                       .from_file = !named};
+    if (const MeshModifiers modifiers = modifiers_of(request); modifiers.any()) {
+      require_valid(opened.file);
+      opened.mending = modify(opened.file, modifiers);
+    }
+    return opened;
   });
 }
 
 std::string coarser_mesh(const std::string& text) {
   return told_to_user([&]() -> std::string {
     MeshRequest request = parse_mesh_request(text);
-    const int refinements = refinements_of(request);
+    const int refinements = modifiers_of(request).refine;
     std::erase_if(request.parameters, [](const auto& parameter) { return parameter.first == "refine"; });
     if (refinements > 1) request.parameters.emplace_back("refine", refinements - 1);
     if (refinements == 0) {

@@ -13,16 +13,17 @@ namespace hmax {
 
 /// A mesh as it stands in its file, or as its generator makes it, before anybody relies on it.
 struct OpenedMesh {
-  MeshFile file;           ///< refined if that was asked for
-  bool from_file = false;  ///< else by name, in metres and valid
+  MeshFile file;                     ///< refined and mended if that was asked for
+  bool from_file = false;            ///< else by name, in metres and valid
+  std::optional<Mending> mending{};  ///< if asked for, in the unit of the file
 };
 
-/// @param text  a name such as `ball:n=6`, or a file; both take `:refine=K`
+/// @param text  a name such as `ball:n=6`, or a file; both take `:refine=K` and `:mend=N`
 /// @throws InputError naming file, line and remedy, or the nearest known name
 OpenedMesh open_mesh(const std::string& text);
 
 /// The same mesh with about an eighth of its tetrahedra: refined once less, or with half as many points along its
-/// edges; empty where it has no such parameter.
+/// edges; empty where it has no such parameter. As many of them are mended.
 std::string coarser_mesh(const std::string& text);
 
 /// Metres of "m", "cm", "mm" or of a number of metres.

@@ -66,6 +66,20 @@ std::pair<std::size_t, std::size_t> size_of(const MeshGroup& group) {
   return {group.corners.size() / (static_cast<std::size_t>(group.dimension) + 1), points.size()};
 }
 
+Json mending_json(const std::optional<Mending>& mending) {
+  if (!mending) return {};
+  return {{"moved_points", mending->moved.size()},
+          {"farthest", mending->farthest},
+          {"least_height_before", mending->least_height_before},
+          {"least_height_after", mending->least_height_after}};
+}
+
+std::string in_words(const Mending& mending) {
+  return fmt::format("{} points moved, by {} m at most; least height {} m before, {} m after", mending.moved.size(),
+                     short_number(mending.farthest, 4), short_number(mending.least_height_before, 4),
+                     short_number(mending.least_height_after, 4));
+}
+
 Json groups_json(const MeshFile& file) {
   Json list = Json::array();
   for (const MeshGroup& group : file.groups) {
@@ -120,6 +134,9 @@ MeshReport report_of(const MeshCommand& options) {
   report.unit = unit_of(report.opened, options);
   TetMesh& mesh = report.opened.file.mesh;
   mesh.points *= report.unit.value_or(1);
+  if (auto& mending = report.opened.mending)
+    for (double* length : {&mending->farthest, &mending->least_height_before, &mending->least_height_after})
+      *length *= report.unit.value_or(1);
   report.topology = topology_of(mesh);
   report.quality = quality_of(mesh);
   report.defects = defects_of(mesh);
@@ -179,6 +196,7 @@ Json to_json(const MeshReport& report, const MeshCommand& options) {
           {"shortest_edge", quality.shortest_edge},
           {"longest_edge", quality.longest_edge},
           {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
+          {"mended", mending_json(opened.mending)},
           {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
           {"second_order", opened.file.second_order},
           {"regions", list},
@@ -208,6 +226,7 @@ std::string in_words(const MeshReport& report, const MeshCommand& options, const
   line("dihedral angles", fmt::format("{} to {} degrees", short_number(quality.smallest_angle * degrees, 4),
                                       short_number(quality.largest_angle * degrees, 4)));
   line("parts", fmt::format("{}, unused points {}", topology.components, topology.unused_points));
+  if (opened.mending) line("mended", in_words(*opened.mending));
   if (opened.file.second_order > 0) text += second_order_in_words(opened.file) + "\n";
   text += regions_in_words(opened.file, regions, console);
   if (!defects.none())
@@ -411,7 +430,7 @@ void add_mesh_argument(CLI::App& command, MeshCommand& options) {
       .add_option(
           "mesh,--mesh", options.mesh,
           "A file (.msh .vtk .vtu .node .ele .mesh .veg), or liver, phantom, beam, cube, ball; parameters like "
-          "ball:n=6, all take :refine=K")
+          "ball:n=6, all take :refine=K and :mend=N")
       ->required();
 }
 
@@ -430,7 +449,7 @@ void add_mesh(CLI::App& app, Console& console) {
   CLI::App& info_command =
       add_command(group, console, "info", "Show the counts of a mesh, its surface, size and quality",
                   {"hmax mesh info liver", "hmax mesh info ball:n=6:refine=1 --json",
-                   "hmax mesh info liver --picture results/runs/liver.svg"});
+                   "hmax mesh info liver:mend=16", "hmax mesh info liver --picture results/runs/liver.svg"});
   add_mesh_argument(info_command, *options);
   add_unit(info_command, *options);
   options->picture.add_to(info_command, "Draw the surface, coloured by the worst tetrahedron nearby", false);

@@ -121,7 +121,7 @@ MeshFile refined(const MeshFile& file, int times) {
   MeshFile fine = file;
   fine.mesh = refined(file.mesh, times);  // says first whether so often is too often
   TetMesh coarse = file.mesh;
-  for (int i = 0; i < times; ++i) {
+  for (int i = 0; i < times && !fine.groups.empty(); ++i) {
     const EdgeTable table = edge_table(coarse);
     for (MeshGroup& group : fine.groups) group = refined_group(group, coarse, table);
     coarse = i + 1 < times ? refined(coarse) : TetMesh{};
@@ -133,6 +133,14 @@ MeshFile refined(const MeshFile& file, int times) {
   std::iota(fine.numbers.begin(), fine.numbers.end(), 1);
   fine.places.assign(fine.numbers.size(), 0);
   return fine;
+}
+
+Mending mend(MeshFile& file, TetMesh::Index count) {
+  std::vector<Index> fixed;
+  for (const MeshGroup& group : file.groups) fixed.insert(fixed.end(), group.corners.begin(), group.corners.end());
+  MendedMesh done = mended(file.mesh, count, fixed);
+  file.mesh = std::move(done.mesh);
+  return std::move(done.mending);
 }
 
 MeshFile renumbered(const MeshFile& file) {

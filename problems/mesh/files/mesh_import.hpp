@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "problems/mesh/files/mesh_file.hpp"
+#include "problems/mesh/mend.hpp"
 
 namespace hmax {
 
@@ -40,6 +41,9 @@ MeshImport import_as_it_is(MeshFile file);
 /// Each tetrahedron into eight (refine.hpp), each triangle of a group into four, each line into two. Points
 /// keep their numbers and the new ones follow; tetrahedra count from 1.
 MeshFile refined(const MeshFile& file, int times);
+
+/// Mends `count` tetrahedra (mend.hpp); points of groups stay. Lengths of the result are in the unit of the file.
+Mending mend(MeshFile& file, TetMesh::Index count);
 
 /// The file in local_order(), points and tetrahedra counted from 1.
 MeshFile renumbered(const MeshFile& file);

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "problems/digits.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
-#include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/mesh/refine.hpp"
 
@@ -146,15 +146,28 @@ MeshRequest parse_mesh_request(std::string_view text) {
   return request;
 }
 
-int refinements_of(const MeshRequest& request) {
-  const double* times = find(request.parameters, "refine");
-  if (!times) return 0;
-  if (*times != std::floor(*times) || *times < 0) refuse("refine", request.name, *times, "0 on");
+bool is_modifier(std::string_view parameter) { return parameter == "refine" || parameter == "mend"; }
+
+MeshModifiers modifiers_of(const MeshRequest& request) {
+  const auto count = [&](std::string_view modifier, double most) {
+    const double* number = find(request.parameters, modifier);
+    if (!number) return 0.0;
+    if (*number != std::floor(*number) || *number < 0) refuse(modifier, request.name, *number, "0 on");
+    return std::min(*number, most);
+  };
   // More than any mesh can be refined, which is told where its tetrahedra are counted.
-  return static_cast<int>(std::min(*times, 1000.0));
+  const auto refine = static_cast<int>(count("refine", 1000));
+  constexpr auto all = std::numeric_limits<TetMesh::Index>::max();
+  return {.refine = refine, .mend = static_cast<TetMesh::Index>(count("mend", all))};
 }
 
-TetMesh mesh_by_name(const MeshRequest& request) {
+std::optional<Mending> modify(MeshFile& file, const MeshModifiers& modifiers) {
+  if (modifiers.refine > 0) file = refined(file, modifiers.refine);
+  if (modifiers.mend == 0) return std::nullopt;
+  return mend(file, modifiers.mend);
+}
+
+TetMesh unmodified_mesh(const MeshRequest& request) {
   const NamedMesh* const known = find_named_mesh(request.name);
   if (!known) {
     std::string names;
@@ -163,25 +176,30 @@ TetMesh mesh_by_name(const MeshRequest& request) {
   }
   Parameters values = known->parameters;
   for (const auto& [name, value] : request.parameters) {
-    if (name == "refine") continue;
+    if (is_modifier(name)) continue;
     const auto place = std::ranges::find(values, name, &std::pair<std::string, double>::first);
     if (place == values.end()) {
-      std::string names = "refine";
+      std::string names = "refine, mend";
       for (const auto& each : known->parameters) names += ", " + each.first;
       throw std::invalid_argument("the mesh " + request.name + " has no parameter '" + name + "'; it takes " +
                                   names);
     }
     place->second = value;
   }
-  const int times = refinements_of(request);
   const auto made =
       std::ranges::find(generators(), request.name, [](const Generator& g) { return g.mesh.name; });
-  if (made != generators().end()) return refined(generated(*made, values), times);
+  if (made != generators().end()) return generated(*made, values);
   const auto text = std::ranges::find(mesh_texts(), request.name, &MeshTextFile::name);
   MeshFile file = read_mesh(request.name + ".msh", text->msh);
   require_valid(file);
   number_regions(file.mesh);
-  return refined(file.mesh, times);
+  return file.mesh;
+}
+
+TetMesh mesh_by_name(const MeshRequest& request) {
+  MeshFile file = counted_from_one(unmodified_mesh(request));
+  modify(file, modifiers_of(request));
+  return std::move(file.mesh);
 }
 
 }  // namespace hmax

@@ -1,12 +1,14 @@
 /// Meshes by name: those of problems/meshes, and the generators with their parameters.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/tet_mesh.hpp"
 
 namespace hmax {
@@ -31,7 +33,8 @@ struct MeshRequest {
 /// @throws std::invalid_argument when a parameter is no number or is given twice
 MeshRequest parse_mesh_request(std::string_view text);
 
-/// A mesh that has a name, with the parameters it takes and their defaults. `refine` is one of all of them.
+/// A mesh that has a name, with the parameters it takes and their defaults. All of them take `refine`
+/// and `mend` too.
 struct NamedMesh {
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
@@ -46,11 +49,29 @@ const std::vector<NamedMesh>& named_meshes();
 /// Null for a name that none of them has, as that of a file.
 const NamedMesh* find_named_mesh(std::string_view name);
 
-/// The whole number of refinements that was asked for.
-/// @throws std::invalid_argument unless it is whole and 0 or more
-int refinements_of(const MeshRequest& request);
+/// What is done to a mesh, whether it comes by name or from a file.
+struct MeshModifiers {
+  int refine = 0;           ///< how often
+  TetMesh::Index mend = 0;  ///< how many tetrahedra, after the refinements
 
-/// The mesh of this name, in metres, in the order of its file or generator, refined as asked for.
+  [[nodiscard]] bool any() const { return refine > 0 || mend > 0; }
+};
+
+/// `refine` or `mend`.
+bool is_modifier(std::string_view parameter);
+
+/// @throws std::invalid_argument unless both are whole and 0 or more
+MeshModifiers modifiers_of(const MeshRequest& request);
+
+/// Refines and mends a valid mesh as asked for.
+/// @returns what was mended, in the unit of the mesh; nothing where that was not asked for
+std::optional<Mending> modify(MeshFile& file, const MeshModifiers& modifiers);
+
+/// The mesh of this name, in metres, in the order of its file or generator, without its modifiers.
+/// @throws std::invalid_argument as mesh_by_name
+TetMesh unmodified_mesh(const MeshRequest& request);
+
+/// The same, refined and mended as asked for.
 /// @throws std::invalid_argument for a name or parameter that is unknown, naming the known ones, and for
 ///         parameters out of range
 TetMesh mesh_by_name(const MeshRequest& request);

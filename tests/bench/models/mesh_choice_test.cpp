@@ -53,7 +53,24 @@ TEST(MeshChoice, AFileIsRefinedAsANameIs) {
   const LoadedMesh loaded = load_mesh(file + ":refine=2", 1);
   EXPECT_EQ(loaded.mesh.tetrahedron_count(), 64 * 48);
   EXPECT_EQ(loaded.origin->file.mesh.tetrahedra, refined(mesh_by_name("cube:n=2"), 2).tetrahedra);
-  EXPECT_NE(refusal(file + ":n=2", 1).find("takes refine only"), std::string::npos);
+  EXPECT_NE(refusal(file + ":n=2", 1).find("takes refine and mend only"), std::string::npos);
+}
+
+TEST(MeshChoice, AFileIsMendedAsANameIs) {
+  const Scratch folder;
+  const std::string file = (folder / "a.msh").string();
+  write_text(file, msh_text(mesh_by_name("ball:n=2:radius=50")));
+  const OpenedMesh opened = open_mesh(file + ":mend=8:refine=1");
+  ASSERT_TRUE(opened.mending.has_value());
+  EXPECT_FALSE(opened.mending->moved.empty());
+  EXPECT_GT(opened.mending->farthest, 0);
+  EXPECT_GE(opened.mending->least_height_after, opened.mending->least_height_before);
+  const TetMesh fine = open_mesh(file + ":refine=1").file.mesh;
+  EXPECT_EQ(opened.file.mesh.points, mended(fine, 8).mesh.points);
+  EXPECT_EQ(opened.file.mesh.tetrahedra, fine.tetrahedra);
+  EXPECT_FALSE(open_mesh(file + ":mend=0").mending.has_value());
+  EXPECT_EQ(load_mesh(file + ":mend=8", 0.001).mesh.tetrahedron_count(), 160);
+  EXPECT_NE(refusal(file + ":mend=0.5", 1).find("give a whole number from 0 on"), std::string::npos);
 }
 
 TEST(MeshChoice, IdlePointsOfAFileAreLeftOutAndCounted) {
@@ -80,8 +97,9 @@ TEST(MeshChoice, WhatModelsCannotUseIsRefused) {
   TetMesh mesh = mesh_by_name("cube:n=1");
   std::swap(mesh.tetrahedra(0, 3), mesh.tetrahedra(1, 3));
   write_text(folder / "a.msh", msh_text(mesh));
-  EXPECT_NE(refusal((folder / "a.msh").string(), 1).find("tetrahedron 4 is inverted; turn it with"),
-            std::string::npos);
+  for (const char* modifier : {"", ":mend=1"})
+    EXPECT_NE(refusal((folder / "a.msh").string() + modifier, 1).find("tetrahedron 4 is inverted; turn it with"),
+              std::string::npos);
 }
 
 TEST(MeshChoice, KnowsACoarserMesh) {
@@ -90,6 +108,9 @@ TEST(MeshChoice, KnowsACoarserMesh) {
   EXPECT_EQ(coarser_mesh("liver"), "");
   EXPECT_EQ(coarser_mesh("liver:refine=1"), "liver");
   EXPECT_EQ(coarser_mesh("ball:n=6:refine=2"), "ball:n=6:refine=1");
+  EXPECT_EQ(coarser_mesh("liver:mend=5"), "");
+  EXPECT_EQ(coarser_mesh("liver:mend=5:refine=1"), "liver:mend=5");
+  EXPECT_EQ(coarser_mesh("ball:mend=5:n=6"), "ball:mend=5:n=3");
   EXPECT_EQ(coarser_mesh("cube:n=1"), "");
   for (const char* text : {"ball:n=6,radius=0.04", "cube:n=8:refine=1"}) EXPECT_NO_THROW(load_mesh(coarser_mesh(text)));
 }

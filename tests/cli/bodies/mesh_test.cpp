@@ -114,6 +114,25 @@ TEST(Mesh, MakeAndRefineWriteWhatOtherProgramsRead) {
   expect_refused(shell.hmax("mesh refine ball --times -1 --output a.msh"), "--times");
 }
 
+TEST(Mesh, InfoSaysWhatWasMended) {
+  const Shell shell;
+  EXPECT_TRUE(shell.hmax("mesh info ball:n=2 --json").json().at("mended").is_null());
+  const Json mended = shell.hmax("mesh info ball:n=2:refine=1:mend=8 --json").json().at("mended");
+  EXPECT_GT(mended.at("moved_points"), 0);
+  EXPECT_GT(mended.at("farthest"), 0);
+  EXPECT_GE(mended.at("least_height_after"), mended.at("least_height_before"));
+  ASSERT_EQ(shell.hmax("mesh make ball:n=2:refine=1:radius=50 --output ball.msh").exit_code, 0);
+  const Json of_file = shell.hmax("mesh info ball.msh:mend=8 --unit mm --json").json().at("mended");
+  EXPECT_NEAR(of_file.at("least_height_before").get<double>(), mended.at("least_height_before").get<double>(), 1e-9);
+  const Told told = shell.hmax("mesh info ball:n=2:refine=1:mend=8");
+  EXPECT_NE(told.out.find(" points moved, by "), std::string::npos) << told.out;
+  EXPECT_EQ(shell.hmax("mesh info ball:n=2").out.find("mended"), std::string::npos);
+  // What is written is the mended mesh.
+  ASSERT_EQ(shell.hmax("mesh convert ball:n=2:refine=1:mend=8 better.msh").exit_code, 0);
+  EXPECT_NE(shell.hmax("mesh info better.msh --json").json().at("shortest_edge"),
+            shell.hmax("mesh info ball:n=2:refine=1 --json").json().at("shortest_edge"));
+}
+
 TEST(Mesh, WhatIsNoMeshFileIsToldTheExtensionsThatAreRead) {
   const Shell shell;
   std::filesystem::create_directory(shell / "folder.msh");

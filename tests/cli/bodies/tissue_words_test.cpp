@@ -39,6 +39,7 @@ TEST(TissueWords, SayWhichMeshesThereAre) {
   of_mesh("liver:refine=30", "at most 5 times");
   of_mesh("liver:refine=1e9", "at most 5 times");
   of_mesh("liver:refine=0.5", "whole number from 0 on");
+  of_mesh("liver:mend=-1", "the parameter mend of the mesh liver is -1; give a whole number from 0 on");
   of_mesh("cube:edge=1e300", "from 1e-12 to 1e+12");
   of_mesh("cube:edge=1e-300", "from 1e-12 to 1e+12");
   of_mesh("ball:N=3", "'N=3' is no parameter; write them in small letters like ball:n=4,radius=0.05");

@@ -119,6 +119,24 @@ TEST(MeshImport, GroupsAndNumbersSurviveARefinement) {
     EXPECT_EQ(fine.point_numbers[i], static_cast<std::int64_t>(i) + 1);
 }
 
+TEST(MeshImport, PointsOfGroupsStayWhereOthersAreMended) {
+  MeshFile file = cube_with_groups(4);
+  const auto displace = [&](const Eigen::Vector3d& where) {
+    TetMesh::Index point = 0;
+    while (!file.mesh.points.col(point).isApprox(where)) ++point;
+    file.mesh.points.col(point) += Eigen::Vector3d(0.1, 0.06, 0);
+    return point;
+  };
+  const TetMesh::Index bottom = displace({0.5, 0.5, 0}), top = displace({0.5, 0.5, 1});
+  const Eigen::Matrix3Xd before = file.mesh.points;
+  const Mending mending = mend(file, 40);
+  EXPECT_TRUE(std::ranges::binary_search(mending.moved, top));
+  EXPECT_NE(file.mesh.points.col(top), before.col(top));
+  EXPECT_FALSE(std::ranges::binary_search(mending.moved, bottom));
+  for (const MeshGroup& group : file.groups)
+    for (const TetMesh::Index i : group.corners) EXPECT_EQ(file.mesh.points.col(i), before.col(i)) << i;
+}
+
 TEST(MeshImport, GroupsSurviveARenumbering) {
   const MeshFile file = cube_with_groups(2), other = renumbered(file);
   EXPECT_NE(other.mesh.points, file.mesh.points);

@@ -46,23 +46,37 @@ TEST(MeshNames, GeneratorsTakeTheirParameters) {
   EXPECT_EQ(quality_of(mesh_by_name("beam:n=1,length=3:height=0.5")).upper, Eigen::Vector3d(3, 0.05, 0.5));
 }
 
+TEST(MeshNames, AreMendedAfterTheyAreRefined) {
+  const TetMesh fine = mesh_by_name("ball:n=2:refine=1"), both = mesh_by_name("ball:mend=8:n=2:refine=1");
+  EXPECT_EQ(both.tetrahedra, fine.tetrahedra);
+  EXPECT_NE(both.points, fine.points);
+  EXPECT_EQ(both.points, mended(fine, 8).mesh.points);
+  EXPECT_EQ(mesh_by_name("ball:n=2:mend=0").points, mesh_by_name("ball:n=2").points);
+  // More than there are: until nothing gains.
+  EXPECT_TRUE(all_positive(mesh_by_name("ball:n=1:mend=1e12")));
+  EXPECT_NE(refusal("liver:mend=2.5").find("the parameter mend of the mesh liver is 2.5; give a whole number from 0 on"),
+            std::string::npos)
+      << refusal("liver:mend=2.5");
+}
+
 TEST(MeshNames, WhatIsUnknownIsRefusedWithWhatIsKnown) {
   EXPECT_NE(refusal("kidney").find("known are liver, phantom, beam, cube, ball"), std::string::npos)
       << refusal("kidney");
-  EXPECT_NE(refusal("ball:m=3").find("no parameter 'm'; it takes refine, n, radius"), std::string::npos);
-  EXPECT_NE(refusal("liver:n=3").find("it takes refine"), std::string::npos);
+  EXPECT_NE(refusal("ball:m=3").find("no parameter 'm'; it takes refine, mend, n, radius"), std::string::npos);
+  EXPECT_NE(refusal("liver:n=3").find("it takes refine, mend"), std::string::npos);
   EXPECT_NE(refusal("ball:n=2,radius=x").find("no number"), std::string::npos);
   EXPECT_NE(refusal("ball:n=2:n=3").find("twice"), std::string::npos);
   for (const char* text :
        {"ball:n=0", "ball:n=1.5", "ball:n=-1", "ball:n=1e9", "ball:n=inf", "ball:n=", "ball:n=2,,",
-        "ball:n=2,radius", "liver:refine=-1", "liver:refine=30", "cube:edge=0", ":refine=1", ""})
+        "ball:n=2,radius", "liver:refine=-1", "liver:refine=30", "liver:mend=-1", "liver:mend=2.5", "cube:edge=0", ":refine=1", ""})
     EXPECT_NE(refusal(text), "") << text;
 }
 
 TEST(MeshNames, ARequestKeepsOtherColonsInTheName) {
   const MeshRequest request = parse_mesh_request("C:/a:b=c/liver.msh:refine=2");
   EXPECT_EQ(request.name, "C:/a:b=c/liver.msh");
-  EXPECT_EQ(refinements_of(request), 2);
+  EXPECT_EQ(modifiers_of(request).refine, 2);
+  EXPECT_EQ(modifiers_of(request).mend, 0);
   EXPECT_EQ(parse_mesh_request("plain.msh").name, "plain.msh");
 }
 
