@@ -71,13 +71,17 @@ Json mending_json(const std::optional<Mending>& mending) {
   return {{"moved_points", mending->moved.size()},
           {"farthest", mending->farthest},
           {"least_height_before", mending->least_height_before},
-          {"least_height_after", mending->least_height_after}};
+          {"least_height_after", mending->least_height_after},
+          {"least_mean_height_before", mending->least_mean_height_before},
+          {"least_mean_height_after", mending->least_mean_height_after}};
 }
 
 std::string in_words(const Mending& mending) {
-  return fmt::format("{} points moved, by {} m at most; least height {} m before, {} m after", mending.moved.size(),
-                     short_number(mending.farthest, 4), short_number(mending.least_height_before, 4),
-                     short_number(mending.least_height_after, 4));
+  return fmt::format("{} points moved by at most {} m; least height {} m, was {}; least mean height {} m, was {}",
+                     mending.moved.size(), short_number(mending.farthest, 4),
+                     short_number(mending.least_height_after, 4), short_number(mending.least_height_before, 4),
+                     short_number(mending.least_mean_height_after, 4),
+                     short_number(mending.least_mean_height_before, 4));
 }
 
 Json groups_json(const MeshFile& file) {
@@ -135,7 +139,8 @@ MeshReport report_of(const MeshCommand& options) {
   TetMesh& mesh = report.opened.file.mesh;
   mesh.points *= report.unit.value_or(1);
   if (auto& mending = report.opened.mending)
-    for (double* length : {&mending->farthest, &mending->least_height_before, &mending->least_height_after})
+    for (double* length : {&mending->farthest, &mending->least_height_before, &mending->least_height_after,
+                           &mending->least_mean_height_before, &mending->least_mean_height_after})
       *length *= report.unit.value_or(1);
   report.topology = topology_of(mesh);
   report.quality = quality_of(mesh);

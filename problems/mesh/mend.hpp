@@ -1,4 +1,4 @@
-/// Mending of the flattest tetrahedra, which limit explicit steps.
+/// Mending of the tetrahedra that limit explicit steps.
 #pragma once
 
 #include <vector>
@@ -12,6 +12,7 @@ struct Mending {
   std::vector<TetMesh::Index> moved;                       ///< the points that stand elsewhere now, sorted
   double farthest = 0;                                     ///< the largest of their moves [m]
   double least_height_before = 0, least_height_after = 0;  ///< of all tetrahedra [m]
+  double least_mean_height_before = 0, least_mean_height_after = 0;  ///< of all points, as in mended() [m]
 };
 
 struct MendedMesh {
@@ -19,11 +20,14 @@ struct MendedMesh {
   Mending mending;
 };
 
-/// Moves points of the tetrahedra of least height: explicit steps are limited by height / wave speed. One by
-/// one, `count` times, the tetrahedron of least height that still gains by it has its points moved, one
-/// after another, each to where the least height of all tetrahedra around it is largest. Where none of these
-/// is inverted, that height is a quasi-concave function of the point, 3 V linear and areas of faces convex;
-/// a search along fixed directions with shrinking steps climbs it. It ends early where nothing gains.
+/// Moves points of the tetrahedra that limit explicit steps most. The mean height h of a point over the faces
+/// opposite to it, 1 / h^2 = sum of V / h_t^2 / sum of V over its tetrahedra t, measures its stiffness over
+/// its mass, and undamped steps are about in proportion to the least of all. One by one, `count` times, the
+/// tetrahedron of least height at the point of least mean height that still gains by it has its points moved,
+/// one after another, each to where the least mean height of the points around it is largest and no
+/// tetrahedron of it is lower than the lowest was. As a function of the point, V / h_t^2 = A^2 / 9 V is
+/// convex and V linear: such places make a convex set, and a search along fixed directions with shrinking
+/// steps climbs. It ends early where nothing gains.
 ///
 /// Inner points go up to half of the mean length of their edges. Points where the surface is flat within 5
 /// degrees slide in its plane as far; those of a curved surface or a crease go up to a twentieth, in any

@@ -64,7 +64,7 @@ TEST(MeshChoice, AFileIsMendedAsANameIs) {
   ASSERT_TRUE(opened.mending.has_value());
   EXPECT_FALSE(opened.mending->moved.empty());
   EXPECT_GT(opened.mending->farthest, 0);
-  EXPECT_GE(opened.mending->least_height_after, opened.mending->least_height_before);
+  EXPECT_GE(opened.mending->least_mean_height_after, opened.mending->least_mean_height_before);
   const TetMesh fine = open_mesh(file + ":refine=1").file.mesh;
   EXPECT_EQ(opened.file.mesh.points, mended(fine, 8).mesh.points);
   EXPECT_EQ(opened.file.mesh.tetrahedra, fine.tetrahedra);

@@ -1,6 +1,7 @@
 #include "problems/mesh/mend.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -50,18 +51,44 @@ TEST(Mending, MovesADisplacedInnerPointBack) {
   EXPECT_EQ(done.mesh.tetrahedra, spoiled.tetrahedra);
 }
 
-TEST(Mending, MakesTheLeastHeightLargerAndInvertsNothing) {
+TEST(Mending, MakesTheLeastMeanHeightLargerAndInvertsNothing) {
   const TetMesh mesh = pushed_ball();
   ASSERT_TRUE(all_positive(mesh));
-  double before = least_of(mesh);
+  double least = least_of(mesh), mean = mended(mesh, 0).mending.least_mean_height_after;
+  const double mean_before = mean;
   for (const TetMesh::Index count : {1, 10, 40}) {
     const MendedMesh done = mended(mesh, count);
     EXPECT_TRUE(all_positive(done.mesh));
-    EXPECT_GE(done.mending.least_height_after, before);
-    before = done.mending.least_height_after;
+    EXPECT_DOUBLE_EQ(done.mending.least_mean_height_before, mean_before);
+    EXPECT_GT(done.mending.least_height_after, (1 - 1e-6) * least);
+    EXPECT_GT(done.mending.least_mean_height_after, (1 - 1e-6) * mean);
+    least = done.mending.least_height_after;
+    mean = done.mending.least_mean_height_after;
   }
-  EXPECT_GT(before, 1.2 * least_of(mesh));
+  EXPECT_GT(mean, 1.1 * mean_before);
   EXPECT_EQ(mended(mesh, 10).mesh.points, mended(mesh, 10).mesh.points);
+}
+
+/// The points of a single tetrahedron have its heights.
+TEST(Mending, TellsMeanHeightsOfPoints) {
+  EXPECT_NEAR(mended(unit_tetrahedron(), 0).mending.least_mean_height_before, 1 / std::sqrt(3.), 1e-15);
+  const TetMesh mesh = cube_mesh(1, 1);
+  double least = 1e300;
+  for (Eigen::Index point = 0; point < 8; ++point) {
+    double stiffness = 0, volume = 0;
+    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (mesh.tetrahedra(static_cast<Eigen::Index>(i), t) != point) continue;
+        const Corners x = corners_of(mesh, t);
+        const auto& [a, b, c] = tetrahedron_faces[i];
+        const Eigen::Vector3d normal = (x.col(b) - x.col(a)).cross(x.col(c) - x.col(a)).normalized();
+        const double height = normal.dot(x.col(static_cast<Eigen::Index>(i)) - x.col(a));
+        stiffness += signed_volume(x) / (height * height);
+        volume += signed_volume(x);
+      }
+    least = std::min(least, std::sqrt(volume / stiffness));
+  }
+  EXPECT_NEAR(mended(mesh, 0).mending.least_mean_height_before, least, 1e-12);
 }
 
 TEST(Mending, LeavesSoundMeshesAndTheCountOfZero) {
