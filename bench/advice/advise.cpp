@@ -63,10 +63,12 @@ void set_mode_changes(AdviceRow& row, const std::vector<std::pair<double, double
 }
 
 /// Puts a run into its row.
-void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question) {
+void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question,
+            const AnalysedModel& model) {
   row.steps_per_frame = steps;
   row.h = question.frame() / static_cast<double>(steps);
-  row.error = run.error;
+  // The method of the reference at its step would have none.
+  row.error = std::max(run.error, model.reference.error_bound);
   row.frame = frame_times(run.frames_s);
   row.first_frame = run.first_frame_s;
   row.frames = run.frames_s.size();
@@ -101,6 +103,7 @@ class StepSearch {
     }
     refine(row, failed, steps, cause);
     row.h_accurate = row.h;
+    row.least_steps = row.steps_per_frame;
     row.bound = cause;
     row.verdict = AdviceVerdict::suitable;
     if (question_.least_error) spend_budget(row);
@@ -152,7 +155,7 @@ class StepSearch {
     if (watcher_) watcher_();
     MotionRun run = run_motion(row.candidate, model_.motion, model_.reference, question_.frame(), steps,
                                {.most_per_frame = most_budgets * question_.frame_budget()}, watcher_);
-    record(row, run, steps, question_);
+    record(row, run, steps, question_, model_);
     row.status = run.note;
     return run;
   }
@@ -179,10 +182,11 @@ class StepSearch {
     while (2 * row.frame.p50 <= 0.8 * question_.frame_budget() && 2 * row.steps_per_frame <= most_steps) {
       AdviceRow shorter = row;
       const MotionRun run = run_at(shorter, 2 * row.steps_per_frame);
-      if (!suffices(run) || shorter.error > 0.9 * row.error) return;
+      row.bound = is_late(shorter.missed, shorter.frames) ? AdviceBound::budget : AdviceBound::accuracy;
+      if (!suffices(run) || row.bound == AdviceBound::budget || shorter.error > 0.9 * row.error) return;
       row = shorter;
-      row.bound = AdviceBound::budget;
     }
+    row.bound = AdviceBound::budget;
   }
 
   static void fail(AdviceRow& row, const std::string& why) {
@@ -261,8 +265,17 @@ void sort_rows(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
   std::ranges::stable_sort(rows, [&](const AdviceRow& a, const AdviceRow& b) {
     if (is_suitable(a) != is_suitable(b)) return is_suitable(a);
     if (!is_suitable(a)) return static_cast<int>(a.verdict) > static_cast<int>(b.verdict);
-    return rank_of(a, question) < rank_of(b, question);
+    return std::pair(rank_of(a, question), a.frame.p50) < std::pair(rank_of(b, question), b.frame.p50);
   });
+}
+
+/// Where steps are shorter than they need be, to lower the error: half as many, to be timed anew.
+/// @returns whether they are
+bool lengthen_step(AdviceRow& row) {
+  if (2 * row.least_steps > row.steps_per_frame) return false;
+  row.steps_per_frame /= 2;
+  row.frames = 0;
+  return true;
 }
 
 /// Times rows for as many frames as asked, best first, until the best four that suffice are timed; those that miss
@@ -279,7 +292,8 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
     }
     const MotionRun run = run_motion(row.candidate, model.motion, model.reference, question.frame(),
                                      row.steps_per_frame, {.frames = question.frames}, watcher);
-    record(row, run, row.steps_per_frame, question);
+    record(row, run, row.steps_per_frame, question, model);
+    if (is_late(row.missed, row.frames) && lengthen_step(row)) continue;
     if (!is_timed(row) || is_late(row.missed, row.frames)) {
       row.verdict = AdviceVerdict::too_slow;
       row.bound = AdviceBound::budget;
@@ -307,6 +321,10 @@ std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuest
               watcher);
     const auto failed = std::ranges::find_if_not(proof, &ProofRun::holds);
     if (failed == proof.end()) return proof;
+    if (failed->stable && lengthen_step(best)) {
+      time_best(rows, question, model, watcher);
+      continue;
+    }
     best.verdict = failed->stable ? AdviceVerdict::too_slow : AdviceVerdict::unstable;
     best.bound = failed->stable ? AdviceBound::budget : AdviceBound::stability;
     best.status = failed->stable
@@ -341,6 +359,8 @@ std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& que
   lengthen(model.motion, question);
   advice.motion = fmt::format("{}; to t = {:.6g} s", model.motion.words, model.motion.t_end);
   advice.t_end = model.motion.t_end;
+  advice.load_share = model.motion.load_share;
+  advice.gravity_share = model.motion.gravity_share;
   std::vector<Candidate> all = candidates(question.methods, model.motion.problem);
   if (all.empty())
     throw InputError(fmt::format("none of the methods can step {} at a fixed step; name others with --methods",

@@ -36,9 +36,9 @@ struct AdviceQuestion {
 /// What keeps the step of a row from being longer: the words of `hmax advise --json`.
 enum class AdviceBound {
   stability,  ///< the next longer step is unstable
-  accuracy,   ///< it misses the tolerance
+  accuracy,   ///< it misses the tolerance; where errors are ranked: one of half its length is no better
   newton,     ///< its equations are not solved
-  budget,     ///< even this one takes more than the budget; where errors are ranked: a shorter one would
+  budget,     ///< even this one takes more than the budget; where errors are ranked: one of half its length would
   rate        ///< the step is a whole frame
 };
 enum class AdviceVerdict { recommended, tie, suitable, unstable, inaccurate, too_slow };
@@ -53,11 +53,12 @@ struct AdviceRow {
   Candidate candidate;
   double h = none;                    ///< [s]
   std::int64_t steps_per_frame = 0;   ///< a frame is a whole number of steps
+  std::int64_t least_steps = 0;       ///< the fewest of them that were seen to suffice
   double h_max = none;                ///< predicted, the least along the motion [s]; infinity: no step is unstable
   double h_max_observed = none;       ///< on the motion, to 0.25 % [s], of rows that suit; else NaN
   double h_accurate = none;           ///< the longest step tried that meets the tolerance [s]
   AdviceBound bound = AdviceBound::rate;
-  double error = none;                ///< relative to the largest displacement
+  double error = none;                ///< relative to the largest displacement, no less than that of the reference
   FrameTimes frame;                   ///< CPU time of a frame on one thread [s]
   double first_frame = none;          ///< with what is done once, such as the first factors [s]
   std::size_t frames = 0, missed = 0; ///< frames that were timed, and those over the budget
@@ -75,7 +76,7 @@ struct AdviceRow {
 
 /// A change of the model or the question under which a row becomes suitable; it was run.
 struct Remedy {
-  std::string change;   ///< "budget_ms", "rate", "tetrahedra", or a parameter such as "rho"
+  std::string change;   ///< "budget_ms", "rate", "mend", "tetrahedra", or a parameter such as "rho"
   double from = 0, to = 0;
   std::string cost = {};    ///< what it brings about besides, in words; may be empty
   std::string method = {};  ///< as Candidate::words()
@@ -97,6 +98,7 @@ std::string_view name_of(AdviceStage stage);
 struct Advice {
   AdviceStage stage = AdviceStage::searching;
   std::string motion;                 ///< in words: what the probing motion is
+  double load_share = 1, gravity_share = 1;  ///< that the probing motion has, as ProbingMotion
   double scale = 0;                   ///< its largest displacement [m], or largest |y_i|
   double reference_error = 0;         ///< bound, relative to the scale
   double t_end = 0;                   ///< of the motion [s]
@@ -137,10 +139,11 @@ void advise(const Problem& problem, const AdviceQuestion& question, Advice& advi
 struct Remaking {
   ProblemWith with;                      ///< other parameters
   std::function<Problem()> coarser = {};  ///< on a coarser mesh; empty where there is none
+  std::function<Problem(int count)> mended = {};  ///< on a mesh with so many of its flattest tetrahedra mended; may be empty
 };
 
 /// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first: a
-/// larger budget, a lower rate, and of a body a coarser mesh, more mass where elements are fast, more density, a softer
+/// larger budget, a lower rate, and of a body its flattest tetrahedra mended, a coarser mesh, more mass where elements are fast, more density, a softer
 /// material, a softer or thinner skin, less damping by stiffness.
 /// @param failed  what was found without a change. What helps goes into Advice::remedies, where it stays when the
 ///                watcher throws.

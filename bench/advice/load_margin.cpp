@@ -32,6 +32,13 @@ double displacement_of(const Candidate& candidate, double h, const ProbingMotion
   return farthest;
 }
 
+/// A tool that went further and faster would touch for another time and elsewhere.
+bool can_be_larger(const TissueSettings& settings) {
+  return settings.tools.empty() &&
+         (!settings.forces.empty() ||
+          std::ranges::any_of(settings.supports, [](const Support& support) { return !support.travel.isZero(); }));
+}
+
 }  // namespace
 
 ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make) {
@@ -40,7 +47,6 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
     TissueSettings settings = motion.problem.body->settings();
     for (PressingForce& force : settings.forces) force.force *= factor;
     for (Support& support : settings.supports) support.travel *= factor;
-    for (SphereTool& tool : settings.tools) tool.travel *= factor;
     larger.problem = with_settings(motion.problem, std::move(settings));
     larger.problem.y0 = motion.problem.y0;
     return larger;
@@ -54,6 +60,7 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
 LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion, const ReferenceMotion& reference,
                        const ProblemWith& make, const Watcher& watcher) {
   LoadMargin margin;
+  if (motion.problem.body && !can_be_larger(motion.problem.body->settings())) return margin;
   const double begun = thread_cpu_seconds();
   const auto is_late = [&] { return thread_cpu_seconds() - begun > most_cpu; };
   const auto stays = [&](double factor, double step) {

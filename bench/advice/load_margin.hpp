@@ -19,12 +19,12 @@ struct LoadMargin {
   bool of_model = false;
 };
 
-/// The motion with its loads, and the travels of its supports and tools, times a factor; gravity as it is. Of what is no body
+/// The motion with its forces, and the travels of its supports, times a factor; gravity and tools as they are. Of what is no body
 /// the amplitude P of its force, where it has one and `make` is given, and its initial state.
 ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make);
 
 /// Motions of 2, 4 and 8 times the loads, until one fails, then two between; none is begun after 10 s of CPU time.
-/// `fails` is NaN where that ends the search, and all numbers are where it ends it before the first.
+/// Nothing of bodies that a tool touches or that nothing but gravity loads. `fails` is NaN where that ends the search, and all numbers are where it ends it before the first.
 LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion, const ReferenceMotion& reference,
                        const ProblemWith& make, const Watcher& watcher = {});
 

@@ -128,11 +128,12 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   const TissueBody& body = *problem.body;
   if (is_driven_by_time(body)) {
     const double t_end = end_of_motion(problem);
-    return {problem, t_end, "its own load"};
+    return {.problem = problem, .t_end = t_end, .words = "its own load"};
   }
   const RestingBody resting = resting_under_gravity(problem, watcher);
   TissueSettings settings = resting.problem.body->settings();
   std::string words;
+  double share = 1;
   if (settings.forces.empty()) {
     settings.forces = {far_press(body)};
     const double force =
@@ -140,15 +141,17 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
     settings.forces.front().force *= force;
     words = fmt::format("a press of {:.3g} N at the far end{}", force, resting.words);
   } else {
-    double share = 1;
     std::tie(share, words) = probing_share(problem, watcher);
     for (PressingForce& force : settings.forces) force.force *= share;
   }
   come_and_go(settings.forces);
   const double t_end = rise + hold + rise + after;
-  return {with_settings(resting.problem, std::move(settings)), t_end,
-          fmt::format("{}, which rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s", words, rise,
-                      hold, rise)};
+  return {.problem = with_settings(resting.problem, std::move(settings)),
+          .t_end = t_end,
+          .words = fmt::format("{}; it rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s", words, rise,
+                               hold, rise),
+          .load_share = share,
+          .gravity_share = resting.share};
 }
 
 /// The state at each of some instants, by a method at h; nothing where a step is not solved.
@@ -256,17 +259,18 @@ RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher
     if (!resting.converged) continue;
     RestingBody found{share == 1 ? problem : with_settings(problem, std::move(weighted)),
                       share == 1 ? " beside gravity"
-                                 : fmt::format(" beside {:.3g} of gravity, {}", share, words_of_share(*problem.body))};
+                                 : fmt::format(" beside {:.3g} of gravity, {}", share, words_of_share(*problem.body)),
+                      share};
     found.problem.y0.head(resting.q.size()) = resting.q;
     return found;
   }
   weighted.gravity.setZero();
-  return {with_settings(problem, std::move(weighted)), " without gravity, under which there is no equilibrium"};
+  return {with_settings(problem, std::move(weighted)), " without gravity, under which there is no equilibrium", 0};
 }
 
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
   if (problem.body) return of_body(problem, watcher);
-  return {problem, problem.t_end, "its own motion"};
+  return {.problem = problem, .t_end = problem.t_end, .words = "its own motion"};
 }
 
 ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slowest) {

@@ -17,6 +17,7 @@ struct ProbingMotion {
   Problem problem;
   double t_end = 0;   ///< [s]
   std::string words;  ///< what acts, and how it comes and goes
+  double load_share = 1, gravity_share = 1;  ///< of what the problem has; less where that has no equilibrium, or is not tried
 };
 
 /// Of a body whose loads do not change with time: they come within 0.1 s, stay for 0.2 s and go within 0.1 s, and the
@@ -31,6 +32,7 @@ ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {}
 struct RestingBody {
   Problem problem;    ///< y0 is the equilibrium without other loads
   std::string words;  ///< " beside gravity"; empty where none acts
+  double share = 1;   ///< of gravity
 };
 RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher = {});
 

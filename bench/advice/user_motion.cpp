@@ -46,7 +46,7 @@ UserMotion read_user_motion(const std::filesystem::path& file) {
       if (!values) continue;
       ++found;
       if (!std::ranges::all_of(*values, [](double v) { return std::isfinite(v); }))
-        throw InputError(fmt::format("{}: the column {} has a value that is not finite", name, names[axis]));
+        throw InputError(fmt::format("{}: the column {} has a value that is not finite; write a number into each line", name, names[axis]));
       motion.along[axis] = std::make_shared<const SampledCurve>(*t, *values);
     }
     return found;
@@ -77,13 +77,15 @@ ProbingMotion probing_motion(const Problem& problem, const UserMotion& user, con
     else
       settings.supports.push_back({.points = points, .travel = unit, .profile = profile});
   }
-  ProbingMotion motion{with_settings(problem, std::move(settings)), user.t_end,
-                       fmt::format("{} of {} on {} points", presses ? "the forces" : "the displacements", user.name,
-                                   points.size())};
+  ProbingMotion motion{.problem = with_settings(problem, std::move(settings)),
+                       .t_end = user.t_end,
+                       .words = fmt::format("{} of {} on {} point{}", presses ? "the forces" : "the displacements",
+                                            user.name, points.size(), points.size() == 1 ? "" : "s")};
   // The state has the size of what moves freely.
   motion.problem.y0.setZero(2 * motion.problem.body->dofs());
   const RestingBody resting = resting_under_gravity(motion.problem, watcher);
   motion.problem = resting.problem;
+  motion.gravity_share = resting.share;
   motion.words += resting.words;
   return motion;
 }

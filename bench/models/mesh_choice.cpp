@@ -101,6 +101,13 @@ std::string coarser_mesh(const std::string& text) {
   });
 }
 
+std::string mended_mesh(const std::string& text, int count) {
+  return told_to_user([&] {
+    const MeshRequest request = parse_mesh_request(text);
+    return modifiers_of(request).mend > 0 ? std::string() : fmt::format("{}:mend={}", text, count);
+  });
+}
+
 double unit_in_metres(std::string_view text) {
   if (text == "m") return 1;
   if (text == "cm") return 0.01;

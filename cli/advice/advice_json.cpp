@@ -110,6 +110,8 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
                 {"material", problem.material},
                 {"parameters", std::move(parameters)},
                 {"motion", advice.motion},
+                {"load_share", advice.load_share},
+                {"gravity_share", advice.gravity_share},
                 {"scale", advice.scale},
                 {"reference_error", advice.reference_error},
                 {"modes", advice.modes},

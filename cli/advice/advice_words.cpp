@@ -21,7 +21,12 @@ std::string milliseconds(double seconds, int digits = 3) {
 std::string percent(double share) { return std::isfinite(share) ? short_number(100 * share, 2) + " %" : "-"; }
 
 /// What keeps the step from being longer.
-std::string sentence_of_bound(const AdviceRow& row) {
+std::string sentence_of_bound(const AdviceRow& row, bool least_error) {
+  const bool suits = row.verdict == AdviceVerdict::recommended || row.verdict == AdviceVerdict::tie;
+  if (least_error && suits && row.bound == AdviceBound::budget)
+    return "the budget: frames of twice as many steps would take more than 0.8 of it, or be late";
+  if (least_error && suits && row.bound == AdviceBound::accuracy)
+    return "accuracy: twice as many steps have no smaller error than that of the reference or this";
   switch (row.bound) {
     case AdviceBound::stability:
       return "stability: a longer part of a frame is within 5 % of the limit or beyond it";
@@ -63,19 +68,40 @@ std::string words_of_step(const AdviceRow& row) {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
+/// What the user must know before trusting the answer: loads that were reduced, and a limit that published spreads cross.
+void add_cautions(Facts& facts, const Advice& advice, const AdviceRow& row, const AdviceQuestion& question) {
+  const auto caution = [&](std::string words) {
+    facts.emplace_back(facts.empty() || facts.back().first != "caution" ? "caution" : "", std::move(words));
+  };
+  const auto share = [](double of) { return of == 0 ? std::string("no") : short_number(of, 3) + " of"; };
+  if (advice.gravity_share < 1)
+    caution(fmt::format("tried with {} gravity only: under all of it the step may fail", share(advice.gravity_share)));
+  if (advice.load_share < 1)
+    caution(fmt::format("tried with {} the load only: under all of it the step may fail", share(advice.load_share)));
+  double low = 1;
+  for (const LimitBand& band : advice.bands) low = std::min(low, band.low);
+  if (advice.bands.empty() || low * row.h_max >= row.h) return;
+  const double steps = std::ceil(question.frame() / (low * row.h_max));
+  caution(fmt::format("over the published spread of the material h_max falls to {} ms: h = {} ms, {} steps per frame, is stable over "
+                      "all of it",
+                      milliseconds(low * row.h_max), milliseconds(question.frame() / steps, 4), steps));
+}
+
 /// What was measured of the recommended row.
 void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice,
                   const AdviceQuestion& question) {
   facts.emplace_back("stability", words_of_limit(row));
-  facts.emplace_back("limited by", sentence_of_bound(row));
-  facts.emplace_back("error", fmt::format("{} of the {}", percent(row.error), error_scale(problem)));
+  facts.emplace_back("limited by", sentence_of_bound(row, question.least_error));
+  facts.emplace_back("error", fmt::format("{}{} of the {}",
+                                          row.error <= advice.reference_error ? "that of the reference, at most " : "",
+                                          percent(row.error), error_scale(problem)));
   facts.emplace_back(
       "CPU time",
       fmt::format("{} ms per frame (median), {} ms (99 %), {} ms (maximum); {} times real time",
                   milliseconds(row.frame.p50), milliseconds(row.frame.p99), milliseconds(row.frame.max),
                   short_number(row.realtime_factor(question.rate), 3)));
-  facts.emplace_back("deadline", fmt::format("{} of {} frames took more than {} ms", row.missed, row.frames,
-                                             milliseconds(question.frame_budget())));
+  facts.emplace_back("deadline", fmt::format("{} of {} frames took more than {} ms; one in a thousand may", row.missed,
+                                             row.frames, milliseconds(question.frame_budget())));
   for (const ProofRun& run : advice.proof) {
     const bool first = &run == &advice.proof.front();
     facts.emplace_back(first ? "long runs" : "",
@@ -112,10 +138,9 @@ void add_margins(Facts& facts, const Problem& problem, const AdviceRow& row, con
   for (const LimitBand& band : advice.bands)
     facts.emplace_back(
         &band == &advice.bands.front() ? "uncertainty" : "",
-        fmt::format("h_max {} to {} ms where the {} is {} % less or more{}",
+        fmt::format("h_max {} to {} ms where the {} is {} % less or more",
                     milliseconds(band.low * row.h_max), milliseconds(band.high * row.h_max), band.quantity,
-                    short_number(100 * band.spread, 2),
-                    band.low * row.h_max < row.h ? ": at the lower end the step is unstable" : ""));
+                    short_number(100 * band.spread, 2)));
   if (const std::string modes = words_of_modes(row, advice); !modes.empty())
     facts.emplace_back("slow modes", modes);
   std::vector<std::string> ties;
@@ -199,12 +224,14 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
   AdviceText text;
   text.model = fmt::format("{}{}{}", problem.id, problem.material.empty() ? "" : ", ", problem.material);
   text.motion = advice.motion;
-  text.question = fmt::format("{} Hz, error at most {} of the {}{}, frames of at most {} ms",
+  text.question = fmt::format("{} Hz, error at most {} of the {}{}, frames of at most {} ms; best is {}",
                               short_number(question.rate), percent(question.tolerance), error_scale(problem),
-                              problem.body ? fmt::format(", {} mm", milliseconds(advice.scale)) : "",
-                              milliseconds(question.frame_budget()));
+                              problem.body ? fmt::format(" ({} mm)", milliseconds(advice.scale)) : "",
+                              milliseconds(question.frame_budget()),
+                              question.least_error ? "the smallest error" : "the lowest CPU time");
   if (const AdviceRow* best = advice.recommended()) {
     text.answer = words_of_step(*best);
+    add_cautions(text.facts, advice, *best, question);
     add_measured(text.facts, problem, *best, advice, question);
     add_margins(text.facts, problem, *best, advice);
   } else if (interrupted && advice.stage < AdviceStage::remedies) {

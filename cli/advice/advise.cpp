@@ -51,12 +51,18 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem)
     question.tolerance = positive("--tolerance", *options.tolerance, "0.01");
     if (question.tolerance >= 1)
       throw InputError("--tolerance is relative to the largest displacement and must be below 1, such as 0.01");
+    if (question.tolerance < 1e-10)
+      throw InputError(fmt::format("--tolerance is {}, which no reference reaches; give 1e-10 or more",
+                                   to_text(question.tolerance)));
   }
   if (options.budget) question.budget = positive("--budget", *options.budget, "5") / 1000;
   question.least_error = options.budget && !options.tolerance;
-  if (!options.frames.empty())
-    question.frames = static_cast<std::size_t>(
-        std::min<std::int64_t>(parse_count("--frames", options.frames, 1), 1'000'000));
+  if (!options.frames.empty()) {
+    constexpr std::int64_t most = 1'000'000;
+    const std::int64_t frames = parse_count("--frames", options.frames, 1);
+    if (frames > most) throw InputError(fmt::format("--frames is {}; time {} frames at most", frames, most));
+    question.frames = static_cast<std::size_t>(frames);
+  }
   if (!options.motion_at.empty() && options.motion.empty())
     throw InputError("--motion-at names the points of --motion; add a file of forces or displacements");
   if (!options.motion.empty()) {
@@ -95,12 +101,16 @@ Remaking remaking(const ProblemChoice& choice) {
     }
     return changed.make();
   };
-  if (const std::string coarser = coarser_mesh(choice.body.mesh); !coarser.empty())
-    make.coarser = [&choice, coarser] {
-      ProblemChoice changed = choice;
-      changed.body.mesh = coarser;
-      return changed.make();
-    };
+  const auto on_mesh = [&choice](const std::string& mesh) {
+    ProblemChoice changed = choice;
+    changed.body.mesh = mesh;
+    return changed.make();
+  };
+  const std::string& mesh = choice.body.mesh;
+  if (mesh.empty()) return make;
+  if (const std::string coarser = coarser_mesh(mesh); !coarser.empty())
+    make.coarser = [on_mesh, coarser] { return on_mesh(coarser); };
+  if (!mended_mesh(mesh, 1).empty()) make.mended = [on_mesh, &mesh](int count) { return on_mesh(mended_mesh(mesh, count)); };
   return make;
 }
 
@@ -129,7 +139,7 @@ std::exception_ptr search(const AdviseOptions& options, const Problem& problem, 
         watcher(share, "what would help: " + what);
       });
   } catch (...) {
-    if (advice.rows.empty()) throw;
+    if (advice.rows.empty() && !(interrupted && console.json)) throw;
     return std::current_exception();
   }
   return nullptr;
@@ -231,7 +241,8 @@ void add_advise(CLI::App& app, Console& console) {
       ->type_name("FILE");
   command
       .add_option("--motion-at", options->motion_at,
-                  "Points that --motion acts on, as --support; the far end of the body by default; may be repeated")
+                  "Points that --motion acts on, as --support, which displacements need; the far end of the body by default; may be "
+                  "repeated")
       ->type_name("SET")
       ->take_all()
       ->allow_extra_args(false);
