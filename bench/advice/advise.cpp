@@ -119,16 +119,10 @@ class StepSearch {
   /// A run whose frames take longer than so many budgets is not finished.
   static constexpr double most_budgets = 4;
 
-  /// About what a frame takes with as many steps as meet the tolerance, from the order of the method [s].
-  [[nodiscard]] double time_to_suffice(const AdviceRow& row) const {
-    const int order = std::max(1, row.candidate.method.order);
-    return row.frame.p50 * std::max(1.0, std::pow(row.error / question_.tolerance, 1.0 / order));
-  }
-
   /// Whether more steps per frame than those that did not suffice would not suffice either.
   [[nodiscard]] bool is_hopeless(const AdviceRow& row, AdviceBound cause, std::int64_t steps, std::int64_t first) const {
     if (cause == AdviceBound::budget) return true;
-    if (cause == AdviceBound::accuracy) return time_to_suffice(row) > 2 * question_.frame_budget();
+    if (cause == AdviceBound::accuracy) return time_to_meet(row, question_.tolerance) > 2 * question_.frame_budget();
     return steps >= most_steps_after_failure * first;
   }
 
@@ -408,6 +402,11 @@ std::string_view name_of(AdviceVerdict verdict) {
 std::string_view name_of(AdviceStage stage) {
   constexpr std::array<std::string_view, 6> names{"searching", "timing", "proving", "observing", "remedies", "done"};
   return names[static_cast<std::size_t>(stage)];
+}
+
+double time_to_meet(const AdviceRow& row, double tolerance) {
+  const double order = std::max(1, row.candidate.method.order);
+  return row.frame.p50 * std::max(1.0, std::pow(row.error / tolerance, 1 / order));
 }
 
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher,

@@ -74,6 +74,9 @@ struct AdviceRow {
   [[nodiscard]] double realtime_factor(double rate) const { return 1 / (rate * frame.p50); }
 };
 
+/// About what a frame takes with as many steps as meet a tolerance, from the order of the method [s].
+double time_to_meet(const AdviceRow& row, double tolerance);
+
 /// A change of the model or the question under which a row becomes suitable; it was run.
 struct Remedy {
   std::string change;   ///< "budget_ms", "rate", "mend", "tetrahedra", or a parameter such as "rho"

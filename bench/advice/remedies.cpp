@@ -15,14 +15,15 @@ namespace {
 
 /// Those that came nearest: what fails for all of these fails for the others. Last are those with steps so short that they
 /// were not run.
-std::vector<Method> nearest_methods(const Advice& failed) {
+std::vector<Method> nearest_methods(const Advice& failed, double tolerance) {
   constexpr std::size_t most = 4;
   std::vector<const AdviceRow*> rows;
   for (const AdviceRow& row : failed.rows)
     if (row.h_max != 0) rows.push_back(&row);
-  std::ranges::stable_sort(rows, {}, [](const AdviceRow* row) {
+  std::ranges::stable_sort(rows, {}, [&](const AdviceRow* row) {
     if (!(row->frame.p50 > 0)) return std::numeric_limits<double>::infinity();
-    return row->frame.p50 * (row->verdict == AdviceVerdict::too_slow ? 1 : 100);
+    const double slower = row->verdict == AdviceVerdict::unstable ? 100 : 1;
+    return slower * time_to_meet(*row, tolerance);
   });
   std::vector<Method> methods;
   for (const AdviceRow* row : rows)
@@ -48,7 +49,7 @@ class Trials {
   Trials(const AdviceQuestion& question, Advice& failed, const AdviceWatcher& watcher)
       : question_(question), watcher_(watcher), found_(failed.remedies) {
     question_.frames = std::min<std::size_t>(question.frames, 100);
-    question_.methods = nearest_methods(failed);
+    question_.methods = nearest_methods(failed, question.tolerance);
     question_.least_error = false;  // what suffices at all
   }
 

@@ -217,8 +217,7 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
       method, settings, binding.callbacks(), std::move(equations), span.t0, span.t_end, next.get(), context);
 
   double t = span.t0;
-  // y holds the last accepted state, at t; `at` is where the run ended or failed. The library has counted
-  // steps and iterations.
+  // y holds the last accepted state, at t; `at` is where the run ended or failed.
   auto finish = [&](Outcome outcome, double at, std::string_view note = {}) {
     RunEnd<double> end{outcome, at, solver->stats()};
     end.note = note;

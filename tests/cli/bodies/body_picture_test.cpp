@@ -58,7 +58,6 @@ TEST(Pictures, AreRefusedBeforeTheWorkIsDone) {
   expect_refused(shell.hmax("static --mesh phantom --picture a.svg --colour red"), "red");
   expect_refused(shell.hmax("static --mesh phantom --picture a.svg --from 0,0,0"), "--from");
   expect_refused(shell.hmax("static --mesh phantom --picture a.svg --frames 3"), "--frames");
-  expect_refused(shell.hmax("run --problem liver_linear --method rk4 --h 0.1 --picture a.svg"), "--mesh");
 }
 
 TEST(Statics, AreComparedInATableAndAFigure) {
