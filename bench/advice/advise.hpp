@@ -112,6 +112,7 @@ struct Advice {
   std::vector<LimitBand> bands;       ///< of its limit
   LoadMargin load_margin;             ///< of the recommended row
   std::vector<Remedy> remedies;       ///< where nothing is recommended
+  bool all_tried = true;              ///< false: the search for them ended before the last change
 
   /// The first row, if it is recommended.
   [[nodiscard]] const AdviceRow* recommended() const {
@@ -149,7 +150,7 @@ struct Remaking {
 /// larger budget, a lower rate, and of a body its flattest tetrahedra mended, a coarser mesh, more mass where elements are fast, more density, a softer
 /// material, a softer or thinner skin, less damping by stiffness.
 /// @param failed  what was found without a change. What helps goes into Advice::remedies, where it stays when the
-///                watcher throws.
+///                watcher throws. No change is tried after two minutes of CPU time.
 void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,
                    const AdviceWatcher& watcher = {});
 

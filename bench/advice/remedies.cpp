@@ -6,6 +6,7 @@
 
 #include "bench/advice/advise.hpp"
 #include "bench/limits/fastest_mode.hpp"
+#include "bench/timing/timing.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 
@@ -47,7 +48,7 @@ const std::vector<Scaling>& scalings() {
 class Trials {
  public:
   Trials(const AdviceQuestion& question, Advice& failed, const AdviceWatcher& watcher)
-      : question_(question), watcher_(watcher), found_(failed.remedies) {
+      : question_(question), watcher_(watcher), found_(failed.remedies), all_tried_(failed.all_tried) {
     question_.frames = std::min<std::size_t>(question.frames, 100);
     question_.methods = nearest_methods(failed, question.tolerance);
     question_.least_error = false;  // what suffices at all
@@ -55,8 +56,13 @@ class Trials {
 
   [[nodiscard]] bool are_possible() const { return !question_.methods.empty(); }
 
-  /// Keeps the change if something suits with it. @returns whether it does
+  /// Keeps the change if something suits with it. None is tried after two minutes of CPU time in all.
+  /// @returns whether it does
   bool helps(Remedy remedy, const AdviceQuestion& question, const std::function<Problem()>& changed) {
+    if (thread_cpu_seconds() - begun_ > most_cpu) {
+      all_tried_ = false;
+      return false;
+    }
     try {
       const Advice advice = advise(changed(), question, watcher_);
       const AdviceRow* row = advice.recommended();
@@ -76,8 +82,12 @@ class Trials {
 
  private:
   AdviceQuestion question_;
+  static constexpr double most_cpu = 120;  // [s]
+
   const AdviceWatcher& watcher_;
   std::vector<Remedy>& found_;
+  bool& all_tried_;
+  double begun_ = thread_cpu_seconds();
 };
 
 void try_time(Trials& trials, const Problem& problem, const AdviceQuestion& question) {
@@ -176,6 +186,7 @@ void try_parameters(Trials& trials, const Problem& problem, const ProblemWith& m
 void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,
                    const AdviceWatcher& watcher) {
   failed.remedies.clear();
+  failed.all_tried = true;
   failed.stage = AdviceStage::remedies;
   Trials trials(question, failed, watcher);
   if (trials.are_possible()) try_time(trials, problem, question);

@@ -12,13 +12,16 @@ namespace hmax {
 namespace {
 
 /// What lies outside is a slip in units rather than tissue: E from fat to bone, densities from inflated lung
-/// to bone, bodies from an insect to a man.
+/// to bone, skins up to soft ligaments, bodies from an insect to a man.
 struct Usual {
   const char *name, *unit, *hint;
   double least, most;
 };
 constexpr Usual usual_young{"E", "Pa", "5.5 kPa are 5500 Pa", 50, 5e10};
 constexpr Usual usual_density{"rho", "kg/m^3", "1.06 g/cm^3 are 1060 kg/m^3", 50, 1e4};
+constexpr Usual usual_density_from_mass{"the density that mass and mesh make", "kg/m^3",
+                                        "check --unit of the mesh, and the mass of the material", 50, 1e4};
+constexpr Usual usual_skin{"E of the skin", "Pa", "skin is a factor of E, such as 1000", 50, 3e8};
 constexpr Usual usual_size{"the longest side of the body", "m", "state the unit of the mesh with --unit",
                            5e-4, 3};
 constexpr Usual usual_gravity{"gravity", "m/s^2", "9810 mm/s^2 are 9.81 m/s^2", 1e-2, 1e3};
@@ -82,11 +85,13 @@ BodySummary summary_of(const TissueBody& body) {
     summary.travel = std::max(summary.travel, support.travel.norm());
   for (const PressingForce& load : settings.forces)
     summary.force = std::max(summary.force, load.force.norm());
+  if (settings.skin.kind != SkinSettings::Kind::none) summary.skin = settings.skin.young;
   if (settings.model.is_of_springs()) summary.poisson.fill(poisson_of_springs);
   if (settings.total_mass) {
     double volume = 0;
     for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) volume += signed_volume(corners_of(mesh, t));
     summary.density.fill(summary.mass / volume);
+    summary.from_mass = true;
   }
   return summary;
 }
@@ -109,7 +114,8 @@ std::vector<std::string> unusual_values(const BodySummary& summary) {
     if (sentences.empty()) judge(usual_young, E, sentences);
   const std::size_t before = sentences.size();
   for (const double rho : summary.density)
-    if (sentences.size() == before) judge(usual_density, rho, sentences);
+    if (sentences.size() == before) judge(summary.from_mass ? usual_density_from_mass : usual_density, rho, sentences);
+  if (summary.skin > 0) judge(usual_skin, summary.skin, sentences);
   judge(usual_size, summary.size.maxCoeff(), sentences);
   if (const double g = summary.gravity.norm(); g > 0) judge(usual_gravity, g, sentences);
   judge_loads(summary, sentences);

@@ -17,6 +17,8 @@ struct BodySummary {
   Span young{};    ///< E [Pa]
   Span poisson{};  ///< nu [1]
   Span density{};  ///< as it results where the mass is given [kg/m^3]
+  bool from_mass = false;   ///< densities result from a mass that is given
+  double skin = 0;          ///< Young's modulus of the skin [Pa]; 0: there is none
   std::size_t regions = 1;
   double mass = 0;                                    ///< of all points, without what mass_step adds [kg]
   double added_mass = 0;                              ///< by mass_step [kg]

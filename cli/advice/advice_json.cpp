@@ -124,7 +124,8 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
                 {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
                 {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
                 {"ties", std::move(ties)},
-                {"remedies", std::move(remedies)}};
+                {"remedies", std::move(remedies)},
+                {"all_tried", advice.all_tried}};
   if (interrupted) {
     document["interrupted"] = true;
     document["stage"] = name_of(advice.stage);

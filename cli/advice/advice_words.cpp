@@ -166,7 +166,8 @@ std::string words_of_help(const Advice& advice, bool interrupted) {
   if (interrupted)
     return none ? "Interrupted: no change that was tried so far helps."
                 : "Interrupted; what helps, of the changes tried so far:";
-  return none ? "No change that was tried helps." : "What helps, each tried:";
+  const std::string part = advice.all_tried ? "" : " (not every change was tried: that takes more than two minutes)";
+  return none ? fmt::format("No change that was tried helps{}.", part) : fmt::format("What helps, each tried{}:", part);
 }
 
 /// How far an interrupted search got.

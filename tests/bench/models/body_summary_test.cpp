@@ -54,6 +54,14 @@ TEST(BodySummary, SlipsInUnitsAreUnusual) {
       "force is 500 N, more than E times the square of its longest side (55 N); give newtons: 500 mN are 0.5 N");
   EXPECT_EQ(of_load("press", {{"force", 0.5}}), "0 sentences");
   EXPECT_EQ(unusual_values(made("fem_green@cube:n=2,edge=100")).size(), 1U) << "millimetres taken for metres";
+  // A factor of E taken for pascals.
+  EXPECT_TRUE(unusual_values(made("fem_green@cube:n=2", {{"skin", 1000}})).empty());
+  const auto skin = unusual_values(made("fem_green@cube:n=2", {{"skin", 1e5}}));
+  ASSERT_EQ(skin.size(), 1U);
+  EXPECT_NE(skin.front().find("skin is a factor of E"), std::string::npos) << skin.front();
+  const auto heavy = unusual_values(made("fem_green@cube:n=2", {{"mass", 1000}}));
+  ASSERT_EQ(heavy.size(), 1U);
+  EXPECT_NE(heavy.front().find("--unit"), std::string::npos) << heavy.front();
 }
 
 }  // namespace
