@@ -90,17 +90,18 @@ class Trials {
   double begun_ = thread_cpu_seconds();
 };
 
-void try_time(Trials& trials, const Problem& problem, const AdviceQuestion& question) {
-  const auto same = [&] { return problem; };
-  if (question.frame_budget() < question.frame()) {
-    AdviceQuestion whole_frame = trials.question();
-    whole_frame.budget.reset();
-    trials.helps({.change = "budget_ms", .from = 1e3 * question.frame_budget()}, whole_frame, same);
-  }
+void try_budget(Trials& trials, const Problem& problem, const AdviceQuestion& question) {
+  if (question.frame_budget() >= question.frame()) return;
+  AdviceQuestion whole_frame = trials.question();
+  whole_frame.budget.reset();
+  trials.helps({.change = "budget_ms", .from = 1e3 * question.frame_budget()}, whole_frame, [&] { return problem; });
+}
+
+void try_rates(Trials& trials, const Problem& problem, const AdviceQuestion& question) {
   for (const double divisor : {2.0, 5.0, 10.0, 20.0, 50.0}) {
     AdviceQuestion slower = trials.question();
     slower.rate = question.rate / divisor;
-    if (trials.helps({.change = "rate", .from = question.rate, .to = slower.rate}, slower, same)) break;
+    if (trials.helps({.change = "rate", .from = question.rate, .to = slower.rate}, slower, [&] { return problem; })) break;
   }
 }
 
@@ -189,10 +190,12 @@ void find_remedies(const Problem& problem, const AdviceQuestion& question, Advic
   failed.all_tried = true;
   failed.stage = AdviceStage::remedies;
   Trials trials(question, failed, watcher);
-  if (trials.are_possible()) try_time(trials, problem, question);
+  if (trials.are_possible()) try_budget(trials, problem, question);
+  // Of large bodies a coarser one is tried within the time that there is.
+  if (trials.are_possible() && make.coarser) try_coarser(trials, problem, make.coarser);
+  if (trials.are_possible()) try_rates(trials, problem, question);
   if (trials.are_possible() && problem.body) {
     if (make.mended) try_mended(trials, problem, make.mended);
-    if (make.coarser) try_coarser(trials, problem, make.coarser);
     try_mass(trials, problem, make.with);
     try_parameters(trials, problem, make.with);
   }
