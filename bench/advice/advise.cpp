@@ -51,17 +51,6 @@ std::vector<std::pair<double, double>> slowest_modes(const ModeSet& set) {
   return modes;
 }
 
-/// What a step adds to the slowest modes.
-void set_mode_changes(AdviceRow& row, const std::vector<std::pair<double, double>>& modes) {
-  const auto& amplification = row.candidate.method.amplification;
-  for (const auto& [omega, zeta] : modes) {
-    ShownOscillation shown{.omega = AdviceRow::none, .zeta = AdviceRow::none};
-    if (amplification) shown = shown_oscillation(*amplification, omega, zeta, row.h);
-    row.damping_added.push_back(shown.zeta - zeta);
-    row.frequency_shift.push_back(shown.omega / omega - 1);
-  }
-}
-
 /// Puts a run into its row.
 void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question,
             const AnalysedModel& model) {
@@ -220,11 +209,24 @@ bool is_suitable(const AdviceRow& row) {
          row.verdict == AdviceVerdict::tie;
 }
 
+/// What follows from the step: what it adds to the slowest modes, and how much stiffer the model may become.
+void describe_step(AdviceRow& row, const AnalysedModel& model, const Watcher& watcher) {
+  const auto& amplification = row.candidate.method.amplification;
+  row.damping_added.clear();
+  row.frequency_shift.clear();
+  for (const auto& [omega, zeta] : model.slow) {
+    ShownOscillation shown{.omega = AdviceRow::none, .zeta = AdviceRow::none};
+    if (amplification) shown = shown_oscillation(*amplification, omega, zeta, row.h);
+    row.damping_added.push_back(shown.zeta - zeta);
+    row.frequency_shift.push_back(shown.omega / omega - 1);
+  }
+  if (is_suitable(row)) row.stiffening = stiffening_margin(row.candidate, row.h_max, model, row.h, watcher);
+}
+
 /// One candidate at the longest of its steps that suffices.
 /// @param i  its place in AnalysedModel::limits
 AdviceRow searched_row(const Candidate& candidate, std::size_t i, const AdviceQuestion& question,
-                       const AnalysedModel& model, const std::vector<std::pair<double, double>>& modes,
-                       const Watcher& watcher) {
+                       const AnalysedModel& model, const Watcher& watcher) {
   AdviceRow row;
   row.candidate = candidate;
   row.h_max = model.limits[i].h_max;
@@ -232,8 +234,7 @@ AdviceRow searched_row(const Candidate& candidate, std::size_t i, const AdviceQu
   StepSearch(question, model, watcher)(row);
   row.memory = peak_memory();
   if (row.status.empty()) row.status = model.limits[i].status;
-  if (is_suitable(row)) row.stiffening = stiffening_margin(candidate, model.limits[i], model, row.h, watcher);
-  set_mode_changes(row, modes);
+  describe_step(row, model, watcher);
   return row;
 }
 
@@ -269,6 +270,7 @@ bool lengthen_step(AdviceRow& row) {
   if (2 * row.least_steps > row.steps_per_frame) return false;
   row.steps_per_frame /= 2;
   row.frames = 0;
+  row.bound = AdviceBound::budget;
   return true;
 }
 
@@ -286,7 +288,9 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
     }
     const MotionRun run = run_motion(row.candidate, model.motion, model.reference, question.frame(),
                                      row.steps_per_frame, {.frames = question.frames}, watcher);
+    const double searched = row.h;
     record(row, run, row.steps_per_frame, question, model);
+    if (row.h != searched) describe_step(row, model, watcher);
     if (is_late(row.missed, row.frames) && lengthen_step(row)) continue;
     if (!is_timed(row) || is_late(row.missed, row.frames)) {
       row.verdict = AdviceVerdict::too_slow;
@@ -299,9 +303,8 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
 }
 
 /// Runs the best row for long; one that does not hold is no longer suitable, and the next best is the best.
-/// @param slowest  the slowest frequency [rad/s]; 0: not known
 std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question,
-                                 const AnalysedModel& model, double slowest, const Watcher& watcher) {
+                                 const AnalysedModel& model, const Watcher& watcher) {
   constexpr double most_cpu = 20;  // [s] of both motions
   while (is_suitable(rows.front())) {
     AdviceRow& best = rows.front();
@@ -311,7 +314,7 @@ std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuest
               {.frame = question.frame(),
                .budget = question.frame_budget(),
                .seconds = std::max(std::min(question.proof, affordable), 5 * question.frame()),
-               .slowest = slowest},
+               .slowest = model.slow.empty() ? 0 : model.slow.front().first},
               watcher);
     const auto failed = std::ranges::find_if_not(proof, &ProofRun::holds);
     if (failed == proof.end()) return proof;
@@ -361,6 +364,8 @@ std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& que
                                  problem.id));
   now(0.02, "finding the reference motion");
   model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
+  model.slow = slowest_modes(model.near.modes);
+  for (const auto& [omega, zeta] : model.slow) advice.modes.push_back(omega);
   const double rk4_limit = predict(find_method("rk4"), model.near).h_max.value_or(0);
   model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch, rk4_limit);
   advice.scale = model.reference.scale;
@@ -431,12 +436,9 @@ void advise(const Problem& problem, const AdviceQuestion& question, Advice& advi
   advice = {};
   AnalysedModel model;
   const std::vector<Candidate> all = analyse(problem, question, model, advice, now, watch);
-  const auto modes = slowest_modes(model.near.modes);
-  for (const auto& [omega, zeta] : modes) advice.modes.push_back(omega);
-
   for (std::size_t i = 0; i < all.size(); ++i) {
     now(0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(all.size()), "steps of " + all[i].words());
-    advice.rows.push_back(searched_row(all[i], i, question, model, modes, watch));
+    advice.rows.push_back(searched_row(all[i], i, question, model, watch));
     sort_rows(advice.rows, question);
   }
   advice.stage = AdviceStage::timing;
@@ -444,7 +446,7 @@ void advise(const Problem& problem, const AdviceQuestion& question, Advice& advi
   time_best(advice.rows, question, model, watch);
   advice.stage = AdviceStage::proving;
   now(0.75, "long runs of the best method");
-  advice.proof = prove_best(advice.rows, question, model, modes.empty() ? 0 : modes.front().first, watch);
+  advice.proof = prove_best(advice.rows, question, model, watch);
   advice.stage = AdviceStage::observing;
   observe_limits(advice.rows, model, now);
   if (!advice.rows.empty() && is_suitable(advice.rows.front())) {

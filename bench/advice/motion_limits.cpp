@@ -129,14 +129,20 @@ void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, con
   }
 }
 
-double stiffening_margin(const Candidate& candidate, const CandidateLimit& limit, const AnalysedModel& model, double h,
+double stiffening_margin(const Candidate& candidate, double h_max, const AnalysedModel& model, double h,
                          const Watcher& watcher) {
   if (!(h > 0) || is_truncated(candidate) || candidate.jacobian.every > 1 || candidate.method.needs_split) return unknown;
-  if (!is_frozen(candidate)) return std::isfinite(limit.h_max) ? std::pow(limit.h_max / h, 2) : limit.h_max;
+  if (!is_frozen(candidate)) return std::isfinite(h_max) ? std::pow(h_max / h, 2) : h_max;
   const Problem& problem = model.motion.problem;
-  if (problem.y0.size() <= most_states_stepped && takes_step_options(candidate.method))
-    return tolerated_stiffening(candidate.method, problem, model.elsewhere.empty() ? model.near : model.elsewhere.back(),
-                                choices_of(candidate), h, watcher);
+  if (problem.y0.size() <= most_states_stepped && takes_step_options(candidate.method)) {
+    const auto tolerated = [&](const Linearised& place) {
+      return tolerated_stiffening(candidate.method, problem, place, choices_of(candidate), h, watcher);
+    };
+    if (model.elsewhere.empty()) return tolerated(model.near);
+    double least = unknown;
+    for (const Linearised& place : model.elsewhere) least = lesser(least, tolerated(place));
+    return least;
+  }
   const auto method = linearly_implicit_method(candidate.method.id);
   if (!method || !(model.fastest > 0)) return unknown;
   return tolerated_stiffness(*method, h * model.fastest).most / model.stiffened;

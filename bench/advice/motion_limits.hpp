@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/advice/candidate.hpp"
@@ -23,10 +24,11 @@ struct AnalysedModel {
   ProbingMotion motion;
   ReferenceMotion reference;
   Linearised near;                      ///< at the start of the motion
-  std::vector<Linearised> elsewhere;    ///< where else limits of steps are looked for, as places_of()
+  std::vector<Linearised> elsewhere;    ///< of bodies where the motion makes them stiffest, of small problems along it; may be empty
   std::vector<CandidateLimit> limits;   ///< of each candidate
   double stiffened = 1;                 ///< times the square of the fastest frequency at the start: the most along the motion
   double fastest = 0;                   ///< the fastest undamped frequency at the start [rad/s]; 0: not known
+  std::vector<std::pair<double, double>> slow;  ///< at most three slowest oscillations at the start [rad/s], damping ratios
 };
 
 /// Fills AnalysedModel::limits, and what the motion makes of the model: the least limits at the start and at ten states
@@ -39,10 +41,11 @@ void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, con
                     const std::function<void(std::size_t)>& progress = {});
 
 /// How many times stiffer than on the motion the model may become before steps of h are unstable: of frozen Jacobians from
-/// the maps of their steps, or of the largest bodies as predict_limits(); of other methods from (h_max / h)^2. NaN where no
-/// limit is known, the Jacobian is of every tenth step, the iteration truncated or the method implicit-explicit.
-/// @param limit  of the candidate
-double stiffening_margin(const Candidate& candidate, const CandidateLimit& limit, const AnalysedModel& model, double h,
+/// the maps of their steps where the motion makes the model stiffest, infinity from 64 on, or of the largest bodies as
+/// predict_limits(); of other methods from (h_max / h)^2. NaN where no limit is known, the Jacobian is of every tenth step,
+/// the iteration truncated or the method implicit-explicit.
+/// @param h_max  of the candidate, as CandidateLimit
+double stiffening_margin(const Candidate& candidate, double h_max, const AnalysedModel& model, double h,
                          const Watcher& watcher);
 
 }  // namespace hmax

@@ -26,7 +26,7 @@ std::string sentence_of_bound(const AdviceRow& row, bool least_error) {
   if (least_error && suits && row.bound == AdviceBound::budget)
     return "the budget: frames of twice as many steps would take more than 0.8 of it, or be late";
   if (least_error && suits && row.bound == AdviceBound::accuracy)
-    return "accuracy: twice as many steps have no smaller error than that of the reference or this";
+    return "accuracy: twice as many steps hardly lower the error";
   switch (row.bound) {
     case AdviceBound::stability:
       return "stability: a longer part of a frame is within 5 % of the limit or beyond it";
@@ -131,7 +131,8 @@ void add_margins(Facts& facts, const Problem& problem, const AdviceRow& row, con
   if (!std::isnan(row.stiffening))
     facts.emplace_back(
         "margin", std::isinf(row.stiffening)
-                      ? "predicted: stable at every stiffness"
+                      ? row.candidate.jacobian.every == JacobianUpdate::frozen ? "predicted: stable at 64 times the stiffness"
+                                                                               : "predicted: stable at every stiffness"
                       : fmt::format("predicted: stable up to {} times the stiffness", short_number(row.stiffening, 3)));
   if (const std::string loads = words_of(advice.load_margin, problem.body != nullptr); !loads.empty())
     facts.emplace_back(std::isnan(row.stiffening) ? "margin" : "", "observed: " + loads);
