@@ -135,6 +135,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     if constexpr (requires { stepper.work(); }) {
       end.stats.factorisations = stepper.work().factorisations;
       end.stats.newton = stepper.work().newton;
+      end.stats.linear_iterations = stepper.work().linear_iterations;
       end.stats.newton_error = stepper.work().newton_error;
       if (outcome == Outcome::newton_failed) end.note = stepper.work().failure;
     }

@@ -10,12 +10,13 @@ namespace hmax {
 
 /// What a run did.
 struct Stats {
-  std::int64_t steps = 0;           ///< accepted steps
-  std::int64_t rejected = 0;        ///< rejected attempts
-  std::int64_t rhs = 0;             ///< evaluations of f; 0 unless the system was Counted
-  std::int64_t jacobian = 0;        ///< evaluations of df/dy; 0 unless the system was Counted
-  std::int64_t factorisations = 0;  ///< of matrices, by implicit methods
-  std::int64_t newton = 0;          ///< Newton iterations, all stages together
+  std::int64_t steps = 0;              ///< accepted steps
+  std::int64_t rejected = 0;           ///< rejected attempts
+  std::int64_t rhs = 0;                ///< evaluations of f; 0 unless the system was Counted
+  std::int64_t jacobian = 0;           ///< evaluations of df/dy; 0 unless the system was Counted
+  std::int64_t factorisations = 0;     ///< of matrices, by implicit methods
+  std::int64_t newton = 0;             ///< Newton iterations, all stages together
+  std::int64_t linear_iterations = 0;  ///< of conjugate gradients, all equations together
   /// Largest error that the iterations of a stage left, as their convergence foretells, relative to the
   /// largest number of the state; of methods that iterate, at fixed steps.
   double newton_error = 0;
@@ -25,9 +26,9 @@ struct Stats {
 
 /// What an implicit method did inside its attempts; the loop adds it to the Stats of the run.
 struct ImplicitWork {
-  std::int64_t factorisations = 0, newton = 0;  ///< as in Stats
-  double newton_error = 0;                      ///< as in Stats
-  std::string_view failure{};                   ///< why the last equations that were not solved were not
+  std::int64_t factorisations = 0, newton = 0, linear_iterations = 0;  ///< as in Stats
+  double newton_error = 0;                                             ///< as in Stats
+  std::string_view failure{};  ///< why the last equations that were not solved were not
 };
 
 /// A system that counts the calls of its verbs into the Stats of the caller; everything else is the system's

@@ -97,8 +97,7 @@ class Inner {
       return left_ <= (settings_.method == StaticMethod::linear ? tolerance_ : worth_a_step);
     }
     d = r;
-    solver_.solve(d);
-    if (settings_.inner == InnerSolver::conjugate_gradients) iterations_ += solver_.iterations();
+    iterations_ += solver_.solve(d);
     return d.allFinite();
   }
 

@@ -64,8 +64,12 @@ void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const Advi
   row.missed = static_cast<std::size_t>(
       std::ranges::count_if(run.frames_s, [&](double s) { return s > question.frame_budget(); }));
   // Foreign engines tell their iterations at the end alone.
-  const double newton = quantile(run.newton, 0.999);
-  if (newton > 0) row.newton_per_frame = newton;
+  const auto in_nearly_all = [](const std::vector<double>& counts) {
+    const double most = quantile(counts, 0.999);
+    return most > 0 ? most : AdviceRow::none;
+  };
+  row.newton_per_frame = in_nearly_all(run.newton);
+  row.linear_per_frame = in_nearly_all(run.linear_iterations);
 }
 
 /// Searches the step of one candidate.

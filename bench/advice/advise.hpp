@@ -63,6 +63,7 @@ struct AdviceRow {
   double first_frame = none;          ///< with what is done once, such as the first factors [s]
   std::size_t frames = 0, missed = 0; ///< frames that were timed, and those over the budget
   double newton_per_frame = none;     ///< iterations of Newton's method that 99.9 % of the frames do not exceed
+  double linear_per_frame = none;     ///< the same of conjugate gradients
   std::optional<std::int64_t> memory; ///< peak of the process while the row was tried [bytes]
   std::vector<double> damping_added;  ///< to the damping ratio of each of Advice::modes
   std::vector<double> frequency_shift;///< relative, of each of them
@@ -143,12 +144,14 @@ void advise(const Problem& problem, const AdviceQuestion& question, Advice& advi
 struct Remaking {
   ProblemWith with;                      ///< other parameters
   std::function<Problem()> coarser = {};  ///< on a coarser mesh; empty where there is none
-  std::function<Problem(int count)> mended = {};  ///< on a mesh with so many of its flattest tetrahedra mended; may be empty
+  /// On a mesh where as many of the tetrahedra that limit explicit steps most are mended; may be empty.
+  std::function<Problem(int count)> mended = {};
 };
 
-/// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first: a
-/// larger budget, a lower rate, and of a body its flattest tetrahedra mended, a coarser mesh, more mass where elements are fast, more density, a softer
-/// material, a softer or thinner skin, less damping by stiffness.
+/// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first, in this
+/// order: a larger budget, a coarser mesh, a lower rate, and of a body the tetrahedra mended that limit explicit steps
+/// most, more mass where elements are fast, more density or mass, a softer material, a softer or thinner skin, less
+/// damping by stiffness.
 /// @param failed  what was found without a change. What helps goes into Advice::remedies, where it stays when the
 ///                watcher throws. No change is tried after two minutes of CPU time.
 void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,

@@ -8,14 +8,13 @@
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double largest = 8;   // factor
+constexpr double largest = 8;    // times the loads
 constexpr double most_cpu = 10;  // [s]
 
 /// The largest displacement of a run [m], or |y_i - y_i(0)|.
@@ -48,7 +47,6 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
     for (PressingForce& force : settings.forces) force.force *= factor;
     for (Support& support : settings.supports) support.travel *= factor;
     larger.problem = with_settings(motion.problem, std::move(settings));
-    larger.problem.y0 = motion.problem.y0;
     return larger;
   }
   const auto P = std::ranges::find(motion.problem.parameters, "P", &std::pair<std::string, double>::first);
@@ -74,10 +72,9 @@ LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion
     const double middle = std::sqrt(low * high);
     (stays(middle, h) ? low : high) = middle;
   }
-  if (low == 1 && std::isinf(high)) return margin;  // not even one run in that time
   margin.holds = low;
   margin.fails = low < largest && std::isinf(high) ? LoadMargin::none : high;
-  margin.of_model = std::isfinite(high) && !is_late() && !stays(high, h / 4);
+  if (std::isfinite(high) && !is_late()) margin.of_model = !stays(high, h / 4);
   margin.displacement = displacement_of(candidate, h, larger_motion(motion, low, make));
   return margin;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include "bench/advice/candidate.hpp"
 #include "bench/advice/probing_motion.hpp"
@@ -15,16 +16,19 @@ struct LoadMargin {
   double holds = none;         ///< the largest factor of the loads at which the step is stable
   double fails = none;         ///< the smallest tried at which it is not; infinity: 8 holds
   double displacement = none;  ///< the largest of the motion at `holds`: of a body [m], else of |y_i - y_i(0)|
-  /// A quarter of the step fails at `fails` too: the model itself gives way, or moves so that neighbours part.
-  bool of_model = false;
+  /// Whether a quarter of the step fails at `fails` too: the model itself gives way, or moves so that neighbours part.
+  /// Nothing where that was not run.
+  std::optional<bool> of_model = {};
 };
 
-/// The motion with its forces, and the travels of its supports, times a factor; gravity and tools as they are. Of what is no body
-/// the amplitude P of its force, where it has one and `make` is given, and its initial state.
+/// The motion with its forces, and the travels of its supports, times a factor; gravity and tools as they are. Of what is
+/// no body the amplitude P of its force, where it has one and `make` is given, and its initial state.
 ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make);
 
-/// Motions of 2, 4 and 8 times the loads, until one fails, then two between; none is begun after 10 s of CPU time.
-/// Nothing of bodies that a tool touches or that nothing but gravity loads. `fails` is NaN where that ends the search, and all numbers are where it ends it before the first.
+/// Motions of 2, 4 and 8 times the loads, until one fails, then two between; none is begun after 10 s of CPU time, and
+/// `fails` is NaN where that ends the search before one has failed. All is NaN of bodies that a tool touches or that nothing
+/// but gravity loads.
+/// @param h  [s]
 LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion, const ReferenceMotion& reference,
                        const ProblemWith& make, const Watcher& watcher = {});
 

@@ -26,7 +26,7 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
   std::int64_t step = -1;
   std::size_t instant = 0;
   ImplicitWork work;
-  std::int64_t newton = 0;
+  std::int64_t newton = 0, linear_iterations = 0;  // up to the frame before
   double last = thread_cpu_seconds();
   double start = last;
   const auto look_at_the_clock = [&] {
@@ -46,7 +46,9 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
       const double now = thread_cpu_seconds();
       (step == steps_per_frame ? result.first_frame_s : result.frames_s.emplace_back()) = now - last;
       result.newton.push_back(static_cast<double>(work.newton - newton));
+      result.linear_iterations.push_back(static_cast<double>(work.linear_iterations - linear_iterations));
       newton = work.newton;
+      linear_iterations = work.linear_iterations;
     }
     if (instant < reference.t.size() && t >= reference.t[instant] - 0.25 * h)
       result.error = std::max(result.error, relative_error(motion, reference, instant++, y));

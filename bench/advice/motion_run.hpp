@@ -18,7 +18,7 @@ struct MotionRun {
   double error = 0;              ///< the largest of the instants, relative; infinity where it did not reach the end
   std::vector<double> frames_s;  ///< CPU time of each frame but the first of each run [s]
   double first_frame_s = 0;      ///< with what a simulator does before it starts: its first factors
-  std::vector<double> newton;    ///< iterations of Newton's method in each frame
+  std::vector<double> newton, linear_iterations;  ///< of Newton's method and of conjugate gradients, in each frame
   std::int64_t steps = 0;
   Stats stats;
   std::string note;  ///< why equations were not solved

@@ -21,7 +21,7 @@ Json margin_json(double stiffening, const LoadMargin* load) {
   margin["load"] = number_or_word(load->holds);
   margin["load_fails"] = number_or_word(load->fails);
   margin["displacement"] = number_or_word(load->displacement);
-  margin["load_limited_by"] = !std::isfinite(load->fails) ? Json() : Json(load->of_model ? "model" : "step");
+  margin["load_limited_by"] = load->of_model ? Json(*load->of_model ? "model" : "step") : Json();
   return margin;
 }
 
@@ -38,6 +38,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
     options["linear"] = to_string(row.candidate.linear_solve);
   }
   if (!std::isnan(row.newton_per_frame)) options["iterations"] = row.newton_per_frame;
+  if (!std::isnan(row.linear_per_frame)) options["linear_iterations"] = row.linear_per_frame;
   return {{"method", row.candidate.method.id},
           {"options", std::move(options)},
           {"h", number_or_word(row.h)},

@@ -78,13 +78,13 @@ void add_cautions(Facts& facts, const Advice& advice, const AdviceRow& row, cons
     caution(fmt::format("tried with {} gravity only: under all of it the step may fail", share(advice.gravity_share)));
   if (advice.load_share < 1)
     caution(fmt::format("tried with {} the load only: under all of it the step may fail", share(advice.load_share)));
-  double low = 1;
-  for (const LimitBand& band : advice.bands) low = std::min(low, band.low);
-  if (advice.bands.empty() || low * row.h_max >= row.h) return;
-  const double steps = std::ceil(question.frame() / (low * row.h_max));
-  caution(fmt::format("over the published spread of the material h_max falls to {} ms: h = {} ms, {} steps per frame, is stable over "
-                      "all of it",
-                      milliseconds(low * row.h_max), milliseconds(question.frame() / steps, 4), steps));
+  const auto band = std::ranges::min_element(advice.bands, {}, &LimitBand::low);
+  if (band == advice.bands.end() || band->low * row.h_max >= row.h) return;
+  constexpr double safety = 0.95;  // below a limit, as steps are chosen
+  const double steps = std::ceil(question.frame() / (safety * band->low * row.h_max));
+  caution(fmt::format("where the {} is {} % off, h_max falls to {} ms; h = {} ms, {} steps per frame, is below that",
+                      band->quantity, short_number(100 * band->spread, 2), milliseconds(band->low * row.h_max),
+                      milliseconds(question.frame() / steps, 4), steps));
 }
 
 /// What was measured of the recommended row.
@@ -109,9 +109,13 @@ void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, co
                                    short_number(run.seconds, 3), first ? "this motion, repeated" : run.motion,
                                    run.missed, run.frames, milliseconds(question.frame_budget())));
   }
+  std::vector<std::string> iterations;
   if (!std::isnan(row.newton_per_frame))
-    facts.emplace_back("iterations", fmt::format("at most {} of Newton's method in 99.9 % of the frames",
-                                                 short_number(row.newton_per_frame)));
+    iterations.push_back(fmt::format("{} of Newton's method", short_number(row.newton_per_frame)));
+  if (!std::isnan(row.linear_per_frame))
+    iterations.push_back(fmt::format("{} of conjugate gradients", short_number(row.linear_per_frame)));
+  if (!iterations.empty())
+    facts.emplace_back("iterations", fmt::format("at most {} in 99.9 % of the frames", fmt::join(iterations, " and ")));
 }
 
 /// How much larger the motion may become, as runs showed; empty where none was made.
@@ -123,7 +127,7 @@ std::string words_of(const LoadMargin& margin, bool of_body) {
                                             : fmt::format("stable at the {} of the motion{}", loads, size);
   if (!std::isfinite(margin.fails)) return held + "; more was not run";
   return fmt::format("{}; not at {} times{}", held, short_number(margin.fails, 3),
-                     margin.of_model ? ", where a quarter of the step fails too" : "");
+                     margin.of_model.value_or(false) ? ", where a quarter of the step fails too" : "");
 }
 
 /// The margin to instability, and the damping added to slow modes.

@@ -226,6 +226,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
                   {"jacobian", stats.jacobian},
                   {"factorisations", stats.factorisations},
                   {"newton", stats.newton},
+                  {"linear_iterations", stats.linear_iterations},
                   {"newton_error", stats.newton_error}}},
                 {"cpu_seconds", cpu_seconds},
                 {"status", record.outcome == Outcome::reached_end ? "" : in_words(record, spec)},
@@ -302,6 +303,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
     text += fmt::format(" ({} a step, error left {} of the state)",
                         short_number(static_cast<double>(stats.newton) / static_cast<double>(stats.steps), 3),
                         short_number(stats.newton_error, 2));
+  if (stats.linear_iterations > 0) text += fmt::format("   linear iterations {}", stats.linear_iterations);
   text += fmt::format("   cpu {} s\n", short_number(cpu_seconds, 3));
   return text;
 }

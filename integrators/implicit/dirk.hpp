@@ -165,7 +165,7 @@ class Dirk {
       });
     }
     // With the factors of the stages.
-    if constexpr (requires { Method::damps_error; }) solver_.solve(error_);
+    if constexpr (requires { Method::damps_error; }) work_.linear_iterations += solver_.solve(error_);
     return norm.squared(y, y_new, [&](Eigen::Index d) { return error_[d]; });
   }
 
@@ -273,7 +273,7 @@ class Dirk {
     };
     // (I - h gamma J) d = residual, z += d. In continuation d = share (I - share h gamma J)^-1 residual.
     const auto correct = [&](Real share) {
-      solver_.solve(d_);
+      work_.linear_iterations += solver_.solve(d_);
       detail::assign(d_, [&](auto access) { return share * access(d_); });
       detail::assign(z_, [&](auto access) { return access(z_) + access(d_); });
       return norm_.squared(d_, Y_);
@@ -317,7 +317,7 @@ class Dirk {
   /// The norm of what rounding of f makes of a correction.
   Real rounding(Real h_gamma, bool estimate) {
     return rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
-                     [&](State& x) { solver_.solve(x); });
+                     [&](State& x) { work_.linear_iterations += solver_.solve(x); });
   }
 
   /// z = h gamma times the slope extrapolated to t + tau; zero as long as no step is behind.
@@ -407,7 +407,7 @@ class Dirk {
   ResidualRounding<State> rounding_;
   /// Of the accepted steps, and as the attempt has changed it.
   NewtonMemory<Real> memory_, attempt_memory_;
-  ImplicitWork work_;
+  mutable ImplicitWork work_;  ///< error estimates solve equations too
   /// Step sizes of the last attempt and of the accepted step before.
   Real h_ = 0, old_h_ = 0;
   int slopes_known_ = 0;  ///< coefficients of slopes_ that hold: 0 .. 3

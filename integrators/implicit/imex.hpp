@@ -223,7 +223,7 @@ class ImexRk {
       detail::assign(Y_, [&](auto access) { return access(base_) + access(z_); });
       system.rhs_stiff(at, Y_, d_);
       detail::assign(d_, [&](auto access) { return h_gamma * access(d_) - access(z_); });
-      solver_.solve(d_);
+      work_.linear_iterations += solver_.solve(d_);
       detail::assign(z_, [&](auto access) { return access(z_) + access(d_); });
     };
     // One correction solves linear equations but for the error of the linear solver, which only truncated conjugate
@@ -259,7 +259,7 @@ class ImexRk {
   /// The norm of what rounding of f makes of a correction.
   Real rounding(Real h_gamma, bool estimate) {
     return rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
-                     [&](State& x) { solver_.solve(x); });
+                     [&](State& x) { work_.linear_iterations += solver_.solve(x); });
   }
 
   /// The diagonal of the implicit half; the same in all stages but the explicit first one.

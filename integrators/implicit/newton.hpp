@@ -428,9 +428,10 @@ class ShiftedSolver {
   }
 
   /// x = (I - s J)^-1 x, shape (n).
+  /// @returns iterations of conjugate gradients, 0 where factors solve
   template <class Vector>
-  void solve(Vector& x) {
-    solver_.solve(x);
+  int solve(Vector& x) {
+    return solver_.solve(x);
   }
 
  private:

@@ -133,7 +133,7 @@ class RadauIIA5 {
       return access(slope_) * h_gamma + access(z_[0]) * e(0) + access(z_[1]) * e(1) + access(z_[2]) * e(2);
     });
     const auto weigh = [&] {
-      real_.solve(error_);
+      work_.linear_iterations += real_.solve(error_);
       return norm.squared(y, y_new, [&](Eigen::Index d) { return error_[d]; });
     };
     // A large estimate is filtered once more.
@@ -253,7 +253,7 @@ class RadauIIA5 {
   Real correct(Real share) {
     // The complex equation stands for two real ones: (f_1, f_2) = (Re, Im).
     for (Eigen::Index d = 0; d < pair_.size(); ++d) pair_[d] = Complex(f_[1][d], f_[2][d]);
-    real_.solve(f_[0]);
+    work_.linear_iterations += real_.solve(f_[0]);
     complex_.solve(pair_);
     for (Eigen::Index d = 0; d < pair_.size(); ++d) {
       f_[1][d] = pair_[d].real();
@@ -273,7 +273,7 @@ class RadauIIA5 {
   /// equation makes it; the transformation enlarges it by about 5.
   Real rounding(Real h, bool estimate) {
     return 5 * rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h / gamma, Y_[2], z_[2], norm_,
-                         [&](State& x) { real_.solve(x); });
+                         [&](State& x) { work_.linear_iterations += real_.solve(x); });
   }
 
   /// z = T w.
@@ -353,7 +353,7 @@ class RadauIIA5 {
   ResidualRounding<State> rounding_;
   /// Of the accepted steps, and as the attempt has changed it.
   NewtonMemory<Real> memory_, attempt_memory_;
-  ImplicitWork work_;
+  mutable ImplicitWork work_;  ///< error estimates solve equations too
   /// Of the last attempt and of the accepted step before; 0: there is none.
   Real h_ = 0, old_h_ = 0;
   /// The attempt begins with the polynomial of the step before.

@@ -237,7 +237,7 @@ class Rosenbrock {
       set([&](auto access) { return scale * access(*slope) + (scale * d * h) * access(time_slope_); });
     else
       set([&](auto access) { return scale * access(*slope); });
-    solver_.solve(u_[I]);
+    work_.linear_iterations += solver_.solve(u_[I]);
   }
 
   /// out = the argument of stage I, or the end of the step for I = s. `argument_` holds that of stage I - 1.

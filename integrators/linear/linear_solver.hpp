@@ -298,12 +298,15 @@ class LinearSolver {
   }
 
   /// x = A^-1 x, shape (n). Dense: allocates nothing.
+  /// @returns iterations of conjugate gradients, 0 where factors solve
   template <class Vector>
-  void solve(Vector& x) {
-    if constexpr (is_sparse)
-      solver_->solve(x);
-    else
+  int solve(Vector& x) {
+    if constexpr (is_sparse) {
+      return solver_->solve(x);
+    } else {
       solver_.solve(x);
+      return 0;
+    }
   }
 
  private:
@@ -341,8 +344,9 @@ class LinearSolver<ShiftedMechanical<Scalar>> {
   }
 
   /// x = (b, d) in, (I - s J)^-1 (b, d) out, shape (2 n).
+  /// @returns iterations of conjugate gradients, 0 where factors solve
   template <class X>
-  void solve(X& x) {
+  int solve(X& x) {
     const Eigen::Index n = mass_.size();
     moved_ = x.head(n);
     velocity_.resize(n);
@@ -353,10 +357,11 @@ class LinearSolver<ShiftedMechanical<Scalar>> {
       velocity_.noalias() = stiffness_ * moved_;
     // M d - s K b
     velocity_ = mass_.template cast<Scalar>().cwiseProduct(x.tail(n)) - s_ * velocity_;
-    solver_.solve(velocity_);
+    const int iterations = solver_.solve(velocity_);
     x.tail(n) = velocity_;
     // q = b + s v
     x.head(n) = moved_ + s_ * velocity_;
+    return iterations;
   }
 
  private:
@@ -386,9 +391,10 @@ class LinearSolver<std::variant<Matrices...>> {
         A);
   }
   /// x = A^-1 x, shape (n).
+  /// @returns iterations of conjugate gradients, 0 where factors solve
   template <class Vector>
-  void solve(Vector& x) {
-    std::visit([&](auto& solver) { solver.solve(x); }, solver_);
+  int solve(Vector& x) {
+    return std::visit([&](auto& solver) { return solver.solve(x); }, solver_);
   }
 
  private:

@@ -6,7 +6,7 @@ namespace hmax {
 
 template class SparseSolver<double>;
 template class SparseSolver<long double>;
-template void SparseSolver<double>::solve(Eigen::VectorXd&);
+template int SparseSolver<double>::solve(Eigen::VectorXd&);
 
 }  // namespace hmax
 

@@ -75,19 +75,21 @@ class SparseSolver {
 
   /// x = A^-1 x, shape (n); NaN where conjugate gradients find that A is singular. With a limit of
   /// iterations x is what they have reached.
+  /// @returns iterations of conjugate gradients, 0 where factors solve
   template <class X>
-  [[gnu::noinline]] void solve(X& x) {  // lest what it calls is compiled where it is called, see below
+  [[gnu::noinline]] int solve(X& x) {  // lest what it calls is compiled where it is called, see below
     ++solutions_;
+    int iterations = 0;
     if constexpr (may_iterate) {
       if (iterates_) {
         const int most = choice_.iterations > 0 ? choice_.iterations : 0;
         scratch_ = x;
         const auto end = gradients_.solve(scratch_, x, choice_.tolerance, most);
-        iterations_ = end.iterations;
-        expected_iterations_ = end.iterations;
+        iterations = end.iterations;
+        expected_iterations_ = iterations;
         if (end.solved || most > 0) {
-          pay(end.iterations);
-          return;
+          pay(iterations);
+          return iterations;
         }
         // Not positive definite, or rounding in the way: a factorisation tells.
         x = scratch_;
@@ -95,13 +97,17 @@ class SparseSolver {
         symmetric_ = factor_symmetric(gradients_.matrix());
         if (!symmetric_ && !factor_general(gradients_.matrix())) {
           x.setConstant(std::numeric_limits<Scalar>::quiet_NaN());
-          return;
+          return iterations;
         }
       }
     }
-    if (symmetric_) return panels_.solve(x);
+    if (symmetric_) {
+      panels_.solve(x);
+      return iterations;
+    }
     scratch_ = lu_->solve(x);
     x = scratch_;
+    return iterations;
   }
 
   /// Whether A is solved as a symmetric matrix: by conjugate gradients or L D L^T.
@@ -113,9 +119,6 @@ class SparseSolver {
     if (!symmetric_ || iterates_) return std::nullopt;
     return std::ranges::count_if(panels_.pivots(), [](Scalar d) { return d < 0; });
   }
-
-  /// Of the last solution by conjugate gradients.
-  [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
   /// The work that pays a factorisation where none is to be made.
@@ -266,7 +269,6 @@ class SparseSolver {
   };
   std::vector<int> outer_, inner_;  ///< the pattern that was analysed
   std::vector<Pair> across_;        ///< its entries on both sides of the diagonal
-  int iterations_ = 0;  ///< of the last solution
   /// The pattern is symmetric; the matrix is, and is solved as such; conjugate gradients solve it.
   bool symmetric_pattern_ = false, symmetric_ = false, iterates_ = false;
   bool panels_known_ = false, gradients_known_ = false;  ///< whether each has the pattern that is analysed
@@ -285,7 +287,7 @@ class SparseSolver {
 // sooner.
 extern template class SparseSolver<double>;
 extern template class SparseSolver<long double>;
-extern template void SparseSolver<double>::solve(Eigen::VectorXd&);
+extern template int SparseSolver<double>::solve(Eigen::VectorXd&);
 
 }  // namespace hmax
 

@@ -291,7 +291,7 @@ class GeneralizedAlpha {
       detail::for_each_dof(y, [&](Eigen::Index i) {
         force_[i] = force_[i] * share - mass_[i] * (a_new_[i] + alpha_m_ * share * a_[i]);
       });
-      solver_.solve(force_);
+      work_.linear_iterations += solver_.solve(force_);
       a_new_ += force_;
       update_candidate(y, h, y_new);
       ++work_.newton;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -65,6 +66,8 @@ TEST(ProbingMotion, PressesABodyUnderGravityFromItsEquilibrium) {
 TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
   const ProbingMotion motion = probing_motion(cube("press", {{"force", 50}}));
   EXPECT_NE(motion.words.find("equilibrium"), std::string::npos) << motion.words;
+  EXPECT_LT(motion.load_share, 1);
+  EXPECT_EQ(motion.gravity_share, 1);
 }
 
 TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
@@ -75,6 +78,7 @@ TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
   EXPECT_GT(share, 0);
   EXPECT_LT(share, 1);
   EXPECT_NE(resting.words.find("under which it has an equilibrium"), std::string::npos) << resting.words;
+  EXPECT_EQ(resting.share, share);
   // At rest there: the forces are those of rounding.
   Eigen::VectorXd f(problem.body->dofs()), start(problem.body->dofs());
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(f.size());
@@ -133,6 +137,25 @@ TEST(MotionRun, EndsWhereItsFramesTakeTooLong) {
   EXPECT_LT(run.t, 0.5 * motion.t_end);
   EXPECT_EQ(run.error, std::numeric_limits<double>::infinity());
   EXPECT_GT(run.steps, 0);
+}
+
+TEST(MotionRun, CountsTheLinearIterationsOfEachFrame) {
+  const Problem problem = cube("press");
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
+  for (const Candidate& candidate : candidates({find_method("linearly_implicit_euler")}, problem)) {
+    const MotionRun run = run_motion(candidate, motion, reference, 0.01, 2);
+    ASSERT_FALSE(run.linear_iterations.empty());
+    const double most = std::ranges::max(run.linear_iterations),
+                 sum = std::accumulate(run.linear_iterations.begin(), run.linear_iterations.end(), 0.0);
+    if (candidate.linear_solve.iterations == 0) {
+      EXPECT_EQ(most, 0) << candidate.words();
+      continue;
+    }
+    EXPECT_GT(most, 0);
+    EXPECT_LE(most, 2 * candidate.linear_solve.iterations);
+    EXPECT_EQ(sum, static_cast<double>(run.stats.linear_iterations));
+  }
 }
 
 TEST(Candidates, AreMethodsWithTheirChoices) {
@@ -422,7 +445,7 @@ TEST(LoadMargin, EndsWhereASpringThatStiffensIsTooFastForTheStep) {
   EXPECT_GT(margin.holds, 1);
   EXPECT_LT(margin.fails, 8);
   EXPECT_LT(margin.fails / margin.holds, 1.5);
-  EXPECT_FALSE(margin.of_model);
+  EXPECT_EQ(margin.of_model, false);
   EXPECT_TRUE(holds(candidate, larger_motion(motion, margin.holds, {}), reference, h));
   EXPECT_FALSE(holds(candidate, larger_motion(motion, margin.fails, {}), reference, h));
 }

@@ -43,6 +43,18 @@ TEST(AdviseCommand, SaysWhatToTakeAndWhy) {
   EXPECT_NE(told.out.find(" frames took more than 10 ms"), std::string::npos) << told.out;
 }
 
+TEST(AdviseCommand, WarnsWhereItTriedLessThanTheLoad) {
+  const Shell shell;
+  const std::string all = std::string(small_question), much = all + " --set force=50";
+  EXPECT_EQ(shell.hmax(all).out.find("the load only"), std::string::npos);
+  const Told told = shell.hmax(much);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.out.find("of the load only: under all of it the step may fail"), std::string::npos) << told.out;
+  const Json document = shell.hmax(much + " --json").json();
+  EXPECT_LT(document.at("load_share"), 1);
+  EXPECT_EQ(document.at("gravity_share"), 1);
+}
+
 TEST(AdviseCommand, TellsWhatIsFinishedWhenItIsInterrupted) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the address sanitizer is too slow for times of a test";

@@ -177,7 +177,11 @@ TEST(SparseSolver, StopsWhereItIsToldTo) {
     solver.set(how);
     EXPECT_TRUE(solver.factor(A));
     VectorXd found = b;
-    solver.solve(found);
+    const int iterations = solver.solve(found);
+    EXPECT_GT(iterations, 0);
+    if (how.iterations > 0) {
+      EXPECT_EQ(iterations, how.iterations);
+    }
     return (b - A * found).norm() / b.norm();
   };
   using By = LinearSolve::By;
@@ -188,6 +192,11 @@ TEST(SparseSolver, StopsWhereItIsToldTo) {
   const double loose = residual_after({.by = By::conjugate_gradients, .tolerance = 1e-3});
   EXPECT_LT(loose, 2e-3);
   EXPECT_GT(loose, 1e-8);
+  SparseSolver<double> direct;
+  direct.set({.by = By::direct});
+  ASSERT_TRUE(direct.factor(A));
+  VectorXd found = b;
+  EXPECT_EQ(direct.solve(found), 0);
 }
 
 TEST(SparseSolver, RefusesWhatHasNoSolution) {
