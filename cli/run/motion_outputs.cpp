@@ -23,18 +23,42 @@ namespace {
 
 bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
 
-/// Every k-th row, and the last one, so that at most `most` and one remain.
-Table thinned(Table table, std::size_t most) {
-  const std::size_t rows = table.values.front().size(), stride = (rows + most - 1) / most;
-  if (stride <= 1) return table;
-  for (std::vector<double>& column : table.values) {
-    std::vector<double> kept;
-    for (std::size_t i = 0; i < rows; i += stride) kept.push_back(column[i]);
-    if ((rows - 1) % stride != 0) kept.push_back(column.back());
-    column = std::move(kept);
+/// Rows of a table as they come. Where there is a limit, every 2^k-th row, so that no more than twice it are kept.
+class Rows {
+ public:
+  Rows(std::vector<std::vector<double>>& columns, std::optional<std::size_t> limit)
+      : columns_(columns), limit_(limit), last_(columns.size()) {}
+
+  void add(std::vector<double> row) {
+    last_ = std::move(row);
+    last_is_kept_ = count_++ % stride_ == 0;
+    if (!last_is_kept_) return;
+    keep_last();
+    if (!limit_ || columns_.front().size() < 2 * *limit_) return;
+    stride_ *= 2;
+    for (std::vector<double>& column : columns_) {
+      for (std::size_t i = 0; 2 * i < column.size(); ++i) column[i] = column[2 * i];
+      column.resize((column.size() + 1) / 2);
+    }
+    last_is_kept_ = (count_ - 1) % stride_ == 0;
   }
-  return table;
-}
+
+  /// The last row is always kept.
+  void finish() {
+    if (!last_is_kept_) keep_last();
+  }
+
+ private:
+  void keep_last() {
+    for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].push_back(last_[i]);
+  }
+
+  std::vector<std::vector<double>>& columns_;
+  std::optional<std::size_t> limit_;
+  std::vector<double> last_;
+  std::size_t count_ = 0, stride_ = 1;
+  bool last_is_kept_ = true;
+};
 
 /// The rows before the first in which a state is above `times` the largest of the start; two rows at least.
 Table before_it_leaves(Table table, double times) {
@@ -50,6 +74,8 @@ Table before_it_leaves(Table table, double times) {
   return table;
 }
 
+constexpr std::size_t most_drawn = 4000;  // points of a curve
+
 /// Whether half of the points lie in the first thousandth of the time, as those of stiff problems do.
 bool begins_fast(const Table& table) {
   const std::vector<double>& t = table.values.front();
@@ -58,7 +84,7 @@ bool begins_fast(const Table& table) {
 
 /// Between the long steps of an error control motions are smooth: more points of the same run.
 Table smooth(const WatchedRun& run, Table table) {
-  constexpr std::size_t samples = 2000;
+  constexpr std::size_t samples = most_drawn / 2;
   if (!run.spec.adaptive || run.spec.every > 0 || table.values.front().size() > samples) return table;
   WatchedRun closer = run;
   closer.spec.every = run.spec.t_end / static_cast<double>(samples);
@@ -107,7 +133,7 @@ std::size_t write_series(const std::filesystem::path& file, const WatchedRun& ru
   return frames.size();
 }
 
-Table points_of(const WatchedRun& run) {
+Table points_of(const WatchedRun& run, std::optional<std::size_t> limit) {
   const auto& [problem, method, runner, spec] = run;
   Table table;
   table.notes = {{"problem", problem.id},
@@ -128,33 +154,34 @@ Table points_of(const WatchedRun& run) {
   }
   if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
   table.values.resize(table.columns.size());
-  runner.run(spec, [&table, body = problem.body](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  Rows rows(table.values, limit);
+  runner.run(spec, [&rows, &table, body = problem.body](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(table.values[0].size()) > most_points)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
-    table.values[0].push_back(t);
+    std::vector<double> row{t};
     if (body) {
       const BodyEnd here = end_of(*body, t, y);
-      table.values[1].push_back(here.max_displacement);
-      table.values[2].push_back(here.energy);
-      return;
+      row.insert(row.end(), {here.max_displacement, here.energy});
+    } else {
+      row.insert(row.end(), y.begin(), y.end());
     }
-    for (Eigen::Index i = 0; i < y.size(); ++i) table.values[static_cast<std::size_t>(i) + 1].push_back(y[i]);
+    rows.add(std::move(row));
   });
+  rows.finish();
   return table;
 }
 
 Figure motion_figure(const WatchedRun& run, const RunRecord& record) {
-  constexpr std::size_t most_states = 8, most_drawn = 4000;
+  constexpr std::size_t most_states = 8;
   const bool diverged = record.outcome == Outcome::diverged;
-  Table table = points_of(run);
+  Table table = points_of(run, most_drawn);
   const bool logarithmic = begins_fast(table);
   if (!logarithmic) table = smooth(run, std::move(table));
   if (diverged) table = before_it_leaves(std::move(table), 100);
-  table = thinned(std::move(table), most_drawn);
   const std::size_t states = table.columns.size() - 1;
-  const std::vector<std::string> shown(table.columns.begin() + 1,
-                                       table.columns.begin() + 1 + static_cast<std::ptrdiff_t>(std::min(states, most_states)));
+  const auto first = table.columns.begin() + 1;
+  const std::vector<std::string> shown(first, first + static_cast<std::ptrdiff_t>(std::min(states, most_states)));
   const std::vector<LabelledTable> motion{{"", table}};
   Figure figure = series_figure(
       diverged ? fmt::format("{} diverged at t = {:.4g} s; what is above a hundred times the start is not drawn",

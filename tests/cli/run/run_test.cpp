@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -56,6 +57,16 @@ TEST(Run, DrawsMotionsOfWhatIsNoBody) {
   expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --picture motion.pdf"), "end in .svg");
 }
 
+TEST(Run, DrawsAMotionOfMoreStepsThanCanBeKept) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "run --problem liver_forced --method explicit_euler --h 4e-7 --t-end 4.4 --picture long.svg --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_GT(told.json().at("stats").at("steps"), 1e7);
+  if (told.json().at("picture").is_null()) return;  // no gnuplot
+  EXPECT_LT(std::filesystem::file_size(shell / "long.svg"), 1'000'000U);
+}
+
 TEST(Run, KeepsRobertsonsConcentrationsAtLooseTolerances) {
   for (const char* method : {"radau_iia_5", "sdirk_4", "tr_bdf2"})
     for (const char* rtol : {"1e-2", "1e-3", "1e-4", "1e-6"})
@@ -72,7 +83,7 @@ TEST(Run, HasTheKeysOfTheContract) {
   const Json run = told.json();
   for (const char* key : {"problem", "method", "outcome", "t", "y", "stats", "cpu_seconds"})
     EXPECT_TRUE(run.contains(key)) << key;
-  for (const char* key : {"steps", "rejected", "rhs", "jacobian", "factorisations", "newton"})
+  for (const char* key : {"steps", "rejected", "rhs", "jacobian", "factorisations", "newton", "linear_iterations"})
     EXPECT_TRUE(run.at("stats").contains(key)) << key;
   EXPECT_EQ(run.at("outcome"), "reached_end");
   EXPECT_EQ(run.at("t"), 100);
