@@ -14,8 +14,8 @@ namespace hmax {
 
 namespace {
 
-/// Those that came nearest: what fails for all of these fails for the others. Last are those with steps so short that they
-/// were not run.
+/// Those that came nearest: what fails for all of these fails for the others. Last are those with steps so short that
+/// they were not run.
 std::vector<Method> nearest_methods(const Advice& failed, double tolerance) {
   constexpr std::size_t most = 4;
   std::vector<const AdviceRow*> rows;
@@ -40,8 +40,12 @@ struct Scaling {
 };
 
 const std::vector<Scaling>& scalings() {
-  static const std::vector<Scaling> all{{"rho", {4, 16}}, {"mass", {4, 16}}, {"E", {0.25, 0.0625}}, {"skin", {0.25, 0.0625}},
-                                        {"skin_thickness", {0.25, 0.0625}}, {"beta", {0.25, 0.0625, 0}}};
+  static const std::vector<Scaling> all{{"rho", {4, 16}},
+                                        {"mass", {4, 16}},
+                                        {"E", {0.25, 0.0625}},
+                                        {"skin", {0.25, 0.0625}},
+                                        {"skin_thickness", {0.25, 0.0625}},
+                                        {"beta", {0.25, 0.0625, 0}}};
   return all;
 }
 
@@ -54,15 +58,17 @@ class Trials {
     question_.least_error = false;  // what suffices at all
   }
 
-  [[nodiscard]] bool are_possible() const { return !question_.methods.empty(); }
+  /// Whether there are methods to try, and less than two minutes of CPU time are over.
+  bool go_on() {
+    if (question_.methods.empty()) return false;
+    if (thread_cpu_seconds() - begun_ > most_cpu) all_tried_ = false;
+    return all_tried_;
+  }
 
-  /// Keeps the change if something suits with it. None is tried after two minutes of CPU time in all.
+  /// Keeps the change if something suits with it.
   /// @returns whether it does
   bool helps(Remedy remedy, const AdviceQuestion& question, const std::function<Problem()>& changed) {
-    if (thread_cpu_seconds() - begun_ > most_cpu) {
-      all_tried_ = false;
-      return false;
-    }
+    if (!go_on()) return false;
     try {
       const Advice advice = advise(changed(), question, watcher_);
       const AdviceRow* row = advice.recommended();
@@ -81,9 +87,9 @@ class Trials {
   [[nodiscard]] const AdviceQuestion& question() const { return question_; }
 
  private:
-  AdviceQuestion question_;
   static constexpr double most_cpu = 120;  // [s]
 
+  AdviceQuestion question_;
   const AdviceWatcher& watcher_;
   std::vector<Remedy>& found_;
   bool& all_tried_;
@@ -101,7 +107,8 @@ void try_rates(Trials& trials, const Problem& problem, const AdviceQuestion& que
   for (const double divisor : {2.0, 5.0, 10.0, 20.0, 50.0}) {
     AdviceQuestion slower = trials.question();
     slower.rate = question.rate / divisor;
-    if (trials.helps({.change = "rate", .from = question.rate, .to = slower.rate}, slower, [&] { return problem; })) break;
+    if (trials.helps({.change = "rate", .from = question.rate, .to = slower.rate}, slower, [&] { return problem; }))
+      break;
   }
 }
 
@@ -123,8 +130,10 @@ std::string words_of_moves(const TetMesh& before, const TetMesh& after) {
 
 /// The element that owns the limit, and ever more of those after it as long as undamped steps at rest gain a tenth.
 void try_mended(Trials& trials, const Problem& problem, const std::function<Problem(int)>& make) {
+  if (!trials.go_on()) return;
   double kappa = fastest_mode_of(*problem.body, false).kappa;
   for (const int count : {1, 4, 16, 64, 256}) {
+    if (!trials.go_on()) return;
     const auto mended = made([&] { return make(count); });
     if (!mended) return;
     const double now = fastest_mode_of(*mended->body, false).kappa;
@@ -140,6 +149,7 @@ void try_mended(Trials& trials, const Problem& problem, const std::function<Prob
 }
 
 void try_coarser(Trials& trials, const Problem& problem, const std::function<Problem()>& make) {
+  if (!trials.go_on()) return;
   const auto coarser = made(make);
   if (!coarser) return;
   const auto count = [](const Problem& of) { return static_cast<double>(of.body->mesh().tetrahedron_count()); };
@@ -150,6 +160,7 @@ void try_coarser(Trials& trials, const Problem& problem, const std::function<Pro
 /// More mass where elements are fast, so that steps of 1/8, 1/4, 1/2 and a whole frame are stable.
 void try_mass(Trials& trials, const Problem& problem, const ProblemWith& make) {
   for (const double share : {0.125, 0.25, 0.5, 1.0}) {
+    if (!trials.go_on()) return;
     // Half as long again: steps stay below 0.95 of the limit, and a body that is pressed stiffens.
     const double step = 1.5 * share * trials.question().frame();
     const auto heavier = made([&] { return make({{"mass_step", step}}); });
@@ -190,11 +201,11 @@ void find_remedies(const Problem& problem, const AdviceQuestion& question, Advic
   failed.all_tried = true;
   failed.stage = AdviceStage::remedies;
   Trials trials(question, failed, watcher);
-  if (trials.are_possible()) try_budget(trials, problem, question);
+  try_budget(trials, problem, question);
   // Of large bodies a coarser one is tried within the time that there is.
-  if (trials.are_possible() && make.coarser) try_coarser(trials, problem, make.coarser);
-  if (trials.are_possible()) try_rates(trials, problem, question);
-  if (trials.are_possible() && problem.body) {
+  if (make.coarser) try_coarser(trials, problem, make.coarser);
+  try_rates(trials, problem, question);
+  if (problem.body) {
     if (make.mended) try_mended(trials, problem, make.mended);
     try_mass(trials, problem, make.with);
     try_parameters(trials, problem, make.with);

@@ -26,7 +26,7 @@ OpenedMesh open_mesh(const std::string& text);
 /// edges; empty where it has no such parameter. As many of them are mended.
 std::string coarser_mesh(const std::string& text);
 
-/// The same mesh with `count` of its flattest tetrahedra mended; empty where it asks for that itself.
+/// The same mesh with `count` of the tetrahedra mended that limit explicit steps most; empty where it asks for that itself.
 std::string mended_mesh(const std::string& text, int count);
 
 /// Metres of "m", "cm", "mm" or of a number of metres.
