@@ -7,11 +7,15 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/models/tissue_problem.hpp"
 #include "bench/timing/sweep_file.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
+#include "plots/draw.hpp"
+#include "plots/steps.hpp"
 #include "results/errors.hpp"
+#include "results/fingerprint.hpp"
 
 namespace hmax {
 
@@ -21,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 struct SweepOptions {
   std::string file, problems, materials, methods, tableaux, h, rtol, readings, control, y0, repeats,
-      max_steps, out;
+      max_steps, out, output;
   MeshOptions body;
   std::vector<std::string> set;
   std::optional<double> atol, t_end;
@@ -205,6 +209,40 @@ std::string for_people(const SweepPlan& plan, const Store& store, const SweepSum
   return text + fmt::format("\nAll of it: hmax export {} --format csv\n", store.file().string());
 }
 
+/// "sweep", and behind it which problem of a plan with several.
+std::string figure_name(const SweepPlan& plan, std::size_t problem) {
+  return plan.problems.size() == 1 ? "sweep" : fmt::format("sweep_{}", problem + 1);
+}
+
+/// One figure for each problem: cost and error over the step or, of a sweep over tolerances, over each other.
+/// @returns the files, SVG
+std::vector<std::string> draw_sweep(const SweepPlan& plan, const Store& store, const std::string& folder,
+                                    Console& console) {
+  std::vector<ShownMethod> shown;
+  for (const Method& method : plan.methods) shown.push_back({.id = method.id, .order = method.order});
+  const std::vector<Row> rows = store.rows();
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < plan.problems.size(); ++i) {
+    const Problem& problem = plan.problems[i];
+    std::vector<Row> own;
+    for (const Row& row : rows)
+      if (row.key.problem == problem.id && row.key.material == problem.material &&
+          row.key.parameters == describe(problem.parameters) && row.key.y0 == start_in_words(problem))
+        own.push_back(row);
+    const bool over_steps =
+        std::ranges::any_of(own, [](const Row& row) { return row.key.mode != "adaptive"; });
+    Figure figure = over_steps ? step_figure(own, shown) : work_precision_figure(own, shown);
+    figure.title = problem.id + (problem.material.empty() ? "" : " of " + problem.material);
+    figure.footer = summary(store.sessions().back().fingerprint);
+    const FigureFiles drawn = draw(figure, folder, figure_name(plan, i));
+    if (drawn.drawn())
+      files.push_back(drawn.base.string() + ".svg");
+    else
+      console.remark(drawn.problem);
+  }
+  return files;
+}
+
 void sweep(const SweepOptions& options, Console& console) {
   const SweepRequest flags = flags_of(options);
   const SweepRequest request = options.file.empty() ? flags : merged(read_sweep(options.file), flags);
@@ -213,6 +251,10 @@ void sweep(const SweepOptions& options, Console& console) {
   const SweepPlan plan = plan_sweep(spec_from(request));
   const std::filesystem::path file = sweep_store_path(request, options.file);
   if (options.publish) require_publishable_build();
+  if (options.output.empty())
+    refuse_style_without_figure("--output FOLDER");
+  else
+    for (std::size_t i = 0; i < plan.problems.size(); ++i) check_figure_files(options.output, figure_name(plan, i));
   Store store = open_sweep_store(plan, file, options.resume);
   if (options.publish) mark_published(store);
 
@@ -224,6 +266,8 @@ void sweep(const SweepOptions& options, Console& console) {
         [&] { return interrupted.load(); });
   }
   for (const std::string& warning : summary.warnings) console.remark(warning);
+  std::vector<std::string> figures;
+  if (!options.output.empty() && !summary.interrupted) figures = draw_sweep(plan, store, options.output, console);
   if (console.json) {
     console.print_json(Json{{"store", file.string()},
                             {"rows", summary.rows},
@@ -233,9 +277,11 @@ void sweep(const SweepOptions& options, Console& console) {
                             {"tolerances", tolerances_json(plan)},
                             {"interrupted", summary.interrupted},
                             {"failed", failures_json(store.rows())},
+                            {"figures", figures},
                             {"warnings", summary.warnings}});
   } else if (!summary.interrupted) {
     console.print(for_people(plan, store, summary, console));
+    for (const std::string& figure : figures) console.print(fmt::format("The figure: {}\n", figure));
   }
   if (summary.interrupted) {
     console.remark(fmt::format("interrupted; {} of {} rows are in {}, --resume measures the rest",
@@ -253,7 +299,8 @@ void add_sweep(CLI::App& app, Console& console) {
       "which takes about a minute",
       {"hmax sweep --methods rk4,ode45 --h 0.1,0.01 --t-end 10 --out quick",
        "hmax sweep --problem liver_benchmark --materials all --methods rk4 --h 0.1 --fixed --out livers",
-       "hmax sweep --methods ode23,ode45,dop_853 --rtol 1e-4,1e-6,1e-8 --out tolerances",
+       "hmax sweep --methods ode23,ode45,dop_853 --rtol 1e-4,1e-6,1e-8 --out tolerances --output "
+       "results/runs/tolerances",
        "hmax sweep --mesh phantom --model mass_spring --methods rk4,symplectic_euler --h 2e-3,1e-3 --fixed --t-end 0.2 "
        "--out phantom"});
   auto options = std::make_shared<SweepOptions>();
@@ -289,6 +336,11 @@ void add_sweep(CLI::App& app, Console& console) {
       "--out", options->out,
       "Name of the store under results/runs/, or a file that ends in .sqlite; sweep, or that of FILE.toml, by default",
       "NAME");
+  text("--output", options->output,
+       "Draw cost and error into this folder: sweep.svg, .png and .pdf; of several problems sweep_1.svg and so on",
+       "FOLDER");
+  add_figure_style(command);
+  add_force(command);
   command.add_flag("--resume", options->resume, "Continue an interrupted sweep: measure the missing rows");
   command.add_flag("--publish", options->publish,
                    "Mark the store as fit to publish; refused for debug builds");

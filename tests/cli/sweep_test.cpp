@@ -30,6 +30,26 @@ TEST(SweepCommand, MeasuresIntoAStoreAndSaysWhatItDid) {
   EXPECT_EQ(modes.count("sampled"), 2u);
 }
 
+TEST(SweepCommand, DrawsAFigureForEachProblem) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "sweep --problems liver_forced,liver_linear --methods rk4,ode45 --h 0.2,0.1 --fixed --t-end 10 --output drawn --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto figures = told.json()["figures"];
+  if (figures.empty()) {
+    EXPECT_NE(told.err.find("gnuplot"), std::string::npos) << told.err;
+    return;
+  }
+  ASSERT_EQ(figures.size(), 2U);
+  for (const char* words : {"liver_linear", "rk4", "CPU time"})
+    EXPECT_NE(read_text(shell / figures[1].get<std::string>()).find(words), std::string::npos) << words;
+  // Tolerances have no steps to draw over.
+  const Told over = shell.hmax("sweep --methods ode45 --rtol 1e-4,1e-6 --t-end 10 --out over --output drawn_over");
+  ASSERT_EQ(over.exit_code, 0) << over.err;
+  EXPECT_NE(over.out.find("The figure: drawn_over/sweep.svg"), std::string::npos) << over.out;
+  expect_refused(shell.hmax(std::string(quick) + " --style slide"), "--output");
+}
+
 TEST(SweepCommand, ResumesTheSameSweepOnly) {
   const Shell shell;
   ASSERT_EQ(shell.hmax(quick).exit_code, 0);
