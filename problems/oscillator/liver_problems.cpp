@@ -48,9 +48,9 @@ std::vector<LiverFamilyMember> varied_damping(OscillatorParameters base,
 
 /// The published stiffnesses, each with the damping that gives the damping ratio zeta = c / (2 sqrt(k m)).
 std::vector<LiverFamilyMember> varied_stiffness_at(double zeta) {
-  auto members = varied_stiffness(linear, {4.6, 5.3, 6.0, 6.6});
-  for (auto& [label, p] : members) p.c = 2 * zeta * std::sqrt(p.k1 * p.m);
-  return members;
+  LiverFamily family{};
+  family.members = varied_stiffness(linear, {4.6, 5.3, 6.0, 6.6});
+  return damped_as_at_rest(family, zeta).members;
 }
 
 std::vector<LiverFamilyMember> all_materials(double force) {
@@ -136,6 +136,11 @@ std::span<const LiverFamily> liver_families() {
        "ends of the published mass ranges"},
   }};
   return families;
+}
+
+LiverFamily damped_as_at_rest(LiverFamily family, double zeta) {
+  for (auto& [label, p] : family.members) p.c = 2 * zeta * std::sqrt(p.k1 * p.m);
+  return family;
 }
 
 const LiverFamily& liver_family(std::string_view id) { return find(liver_families(), id, "family"); }

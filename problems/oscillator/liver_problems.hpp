@@ -53,6 +53,9 @@ std::span<const LiverFamily> liver_families();
 /// @throws std::invalid_argument  for an unknown id, naming the known ones
 const LiverFamily& liver_family(std::string_view id);
 
+/// The family with the damping c = 2 zeta sqrt(k1 m) of each member's linear part.
+LiverFamily damped_as_at_rest(LiverFamily family, double zeta);
+
 /// The step sizes of the study's timing experiment [s].
 inline constexpr std::array<double, 9> liver_step_sizes{2,    0.6,   0.2,    0.15,   0.05,
                                                         0.01, 0.005, 0.0005, 0.00005};

@@ -1,0 +1,46 @@
+/// The sentences of the liver oscillator study that can be tested, each with what runs show.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "integrators/stats.hpp"
+#include "results/row.hpp"
+
+namespace hmax {
+
+enum class Judgement { holds, holds_in_part, does_not_hold };
+/// "holds", "holds in part", "does not hold"
+std::string_view name_of(Judgement judgement);
+
+/// A sentence that can be tested.
+struct Claim {
+  std::string section;  ///< of the study
+  std::string printed;  ///< its words
+  std::string found;    ///< made of the numbers of runs
+  Judgement judgement = Judgement::holds;
+};
+
+/// What it says of the motion, sections 3.3 A to D: damping, stiffness, mass, force. Runs of dop_853, the same on
+/// every machine but for rounding.
+std::vector<Claim> claims_on_motion();
+
+/// What it says of the five solvers, sections 2.2 and 3.1.
+/// @param rows  of liver_forced: both readings of the step sizes of the study, its five solvers at least. Times are
+///              those of the machine that measured them
+std::vector<Claim> claims_on_solvers(const std::vector<Row>& rows);
+
+/// An adaptive run of liver_forced.
+struct SolverWork {
+  std::string method;
+  double rtol, atol;
+  Stats stats;
+  double error;  ///< largest |x| or |v| off the motion at any step [m], [m/s]
+};
+
+/// The solvers of the study that choose their steps, with MATLAB's defaults (rtol 1e-3, atol 1e-6, its step size
+/// control) and with rtol = atol = 1e-6 and the control of hmax.
+std::vector<SolverWork> work_at_defaults();
+
+}  // namespace hmax
