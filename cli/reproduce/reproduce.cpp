@@ -1,189 +1,162 @@
 /// `hmax reproduce`: published studies done again, figure by figure.
+#include <algorithm>
 #include <array>
-#include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "bench/timing/sweep.hpp"
-#include "cli/reproduce/reproduce_oscillators.hpp"
-#include "cli/reproduce/reproduce_stability.hpp"
-#include "cli/reproduce/reproduce_tissue.hpp"
+#include "cli/reproduce/parts.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
-#include "cli/stability/stability.hpp"
+#include "plots/figure.hpp"
+#include "plots/pages/report.hpp"
+#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
+#include "results/store.hpp"
 
 namespace hmax {
 
 namespace {
 
-/// The damping of the study's text makes the model self-exciting: its amplitude grows without end and with it
-/// the frequency of the cubic spring, so this sweep is short and keeps to the methods that are drawn.
-SweepSpec self_exciting_sweep() {
-  SweepSpec spec;
-  spec.problems = {{"liver_forced", {.material = {}, .parameters = {{"c", -2}}, .y0 = {}}}};
-  spec.methods = {"explicit_euler", "dormand_prince_54", "rosenbrock_23", "adams_pece", "trapezoidal"};
-  spec.t_end = 10;
-  return spec;
+using Json = nlohmann::ordered_json;
+
+void show(const ReproducedPart& part, Console& console) {
+  if (part.failed) console.exit_code = Exit::failed;
+  if (console.json) return console.print_json(part.document);
+  console.print(fmt::format("{}\nOpen {}\n", part.words, part.report.string()));
 }
 
-/// The rows of a sweep, measured unless the store has them already.
-std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& file, const std::string& task,
-                          Console& console, std::string& machine, std::int64_t& count) {
-  const SweepPlan plan = plan_sweep(spec);
-  if (!can_resume(plan, file)) {
-    std::filesystem::path old = file.parent_path() / (file.stem().string() + ".old.sqlite");
-    // An older one is kept as well.
-    for (int n = 2; std::filesystem::exists(old); ++n)
-      old = file.parent_path() / fmt::format("{}.old{}.sqlite", file.stem().string(), n);
-    std::filesystem::rename(file, old);
-    console.remark(fmt::format("the sweep has changed since {} was measured; it is kept as {}", file.string(),
-                               old.string()));
+/// A part of `reproduce all`, in a folder of its own.
+struct Part {
+  std::string name, title;
+  std::function<ReproducedPart(const std::filesystem::path& folder, bool quick, Console& console)> make;
+};
+
+const std::vector<Part>& parts() {
+  static const std::vector<Part> all{
+      {"oscillators", "The liver oscillator study",
+       [](const auto& folder, bool, Console& console) { return reproduce_oscillator_part(folder, console); }},
+      {"stability", "Step limits of every method on every model of that study",
+       [](const auto& folder, bool, Console& console) { return reproduce_limits(folder, console); }},
+      {"tissue", "Springs and finite elements, after the thesis on deformable organs",
+       [](const auto& folder, bool quick, Console& console) {
+         TissueOptions options;
+         options.quick = quick;
+         return reproduce_tissue_part(folder, options, console);
+       }}};
+  return all;
+}
+
+/// The parts of these names, all where there are none.
+std::vector<Part> chosen_parts(const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (std::ranges::find(parts(), name, &Part::name) == parts().end())
+      throw InputError(fmt::format("there is no part '{}'; take some of oscillators, stability, tissue", name));
+  std::vector<Part> chosen;
+  for (const Part& part : parts())
+    if (names.empty() || std::ranges::find(names, part.name) != names.end()) chosen.push_back(part);
+  return chosen;
+}
+
+/// What an earlier call of the same program with the same options has finished, kept as remarks of a store.
+class FinishedParts {
+ public:
+  FinishedParts(const std::filesystem::path& folder, bool quick)
+      : folder_(folder),
+        store_(Store::open_or_create(folder / "parts.sqlite")),
+        made_by_(fmt::format("{}{}{}", fingerprint().program, quick ? " quick" : "",
+                             figure_style() == FigureStyle::slide ? " slide" : "")) {}
+
+  std::optional<ReproducedPart> find(const std::string& name) const {
+    const auto notes = store_.notes();
+    const auto note = notes.find(key(name));
+    if (note == notes.end()) return std::nullopt;
+    const Json kept = Json::parse(note->second, nullptr, false);
+    if (kept.is_discarded() || kept.value("made_by", "") != made_by_) return std::nullopt;
+    ReproducedPart part{.report = folder_ / kept.value("report", ""),
+                        .rows = kept.value("rows", std::int64_t{0}),
+                        .seconds = kept.value("seconds", 0.0),
+                        .failed = kept.value("failed", false),
+                        .words = kept.value("words", "")};
+    if (!std::filesystem::exists(part.report)) return std::nullopt;
+    return part;
   }
-  Store store = open_sweep_store(plan, file, true);
-  const std::atomic<bool>& interrupted = interrupt_flag();
-  {
-    Progress progress(console, task);
-    const SweepSummary done = run_sweep(
-        plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
-        [&] { return interrupted.load(); });
-    if (done.interrupted) throw Interrupted{};
-    for (const std::string& warning : done.warnings) console.remark(warning);
-    count += done.measured;
+
+  void keep(const std::string& name, const ReproducedPart& part) {
+    store_.note(key(name), Json{{"made_by", made_by_},
+                                {"report", part.report.lexically_proximate(folder_).generic_string()},
+                                {"rows", part.rows},
+                                {"seconds", part.seconds},
+                                {"failed", part.failed},
+                                {"words", part.words}}
+                               .dump());
   }
-  machine = summary(store.sessions().back().fingerprint);
-  return store.rows();
-}
 
-/// Methods of the nonlinear table: one of each kind that has a limit.
-constexpr std::array nonlinear_methods{"explicit_euler",    "rk2_heun",         "rk4",
-                                       "dormand_prince_54", "dop_853",          "adams_bashforth_3",
-                                       "abm_pece_3",        "symplectic_euler", "stormer_verlet",
-                                       "central_difference"};
+ private:
+  static std::string key(const std::string& name) { return "part " + name; }
+  std::filesystem::path folder_;
+  Store store_;
+  std::string made_by_;  ///< program and options
+};
 
-void stability_study(const std::filesystem::path& folder, Console& console) {
-  const auto started = std::chrono::steady_clock::now();
-  const auto& interrupted = interrupt_flag();
-  const auto stop = [&] { return interrupted.load(); };
-  const std::vector<LimitCase> cases = limit_cases();
-  check_limit_files(folder);
-  Store store = Store::open_or_create(folder / "limits.sqlite");
-  const auto study = [&](const char* task, CaseKind kind, const std::vector<Method>& chosen) {
-    Progress progress(console, task);
-    return limit_study(
-        cases, kind, chosen, &store, [&](double share) { progress.update(share); }, stop);
-  };
-  const std::vector<StudyRow> rows = study("predicting and verifying", CaseKind::linear, methods());
-  std::vector<Method> chosen;
-  for (const char* id : nonlinear_methods) chosen.push_back(find_method(id));
-  const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
-  if (interrupted) throw Interrupted{};
-  const std::filesystem::path report =
-      reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);
-  const LimitSummary found = summary_of(cases, rows);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  if (found.disagreeing > 0) console.exit_code = Exit::failed;
-  if (console.json)
-    return console.print_json({{"report", report.string()},
-                               {"rows", found.rows},
-                               {"with_number", found.with_number},
-                               {"unbounded", found.unbounded},
-                               {"disagreeing", found.disagreeing},
-                               {"worst_gap", found.worst_gap},
-                               {"worst", found.worst},
-                               {"seconds", seconds}});
-  console.print(fmt::format(
-      "{} pairs of method and model; {} limits within {:.4f} % of what integration shows, {} without limit, {} "
-      "disagree.\nOpen {}\n",
-      found.rows, found.with_number, 100 * found.worst_gap, found.unbounded, found.disagreeing,
-      report.string()));
-}
+struct AllOptions {
+  std::string folder = "results/runs/reproduced";
+  std::vector<std::string> names;
+  bool quick = false;
+};
 
-nlohmann::ordered_json to_json(const TissueStudy& study) {
-  nlohmann::ordered_json particles = nlohmann::ordered_json::array();
-  for (const ParticleLimit& limit : study.particles)
-    particles.push_back({{"damping", limit.damping},
-                         {"method", limit.method},
-                         {"h_max", number_or_word(1 / limit.rate)},
-                         {"stiffest", limit.stiffest}});
-  nlohmann::ordered_json paths = nlohmann::ordered_json::array();
-  for (const PathLimit& limit : study.paths)
-    paths.push_back({{"load", limit.load},
-                     {"path", limit.path},
-                     {"model", limit.model},
-                     {"method", limit.method},
-                     {"h_rest", number_or_word(limit.at_rest)},
-                     {"h_min", number_or_word(limit.least)},
-                     {"growing_share", limit.growing}});
-  nlohmann::ordered_json sizes = nlohmann::ordered_json::array();
-  for (const ScaleRow& row : study.sizes)
-    sizes.push_back({{"mesh", row.mesh},
-                     {"tetrahedra", row.tetrahedra},
-                     {"dofs", row.dofs},
-                     {"force", row.force},
-                     {"stiffness", row.stiffness},
-                     {"explicit_step", row.explicit_step},
-                     {"implicit_step", row.implicit_step},
-                     {"eigenvalue", row.eigenvalue},
-                     {"import", row.import},
-                     {"peak_memory", row.peak_memory}});
-  return {{"report", study.report.string()},
-          {"force_ratio", study.force_ratio},
-          {"step_ratio", study.step_ratio},
-          {"deflection_springs", study.deflection_springs},
-          {"deflection_elements", study.deflection_elements},
-          {"unsolved", study.unsolved},
-          {"particles", particles},
-          {"heaviest_particle", study.heaviest_particle},
-          {"paths", paths},
-          {"sizes", sizes}};
-}
-
-void tissue_study(const std::filesystem::path& folder, TissueOptions options, Console& console) {
-  const auto& interrupted = interrupt_flag();
-  TissueStudy study;
-  {
-    Progress progress(console, "tissue");
-    options.machine = summary(fingerprint());
-    study = reproduce_tissue(folder, options, [&](double share, const std::string& what) {
-      if (interrupted) throw Interrupted{};
-      progress.update(share, what);
-    });
+void reproduce_all(const AllOptions& options, Console& console) {
+  const std::filesystem::path folder = options.folder;
+  const std::vector<Part> chosen = chosen_parts(options.names);
+  FinishedParts finished(folder, options.quick);
+  std::vector<ReportSection> sections;
+  Json listed = Json::array();
+  for (const Part& part : chosen) {
+    auto done = finished.find(part.name);
+    if (!done) {
+      done = part.make(folder / part.name, options.quick, console);
+      finished.keep(part.name, *done);
+    }
+    if (done->failed) console.exit_code = Exit::failed;
+    const std::string link = done->report.lexically_proximate(folder).generic_string();
+    sections.push_back({.title = part.title,
+                        .text = fmt::format("{}\n\n[The page]({}): {} stored numbers, {:.0f} s.", markdown_text(done->words),
+                                            link, done->rows, done->seconds)});
+    listed.push_back({{"part", part.name},
+                      {"report", done->report.string()},
+                      {"rows", done->rows},
+                      {"seconds", done->seconds}});
   }
-  if (study.unsolved > 0) console.exit_code = Exit::failed;
-  if (console.json) return console.print_json(to_json(study));
-  console.print(fmt::format(
-      "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under the same load the "
-      "liver moves by {:.3g} mm with springs and {:.3g} mm with finite elements.\nOpen {}\n",
-      study.force_ratio, study.step_ratio, 1000 * study.deflection_springs, 1000 * study.deflection_elements,
-      study.report.string()));
+  const std::filesystem::path page = write_report(
+      "Two sources, done again",
+      "A study of a liver as one oscillator, and a thesis on deformable organs. Each page shows what was printed, what "
+      "hmax finds, and why they differ. Computed on: " +
+          markdown_text(summary(fingerprint())) + ".",
+      sections, folder);
+  if (console.json) return console.print_json({{"report", page.string()}, {"parts", listed}});
+  console.print(fmt::format("Open {}\n", page.string()));
 }
 
-void oscillator_study(const std::filesystem::path& output, Console& console) {
-  StudyRows rows;
-  std::int64_t count = 0;
-  rows.self_exciting = measured(self_exciting_sweep(), output / "damping_minus_2.sqlite",
-                                "timing the model with c = -2", console, rows.machine, count);
-  rows.published_model = measured(SweepSpec{}, output / "step_sweep.sqlite", "timing the step sweep", console,
-                                  rows.machine, count);
-  std::filesystem::path report;
-  {
-    Progress progress(console, "drawing");
-    double drawn = 0;
-    report = reproduce_oscillators(rows, output, [&](const std::string& section) {
-      progress.update(drawn / 9, section);
-      ++drawn;
-    });
-  }
-  if (console.json)
-    console.print_json({{"report", report.string()}, {"measured", count}});
-  else
-    console.print(
-        fmt::format("{} rows measured, the others were there already.\nOpen {}\n", count, report.string()));
+void add_all(CLI::App& reproduce, Console& console) {
+  CLI::App& all = add_command(reproduce, console, "all", "Reproduce both sources, with one page that links their parts",
+                              {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"});
+  auto options = std::make_shared<AllOptions>();
+  all.add_option("--output", options->folder, "Folder of the page and of the parts")->capture_default_str();
+  all.add_option("--part", options->names, "Parts: oscillators, stability, tissue; all by default")
+      ->delimiter(',')
+      ->type_name("A,B");
+  all.add_flag("--quick", options->quick, "The quick form of tissue; takes three minutes instead of ten");
+  all.footer(all.get_footer() + "\nA part that the same program has finished in FOLDER is not made again.");
+  add_force(all);
+  add_figure_style(all);
+  add_jobs(all);
+  all.callback([options, &console] { reproduce_all(*options, console); });
 }
 
 void add_oscillator_study(CLI::App& reproduce, Console& console) {
@@ -197,7 +170,7 @@ void add_oscillator_study(CLI::App& reproduce, Console& console) {
                      "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
   add_force(oscillators);
   add_figure_style(oscillators);
-  oscillators.callback([&console, folder] { oscillator_study(*folder, console); });
+  oscillators.callback([&console, folder] { show(reproduce_oscillator_part(*folder, console), console); });
 }
 
 void add_stability_study(CLI::App& reproduce, Console& console) {
@@ -210,7 +183,7 @@ void add_stability_study(CLI::App& reproduce, Console& console) {
   add_force(stability);
   add_figure_style(stability);
   add_jobs(stability);
-  stability.callback([&console, folder] { stability_study(*folder, console); });
+  stability.callback([&console, folder] { show(reproduce_limits(*folder, console), console); });
 }
 
 void add_tissue_study(CLI::App& reproduce, Console& console) {
@@ -226,7 +199,7 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
                   "Also costs of meshes of a thousand to a million tetrahedra; takes minutes and gigabytes");
   add_force(tissue);
   add_figure_style(tissue);
-  tissue.callback([&console, folder, options] { tissue_study(*folder, *options, console); });
+  tissue.callback([&console, folder, options] { show(reproduce_tissue_part(*folder, *options, console), console); });
 }
 
 }  // namespace
@@ -234,8 +207,9 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
 void add_reproduce(CLI::App& app, Console& console) {
   CLI::App& reproduce =
       add_command(app, console, "reproduce", "Reproduce a published study",
-                  {"hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
+                  {"hmax reproduce all --quick", "hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
   reproduce.require_subcommand(1);
+  add_all(reproduce, console);
   add_oscillator_study(reproduce, console);
   add_stability_study(reproduce, console);
   add_tissue_study(reproduce, console);

@@ -9,6 +9,7 @@
 
 #include "cli/reproduce/reproduce_oscillators.hpp"
 #include "plots/gnuplot.hpp"
+#include "tests/cli/program.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -81,7 +82,7 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 TEST(ReproduceOscillators, ShowsEveryFigureAndTableLinksWhatExistsAndRepeatsItsBytes) {
   const Scratch scratch;
   const auto sections = reproduce_into(scratch / "report");
-  EXPECT_EQ(sections.size(), 9U);
+  EXPECT_EQ(sections.size(), 12U);
 
   const auto files = contents(scratch / "report");
   ASSERT_TRUE(files.contains("README.md"));
@@ -113,6 +114,24 @@ TEST(ReproduceOscillators, ShowsEveryFigureAndTableLinksWhatExistsAndRepeatsItsB
   ASSERT_EQ(again.size(), files.size());
   for (const auto& [name, bytes] : files)
     EXPECT_TRUE(again.contains(name) && again.at(name) == bytes) << name;
+}
+
+TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
+  const Shell shell;
+  expect_refused(shell.hmax("reproduce all --part nothing"), "there is no part 'nothing'");
+  const std::string all = "reproduce all --part tissue --quick --output both --json";
+  const Told told = shell.hmax(all);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto parts = told.json().at("parts");
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].at("part"), "tissue");
+  EXPECT_EQ(parts[0].at("report"), "both/tissue/README.md");
+  EXPECT_GT(parts[0].at("rows"), 0);
+  EXPECT_NE(read_text(shell / "both/README.md").find("](tissue/README.md)"), std::string::npos);
+  const std::string first = read_text(shell / "both/tissue/README.md");
+  const Told again = shell.hmax(all);
+  EXPECT_EQ(again.json().at("parts"), parts);  // with its seconds: it was not made again
+  EXPECT_EQ(read_text(shell / "both/tissue/README.md"), first);
 }
 
 }  // namespace

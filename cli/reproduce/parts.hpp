@@ -1,0 +1,33 @@
+/// The studies that `hmax reproduce` does again: each measured or computed, drawn and written into a folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/reproduce/tissue_study.hpp"
+#include "cli/shared/commands.hpp"
+
+namespace hmax {
+
+/// What came of one of them.
+struct ReproducedPart {
+  std::filesystem::path report;     ///< its page
+  std::int64_t rows = 0;            ///< of numbers that it rests on
+  double seconds = 0;               ///< wall time of this call [s]
+  bool failed = false;              ///< prediction and runs disagree, or something was not solved
+  nlohmann::ordered_json document = {};  ///< for machines
+  std::string words = {};                ///< the same for people
+};
+
+/// The liver oscillator study. Rows that the stores of the folder hold are not measured again.
+ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console);
+
+/// The step limits of every method on every model of that study; those that the store of the folder holds are looked up.
+ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console);
+
+/// Springs and finite elements of the thesis.
+ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options, Console& console);
+
+}  // namespace hmax
