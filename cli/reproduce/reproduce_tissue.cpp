@@ -285,11 +285,20 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
   TissueStudy study;
   const std::string& machine = options.machine;
   std::vector<ReportSection> sections;
+  const StaticModel pressed =
+      static_model(study_tissue("fem_green", options.mesh(), "press", {{"force", pressing_solvers}}), 1);
   std::vector<std::pair<const char*, std::function<ReportSection()>>> parts{
       {"meshes", [&] { return the_meshes(folder); }},
       {"springs and elements", [&] { return deflections(folder, study); }},
       {"load paths", [&] { return load_paths(folder, machine); }},
       {"solvers", [&] { return solvers(folder, machine, study); }},
+      {"linear systems", [&] { return inner_systems(pressed, best_relaxation(pressed, {})); }},
+      {"pre-inversion", [&] { return pre_inversion(pressed); }},
+      {"pseudo-dynamic", [&] { return pseudo_dynamics(pressed); }},
+      {"rotation", [&] { return turned_body(folder); }},
+      {"volume", [] { return kept_volume(); }},
+      {"order and stages", [] { return order_and_stages(); }},
+      {"regions", [&] { return regions_and_eigenvalues(folder, options); }},
       {"steps and masses", [&] { return particle_limits(folder, options, study); }},
       {"steps under loads", [&] { return path_limits(folder, options, study); }},
       {"costs", [&] { return costs(study); }},

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "analysis/statics/static_solution.hpp"
 #include "bench/catalogue/catalogue.hpp"
 #include "cli/reproduce/tissue_study.hpp"
 #include "plots/pages/report.hpp"
@@ -24,6 +25,28 @@ ReportSection particle_limits(const std::filesystem::path& folder, const TissueO
 /// The largest stable step while a body is loaded, and while it moves.
 ReportSection path_limits(const std::filesystem::path& folder, const TissueOptions& options,
                           TissueStudy& study);
+
+/// Small strain and Green's strain of a body that is turned as a whole.
+ReportSection turned_body(const std::filesystem::path& folder);
+
+/// The volume that springs and finite elements lose under a load.
+ReportSection kept_volume();
+
+/// Explicit Runge-Kutta methods: stages, order, limits.
+ReportSection order_and_stages();
+
+/// h lambda of the modes in the regions of explicit methods, at several masses.
+ReportSection regions_and_eigenvalues(const std::filesystem::path& folder, const TissueOptions& options);
+
+/// Newton's methods over the tolerance of their linear systems.
+/// @param relaxation  of SOR
+ReportSection inner_systems(const StaticModel& model, double relaxation);
+
+/// The inverse of the stiffness at rest beside its factors.
+ReportSection pre_inversion(const StaticModel& model);
+
+/// A fixed number of iterations for each frame of a moving load.
+ReportSection pseudo_dynamics(const StaticModel& model);
 
 /// What meshes cost as they grow.
 ReportSection costs_over_size(const std::filesystem::path& folder, const TissueOptions& options,

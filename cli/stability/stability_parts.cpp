@@ -9,6 +9,7 @@
 
 #include "analysis/amplification/part_amplification.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/region_shape.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -30,15 +31,6 @@ Complex parse_fast(const std::string& text) {
 
 std::string words_of(Complex z) {
   return z.imag() != 0 ? short_number(z.imag()) + "i" : short_number(z.real());
-}
-
-RegionShape shape_of(const std::string& label, const std::vector<RegionCurve>& curves) {
-  RegionShape shape{.label = label};
-  for (const RegionCurve& curve : curves) {
-    shape.loops.emplace_back();
-    for (const Complex z : curve.points) shape.loops.back().push_back({z.real(), z.imag()});
-  }
-  return shape;
 }
 
 bool is_split(const std::vector<PartRegion>& regions) {

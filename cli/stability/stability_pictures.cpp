@@ -8,6 +8,7 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/region_shape.hpp"
 #include "core/parallel_for.hpp"
 #include "results/errors.hpp"
 
@@ -35,15 +36,6 @@ StableAt inside_of(const Formula& formula, const PlaneLook& look) {
     inside = stable_at(*formula.amplification);
   if (!look.per_evaluation) return inside;
   return [inside, unit = unit_of(formula, look)](Complex z) { return inside(z * unit); };
-}
-
-RegionShape shape_of(const std::string& label, const std::vector<RegionCurve>& curves) {
-  RegionShape shape{.label = label};
-  for (const RegionCurve& curve : curves) {
-    shape.loops.emplace_back();
-    for (const Complex z : curve.points) shape.loops.back().push_back({z.real(), z.imag()});
-  }
-  return shape;
 }
 
 PlaneFrame frame_of(const PlaneWindow& window, int columns, int least_height, int most_height) {
