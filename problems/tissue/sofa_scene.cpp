@@ -1,13 +1,16 @@
 #include "problems/tissue/sofa_scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
+#include <variant>
 
 #include "core/own_files.hpp"
 #include "problems/digits.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/topology.hpp"
+#include "problems/tissue/spring_sets.hpp"
 
 namespace hmax {
 
@@ -37,8 +40,8 @@ bool is_same(const TissueSettings& settings, double TissueMaterial::*what) {
 
 void check(const TissueSettings& settings, double step) {
   if (settings.model.is_of_springs())
-    throw std::invalid_argument("a SOFA scene is written for finite elements only; choose a model fem_...");
-  if (settings.model.sofa == SofaField::none)
+    require_none(std::holds_alternative<LinearSpring>(settings.springs.law), "springs that are not linear");
+  else if (settings.model.sofa == SofaField::none)
     throw std::invalid_argument("SOFA has no force field of the model " + std::string(settings.model.id) +
                                 "; choose another model");
   require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
@@ -140,6 +143,23 @@ std::string force_fields(const TissueBody& body) {
   return nodes;
 }
 
+/// Every spring: its points in the file, stiffness, damper and length at rest.
+std::string springs(const TissueBody& body) {
+  const TetMesh& mesh = body.mesh();
+  std::string list;
+  for (const SpringSet::Spring& spring : tissue_springs(mesh, edge_table(mesh), surface_of(mesh), body.settings())) {
+    std::array<double, 2> places{};
+    for (const std::size_t end : {0U, 1U}) {
+      const TetMesh::Index point = spring.points[end];
+      places[end] = body.origin() ? body.origin()->points[static_cast<std::size_t>(point)] : point;
+    }
+    const double length = (mesh.points.col(spring.points[0]) - mesh.points.col(spring.points[1])).norm();
+    list += (list.empty() ? "" : " ") +
+            listed(std::array{places[0], places[1], spring.stiffness, spring.damper, length});
+  }
+  return "<StiffSpringForceField template=\"Vec3d\" spring=\"" + list + "\"/>";
+}
+
 std::string mass(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   if (settings.equal_masses || !is_same(settings, &TissueMaterial::density)) {
@@ -177,7 +197,9 @@ std::string sofa_text(const TissueBody& body, double step) {
                      listed(settings.gravity) + "\">\n";
   for (const char* plugin :
        {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
-        is_linear(settings) ? "SolidMechanics.FEM.Elastic" : "SolidMechanics.FEM.HyperElastic",
+        settings.model.is_of_springs() ? "SolidMechanics.Spring"
+        : is_linear(settings)          ? "SolidMechanics.FEM.Elastic"
+                                       : "SolidMechanics.FEM.HyperElastic",
         "StateContainer", "Topology.Container.Dynamic", "Visual"})
     text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + plugin + "\"/>\n";
   text += "  <DefaultAnimationLoop/>\n  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n";
@@ -192,7 +214,7 @@ std::string sofa_text(const TissueBody& body, double step) {
   add("<MechanicalObject template=\"Vec3d\" name=\"points\"/>");
   add(mass(body));
   if (!fixed.empty()) add("<FixedProjectiveConstraint indices=\"" + listed(fixed) + "\"/>");
-  add(force_fields(body));
+  add(settings.model.is_of_springs() ? springs(body) : force_fields(body));
   return text + "  </Node>\n</Node>\n";
 }
 

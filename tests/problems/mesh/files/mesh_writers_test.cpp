@@ -181,6 +181,18 @@ TEST(SofaScenes, TranslateTheMaterial) {
   EXPECT_NE(scene(tissue_model("fem_cauchy")).find("method=\"small\""), std::string::npos);
 }
 
+TEST(SofaScenes, HaveEverySpring) {
+  TissueSettings settings = liver();
+  settings.model = tissue_model("mass_spring");
+  settings.springs.stiffness = 12;
+  settings.springs.damper = 0.5;
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
+  // Six edges: three of length 1, three of sqrt 2.
+  for (const char* part : {"Sofa.Component.SolidMechanics.Spring", "spring=\"0 1 12 0.5 1 ", "2 3 12 0.5 1.414213562373095"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  EXPECT_EQ(text.find("FEM"), std::string::npos);
+}
+
 TEST(SofaScenes, RefuseWhatTheyCannotSay) {
   const auto refused = [](auto change, double step = 0.01) {
     TissueSettings settings = liver();
@@ -190,7 +202,10 @@ TEST(SofaScenes, RefuseWhatTheyCannotSay) {
   refused([](TissueSettings& s) { s.materials[0].young = 0; });
   refused([](TissueSettings& s) { s.materials[0].poisson = 0.5; });
   refused([](TissueSettings& s) { s.materials[0].density = -1; });
-  refused([](TissueSettings& s) { s.model = tissue_model("mass_spring"); });
+  refused([](TissueSettings& s) {
+    s.model = tissue_model("mass_spring");
+    s.springs.law = ExponentialSpring{};
+  });
   refused([](TissueSettings& s) { s.beta = -1; });
   refused([](TissueSettings& s) { s.supports[0].points = {4}; });
   refused([](TissueSettings& s) { s.supports[0].travel = {0, 0, 0.1}; });
