@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/reproduce/parts.hpp"
+#include "cli/reproduce/source_items.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
 #include "plots/figure.hpp"
@@ -133,6 +135,12 @@ void reproduce_all(const AllOptions& options, Console& console) {
                       {"rows", done->rows},
                       {"seconds", done->seconds}});
   }
+  const auto page_of = [&](const std::string& part) {
+    std::ifstream file(folder / part / "README.md");
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  sections.push_back({.title = "Where everything of the liver study is redone", .text = items_table(study_items(), page_of)});
+  sections.push_back({.title = "Where everything of the thesis is redone", .text = items_table(thesis_items(), page_of)});
   const std::filesystem::path page = write_report(
       "Two sources, done again",
       "A study of a liver as one oscillator, and a thesis on deformable organs. Each page shows what was printed, what "

@@ -290,6 +290,7 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
   std::vector<std::pair<const char*, std::function<ReportSection()>>> parts{
       {"meshes", [&] { return the_meshes(folder); }},
       {"springs and elements", [&] { return deflections(folder, study); }},
+      {"figure 9", [&] { return figure_9(folder, options); }},
       {"load paths", [&] { return load_paths(folder, machine); }},
       {"solvers", [&] { return solvers(folder, machine, study); }},
       {"linear systems", [&] { return inner_systems(pressed, best_relaxation(pressed, {})); }},
@@ -299,6 +300,7 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
       {"volume", [] { return kept_volume(); }},
       {"order and stages", [] { return order_and_stages(); }},
       {"regions", [&] { return regions_and_eigenvalues(folder, options); }},
+      {"constant Jacobian", [&] { return rates(options); }},
       {"steps and masses", [&] { return particle_limits(folder, options, study); }},
       {"steps under loads", [&] { return path_limits(folder, options, study); }},
       {"costs", [&] { return costs(study); }},

@@ -26,6 +26,9 @@ ReportSection particle_limits(const std::filesystem::path& folder, const TissueO
 ReportSection path_limits(const std::filesystem::path& folder, const TissueOptions& options,
                           TissueStudy& study);
 
+/// Springs and finite elements over stiffness and damping, with scenes of SOFA.
+ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions& options);
+
 /// Small strain and Green's strain of a body that is turned as a whole.
 ReportSection turned_body(const std::filesystem::path& folder);
 
@@ -47,6 +50,9 @@ ReportSection pre_inversion(const StaticModel& model);
 
 /// A fixed number of iterations for each frame of a moving load.
 ReportSection pseudo_dynamics(const StaticModel& model);
+
+/// Linearly implicit Euler with a constant Jacobian, one step in each frame of 10 ms.
+ReportSection rates(const TissueOptions& options);
 
 /// What meshes cost as they grow.
 ReportSection costs_over_size(const std::filesystem::path& folder, const TissueOptions& options,

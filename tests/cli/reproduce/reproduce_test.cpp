@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/reproduce/reproduce_oscillators.hpp"
+#include "cli/reproduce/source_items.hpp"
 #include "plots/gnuplot.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/results/scratch.hpp"
@@ -78,6 +79,15 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
   return files;
 }
 
+/// Every section of the page that the tables of the sources name is there.
+void expect_sections(const std::string& page, std::string_view part) {
+  for (const auto items : {study_items(), thesis_items()})
+    for (const SourceItem& item : items)
+      if (item.part == part) {
+        EXPECT_NE(page.find(std::string("\n## ") + item.section), std::string::npos) << item.section;
+      }
+}
+
 /// One call draws some twenty figures, so the page is judged as a whole.
 TEST(ReproduceOscillators, ShowsEveryFigureAndTableLinksWhatExistsAndRepeatsItsBytes) {
   const Scratch scratch;
@@ -90,6 +100,7 @@ TEST(ReproduceOscillators, ShowsEveryFigureAndTableLinksWhatExistsAndRepeatsItsB
   for (int figure = 1; figure <= 8; ++figure)
     EXPECT_NE(page.find("\n## Figure " + std::to_string(figure) + ":"), std::string::npos) << figure;
   EXPECT_NE(page.find("\n## Table 2:"), std::string::npos);
+  expect_sections(page, "oscillators");
   EXPECT_NE(page.find("made-up numbers"), std::string::npos);
 
   // h [s] and milliseconds of Euler, ode45, ode23s, ode113, ode23t; a dash where Euler diverged, and where a
@@ -128,7 +139,10 @@ TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
   EXPECT_EQ(parts[0].at("report"), "both/tissue/README.md");
   EXPECT_GT(parts[0].at("rows"), 0);
   EXPECT_NE(read_text(shell / "both/README.md").find("](tissue/README.md)"), std::string::npos);
-  const std::string first = read_text(shell / "both/tissue/README.md");
+  const std::string first = read_text(shell / "both/tissue/README.md"), page = read_text(shell / "both/README.md");
+  expect_sections(first, "tissue");
+  EXPECT_NE(page.find("](tissue/README.md#two-meshes)"), std::string::npos);
+  EXPECT_NE(page.find("| Slide 20 |"), std::string::npos);
   const Told again = shell.hmax(all);
   EXPECT_EQ(again.json().at("parts"), parts);  // with its seconds: it was not made again
   EXPECT_EQ(read_text(shell / "both/tissue/README.md"), first);

@@ -1,0 +1,85 @@
+/// The section of `hmax reproduce tissue` on figure 9 of the liver study: a liver over stiffness and damping.
+#include <array>
+
+#include <fmt/format.h>
+
+#include "bench/models/body_balance.hpp"
+#include "cli/bodies/body_picture.hpp"
+#include "cli/reproduce/reproduce_tissue_parts.hpp"
+#include "problems/tissue/body.hpp"
+#include "problems/tissue/sofa_scene.hpp"
+#include "results/errors.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double h = 0.005, t_end = 1;  // [s]
+
+/// A liver of the table's stiffness k [kPa] and damping c [N s/m], as c over its mass.
+struct Shown {
+  double k, c;
+};
+// One row of stiffnesses with the damping between, one of dampings with the stiffness between.
+constexpr std::array<Shown, 6> shown{{{4.3, 6}, {5.3, 6}, {6.7, 6}, {5.3, 4.5}, {5.3, 6}, {5.3, 8}}};
+
+/// The farthest that the body goes when its weight begins to act.
+BodyView farthest(const Problem& problem) {
+  const TissueBody& body = *problem.body;
+  double most = -1, at = 0;
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(body.dofs());
+  const RunRecord record =
+      find_method("linearly_implicit_euler")
+          .bind(problem)
+          .run({.t_end = t_end, .h = h}, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+            const double displacement = largest_displacement(y.head(body.dofs()));
+            if (displacement <= most) return;
+            most = displacement;
+            at = t;
+            q = y.head(body.dofs());
+          });
+  if (record.outcome != Outcome::reached_end)
+    throw InputError(fmt::format("{} ended at t = {:g} s; this is a defect", problem.id, record.t));
+  BodyView view = body_view(body, at, q, BodyValue::displacement);
+  view.notes = {fmt::format("{:.3g} mm at t = {:.3g} s", 1000 * most, at)};
+  return view;
+}
+
+}  // namespace
+
+ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions& options) {
+  std::vector<FigureFiles> figures;
+  std::string scenes;
+  for (const char* model : {"mass_spring", "fem_green"}) {
+    BodyPicture bodies{.title = model == std::string_view("mass_spring")
+                                    ? "Springs: the farthest that the body goes when its weight begins to act"
+                                    : "Finite elements: the farthest that the body goes when its weight begins to act",
+                       .columns = 3};
+    for (const Shown& each : shown) {
+      const Problem problem =
+          study_tissue(model, options.mesh(), "gravity", {{"E", 1000 * each.k}, {"alpha", each.c / 1.45}});
+      bodies.views.push_back(farthest(problem));
+      bodies.views.back().title = fmt::format("k = {:g} kPa, c = {:g} N s/m", each.k, each.c);
+      bodies.caption = made_of(problem) + fmt::format(" Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
+                                                      "h = {:g} s. E and alpha as above each picture.",
+                                                      h);
+      const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
+      write_file(folder / name, sofa_text(*problem.body, h));
+      if (scenes.find(name) == std::string::npos) scenes += fmt::format("{}[{}]({})", scenes.empty() ? "" : ", ", markdown_text(name), name);
+    }
+    bodies.colours = colours_of(BodyValue::displacement, bodies.views);
+    const std::string name = fmt::format("figure_9_{}", model);
+    write_picture(folder / (name + ".svg"), bodies);
+    figures.push_back({folder / name, {folder / (name + ".svg")}, {}});
+  }
+  return {.title = "Figure 9 of the liver study: deformation over stiffness and damping",
+          .text = "Stiffness and damping of the table of benchmark livers, given to a body on a mesh. As scenes "
+                  "of SOFA: " +
+                  scenes + ".",
+          .figures = std::move(figures),
+          .printed = "A deformed liver, drawn by SOFA, for several stiffnesses and dampings.",
+          .differs = "The scenes, their parameters and their load are not printed; the weight is ours."};
+}
+
+}  // namespace hmax
