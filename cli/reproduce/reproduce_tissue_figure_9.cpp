@@ -16,6 +16,7 @@ namespace hmax {
 namespace {
 
 constexpr double h = 0.005, t_end = 1;  // [s]
+constexpr double pressing = 0.3;        // [N]
 
 /// A liver of the table's stiffness k [kPa] and damping c [N s/m], as c over its mass.
 struct Shown {
@@ -24,7 +25,7 @@ struct Shown {
 // One row of stiffnesses with the damping between, one of dampings with the stiffness between.
 constexpr std::array<Shown, 6> shown{{{4.3, 6}, {5.3, 6}, {6.7, 6}, {5.3, 4.5}, {5.3, 6}, {5.3, 8}}};
 
-/// The farthest that the body goes when its weight begins to act.
+/// The farthest that the body goes when the force begins to act.
 BodyView farthest(const Problem& problem) {
   const TissueBody& body = *problem.body;
   double most = -1, at = 0;
@@ -53,20 +54,24 @@ ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions&
   std::string scenes;
   for (const char* model : {"mass_spring", "fem_green"}) {
     BodyPicture bodies{.title = model == std::string_view("mass_spring")
-                                    ? "Springs: the farthest that the body goes when its weight begins to act"
-                                    : "Finite elements: the farthest that the body goes when its weight begins to act",
+                                    ? "Springs: the farthest that the body goes when a force begins to press"
+                                    : "Finite elements: the farthest that the body goes when a force begins to press",
                        .columns = 3};
     for (const Shown& each : shown) {
-      const Problem problem =
-          study_tissue(model, options.mesh(), "gravity", {{"E", 1000 * each.k}, {"alpha", each.c / 1.45}});
+      const Parameters material{{"E", 1000 * each.k}, {"alpha", each.c / 1.45}};
+      Parameters loaded = material;
+      loaded.emplace_back("force", pressing);
+      const Problem problem = study_tissue(model, options.mesh(), "press", loaded);
       bodies.views.push_back(farthest(problem));
       bodies.views.back().title = fmt::format("k = {:g} kPa, c = {:g} N s/m", each.k, each.c);
-      bodies.caption = made_of(problem) + fmt::format(" Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
+      bodies.caption = made_of(problem) + fmt::format(" {:g} N press. Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
                                                       "h = {:g} s. E and alpha as above each picture.",
-                                                      h);
+                                                      pressing, h);
       const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
-      write_file(folder / name, sofa_text(*problem.body, h));
-      if (scenes.find(name) == std::string::npos) scenes += fmt::format("{}[{}]({})", scenes.empty() ? "" : ", ", markdown_text(name), name);
+      // Scenes have no pressing forces.
+      write_file(folder / name, sofa_text(*study_tissue(model, options.mesh(), "gravity", material).body, h));
+      if (scenes.find(name) == std::string::npos)
+        scenes += fmt::format("{}[{}]({})", scenes.empty() ? "" : ", ", markdown_text(name), name);
     }
     bodies.colours = colours_of(BodyValue::displacement, bodies.views);
     const std::string name = fmt::format("figure_9_{}", model);
@@ -79,7 +84,8 @@ ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions&
                   scenes + ".",
           .figures = std::move(figures),
           .printed = "A deformed liver, drawn by SOFA, for several stiffnesses and dampings.",
-          .differs = "The scenes, their parameters and their load are not printed; the weight is ours."};
+          .differs = "The scenes, their parameters and their load are not printed; the force is ours. The scenes for SOFA have "
+                     "the weight of the body in its place."};
 }
 
 }  // namespace hmax
