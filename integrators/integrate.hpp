@@ -133,10 +133,7 @@ inline RunEnd<real_of<typename Sys::State>> loop(StepperT& stepper, const Sys& s
     end.t = at;
     end.t_state = t;
     if constexpr (requires { stepper.work(); }) {
-      end.stats.factorisations = stepper.work().factorisations;
-      end.stats.newton = stepper.work().newton;
-      end.stats.linear_iterations = stepper.work().linear_iterations;
-      end.stats.newton_error = stepper.work().newton_error;
+      end.stats.take(stepper.work());
       if (outcome == Outcome::newton_failed) end.note = stepper.work().failure;
     }
     return end;

@@ -8,27 +8,35 @@
 
 namespace hmax {
 
+/// What an implicit method did inside its attempts; the loop puts it into the Stats of the run.
+struct ImplicitWork {
+  std::int64_t factorisations = 0;     ///< of matrices
+  std::int64_t newton = 0;             ///< Newton iterations, all stages together
+  std::int64_t linear_iterations = 0;  ///< of conjugate gradients, all equations together
+  /// Largest error that the iterations of a stage left, as their convergence foretells, relative to the
+  /// largest number of the state; of methods that iterate, at fixed steps.
+  double newton_error = 0;
+  std::string_view failure{};  ///< why the last equations that were not solved were not
+};
+
 /// What a run did.
 struct Stats {
   std::int64_t steps = 0;              ///< accepted steps
   std::int64_t rejected = 0;           ///< rejected attempts
   std::int64_t rhs = 0;                ///< evaluations of f; 0 unless the system was Counted
   std::int64_t jacobian = 0;           ///< evaluations of df/dy; 0 unless the system was Counted
-  std::int64_t factorisations = 0;     ///< of matrices, by implicit methods
-  std::int64_t newton = 0;             ///< Newton iterations, all stages together
-  std::int64_t linear_iterations = 0;  ///< of conjugate gradients, all equations together
-  /// Largest error that the iterations of a stage left, as their convergence foretells, relative to the
-  /// largest number of the state; of methods that iterate, at fixed steps.
-  double newton_error = 0;
+  std::int64_t factorisations = 0, newton = 0, linear_iterations = 0;  ///< as in ImplicitWork
+  double newton_error = 0;                                             ///< as in ImplicitWork
+
+  /// The work of the implicit method of the run.
+  void take(const ImplicitWork& work) {
+    factorisations = work.factorisations;
+    newton = work.newton;
+    linear_iterations = work.linear_iterations;
+    newton_error = work.newton_error;
+  }
 
   bool operator==(const Stats&) const = default;
-};
-
-/// What an implicit method did inside its attempts; the loop adds it to the Stats of the run.
-struct ImplicitWork {
-  std::int64_t factorisations = 0, newton = 0, linear_iterations = 0;  ///< as in Stats
-  double newton_error = 0;                                             ///< as in Stats
-  std::string_view failure{};  ///< why the last equations that were not solved were not
 };
 
 /// A system that counts the calls of its verbs into the Stats of the caller; everything else is the system's

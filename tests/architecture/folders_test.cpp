@@ -119,7 +119,7 @@ TEST(Folders, NoSourceFileIsLongerThanSevenHundredLines) {
 /// The most lines of a function of a file.
 int longest_function(const std::string& file) {
   // One loop drives all steppers, and the compiler has to see it in one piece.
-  return file == "integrators/integrate.hpp" ? 72 : 60;
+  return file == "integrators/integrate.hpp" ? 70 : 60;
 }
 
 TEST(Functions, NoneIsLongerThanSixtyLines) {

@@ -167,7 +167,9 @@ TEST(Mesh, AScenePutsTheTissueOnTheMesh) {
   write_text(shell / "two.msh", two_tetrahedra(false));
   expect_refused(shell.hmax("mesh convert two.msh two.scn"), "state it with --unit");
   expect_refused(shell.hmax("mesh convert phantom a.vtu --h 0.1"), "belong to a SOFA scene");
-  expect_refused(shell.hmax("mesh convert phantom a.scn --model mass_spring"), "finite elements only");
+  ASSERT_EQ(shell.hmax("mesh convert phantom springs.scn --model mass_spring").exit_code, 0);
+  EXPECT_NE(read_text(shell / "springs.scn").find("StiffSpringForceField"), std::string::npos);
+  expect_refused(shell.hmax("mesh convert phantom a.scn --model mass_spring --set cubic=10"), "not linear");
   expect_refused(shell.hmax("mesh convert phantom a.scn --support 1,2"), "no group or region '1,2'");
   expect_refused(shell.hmax("mesh convert phantom a.scn --support 5,6,5,6,5,6"), "give a larger box");
   expect_refused(shell.hmax("mesh convert phantom a.scn --h 0"), "step of a SOFA scene is 0");
