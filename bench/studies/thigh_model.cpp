@@ -15,10 +15,11 @@ namespace {
 using Matrix = Eigen::SparseMatrix<double>;
 
 // The thigh of which everything is known.
-constexpr double radius = 0.08, length = 0.14;              // [m]
-constexpr double half_angle = 70 * std::numbers::pi / 180;  // of the points about the middle
-constexpr double tension = 25;                              // of the skin [N/m]
-constexpr double growth = 6;                                // e-fold growths of the force over the depth
+constexpr double arc =
+    0.08 * 20 * std::numbers::pi / 180;  // between points around: 20 degrees of a radius of 80 mm
+constexpr double spacing = 0.02;         // between points along [m]
+constexpr double tension = 25;           // of the skin [N/m]
+constexpr double growth = 6;             // e-fold growths of the force over the depth
 
 /// Of soft tissue over the bone [m]; s around, t along the bone, both from -1 to 1.
 double tissue_depth(double s, double t) {
@@ -89,20 +90,18 @@ Thigh true_thigh(Eigen::Index around, Eigen::Index along) {
   Thigh thigh{.around = around, .along = along, .a{}, .b{}, .skin{}};
   thigh.a.resize(thigh.points());
   thigh.b.resize(thigh.points());
-  const double arc = 2 * half_angle * radius / static_cast<double>(around - 1);  // between neighbours [m]
-  const double step = length / static_cast<double>(along - 1);
   for (Eigen::Index row = 0; row < around; ++row)
     for (Eigen::Index column = 0; column < along; ++column) {
       const Eigen::Index n = row * along + column;
       const double s = 2 * static_cast<double>(row) / static_cast<double>(around - 1) - 1;
       const double t = 2 * static_cast<double>(column) / static_cast<double>(along - 1) - 1;
-      thigh.a[n] = young(s, t) * arc * step / growth;
+      thigh.a[n] = young(s, t) * arc * spacing / growth;
       thigh.b[n] = growth / tissue_depth(s, t);
       // A strip under tension resists a displacement across it by tension * width / length.
       if (column + 1 < along)
-        thigh.skin.push_back({.i = n, .j = n + 1, .along = true, .stiffness = tension * arc / step});
+        thigh.skin.push_back({.i = n, .j = n + 1, .along = true, .stiffness = tension * arc / spacing});
       if (row + 1 < around)
-        thigh.skin.push_back({.i = n, .j = n + along, .along = false, .stiffness = tension * step / arc});
+        thigh.skin.push_back({.i = n, .j = n + along, .along = false, .stiffness = tension * spacing / arc});
     }
   return thigh;
 }

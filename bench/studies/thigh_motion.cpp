@@ -38,7 +38,7 @@ class ThighMotion {
   ThighMotion(Thigh thigh, const ThighLoad& load, Eigen::VectorXd force)
       : thigh_(std::move(thigh)),
         force_(std::move(force)),
-        mass_(load.mass / static_cast<double>(thigh_.points())),
+        mass_(load.mass),
         damping_(load.damping * mass_),
         rise_(load.rise) {}
 
@@ -188,9 +188,8 @@ double stable_mass(const std::string& method, const Thigh& thigh, ThighLoad load
 
 Eigen::VectorXd constant_jacobian_depths(const Thigh& thigh, const ThighLoad& load, double h, double most) {
   const Eigen::Index n = thigh.points();
-  const double mass = load.mass / static_cast<double>(n);
   Eigen::MatrixXd bound = 2 * h * h * Eigen::MatrixXd(thigh.stiffness(Eigen::VectorXd::Zero(n)));
-  bound.diagonal().array() += mass * (4 + 2 * h * load.damping);
+  bound.diagonal().array() += load.mass * (4 + 2 * h * load.damping);
   ThighLoad at = load;
   const auto stable = [&](double depth) {
     at.depth = depth;

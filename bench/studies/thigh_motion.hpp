@@ -12,7 +12,7 @@ namespace hmax {
 
 /// What moves, and what moves it. Masses and damping are assumptions.
 struct ThighLoad {
-  double mass = 0.64;   ///< of all points together, equal at each [kg]
+  double mass = 0.01;   ///< of a point [kg]
   double damping = 50;  ///< force over velocity and mass [1/s]
   Eigen::Index point = 0;
   Probe probe = Probe::surface;
@@ -34,7 +34,7 @@ struct ThighLimit {
 std::vector<ThighLimit> thigh_limits(const std::vector<std::string>& methods, const Thigh& thigh,
                                      const ThighLoad& load);
 
-/// The mass of all points [kg] from which a method is stable with steps of `h` under the whole force, to one
+/// The mass of a point [kg] from which a method is stable with steps of `h` under the whole force, to one
 /// part in a hundred, with the same damping of a mass; the mass of `load` where that is enough, infinity
 /// where a million times as much is not.
 double stable_mass(const std::string& method, const Thigh& thigh, ThighLoad load, double h);

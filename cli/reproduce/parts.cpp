@@ -64,6 +64,49 @@ constexpr std::array nonlinear_methods{"explicit_euler",    "rk2_heun",         
                                        "abm_pece_3",        "symplectic_euler", "stormer_verlet",
                                        "central_difference"};
 
+nlohmann::ordered_json to_json(const ThighStudy& study) {
+  const auto array = [](const auto& items, const auto& row) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const auto& item : items) rows.push_back(row(item));
+    return rows;
+  };
+  using Json = nlohmann::ordered_json;
+  return {
+      {"points", study.truth.points()},
+      {"forces", value_count(study.data)},
+      {"fits", array(study.cases,
+                     [](const ThighCase& each) -> Json {
+                       return {{"skin", each.skin},
+                               {"unknowns", each.fit.values.size()},
+                               {"converged", each.fit.converged},
+                               {"overall_error", each.overall},
+                               {"within_5_percent", each.recovery.within},
+                               {"largest_error", each.recovery.largest_error},
+                               {"covered", each.recovery.covered}};
+                     })},
+      {"covered", study.covered},
+      {"starts", array(study.starts,
+                       [](const ThighStarts& each) -> Json {
+                         return {{"misfit", each.misfit == Misfit::logarithmic ? "logarithmic" : "relative"},
+                                 {"factor_a", each.of_a},
+                                 {"factor_b", each.of_b},
+                                 {"starts", each.starts},
+                                 {"found", each.found}};
+                       })},
+      {"tasks", array(study.tasks,
+                      [](const ThighTask& each) -> Json {
+                        return {{"forces", each.name}, {"springs", each.springs}, {"network", each.network}};
+                      })},
+      {"limits", array(study.limits,
+                       [](const ThighLimit& each) -> Json {
+                         return {{"method", each.method},
+                                 {"h_rest", number_or_word(each.at_rest)},
+                                 {"h_pressed", number_or_word(each.pressed)}};
+                       })},
+      {"stable_mass", number_or_word(study.stable_mass)},
+      {"constant_jacobian_depth", number_or_word(study.constant_depths.minCoeff())}};
+}
+
 nlohmann::ordered_json to_json(const TissueStudy& study) {
   nlohmann::ordered_json particles = nlohmann::ordered_json::array();
   for (const ParticleLimit& limit : study.particles)
@@ -101,6 +144,7 @@ nlohmann::ordered_json to_json(const TissueStudy& study) {
           {"particles", particles},
           {"heaviest_particle", study.heaviest_particle},
           {"paths", paths},
+          {"thigh", to_json(study.thigh)},
           {"sizes", sizes}};
 }
 

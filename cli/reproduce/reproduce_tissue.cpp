@@ -308,6 +308,10 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
       {"tool", [&] { return pressed_by_a_tool(folder); }},
   };
   const auto share = [&] { return static_cast<double>(sections.size()) / static_cast<double>(parts.size()); };
+  parts.emplace_back("thigh", [&] {
+    return identified_thigh(folder, options, study,
+                            [&](const std::string& what) { progress(share(), what); });
+  });
   if (options.scale)
     parts.emplace_back("sizes", [&] {
       return costs_over_size(folder, options, study,

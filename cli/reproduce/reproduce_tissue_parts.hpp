@@ -54,6 +54,10 @@ ReportSection pseudo_dynamics(const StaticModel& model);
 /// Linearly implicit Euler with a constant Jacobian, one step in each frame of 10 ms.
 ReportSection rates(const TissueOptions& options);
 
+/// A thigh of springs: identified from synthetic measurements, beside a network, in motion.
+ReportSection identified_thigh(const std::filesystem::path& folder, const TissueOptions& options,
+                               TissueStudy& tissue, const std::function<void(const std::string&)>& progress);
+
 /// What meshes cost as they grow.
 ReportSection costs_over_size(const std::filesystem::path& folder, const TissueOptions& options,
                               TissueStudy& study,

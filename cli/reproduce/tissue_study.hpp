@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "bench/studies/scale_study.hpp"
+#include "bench/studies/thigh_study.hpp"
 
 namespace hmax {
 
 /// What is made.
 struct TissueOptions {
   std::string machine;  ///< one line: where it is done
-  bool quick = false;   ///< limits of the step on the phantom and at a few points of each curve
+  bool quick = false;   ///< limits of the step on the phantom and at a few points of each curve, a small thigh
   bool scale = false;   ///< also what meshes of up to a million tetrahedra cost
 
   /// Whose limits are shown.
@@ -44,6 +45,7 @@ struct TissueStudy {
   std::vector<ParticleLimit> particles;
   double heaviest_particle = 0;  ///< with which that body hangs without an element turned inside out [kg]
   std::vector<PathLimit> paths;
+  ThighStudy thigh;
   std::vector<ScaleRow> sizes;  ///< empty unless asked for
 };
 

@@ -54,10 +54,9 @@ TEST(ThighMotion, HasTheJacobianOfDifferences) {
 TEST(ThighLimits, OfExplicitEulerAreDampingOverTheSquareOfTheFrequency) {
   // |1 + h lambda| = 1 at h = damping / omega^2 for every mode that swings.
   const Thigh thigh = true_thigh(4, 4);
-  const double mass = load.mass / 16;
   const auto largest = [&](const Eigen::VectorXd& u) {
     const Eigen::MatrixXd K = thigh.stiffness(u);
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().maxCoeff() / mass;
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().maxCoeff() / load.mass;
   };
   const auto limits = thigh_limits({"explicit_euler", "linearly_implicit_euler"}, thigh, load);
   const double at_rest = load.damping / largest(Eigen::VectorXd::Zero(16)),
