@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -37,6 +38,7 @@ Figure forces_figure(const ThighStudy& study, const std::string& machine) {
       "synthetic measurements; points of the deepest, the middle and the shallowest tissue; " + machine;
   for (const Probe probe : {Probe::indentor, Probe::surface}) {
     Panel panel = force_panel(probe);
+    std::vector<Curve> truths;  // over everything else
     int k = 0;
     for (const ThighCurve& curve : study.curves) {
       if (curve.probe != probe) continue;
@@ -54,9 +56,10 @@ Figure forces_figure(const ThighStudy& study, const std::string& machine) {
            .y = curve.measured_force,
            .style = {.colour = k, .marker = std::array{7, 5, 9}.at(static_cast<std::size_t>(k)), .size = 0.7},
            .line = false});
-      panel.curves.push_back({.label = "truth", .x = depth, .y = first(curve.truth), .style = of_truth});
+      truths.push_back({.label = "truth", .x = depth, .y = first(curve.truth), .style = of_truth});
       ++k;
     }
+    std::ranges::move(truths, std::back_inserter(panel.curves));
     figure.panels.push_back(std::move(panel));
   }
   return figure;
@@ -117,7 +120,8 @@ Figure network_figure(const ThighStudy& study, const std::string& machine) {
 
 std::string name_of(const ThighRun& run) {
   if (run.h == 0) return "reference (" + run.method + ")";
-  return fmt::format("{}, {:g} ms{}", run.method, 1000 * run.h, run.constant ? ", constant Jacobian" : "");
+  return run.constant ? fmt::format("the same, constant Jacobian, {:g} ms", 1000 * run.h)
+                      : fmt::format("{}, {:g} ms", run.method, 1000 * run.h);
 }
 
 Figure motion_figure(const ThighStudy& study, const std::string& machine) {
