@@ -21,7 +21,9 @@ std::vector<double> times(const std::vector<double>& values, double factor) {
   return scaled;
 }
 
-std::string per_cent(double share) { return fmt::format("{:.3g} %", 100 * share); }
+std::string per_cent(double share) {
+  return share < 10 ? fmt::format("{:.3g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
+}
 
 const char* in_words(Probe probe) { return probe == Probe::indentor ? "indentor" : "surface probe"; }
 const char* in_words(Misfit misfit) {
@@ -193,9 +195,7 @@ std::string starts_in_words(const ThighStudy& study) {
       "misfit of logarithms leads {} of {} to the best fit, that of relative forces {} of {}.",
       found[0], starts[0], found[1], starts[1]);
   if (found[1] < starts[1] && found[0] == starts[0])
-    table +=
-        " Local minima are avoided by logarithms: the forces of a guess that is far too stiff do not outweigh all "
-        "others.";
+    table += " With logarithms the stiffest points of a far guess do not outweigh all others.";
   return table;
 }
 
