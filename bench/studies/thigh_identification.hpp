@@ -30,7 +30,7 @@ std::vector<ForceSeries> measured(const Thigh& thigh, const MeasurementPlan& pla
 /// How many forces there are.
 Eigen::Index value_count(std::span<const ForceSeries> data);
 
-/// Each of them beside those of the model. Forces of the model, shape (values) [N].
+/// The forces of a thigh at the depths of the data, and the measured ones, shape (values) [N].
 Eigen::VectorXd forces_of(const Thigh& thigh, std::span<const ForceSeries> data);
 Eigen::VectorXd forces_of(std::span<const ForceSeries> data);
 

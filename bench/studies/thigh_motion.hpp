@@ -41,20 +41,19 @@ double stable_mass(const std::string& method, const Thigh& thigh, ThighLoad load
 
 /// How deep the probe may press each point until steps of `h` of linearly implicit Euler with the Jacobian of
 /// rest are unstable, shape (points) [m]; infinity where they are stable up to `most`. With K at the depth
-/// and K0 at rest a step is (M + h C + h^2 K0) v' = M v - h K x, x' = x + h v', stable where 4 M + 2 h C + 2
-/// h^2 K0 - h^2 K is positive definite.
+/// and K0 at rest a step is (M + h C + h^2 K0) v' = M v - h K x, x' = x + h v', stable
+/// where 4 M + 2 h C + 2 h^2 K0 - h^2 K is positive definite.
 Eigen::VectorXd constant_jacobian_depths(const Thigh& thigh, const ThighLoad& load, double h, double most);
 
-/// The motion of the pressed point, sampled every 10 ms.
+/// The motion of the pressed point, sampled every 10 ms. A run that ends early has no error and no time.
 struct ThighRun {
   std::string method;
   double h = 0;           ///< [s]
   bool constant = false;  ///< the Jacobian is that of the start
   bool reached_end = false;
   std::vector<double> t, u;  ///< [s], [m]
-  double error =
-      0;  ///< largest difference to the reference over its largest value [1]; NaN for part of a run
-  double real_time = 0;  ///< simulated over CPU time; NaN for part of a run
+  double error = 0;          ///< largest difference to the reference over its largest value [1]; else NaN
+  double real_time = 0;      ///< simulated over CPU time; else NaN
 };
 
 /// The reference, by an adaptive method of order 8 with rtol 1e-9, then linearly implicit Euler at 100 Hz

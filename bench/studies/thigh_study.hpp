@@ -54,9 +54,8 @@ struct ThighCurve {
 struct ThighStudy {
   Thigh truth;
   std::vector<ForceSeries> data;
-  std::vector<ThighCase>
-      cases;           ///< the second has two unknown stiffnesses of the skin; it is the one used below
-  double covered = 0;  ///< share of intervals that hold the truth, over all repetitions
+  std::vector<ThighCase> cases;  ///< the second, with two stiffnesses of the skin, is used below
+  double covered = 0;            ///< share of intervals that hold the truth, over all repetitions
   std::vector<ThighStarts> starts;
   std::vector<ThighTask> tasks;
   std::vector<ThighCurve> curves;  ///< points of deep, middle and shallow tissue by each probe
