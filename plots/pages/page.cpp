@@ -5,24 +5,12 @@
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
-#include "plots/gnuplot.hpp"
-#include "results/errors.hpp"
+#include "plots/pages/html_text.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : one_line(text))
-    safe += c == '<'   ? "&lt;"
-            : c == '>' ? "&gt;"
-            : c == '&' ? "&amp;"
-            : c == '"' ? "&quot;"
-                       : std::string(1, c);
-  return safe;
-}
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -72,7 +60,7 @@ std::string html_of(const std::vector<std::vector<std::string>>& table) {
     html += "<tr>";
     for (std::size_t column = 0; column < table[row].size(); ++column)
       html += fmt::format("<{0}{1}{2}>{3}</{0}>", row == 0 ? "th" : "td", row == 0 ? " scope=\"col\"" : "",
-                          words[column] ? " class=\"words\"" : "", escaped(table[row][column]));
+                          words[column] ? " class=\"words\"" : "", html_text(table[row][column]));
     html += "</tr>\n";
   }
   return html + "</table>\n";
@@ -83,27 +71,28 @@ std::string html_of(const std::vector<std::pair<std::string, std::string>>& fact
   std::string html = "<table class=\"facts\">\n";
   for (const auto& [name, words] : facts)
     html += fmt::format("<tr><{0}>{1}</{2}><td>{3}</td></tr>\n", name.empty() ? "td" : "th scope=\"row\"",
-                        escaped(name), name.empty() ? "td" : "th", escaped(words));
+                        html_text(name), name.empty() ? "td" : "th", html_text(words));
   return html + "</table>\n";
 }
 
 std::string html_of(const PagePicture& picture) {
   if (picture.svg.empty())
-    return fmt::format("<p>{}: not drawn. {}</p>\n", escaped(picture.caption), escaped(picture.problem));
+    return fmt::format("<p>{}: not drawn. {}</p>\n", html_text(picture.caption), html_text(picture.problem));
   return fmt::format(
       "<figure><img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\">"
       "<figcaption>{}</figcaption></figure>\n",
-      escaped(picture.alt.empty() ? picture.caption : picture.alt), base64(picture.svg), escaped(picture.caption));
+      html_text(picture.alt.empty() ? picture.caption : picture.alt), base64(picture.svg),
+      html_text(picture.caption));
 }
 
 std::string html_of(const PageSection& section) {
   std::string html;
-  if (!section.lead.empty()) html += fmt::format("<p><strong>{}</strong></p>\n", escaped(section.lead));
-  if (!section.text.empty()) html += fmt::format("<p>{}</p>\n", escaped(section.text));
+  if (!section.lead.empty()) html += fmt::format("<p><strong>{}</strong></p>\n", html_text(section.lead));
+  if (!section.text.empty()) html += fmt::format("<p>{}</p>\n", html_text(section.text));
   html += html_of(section.facts);
   if (!section.list.empty()) {
     html += "<ul>\n";
-    for (const std::string& item : section.list) html += fmt::format("<li>{}</li>\n", escaped(item));
+    for (const std::string& item : section.list) html += fmt::format("<li>{}</li>\n", html_text(item));
     html += "</ul>\n";
   }
   for (const PagePicture& picture : section.pictures) html += html_of(picture);
@@ -118,12 +107,12 @@ std::string page_text(const std::string& title, const std::string& introduction,
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<!-- {3} -->\n"
       "<meta name=\"viewport\" content=\"width=device-width\">\n<title>{0}</title>\n"
       "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p>{2}</p>\n<nav>\n",
-      escaped(title), style, escaped(introduction), own_mark);
+      html_text(title), style, html_text(introduction), own_mark);
   for (std::size_t i = 0; i < sections.size(); ++i)
-    html += fmt::format("<a href=\"#s{}\">{}</a>\n", i, escaped(sections[i].title));
+    html += fmt::format("<a href=\"#s{}\">{}</a>\n", i, html_text(sections[i].title));
   html += "</nav>\n";
   for (std::size_t i = 0; i < sections.size(); ++i)
-    html += fmt::format("<h2 id=\"s{}\">{}</h2>\n", i, escaped(sections[i].title)) + html_of(sections[i]);
+    html += fmt::format("<h2 id=\"s{}\">{}</h2>\n", i, html_text(sections[i].title)) + html_of(sections[i]);
   return html + "</body>\n</html>\n";
 }
 

@@ -1,0 +1,123 @@
+#include "plots/pages/report_answers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "plots/pages/html_text.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// The rows of one question, best first, and where they are.
+struct Answer {
+  std::span<const AdviceRecord> rows;
+  std::size_t store, first;  ///< index of the store; number of the first row in it
+};
+
+std::string digits(double value, int count = 4) {
+  return std::isnan(value) ? "–" : std::isinf(value) ? "unbounded" : rounded_text(value, count);
+}
+/// A unit stays on the line of its number.
+constexpr const char* no_break = "\u00a0";
+std::string ms(double seconds, int count = 4) {
+  return std::isfinite(seconds) ? digits(1e3 * seconds, count) + no_break + "ms" : digits(seconds);
+}
+std::string percent(double share) {
+  return std::isfinite(share) ? digits(100 * share, 2) + no_break + "%" : "–";
+}
+
+std::string step_of(const AdviceRecord& row) {
+  return fmt::format("{} with h = {}, {} step{} per frame", row.words(), ms(row.h, 5),
+                     digits(row.steps_per_frame, 6), row.steps_per_frame == 1 ? "" : "s");
+}
+
+std::string words_of_limit(const AdviceRecord& row) {
+  if (std::isinf(row.h_max)) return "stable at every step size (linearised model)";
+  const std::string predicted = std::isnan(row.h_max) ? "none predicted" : ms(row.h_max) + " predicted";
+  return std::isnan(row.h_max_observed) ? predicted : predicted + ", " + ms(row.h_max_observed) + " observed";
+}
+
+std::string words_of_bound(const std::string& bound) {
+  if (bound == "stability") return "stability";
+  if (bound == "accuracy") return "accuracy";
+  if (bound == "newton") return "Newton's method";
+  if (bound == "budget") return "the CPU time of a frame";
+  if (bound == "rate") return "the rate: one step per frame suffices";
+  return bound.empty() ? "–" : bound;
+}
+
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+Facts facts_of(const AdviceRecord& row) {
+  Facts facts{{"step limit", words_of_limit(row)},
+              {"limited by", words_of_bound(row.bound)},
+              {"error", percent(row.error)}};
+  facts.emplace_back("frame times", fmt::format("{} (median), {} (99 %), {} (maximum)", ms(row.frame_p50, 3),
+                                                ms(row.frame_p99, 3), ms(row.frame_max, 3)));
+  if (std::isfinite(row.frames) && std::isfinite(row.missed))
+    facts.emplace_back("late frames", fmt::format("{} of {}", digits(row.missed, 9), digits(row.frames, 9)));
+  return facts;
+}
+
+/// Other rows that meet the question.
+std::string words_of_others(std::span<const AdviceRecord> rows, const AdviceRecord* best) {
+  std::vector<std::string> others;
+  for (const AdviceRecord& row : rows)
+    if (row.suits() && &row != best)
+      others.push_back(
+          fmt::format("{} at {}{}", row.words(), ms(row.h), row.verdict == "tie" ? " (equally good)" : ""));
+  constexpr std::size_t most = 4;
+  const std::size_t more = others.size() > most ? others.size() - most : 0;
+  others.resize(std::min(others.size(), most));
+  return fmt::format("{}{}", fmt::join(others, "; "), more > 0 ? fmt::format("; {} more", more) : "");
+}
+
+std::string question_of(const AdviceKey& key) {
+  return fmt::format("error at most {}, frames of at most {}; best is {}", percent(key.tolerance),
+                     ms(key.budget), key.ranked_by == "error" ? "the smallest error" : "the lowest CPU time");
+}
+
+std::string html_of(const Answer& answer, std::span<const ReportedStore> stores) {
+  const AdviceKey& key = answer.rows.front().key;
+  const auto best = std::ranges::find(answer.rows, "recommended", &AdviceRecord::verdict);
+  const bool found = best != answer.rows.end();
+  std::string html = fmt::format(
+      "<article class=\"answer\">\n<h3>{}{}{} at {} Hz</h3>\n<p class=\"take\">{}</p>\n<dl>\n",
+      html_text(key.problem), key.material.empty() ? "" : ", ", html_text(key.material), digits(key.rate, 6),
+      html_text(found ? "Take " + step_of(*best) + "." : "No method that was tried meets this."));
+  Facts facts{{"question", question_of(key)}, {"motion", key.motion}};
+  if (found)
+    for (auto& fact : facts_of(*best)) facts.push_back(std::move(fact));
+  if (const std::string others = words_of_others(answer.rows, found ? &*best : nullptr); !others.empty())
+    facts.emplace_back("other methods", others);
+  for (const auto& [name, words] : facts)
+    if (!words.empty()) html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html_text(words));
+  const std::size_t number =
+      answer.first + (found ? static_cast<std::size_t>(best - answer.rows.begin()) : 0);
+  return html + fmt::format("<dt>source</dt><dd><a href=\"#{}\">row {} of {}</a></dd>\n</dl>\n</article>\n",
+                            row_anchor(advice_table, answer.store, number, stores.size()), number,
+                            html_text(stores[answer.store].name));
+}
+
+}  // namespace
+
+std::string report_answers(std::span<const ReportedStore> stores) {
+  std::string html;
+  for (std::size_t s = 0; s < stores.size(); ++s) {
+    const std::span<const AdviceRecord> rows = stores[s].advice;
+    for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+      while (end < rows.size() && rows[end].key == rows[begin].key) ++end;
+      html += html_of({rows.subspan(begin, end - begin), s, begin + 1}, stores);
+    }
+  }
+  return html;
+}
+
+}  // namespace hmax

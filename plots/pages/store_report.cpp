@@ -1,0 +1,215 @@
+#include "plots/pages/store_report.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/own_files.hpp"
+#include "plots/colours.hpp"
+#include "plots/pages/html_text.hpp"
+#include "plots/pages/page_texts.hpp"
+#include "plots/pages/report_answers.hpp"
+#include "plots/pages/report_data.hpp"
+
+namespace hmax {
+
+namespace {
+
+std::string_view text_of(std::span<const PageText> texts, std::string_view name) {
+  return std::ranges::find(texts, name, &PageText::name)->text;
+}
+
+/// The scripts of the page in one scope of its own.
+std::string script() {
+  std::string text = "(() => {\n";
+  for (const char* name : {"store_report_tables", "store_report_figures", "store_report"})
+    text += text_of(page_scripts(), name);
+  return text + "})();\n";
+}
+
+/// The colours of curves: on dark ground lighter ones, and white for black.
+std::string colour_variables() {
+  constexpr int count = 8, black = 6;
+  constexpr double lighter = 0.78, near_white = 0.08;
+  std::string light, dark;
+  for (int k = 0; k < count; ++k) {
+    light += fmt::format("--c{}:{};", k, colour_name(k));
+    dark += fmt::format("--c{}:{};", k, colour_name(k, k == black ? near_white : lighter));
+  }
+  return fmt::format(
+      ":root{{{0}}}\n@media (prefers-color-scheme:dark){{:root:not([data-theme=light]){{{1}}}}}\n:root[data-theme=dark]{{{1}}}\n"
+      "@media print{{:root,:root[data-theme]{{{0}}}}}\n",
+      light, dark);
+}
+
+/// Rows of each kind in all stores.
+struct Counts {
+  std::size_t runs = 0, limits = 0, advice = 0;
+};
+
+Counts count_rows(std::span<const ReportedStore> stores) {
+  Counts counts;
+  for (const ReportedStore& store : stores) {
+    counts.runs += store.runs.size();
+    counts.limits += store.limits.size();
+    counts.advice += store.advice.size();
+  }
+  return counts;
+}
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string summary_of(std::span<const ReportedStore> stores) {
+  const Counts counts = count_rows(stores);
+  std::string words;
+  const auto add = [&](std::size_t count, const char* one, const char* many) {
+    if (count > 0) words += (words.empty() ? "" : ", ") + counted(count, one, many);
+  };
+  add(counts.advice, "row of advice", "rows of advice");
+  add(counts.runs, "measured run", "measured runs");
+  add(counts.limits, "limit", "limits");
+  return fmt::format("{} in {}.", words.empty() ? "No rows" : words,
+                     counted(stores.size(), "store", "stores"));
+}
+
+/// A part of the page with the places that the script fills.
+struct Section {
+  std::string_view table;
+  const char *title, *words;
+  std::vector<std::string_view> figures;
+  std::string before = {};
+};
+
+std::string html_of(const Section& section) {
+  std::string html = fmt::format("<section>\n<h2 id=\"{}-section\">{}</h2>\n", section.table, section.title);
+  if (*section.words != '\0') html += fmt::format("<p>{}</p>\n", section.words);
+  html += section.before + "<div class=\"figures\">\n";
+  for (const std::string_view figure : section.figures)
+    html += fmt::format("<div id=\"figure-{}\"></div>\n", figure);
+  return html + fmt::format("</div>\n<div id=\"table-{}\"></div>\n</section>\n", section.table);
+}
+
+std::vector<Section> sections_of(std::span<const ReportedStore> stores) {
+  const Counts counts = count_rows(stores);
+  std::vector<Section> sections;
+  if (counts.advice > 0)
+    sections.push_back({advice_table,
+                        "Advice",
+                        "",
+                        {"frame_times", "advice_error"},
+                        "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"});
+  if (counts.runs > 0)
+    sections.push_back({runs_table,
+                        "Measured runs",
+                        "Runs of <code>hmax sweep</code> and <code>hmax precision</code>.",
+                        {"work_precision", "time_steps"}});
+  if (counts.limits > 0)
+    sections.push_back(
+        {limits_table,
+         "Limits of the step",
+         "Predictions of <code>hmax stability predict</code>, and what runs on both sides showed.",
+         {"limits", "gaps"}});
+  return sections;
+}
+
+/// Sessions of one machine and build that follow one another.
+struct Sessions {
+  const Session *first, *last;
+};
+
+std::vector<Sessions> alike_sessions(const std::vector<Session>& sessions) {
+  std::vector<Sessions> groups;
+  for (const Session& session : sessions) {
+    if (groups.empty() || !differences(groups.back().last->fingerprint, session.fingerprint).empty())
+      groups.push_back({&session, &session});
+    groups.back().last = &session;
+  }
+  return groups;
+}
+
+std::string html_of(const Sessions& sessions, const std::string& store) {
+  const auto& [first, last] = sessions;
+  const Fingerprint& machine = last->fingerprint;
+  const bool one = first == last;
+  std::string html = fmt::format(
+      "<article class=\"machine\">\n<h3>{}: {}</h3>\n<p>{}</p>\n<dl>\n", html_text(store),
+      one ? fmt::format("session {}", first->id) : fmt::format("sessions {} to {}", first->id, last->id),
+      html_text(summary(machine)));
+  const auto add = [&](const char* name, const std::string& words) {
+    if (!words.empty() && words != "unknown")
+      html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html_text(words));
+  };
+  add("date (UTC)", one ? first->started : first->started + " to " + last->started);
+  add("caches", machine.caches);
+  add("governor", machine.governor);
+  add("kernel", machine.kernel);
+  add("load at start", machine.load);
+  add("instruction set", machine.instruction_set);
+  add("flags", machine.flags);
+  std::string libraries;
+  for (const auto& [name, version] : machine.libraries)
+    libraries += (libraries.empty() ? "" : ", ") + name + " " + version;
+  add("libraries", libraries);
+  return html + "</dl>\n</article>\n";
+}
+
+std::string machines(std::span<const ReportedStore> stores) {
+  std::string html =
+      "<section>\n<h2 id=\"machines\">Machines</h2>\n<p>CPU times belong to the machine of their session.</p>\n";
+  for (const ReportedStore& store : stores)
+    for (const Sessions& sessions : alike_sessions(store.sessions)) html += html_of(sessions, store.name);
+  return html + "</section>\n";
+}
+
+std::string page_of(std::span<const ReportedStore> stores, const std::string& version,
+                    const ReportData& data) {
+  const std::string title = stores.size() == 1 ? "Results: " + stores.front().name
+                                               : fmt::format("Results: {} stores", stores.size());
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<!-- {} -->\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n"
+      "<style>\n{}{}</style>\n</head>\n<body>\n",
+      own_mark, html_text(title), text_of(page_styles(), "store_report"), colour_variables());
+  html += fmt::format(
+      "<header>\n<h1>{}</h1>\n<button type=\"button\" id=\"theme\" hidden></button>\n</header>\n<p>{}</p>\n",
+      html_text(title), summary_of(stores));
+  if (data.left_out > 0)
+    html += fmt::format(
+        "<p>{} left out to keep the page small; <code>hmax export STORE</code> writes every row.</p>\n",
+        counted(data.left_out, "row is", "rows are"));
+  const std::vector<Section> sections = sections_of(stores);
+  html += "<noscript><p>Tables and figures need JavaScript.</p></noscript>\n<nav aria-label=\"Sections\">\n";
+  for (const Section& section : sections)
+    html += fmt::format("<a href=\"#{}-section\">{}</a>\n", section.table, section.title);
+  html += "<a href=\"#machines\">Machines</a>\n</nav>\n<main>\n";
+  for (const Section& section : sections) html += html_of(section);
+  html += machines(stores) + "</main>\n";
+  html += fmt::format(
+      "<footer><p>Written by hmax {}. Row numbers count the rows of a store in the order of <code>hmax export</code>.</p></footer>\n",
+      html_text(version));
+  return html +
+         fmt::format(
+             "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n{}</script>\n</body>\n</html>\n",
+             data.json, script());
+}
+
+}  // namespace
+
+StoreReport store_report(std::span<const ReportedStore> stores, const std::string& version,
+                         std::size_t most_bytes) {
+  const Counts counts = count_rows(stores);
+  std::size_t most_rows = std::max({counts.runs, counts.limits, counts.advice});
+  for (;;) {
+    const ReportData data = report_data(stores, most_rows);
+    std::string html = page_of(stores, version, data);
+    if (html.size() <= most_bytes || most_rows <= 1) return {std::move(html), data.left_out};
+    // A little less than its share, so that one more round is enough as a rule.
+    most_rows =
+        std::max<std::size_t>(1, std::min(most_rows - 1, most_rows * most_bytes / html.size() * 19 / 20));
+  }
+}
+
+}  // namespace hmax

@@ -1,0 +1,175 @@
+#include "plots/pages/store_report.hpp"
+
+#include <regex>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/own_files.hpp"
+#include "plots/pages/report_answers.hpp"
+#include "plots/pages/report_data.hpp"
+#include "tests/plots/pages/reported_stores.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string page_of(const std::vector<ReportedStore>& stores) { return store_report(stores, "1.2.3").html; }
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The data that the script of a page reads.
+Json data_in(const std::string& page) {
+  const std::string opening = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t begin = page.find(opening) + opening.size();
+  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+/// What a cell shows, a text as itself.
+Json cell(const Json& data, const Json& table, std::size_t row, const std::string& key) {
+  for (std::size_t i = 0; i < table.at("columns").size(); ++i) {
+    const Json& column = table.at("columns")[i];
+    if (column.at("key") != key) continue;
+    const Json& value = table.at("rows")[row][i + 4];
+    return column.at("form") == "text" || column.at("form") == "long"
+               ? data.at("words")[value.get<std::size_t>()]
+               : value;
+  }
+  return "no such column";
+}
+
+TEST(StoreReport, SaysInWordsWhatAdviceRecommends) {
+  const std::string page = page_of({made_store("a.sqlite")});
+  EXPECT_TRUE(contains(page, "Take symplectic_euler with h = 2\u00a0ms, 5 steps per frame."));
+  EXPECT_TRUE(contains(page, "2.272\u00a0ms predicted, 2.28\u00a0ms observed"));
+  EXPECT_TRUE(contains(page, "<dt>error</dt><dd>0.68\u00a0%</dd>"));
+  EXPECT_TRUE(contains(page, "0.0538\u00a0ms (median), 0.0827\u00a0ms (99 %), 0.123\u00a0ms (maximum)"));
+  EXPECT_TRUE(contains(page, "rk4 at 2.5\u00a0ms (equally good)"));
+  EXPECT_TRUE(contains(page, "<a href=\"#advice-1\">row 1 of a.sqlite</a>"));
+}
+
+TEST(StoreReport, SaysThatNothingMeetsAQuestion) {
+  ReportedStore store{.name = "a.sqlite", .advice = {made_advice("rk4", "too_slow", 1e-3)}};
+  EXPECT_TRUE(contains(report_answers({&store, 1}), "No method that was tried meets this."));
+  store.advice = {made_advice("rk4", "recommended", 1e-3), made_advice("rk4", "recommended", 2e-3)};
+  store.advice.back().key.rate = 50;
+  const std::string two = report_answers({&store, 1});
+  EXPECT_TRUE(contains(two, "at 100 Hz") && contains(two, "at 50 Hz") && contains(two, "row 2 of a.sqlite"));
+}
+
+TEST(StoreReport, HoldsEveryRowWithItsNumberInItsStore) {
+  const Json data = data_in(page_of({made_store("a.sqlite"), made_store("b.sqlite", 3)}));
+  EXPECT_EQ(data.at("stores"), (Json{"a.sqlite", "b.sqlite"}));
+  ASSERT_EQ(data.at("tables").size(), 3U);
+  const Json& runs = data.at("tables")[1];
+  EXPECT_EQ(runs.at("id"), "rows");
+  ASSERT_EQ(runs.at("rows").size(), 11U);
+  EXPECT_EQ(runs.at("rows")[10][0], 1);
+  EXPECT_EQ(runs.at("rows")[10][1], 3);
+  EXPECT_EQ(cell(data, runs, 0, "method"), "rk4");
+  EXPECT_EQ(cell(data, runs, 0, "h"), 500);
+  EXPECT_EQ(cell(data, runs, 0, "cpu"), 0.002);
+  EXPECT_EQ(cell(data, runs, 0, "rtol"), nullptr) << "a fixed step has no tolerance";
+  const Json& series = data.at("series")[runs.at("rows")[10][2].get<std::size_t>()];
+  EXPECT_EQ(series.at("label"), "explicit_euler (b)");
+  EXPECT_EQ(row_anchor(runs_table, 0, 17, 1), "rows-17");
+  EXPECT_EQ(row_anchor(runs_table, 1, 17, 2), "rows-2-17");
+}
+
+TEST(StoreReport, TellsUnboundedLimitsFromMissingNumbers) {
+  const Json data = data_in(page_of({made_store("a.sqlite")}));
+  const Json& limits = data.at("tables")[2];
+  EXPECT_EQ(cell(data, limits, 1, "h_max"), "inf");
+  EXPECT_EQ(cell(data, limits, 1, "observed"), nullptr);
+  EXPECT_EQ(cell(data, limits, 0, "h_max"), 3.2);
+}
+
+TEST(StoreReport, TextOfStoresIsNeverMarkup) {
+  const std::string evil = "</script><script>alert(1)</script><!-- & \"q\" \xff";
+  ReportedStore store = made_store("<b>.sqlite");
+  store.runs.front().status = store.runs.front().key.problem = evil;
+  store.limits.front().note = evil;
+  store.advice.front().method = store.advice.front().key.motion = evil;
+  store.sessions.front().fingerprint.cpu = store.sessions.front().fingerprint.kernel = evil;
+  const std::string page = page_of({store});
+  EXPECT_FALSE(contains(page, "<script>alert"));
+  EXPECT_FALSE(contains(page, "<b>"));
+  EXPECT_FALSE(contains(page, "\xff"));
+  const std::regex script("</script>");
+  EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), script), {}), 2);
+  EXPECT_EQ(cell(data_in(page), data_in(page).at("tables")[1], 0, "status"),
+            "</script><script>alert(1)</script><!-- & \"q\" \ufffd");
+}
+
+TEST(StoreReport, NeedsNoOtherFile) {
+  const std::string page = page_of({made_store("a.sqlite")});
+  EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
+  EXPECT_LT(page.find(own_mark), 2048U);
+  EXPECT_FALSE(
+      std::regex_search(page, std::regex("src=|https?://(?!www\\.w3\\.org/2000/svg)|@import|url\\(")));
+  EXPECT_EQ(page, page_of({made_store("a.sqlite")}));
+}
+
+TEST(StoreReport, TellsMachineDateAndVersion) {
+  const std::string page = page_of({made_store("a.sqlite")});
+  EXPECT_TRUE(contains(page, "a.sqlite: session 1") && contains(page, "2026-01-02T03:04:05Z") &&
+              contains(page, "a test; "));
+  EXPECT_TRUE(contains(page, "Written by hmax 1.2.3."));
+}
+
+TEST(StoreReport, SessionsOfOneMachineAreToldOnce) {
+  ReportedStore store = made_store("a.sqlite");
+  for (int id = 2; id < 6; ++id)
+    store.sessions.push_back(
+        {id, fmt::format("2026-01-0{}T00:00:00Z", id), store.sessions.front().fingerprint});
+  store.sessions.back().fingerprint.cpu = "another";
+  const std::string page = page_of({store});
+  EXPECT_TRUE(contains(page, "a.sqlite: sessions 1 to 4") && contains(page, "a.sqlite: session 5"));
+}
+
+TEST(StoreReport, HasNoPartsWithoutRows) {
+  const ReportedStore store{.name = "a.sqlite", .limits = {made_limit("rk4", 1e-3, 1e-3)}};
+  const std::string page = page_of({store});
+  EXPECT_FALSE(contains(page, "id=\"advice-section\"") || contains(page, "id=\"rows-section\""));
+  EXPECT_TRUE(contains(page, "id=\"limits-section\""));
+  EXPECT_EQ(data_in(page).at("figures").size(), 2U);
+}
+
+TEST(StoreReport, LeavesOutRowsThatWouldMakeItTooLarge) {
+  const std::vector<ReportedStore> stores{made_store("a.sqlite", 3000)};
+  const std::size_t whole = page_of(stores).size(), most = whole - 100'000;
+  const StoreReport cut = store_report(stores, "1.2.3", most);
+  EXPECT_LE(cut.html.size(), most);
+  EXPECT_GT(cut.left_out, 100U);
+  EXPECT_LT(cut.left_out, 2900U);
+  EXPECT_TRUE(contains(cut.html, fmt::format("{} rows are left out", cut.left_out)));
+  EXPECT_EQ(store_report(stores, "1.2.3").left_out, 0U);
+}
+
+TEST(ReportData, TheTimeStepOfARunThatDivergedIsItsOwn) {
+  ReportedStore store{.name = "a.sqlite", .runs = {made_run("rk4", 0.5), made_run("rk4", 0.5)}};
+  for (Row& row : store.runs) {
+    row.outcome = "diverged";
+    row.t_reached = 2;
+    row.steps = 3;
+  }
+  store.runs.back().key.mode = "sampled";
+  store.runs.back().t_reached = 3;
+  const Json data = Json::parse(report_data({&store, 1}).json);
+  EXPECT_EQ(cell(data, data.at("tables")[0], 0, "step"), 500);
+  EXPECT_EQ(cell(data, data.at("tables")[0], 1, "step"), 1000);
+}
+
+TEST(ReportData, ModelsOfOneNameHaveFiguresOfTheirOwn) {
+  ReportedStore store{.name = "a.sqlite", .runs = {made_run("rk4", 0.1), made_run("rk4", 0.1)}};
+  store.runs.back().key.parameters = "m=2";
+  EXPECT_EQ(Json::parse(report_data({&store, 1}).json).at("cases"),
+            (Json{"liver_forced, to 10 s", "liver_forced, to 10 s (2)"}));
+}
+
+}  // namespace
+}  // namespace hmax
