@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/input/suggest.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/named_stores.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/compare.hpp"
 #include "results/errors.hpp"
@@ -23,22 +23,7 @@ namespace hmax {
 
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// A store by the path of its file, or by its name under results/runs.
-Store open_store(const std::string& name) {
-  std::error_code error;
-  const fs::path named = fs::path("results/runs") / (name + ".sqlite");
-  const bool plain = name.find('/') == std::string::npos && !fs::exists(name, error);
-  if (!plain) return Store::open_existing(name);
-  if (fs::exists(named, error)) return Store::open_existing(named);
-  std::vector<std::string> known;
-  for (const auto& entry : fs::directory_iterator("results/runs", error))
-    if (entry.path().extension() == ".sqlite") known.push_back(entry.path().stem().string());
-  throw InputError(fmt::format("there is no store '{}', neither as a file nor under results/runs; {}", name,
-                               suggestion(name, known, "`hmax sweep --out NAME` makes one")));
-}
 
 Fingerprint last_fingerprint(const Store& store) {
   const auto sessions = store.sessions();

@@ -5,7 +5,6 @@
 #include "cli/shared/drawn_svg.hpp"
 #include "plots/advice/advice_figures.hpp"
 #include "plots/pages/page.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 
@@ -68,13 +67,6 @@ PageSection model_section(const AdviceText& text, const AdviceKey& question) {
 }
 
 }  // namespace
-
-void check_page_name(const fs::path& file) {
-  if (file.extension() != ".html")
-    throw InputError(
-        fmt::format("--output is '{}', but the page is HTML; let its name end in .html, such as advice.html",
-                    file.string()));
-}
 
 std::string write_advice_page(const fs::path& file, const AdviceText& text, const AdviceKey& question,
                               const std::vector<AdviceRecord>& rows, const std::string& error_of) {

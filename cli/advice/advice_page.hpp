@@ -10,9 +10,6 @@
 
 namespace hmax {
 
-/// @throws InputError  when a page cannot have this name, before anything is computed
-void check_page_name(const std::filesystem::path& file);
-
 /// Draws the figures of the rows and writes the page.
 /// @param rows      of the answer, best first
 /// @param error_of  what errors are relative to

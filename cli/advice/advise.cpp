@@ -117,7 +117,7 @@ Remaking remaking(const ProblemChoice& choice) {
 /// @throws InputError  for a store or a page that cannot have its name
 void check_names(const AdviseOptions& options) {
   if (!options.out.empty()) (void)store_path(options.out);
-  if (!options.output.empty()) check_page_name(options.output);
+  if (!options.output.empty()) check_page_name(options.output, "advice.html");
 }
 
 /// Fills the answer; what would help is sought where nothing is recommended.

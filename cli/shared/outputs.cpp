@@ -64,6 +64,13 @@ std::string_view form_of(const std::string& file, std::initializer_list<FileForm
   throw InputError(fmt::format("'{}' would not be what its name says; --output writes {}", file, known));
 }
 
+void check_page_name(const std::filesystem::path& file, std::string_view example) {
+  if (file.extension() != ".html")
+    throw InputError(
+        fmt::format("--output is '{}', but the page is HTML; let its name end in .html, such as {}",
+                    file.string(), example));
+}
+
 std::filesystem::path store_path(const std::string& out) {
   if (out.ends_with(".sqlite")) return out;
   if (out.empty() || out == "." || out == ".." || out.find('/') != std::string::npos)

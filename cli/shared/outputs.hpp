@@ -35,6 +35,10 @@ struct FileForm {
 /// @throws InputError  naming the forms, when the name ends in another way
 std::string_view form_of(const std::string& file, std::initializer_list<FileForm> forms);
 
+/// @param example  a name that a page can have
+/// @throws InputError  when a page cannot have the name of --output, before anything is computed
+void check_page_name(const std::filesystem::path& file, std::string_view example);
+
 /// The file of --out: a path that ends in .sqlite, or a plain name under results/runs/.
 /// @throws InputError  for anything else
 std::filesystem::path store_path(const std::string& out);

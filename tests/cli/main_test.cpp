@@ -95,7 +95,7 @@ TEST(Help, EveryCommandHasItsOptionTableInTheReference) {
 
 TEST(Help, ExamplesRun) {
   // These take minutes, need a store made before, or are not of this test.
-  const std::set<std::string> elsewhere{"sweep", "reproduce", "export", "compare"};
+  const std::set<std::string> elsewhere{"sweep", "reproduce", "export", "compare", "report"};
   const auto group_of = [](const std::string& name) { return name.substr(0, name.find(' ')); };
   const Shell shell;
   for (const std::string& name : commands(shell)) {
