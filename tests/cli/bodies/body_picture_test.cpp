@@ -78,6 +78,18 @@ TEST(Statics, AreComparedInATableAndAFigure) {
   EXPECT_TRUE(std::filesystem::exists(shell / "out/residuals.gp"));
 }
 
+void expect_identified(const Json& thigh, const Shell& shell) {
+  ASSERT_EQ(thigh.at("fits").size(), 4U);
+  for (const Json& fit : thigh.at("fits")) EXPECT_LT(fit.at("overall_error"), 0.05) << fit;
+  EXPECT_GT(thigh.at("fits").at(1).at("within_5_percent"), 0.7);
+  // With a wrong skin the forces are right and the parameters are not.
+  EXPECT_LT(thigh.at("fits").at(2).at("within_5_percent"), 0.5);
+  EXPECT_EQ(thigh.at("limits").at(0).at("method"), "explicit_euler");
+  EXPECT_LT(thigh.at("limits").at(0).at("h_pressed"), thigh.at("limits").at(0).at("h_rest"));
+  for (const char* figure : {"forces", "parameters", "network", "motion"})
+    EXPECT_TRUE(std::filesystem::exists(shell / ("out/thigh_" + std::string(figure) + ".gp"))) << figure;
+}
+
 TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheEquilibrium) {
   const Shell shell;
   const Told told = shell.hmax("reproduce tissue --quick --scale --output out --json");
@@ -120,16 +132,7 @@ TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheEquilibri
   }
   EXPECT_GT(largest_change, 0.001);
   EXPECT_TRUE(std::filesystem::exists(shell / "out/limits_under_loads.gp"));
-  const Json& thigh = study.at("thigh");
-  ASSERT_EQ(thigh.at("fits").size(), 4U);
-  for (const Json& fit : thigh.at("fits")) EXPECT_LT(fit.at("overall_error"), 0.05) << fit;
-  EXPECT_GT(thigh.at("fits").at(1).at("within_5_percent"), 0.7);
-  // With a wrong skin the forces are right and the parameters are not.
-  EXPECT_LT(thigh.at("fits").at(2).at("within_5_percent"), 0.5);
-  EXPECT_EQ(thigh.at("limits").at(0).at("method"), "explicit_euler");
-  EXPECT_LT(thigh.at("limits").at(0).at("h_pressed"), thigh.at("limits").at(0).at("h_rest"));
-  for (const char* figure : {"forces", "parameters", "network", "motion"})
-    EXPECT_TRUE(std::filesystem::exists(shell / ("out/thigh_" + std::string(figure) + ".gp"))) << figure;
+  expect_identified(study.at("thigh"), shell);
   ASSERT_EQ(study.at("sizes").size(), 2U);
   for (const Json& size : study.at("sizes"))
     for (const char* cost : {"force", "stiffness", "explicit_step", "implicit_step", "eigenvalue", "import"})
