@@ -301,6 +301,7 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
       {"order and stages", [] { return order_and_stages(); }},
       {"regions", [&] { return regions_and_eigenvalues(folder, options); }},
       {"constant Jacobian", [&] { return rates(options); }},
+      {"force feedback", [&] { return force_feedback(folder); }},
       {"steps and masses", [&] { return particle_limits(folder, options, study); }},
       {"steps under loads", [&] { return path_limits(folder, options, study); }},
       {"costs", [&] { return costs(study); }},

@@ -60,7 +60,7 @@ constexpr std::array thesis{
                "A thigh identified", ""},
     SourceItem{"Slides 36 to 38", "neural static model", t, "A thigh identified", "trained on the same measurements"},
     SourceItem{"Slides 41, 42", "collision by penalty forces", t, "A tool", ""},
-    SourceItem{"Slides 43 to 45", "haptics at 1 kHz by a local model", none, "", "not yet"},
+    SourceItem{"Slides 43 to 45", "haptics at 1 kHz by a local model", t, "Force feedback at 1 kHz", ""},
     SourceItem{"Slides 47 to 49", "echographic images", none, "", "images, no equations"},
     SourceItem{"Slide 56", "liver: 299 points, 1151 tetrahedra, 1634 edges", t, "Two meshes", ""},
     SourceItem{"Slide 57", "stress against strain of skin and parenchyma", t, "Force against displacement",
