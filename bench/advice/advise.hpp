@@ -149,9 +149,9 @@ struct Remaking {
 };
 
 /// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first, in this
-/// order: a larger budget, a coarser mesh, a lower rate, and of a body the tetrahedra mended that limit explicit steps
-/// most, more mass where elements are fast, more density or mass, a softer material, a softer or thinner skin, less
-/// damping by stiffness.
+/// order: a larger budget, a coarser mesh, the tetrahedra mended that limit explicit steps most, more mass where elements
+/// are fast, a lower rate, and of a body more density or mass, a softer material, a softer or thinner skin, less damping
+/// by stiffness.
 /// @param failed  what was found without a change. What helps goes into Advice::remedies, where it stays when the
 ///                watcher throws. No change is tried after two minutes of CPU time.
 void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -157,12 +158,28 @@ void try_coarser(Trials& trials, const Problem& problem, const std::function<Pro
                [&] { return *coarser; });
 }
 
-/// More mass where elements are fast, so that steps of 1/8, 1/4, 1/2 and a whole frame are stable.
-void try_mass(Trials& trials, const Problem& problem, const ProblemWith& make) {
-  for (const double share : {0.125, 0.25, 0.5, 1.0}) {
+/// The step [s] with which the fastest row that is too slow for stability alone would be in time; infinity without one.
+double step_in_time(const Advice& failed, const AdviceQuestion& question) {
+  const AdviceRow* fastest = nullptr;
+  for (const AdviceRow& row : failed.rows)
+    if (row.verdict == AdviceVerdict::too_slow && std::isfinite(row.h_max) && row.error <= question.tolerance &&
+        (!fastest || row.frame.p50 < fastest->frame.p50))
+      fastest = &row;
+  constexpr double spare = 1.1;  // of the time of a frame
+  return fastest ? spare * fastest->h * fastest->frame.p50 / question.frame_budget()
+                 : std::numeric_limits<double>::infinity();
+}
+
+/// More mass where elements are fast, so that the step that is in time is stable, or steps of 1/8, 1/4, 1/2 and a whole
+/// frame.
+void try_mass(Trials& trials, const Problem& problem, double in_time, const ProblemWith& make) {
+  const double frame = trials.question().frame();
+  std::vector<double> steps{frame / 8, frame / 4, frame / 2, frame};
+  if (in_time < steps.front()) steps.insert(steps.begin(), in_time);
+  for (const double wanted : steps) {
     if (!trials.go_on()) return;
     // Half as long again: steps stay below 0.95 of the limit, and a body that is pressed stiffens.
-    const double step = 1.5 * share * trials.question().frame();
+    const double step = 1.5 * wanted;
     const auto heavier = made([&] { return make({{"mass_step", step}}); });
     if (!heavier) return;
     const Eigen::VectorXd added = heavier->body->added_mass();
@@ -204,12 +221,13 @@ void find_remedies(const Problem& problem, const AdviceQuestion& question, Advic
   try_budget(trials, problem, question);
   // Of large bodies a coarser one is tried within the time that there is.
   if (make.coarser) try_coarser(trials, problem, make.coarser);
-  try_rates(trials, problem, question);
   if (problem.body) {
     if (make.mended) try_mended(trials, problem, make.mended);
-    try_mass(trials, problem, make.with);
-    try_parameters(trials, problem, make.with);
+    try_mass(trials, problem, step_in_time(failed, question), make.with);
   }
+  // At a lower rate a step that stability limits takes as many steps a second.
+  try_rates(trials, problem, question);
+  if (problem.body) try_parameters(trials, problem, make.with);
   failed.stage = AdviceStage::done;
 }
 
