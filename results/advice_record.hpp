@@ -43,7 +43,8 @@ struct AdviceRecord {
   double frame_p50 = none, frame_p99 = none, frame_max = none;  ///< CPU time [s]
   double first_frame = none;       ///< [s]
   double frames = none, missed = none;
-  double newton_per_frame = none;  ///< iterations that 99.9 % of the frames do not exceed
+  double newton_per_frame = none;  ///< iterations of Newton's method that 99.9 % of the frames do not exceed
+  double linear_per_frame = none;  ///< the same of conjugate gradients
   double memory = none;            ///< [bytes]
   double stiffening = none;
   std::int64_t session = 0;  ///< session that computed it; set by the store, 0 before
@@ -54,6 +55,13 @@ struct AdviceRecord {
   }
   /// "rk4", "linearly_implicit_euler, Jacobian frozen, direct"
   [[nodiscard]] std::string words() const { return options.empty() ? method : method + ", " + options; }
+};
+
+/// The body that a question is about, to look at.
+struct AdviceScene {
+  AdviceKey key;
+  std::string scene;         ///< JSON, as scene_text() of plots/pages writes it; never read here
+  std::int64_t session = 0;  ///< as AdviceRecord::session
 };
 
 }  // namespace hmax

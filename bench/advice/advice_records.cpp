@@ -40,6 +40,7 @@ std::vector<AdviceRecord> advice_records(const Advice& advice) {
     record.frames = static_cast<double>(row.frames);
     record.missed = static_cast<double>(row.missed);
     record.newton_per_frame = row.newton_per_frame;
+    record.linear_per_frame = row.linear_per_frame;
     record.memory = row.memory ? static_cast<double>(*row.memory) : AdviceRecord::none;
     record.stiffening = row.stiffening;
   }

@@ -438,8 +438,10 @@ void advise(const Problem& problem, const AdviceQuestion& question, Advice& advi
     watch();
   };
   advice = {};
-  AnalysedModel model;
+  const auto known = std::make_shared<AnalysedModel>();
+  AnalysedModel& model = *known;
   const std::vector<Candidate> all = analyse(problem, question, model, advice, now, watch);
+  advice.model = known;
   for (std::size_t i = 0; i < all.size(); ++i) {
     now(0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(all.size()), "steps of " + all[i].words());
     advice.rows.push_back(searched_row(all[i], i, question, model, watch));

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 
 #include "bench/advice/candidate.hpp"
 #include "bench/advice/load_margin.hpp"
+#include "bench/advice/motion_limits.hpp"
 #include "bench/advice/motion_run.hpp"
 #include "bench/advice/probing_motion.hpp"
 #include "bench/advice/proof.hpp"
@@ -114,6 +116,7 @@ struct Advice {
   LoadMargin load_margin;             ///< of the recommended row
   std::vector<Remedy> remedies;       ///< where nothing is recommended
   bool all_tried = true;              ///< false: the search for them ended before the last change
+  std::shared_ptr<const AnalysedModel> model;  ///< its motion and limits; null before they are known
 
   /// The first row, if it is recommended.
   [[nodiscard]] const AdviceRow* recommended() const {

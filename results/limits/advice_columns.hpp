@@ -27,7 +27,10 @@ inline constexpr std::array<Column<AdviceRecord, std::string>, 5> advice_texts{
      {"verdict", &AdviceRecord::verdict},
      {"status", &AdviceRecord::status}}};
 
-inline constexpr std::array<Column<AdviceRecord, double>, 15> advice_numbers{
+/// Layout 4 does not have it.
+inline constexpr std::string_view linear_column = "linear_per_frame";
+
+inline constexpr std::array<Column<AdviceRecord, double>, 16> advice_numbers{
     {{"h", &AdviceRecord::h},
      {"steps_per_frame", &AdviceRecord::steps_per_frame},
      {"h_max", &AdviceRecord::h_max},
@@ -41,6 +44,7 @@ inline constexpr std::array<Column<AdviceRecord, double>, 15> advice_numbers{
      {"frames", &AdviceRecord::frames},
      {"missed", &AdviceRecord::missed},
      {"newton_per_frame", &AdviceRecord::newton_per_frame},
+     {linear_column, &AdviceRecord::linear_per_frame},
      {"memory_bytes", &AdviceRecord::memory},
      {"stiffening", &AdviceRecord::stiffening}}};
 

@@ -54,7 +54,11 @@ CREATE TABLE rows (
 /// From layout 1, which had no error_l2, to layout 2.
 inline constexpr const char* store_schema_1_to_2 =
     "ALTER TABLE rows ADD COLUMN error_l2 NOT NULL DEFAULT 'nan'; PRAGMA user_version = 2";
-/// Layout 2 had no limits, which limit_schema() adds, and layout 3 no advice, which advice_schema() adds.
-inline constexpr const char* store_schema_to_4 = "PRAGMA user_version = 4";
+/// From layout 4, whose advice had no iterations of conjugate gradients, to layout 5.
+inline constexpr const char* store_schema_4_to_5 =
+    "ALTER TABLE advice ADD COLUMN linear_per_frame NOT NULL DEFAULT 'nan'";
+/// Layout 2 had no limits, which limit_schema() adds, layout 3 no advice, which advice_schema() adds, and layout 4 no
+/// scenes, which scene_schema() adds.
+inline constexpr const char* store_schema_to_5 = "PRAGMA user_version = 5";
 
 }  // namespace hmax

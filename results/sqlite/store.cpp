@@ -148,6 +148,7 @@ void lay_out(sqlite3* database) {
   sqlite::execute(database, store_schema);
   sqlite::execute(database, limit_schema().c_str());
   sqlite::execute(database, advice_schema().c_str());
+  sqlite::execute(database, scene_schema().c_str());
   sqlite::execute(database, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                         store_application_id, Store::schema_version)
                                 .c_str());
@@ -160,9 +161,11 @@ void bring_up_to_date(sqlite3* database) {
   const std::int64_t version = identity(database).version;
   if (version == 1) sqlite::execute(database, store_schema_1_to_2);
   if (version == 1 || version == 2) sqlite::execute(database, limit_schema().c_str());
-  if (version >= 1 && version <= 3) {
-    sqlite::execute(database, advice_schema().c_str());
-    sqlite::execute(database, store_schema_to_4);
+  if (version >= 1 && version <= 3) sqlite::execute(database, advice_schema().c_str());
+  if (version == 4) sqlite::execute(database, store_schema_4_to_5);
+  if (version >= 1 && version <= 4) {
+    sqlite::execute(database, scene_schema().c_str());
+    sqlite::execute(database, store_schema_to_5);
   }
   transaction.commit();
 }

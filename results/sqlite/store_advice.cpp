@@ -16,14 +16,46 @@ using sqlite::joined;
 using sqlite::Statement;
 
 std::string key_names() { return joined("", "", ", ", advice_key_texts, advice_key_numbers); }
+std::string key_schema() {
+  return fmt::format("  {},\n  {}", joined("", " TEXT NOT NULL", ",\n  ", advice_key_texts),
+                     joined("", " REAL NOT NULL", ",\n  ", advice_key_numbers));
+}
 std::string own_names() { return joined("", "", ", ", advice_texts, advice_numbers); }
+
+/// The same as expressions of an earlier layout, which has NaN in place of the numbers that it lacks.
+std::string own_names(std::int64_t layout) {
+  std::string names = own_names();
+  if (layout < 5) names.replace(names.find(linear_column), linear_column.size(), "'nan'");
+  return names;
+}
 
 void bind_key(Statement& statement, int& index, const AdviceKey& key) {
   sqlite::bind_texts(statement, index, key, advice_key_texts);
   for (const auto& column : advice_key_numbers) statement.bind(index++, key.*column.member);
 }
 
-bool has_advice(sqlite3* database) { return sqlite::integer(database, "PRAGMA user_version") >= 4; }
+std::int64_t layout_of(sqlite3* database) { return sqlite::integer(database, "PRAGMA user_version"); }
+
+void forget(sqlite3* database, const char* table, const AdviceKey& key) {
+  Statement statement(database, fmt::format("DELETE FROM {} WHERE {}", table,
+                                            joined("", " = ?", " AND ", advice_key_texts, advice_key_numbers))
+                                    .c_str());
+  int index = 0;
+  bind_key(statement, index, key);
+  statement.run();
+}
+
+void add_scene(sqlite3* database, const AdviceKey& key, std::string_view scene, std::int64_t session) {
+  Statement statement(database,
+                      fmt::format("INSERT INTO scenes ({}, scene, session) VALUES ({})", key_names(),
+                                  sqlite::question_marks(advice_key_texts.size() + advice_key_numbers.size() + 2))
+                          .c_str());
+  int index = 0;
+  bind_key(statement, index, key);
+  statement.bind(index++, scene);
+  statement.bind(index, session);
+  statement.run();
+}
 
 }  // namespace
 
@@ -33,38 +65,45 @@ std::string advice_schema() {
 CREATE TABLE advice (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
-  {},
-  {},
+{},
   {},
   {},
   UNIQUE ({}, method, options)
 );
 )sql",
-      joined("", " TEXT NOT NULL", ",\n  ", advice_key_texts), joined("", " REAL NOT NULL", ",\n  ", advice_key_numbers),
-      joined("", " TEXT NOT NULL", ",\n  ", advice_texts), joined("", " NOT NULL", ",\n  ", advice_numbers), key_names());
+      key_schema(), joined("", " TEXT NOT NULL", ",\n  ", advice_texts), joined("", " NOT NULL", ",\n  ", advice_numbers), key_names());
 }
 
-void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records) {
+std::string scene_schema() {
+  return fmt::format(
+      R"sql(
+CREATE TABLE scenes (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+{},
+  scene TEXT NOT NULL,
+  UNIQUE ({})
+);
+)sql",
+      key_schema(), key_names());
+}
+
+void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records, std::string_view scene) {
   if (impl_->session == 0) throw std::logic_error("Store::insert_advice needs begin_session() first.");
   for (const auto& column : advice_key_numbers)
     if (!std::isfinite(key.*column.member))
       throw std::invalid_argument("The numbers of a question must be finite.");
   reporting(impl_->file, [&] {
     sqlite::Transaction transaction(impl_->db());
-    Statement forget(impl_->db(),
-                     fmt::format("DELETE FROM advice WHERE {}",
-                                 joined("", " = ?", " AND ", advice_key_texts, advice_key_numbers))
-                         .c_str());
-    int index = 0;
-    bind_key(forget, index, key);
-    forget.run();
+    for (const char* table : {"advice", "scenes"}) forget(impl_->db(), table, key);
+    if (!scene.empty()) add_scene(impl_->db(), key, scene, impl_->session);
     Statement add(impl_->db(),
                   fmt::format("INSERT INTO advice ({}, {}, session) VALUES ({})", key_names(), own_names(),
                               sqlite::question_marks(advice_key_texts.size() + advice_key_numbers.size() +
                                                      advice_texts.size() + advice_numbers.size() + 1))
                       .c_str());
     for (const AdviceRecord& record : records) {
-      index = 0;
+      int index = 0;
       bind_key(add, index, key);
       sqlite::bind_texts(add, index, record, advice_texts);
       sqlite::bind_numbers(add, index, record, advice_numbers);
@@ -77,9 +116,10 @@ void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> re
 
 std::vector<AdviceRecord> Store::advice() const {
   return reporting(impl_->file, [&]() -> std::vector<AdviceRecord> {
-    if (!has_advice(impl_->db())) return {};
+    const std::int64_t layout = layout_of(impl_->db());
+    if (layout < 4) return {};
     Statement query(impl_->db(), fmt::format("SELECT {0}, {1}, session FROM advice ORDER BY {0}, id", key_names(),
-                                             own_names())
+                                             own_names(layout))
                                      .c_str());
     std::vector<AdviceRecord> records;
     while (query.step()) {
@@ -93,6 +133,25 @@ std::vector<AdviceRecord> Store::advice() const {
       records.push_back(std::move(record));
     }
     return records;
+  });
+}
+
+std::vector<AdviceScene> Store::scenes() const {
+  return reporting(impl_->file, [&]() -> std::vector<AdviceScene> {
+    if (layout_of(impl_->db()) < 5) return {};
+    Statement query(impl_->db(),
+                    fmt::format("SELECT {0}, scene, session FROM scenes ORDER BY {0}", key_names()).c_str());
+    std::vector<AdviceScene> scenes;
+    while (query.step()) {
+      AdviceScene scene;
+      int index = 0;
+      sqlite::read_texts(query, index, scene.key, advice_key_texts);
+      sqlite::read_numbers(query, index, scene.key, advice_key_numbers);
+      scene.scene = query.text(index++);
+      scene.session = query.integer(index);
+      scenes.push_back(std::move(scene));
+    }
+    return scenes;
   });
 }
 

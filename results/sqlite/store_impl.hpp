@@ -19,6 +19,8 @@ namespace hmax {
 std::string limit_schema();
 /// The table of advice, likewise from advice_columns.hpp; numbers of the key are typed.
 std::string advice_schema();
+/// The table of the bodies of answers, with the same key.
+std::string scene_schema();
 
 /// What SQLite could not do, as a sentence with a remedy.
 InputError translated(const sqlite::Failure& failure, const std::filesystem::path& file);

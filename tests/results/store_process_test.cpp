@@ -150,7 +150,7 @@ void write_earlier_store(const std::filesystem::path& file) {
     store.begin_session({});
     store.insert(numbered(1));
   }
-  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; PRAGMA user_version = 1");
+  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; PRAGMA user_version = 1");
 }
 
 TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
@@ -272,7 +272,7 @@ TEST(StoreProcess, AFullDiskIsAnInputErrorAndKeepsWhatWasStored) {
     Store store = Store::open_or_create(file);
     store.begin_session({});
     store.insert(numbered(0));
-    const rlimit limit{300000, 300000};
+    const rlimit limit{400000, 400000};
     setrlimit(RLIMIT_FSIZE, &limit);
     int stored = 1;
     const std::string words = input_error([&] {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include "results/limits/advice_columns.hpp"
 #include "results/limits/advice_exports.hpp"
@@ -63,6 +64,48 @@ TEST(AdviceStore, ReplacesTheAnswerToTheSameQuestion) {
   AdviceKey endless = a_question();
   endless.budget = INFINITY;
   EXPECT_THROW(store.insert_advice(endless, {}), std::invalid_argument);
+}
+
+TEST(AdviceStore, KeepsTheBodyOfAnAnswerUntilItIsReplaced) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  store.begin_session({});
+  const std::vector records{a_record("rk4")};
+  store.insert_advice(a_question(), records, "{\"points\": 1}");
+  store.insert_advice(a_question(1000), records);
+  std::vector<AdviceScene> scenes = store.scenes();
+  ASSERT_EQ(scenes.size(), 1U);
+  EXPECT_EQ(scenes[0].key, a_question());
+  EXPECT_EQ(scenes[0].scene, "{\"points\": 1}");
+  EXPECT_EQ(scenes[0].session, 1);
+  store.insert_advice(a_question(), records);
+  EXPECT_TRUE(store.scenes().empty());
+}
+
+/// Layout 4 had neither iterations of conjugate gradients nor bodies.
+TEST(AdviceStore, BringsAdviceOfLayout4UpToDate) {
+  const Scratch scratch;
+  const std::string file = (scratch / "s.sqlite").string();
+  {
+    Store store = Store::open_or_create(file);
+    store.begin_session({});
+    store.insert_advice(a_question(), std::vector{a_record("rk4")});
+  }
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(database,
+                         "ALTER TABLE advice DROP COLUMN linear_per_frame; DROP TABLE scenes; PRAGMA user_version = 4",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  Store store = Store::open_existing(file);
+  ASSERT_EQ(store.advice().size(), 1U);
+  EXPECT_TRUE(std::isnan(store.advice()[0].linear_per_frame));
+  EXPECT_EQ(store.advice()[0].newton_per_frame, a_record("rk4").newton_per_frame);
+  store.begin_session({});
+  store.insert_advice(a_question(), std::vector{a_record("rk4")}, "{}");
+  EXPECT_EQ(store.advice()[0].linear_per_frame, a_record("rk4").linear_per_frame);
+  EXPECT_EQ(store.scenes().size(), 1U);
 }
 
 TEST(AdviceExports, WriteNumbersThatDoNotApply) {

@@ -75,7 +75,7 @@ TEST(LimitStore, KeepsEveryColumnBitForBit) {
   EXPECT_TRUE(store.limits_at(other).empty());
 }
 
-constexpr const char* operating_points_of_layout_4 = R"sql(CREATE TABLE operating_points (
+constexpr const char* operating_points_of_layout_5 = R"sql(CREATE TABLE operating_points (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -94,7 +94,7 @@ constexpr const char* operating_points_of_layout_4 = R"sql(CREATE TABLE operatin
   UNIQUE (problem, material, parameters, y0, model, asked, path, t_end)
 ))sql";
 
-constexpr const char* limits_of_layout_4 = R"sql(CREATE TABLE limits (
+constexpr const char* limits_of_layout_5 = R"sql(CREATE TABLE limits (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   point INTEGER NOT NULL REFERENCES operating_points(id),
@@ -131,7 +131,7 @@ constexpr const char* limits_of_layout_4 = R"sql(CREATE TABLE limits (
   UNIQUE (point, method)
 ))sql";
 
-constexpr const char* advice_of_layout_4 = R"sql(CREATE TABLE advice (
+constexpr const char* advice_of_layout_5 = R"sql(CREATE TABLE advice (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -162,15 +162,33 @@ constexpr const char* advice_of_layout_4 = R"sql(CREATE TABLE advice (
   frames NOT NULL,
   missed NOT NULL,
   newton_per_frame NOT NULL,
+  linear_per_frame NOT NULL,
   memory_bytes NOT NULL,
   stiffening NOT NULL,
   UNIQUE (problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance, budget_s, method, options)
 ))sql";
 
+constexpr const char* scenes_of_layout_5 = R"sql(CREATE TABLE scenes (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+  problem TEXT NOT NULL,
+  material TEXT NOT NULL,
+  parameters TEXT NOT NULL,
+  y0 TEXT NOT NULL,
+  model TEXT NOT NULL,
+  motion TEXT NOT NULL,
+  ranked_by TEXT NOT NULL,
+  rate REAL NOT NULL,
+  tolerance REAL NOT NULL,
+  budget_s REAL NOT NULL,
+  scene TEXT NOT NULL,
+  UNIQUE (problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance, budget_s)
+))sql";
+
 /// Another column in the lists is another layout: raise Store::schema_version, bring earlier stores to it,
 /// and write the tables down here.
 TEST(LimitStore, HasTheTablesOfItsLayout) {
-  static_assert(Store::schema_version == 4);
+  static_assert(Store::schema_version == 5);
   const Scratch scratch;
   const std::string file = (scratch / "s.sqlite").string();
   Store::open_or_create(file);
@@ -186,9 +204,10 @@ TEST(LimitStore, HasTheTablesOfItsLayout) {
     sqlite3_exec(database, query.c_str(), take, &text, nullptr);
     return text;
   };
-  EXPECT_EQ(table("operating_points"), operating_points_of_layout_4);
-  EXPECT_EQ(table("limits"), limits_of_layout_4);
-  EXPECT_EQ(table("advice"), advice_of_layout_4);
+  EXPECT_EQ(table("operating_points"), operating_points_of_layout_5);
+  EXPECT_EQ(table("limits"), limits_of_layout_5);
+  EXPECT_EQ(table("advice"), advice_of_layout_5);
+  EXPECT_EQ(table("scenes"), scenes_of_layout_5);
   sqlite3_close(database);
 }
 
@@ -238,7 +257,7 @@ TEST(LimitStore, BringsAStoreWithoutLimitsToTheLayout) {
   // What layout 2 was.
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(database, "DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; PRAGMA user_version = 2",
+  ASSERT_EQ(sqlite3_exec(database, "DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; PRAGMA user_version = 2",
                          nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(database);
