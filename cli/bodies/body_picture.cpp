@@ -20,20 +20,6 @@ constexpr std::array<std::string_view, 2> values{"displacement", "energy_density
 
 SpacePoint space_point(const Eigen::Vector3d& x) { return {x(0), x(1), x(2)}; }
 
-std::vector<SpacePoint> space_points(const Eigen::Matrix3Xd& x) {
-  std::vector<SpacePoint> points;
-  points.reserve(static_cast<std::size_t>(x.cols()));
-  for (Eigen::Index i = 0; i < x.cols(); ++i) points.push_back(space_point(x.col(i)));
-  return points;
-}
-
-std::vector<TriangleCorners> triangles_of(const MeshSurface& surface) {
-  std::vector<TriangleCorners> triangles;
-  triangles.reserve(static_cast<std::size_t>(surface.triangles.cols()));
-  for (const auto& t : surface.triangles.colwise()) triangles.push_back({t(0), t(1), t(2)});
-  return triangles;
-}
-
 /// The direction of --from, or that of all pictures.
 SpacePoint towards_viewer(const std::string& from) {
   if (from.empty()) return BodyPicture{}.towards;
@@ -66,13 +52,36 @@ std::string title_of(const std::string& problem) {
   return problem.substr(0, at == std::string::npos ? 0 : at + 1) + problem.substr(folder + 1);
 }
 
+std::vector<SpacePoint> space_points(const Eigen::Matrix3Xd& x) {
+  std::vector<SpacePoint> points;
+  points.reserve(static_cast<std::size_t>(x.cols()));
+  for (Eigen::Index i = 0; i < x.cols(); ++i) points.push_back(space_point(x.col(i)));
+  return points;
+}
+
+std::vector<TriangleCorners> surface_triangles(const TetMesh& mesh) {
+  const MeshSurface surface = surface_of(mesh);
+  std::vector<TriangleCorners> triangles;
+  triangles.reserve(static_cast<std::size_t>(surface.triangles.cols()));
+  for (const auto& t : surface.triangles.colwise()) triangles.push_back({t(0), t(1), t(2)});
+  return triangles;
+}
+
+std::vector<std::int32_t> held_points(const TissueBody& body) {
+  std::vector<std::int32_t> held;
+  for (const Support& support : body.settings().supports)
+    held.insert(held.end(), support.points.begin(), support.points.end());
+  return held;
+}
+
 BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, BodyValue value) {
   require_value(body, value);
   const TetMesh& mesh = body.mesh();
   const Eigen::Matrix3Xd x = body.positions(t, q);
   BodyView view{.points = space_points(x),
-                .triangles = triangles_of(surface_of(mesh)),
-                .rest = space_points(mesh.points)};
+                .triangles = surface_triangles(mesh),
+                .rest = space_points(mesh.points),
+                .held = held_points(body)};
   if (value == BodyValue::energy_density) {
     const Eigen::VectorXd density = body.point_energy_densities(t, q);
     view.values.assign(density.begin(), density.end());
@@ -82,8 +91,6 @@ BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, B
   }
 
   const TissueSettings& settings = body.settings();
-  for (const Support& support : settings.supports)
-    view.held.insert(view.held.end(), support.points.begin(), support.points.end());
   for (const SphereTool& tool : settings.tools) {
     const Eigen::Vector3d back =
         tool.travel.norm() > 0 ? Eigen::Vector3d(-tool.travel) : Eigen::Vector3d(0, 0, 1);
@@ -116,7 +123,6 @@ BodyColours colours_of(BodyValue value, const std::vector<BodyView>& views) {
 }
 
 BodyView mesh_view(const TetMesh& mesh) {
-  const MeshSurface surface = surface_of(mesh);
   std::vector<double> worst(static_cast<std::size_t>(mesh.point_count()), 1);
   for (Eigen::Index e = 0; e < mesh.tetrahedron_count(); ++e) {
     const double quality = mean_ratio(corners_of(mesh, e));
@@ -125,7 +131,7 @@ BodyView mesh_view(const TetMesh& mesh) {
       at = std::min(at, quality);
     }
   }
-  BodyView view{.points = space_points(mesh.points), .triangles = triangles_of(surface)};
+  BodyView view{.points = space_points(mesh.points), .triangles = surface_triangles(mesh)};
   for (const TriangleCorners& t : view.triangles) {
     double value = 1;
     for (const std::int32_t corner : t) value = std::min(value, worst[static_cast<std::size_t>(corner)]);

@@ -16,6 +16,12 @@ enum class BodyValue {
   energy_density,  ///< at each point the mean over the elements there, weighted with their volumes [J/m^3]
 };
 
+/// Columns as points.
+std::vector<SpacePoint> space_points(const Eigen::Matrix3Xd& x);
+std::vector<TriangleCorners> surface_triangles(const TetMesh& mesh);
+/// The points that supports hold.
+std::vector<std::int32_t> held_points(const TissueBody& body);
+
 /// A state of a body: the deformed shape before that at rest, with supports, dead loads and tools.
 BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, BodyValue value);
 

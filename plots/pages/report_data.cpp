@@ -315,18 +315,30 @@ Json line(const char* axis, const char* key, const char* label) {
   return {{"axis", axis}, {"key", key}, {"label", label}};
 }
 
+/// One of the numbers of a range.
+Json mark(const char* key, const char* label, const char* shape) {
+  return {{"key", key}, {"label", label}, {"mark", shape}};
+}
+
 Json advice_figures() {
   Json frames = figure("frame_times", advice_table, "Frame times",
                        "CPU time of a frame: the recommended method is in bold.", "p50", "p99",
                        "CPU time of a frame [ms]", "");
-  frames["range"] = {"p50", "p99", "max"};
+  frames["range"] = {mark("p50", "median", "circle"), mark("p99", "99 %", "bar"), mark("max", "maximum", "diamond")};
+  frames["missing"] = "not timed";
   frames["lines"].push_back(line("x", "budget", "budget"));
+  Json steps = figure("steps_and_limits", advice_table, "Steps and their limits",
+                      "Steps below the limit of their method are stable.", "h", "h_max", "time step [ms]", "");
+  steps["range"] = {mark("h", "step", "circle"), mark("h_max", "limit, predicted", "bar"),
+                    mark("observed", "limit, observed", "diamond")};
+  steps["missing"] = "without a limit";
   Json errors =
       figure("advice_error", advice_table, "Error and frame time",
              "Rows to the left of the budget and below the tolerance meet the question, if they are stable.",
              "p50", "error", "CPU time of a frame, median [ms]", "error [%]");
+  errors["strip"] = true;
   errors["lines"] = {line("x", "budget", "budget"), line("y", "tolerance", "tolerance")};
-  return Json::array({frames, errors});
+  return Json::array({errors, frames, steps});
 }
 
 Json run_figures() {
@@ -376,7 +388,7 @@ ReportData report_data(std::span<const ReportedStore> stores, std::size_t most_r
     if (tables.size() > before) figures.insert(figures.end(), its_figures.begin(), its_figures.end());
   };
   add(advice_columns(), &ReportedStore::advice, advice_table, "Advice",
-      {"h", "steps", "error", "p50", "p99", "max", "verdict"}, advice_figures());
+      {"h", "steps", "h_max", "observed", "error", "p50", "p99", "max", "verdict"}, advice_figures());
   add(run_columns(), &ReportedStore::runs, runs_table, "Measured runs",
       {"problem", "h", "rtol", "error", "cpu", "outcome"}, run_figures());
   add(limit_columns(), &ReportedStore::limits, limits_table, "Limits",

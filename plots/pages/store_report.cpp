@@ -99,7 +99,7 @@ std::vector<Section> sections_of(std::span<const ReportedStore> stores) {
     sections.push_back({advice_table,
                         "Advice",
                         "",
-                        {"frame_times", "advice_error"},
+                        {"advice_error", "frame_times", "steps_and_limits"},
                         "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"});
   if (counts.runs > 0)
     sections.push_back({runs_table,

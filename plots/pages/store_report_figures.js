@@ -246,49 +246,64 @@ function draw_scatter(figure, table, rows, plot, width) {
   return svg;
 }
 
-/// Median, 99 % and maximum of the frames of each row, one line a row.
+/// The marks of a range by their names in figures.
+const range_marks = {
+  circle: shapes[0](5),
+  bar: "M-1.5 -7h3v14h-3z",
+  diamond: shapes[3](4.5)
+};
+
+/// A line of marks for each row that has at least two of the numbers.
 function draw_ranges(figure, table, rows, plot, width) {
-  const columns = figure.range.map(key => column_of(table, key));
-  const timed = rows.filter(row => columns.every(column => usable(value_of(row, column))));
-  plot.note.textContent =
-      timed.length < rows.length ? counted(rows.length - timed.length, "row was", "rows were") + " not timed" : "";
-  if (!timed.length) return element("p", {class: "none"}, "No row was timed.");
+  const columns = figure.range.map(({key}) => column_of(table, key));
+  const numbers = row => columns.map(column => value_of(row, column));
+  const drawn_rows = rows.filter(row => numbers(row).filter(usable).length > 1);
+  const left_out = rows.length - drawn_rows.length;
+  plot.note.textContent = left_out ? counted(left_out, "row", "rows") + " " + figure.missing : "";
+  if (!drawn_rows.length) return element("p", {class: "none"}, "No row has the numbers.");
   // Names stand beside the frame where there is room, else above their lines.
-  const names = 16 + 6.9 * Math.max(...timed.map(row => data.series[row[2]].label.length));
+  const names = 16 + 6.9 * Math.max(...drawn_rows.map(row => data.series[row[2]].label.length));
   const narrow = names > 0.42 * width, step = narrow ? 42 : 26;
-  const frame = {left: narrow ? 14 : names, right: width - 16, top: 24, bottom: 24 + step * timed.length + 6};
+  const frame = {left: narrow ? 14 : names, right: width - 16, top: 24, bottom: 24 + step * drawn_rows.length + 6};
   const height = frame.bottom + 46;
   const svg = drawn("svg", {
     class: "figure wide",
     viewBox: `0 0 ${width} ${height}`,
     role: "group",
-    "aria-label": figure.title + ", " + timed.length + " rows; arrow keys move between marks"
+    "aria-label": figure.title + ", " + drawn_rows.length + " rows; arrow keys move between marks"
   });
-  const line = figure.lines[0], bound = value_of(timed[0], column_of(table, line.key));
-  const all = timed.flatMap(row => columns.map(column => value_of(row, column)));
-  const x = logarithmic(usable(bound) ? [...all, bound] : all, frame.left, frame.right);
+  const bounds = figure.lines.map(line => value_of(drawn_rows[0], column_of(table, line.key)));
+  const x = logarithmic([...drawn_rows.flatMap(numbers), ...bounds].filter(usable), frame.left, frame.right);
   draw_axes(svg, x, null, frame, figure.labels);
-  draw_line(svg, {...frame, top: 4}, x, true, bound, line.label);
-  timed.forEach((row, k) => {
-    const [p50, p99, most] = columns.map(column => x.at(value_of(row, column)));
+  figure.lines.forEach((line, k) => draw_line(svg, {...frame, top: 4}, x, true, bounds[k], line.label));
+  drawn_rows.forEach((row, k) => {
     const y = frame.top + step * k + (narrow ? 30 : 15);
-    const {colour} = style_of(row[2]);
     const name = narrow ? {x: frame.left + 4, y: y - 12} : {x: frame.left - 8, y: y + 4, "text-anchor": "end"};
-    const chosen = value_of(row, column_of(table, "verdict")) === "recommended";
-    svg.append(link_to_row(
-        table, row, plot, {x: (p50 + most) / 2, y},
-        drawn("rect", {class: "hit", x: 0, y: y - (narrow ? 26 : 13), width, height: step}),
-        drawn("text", {class: chosen ? "tick chosen" : "tick", ...name}, data.series[row[2]].label),
-        drawn("line", {class: "range", x1: p50, x2: most, y1: y, y2: y, style: `stroke:${colour}`}),
-        drawn("path", {class: "mark", d: shapes[0](5), transform: `translate(${p50} ${y})`, style: `fill:${colour}`}),
-        drawn(
-            "path",
-            {class: "mark", d: `M-1.5 -7h3v14h-3z`, transform: `translate(${p99} ${y})`, style: `fill:${colour}`}),
-        drawn(
-            "path",
-            {class: "mark", d: shapes[3](4.5), transform: `translate(${most} ${y})`, style: `fill:${colour}`})));
+    svg.append(range_of(figure, table, row, plot, numbers(row).map(value => usable(value) ? x.at(value) : null), y, [
+      drawn("rect", {class: "hit", x: 0, y: y - (narrow ? 26 : 13), width, height: step}),
+      drawn("text", {class: is_recommended(table, row) ? "tick chosen" : "tick", ...name}, data.series[row[2]].label)
+    ]));
   });
   return svg;
+}
+
+function is_recommended(table, row) {
+  return value_of(row, column_of(table, "verdict")) === "recommended";
+}
+
+/// @param at  where its numbers are; null: it does not have it
+function range_of(figure, table, row, plot, at, y, under) {
+  const {colour} = style_of(row[2]), known = at.filter(place => place !== null);
+  const low = Math.min(...known), high = Math.max(...known);
+  const marks = at.flatMap((place, k) => place === null ? [] : [drawn("path", {
+    class: "mark",
+    d: range_marks[figure.range[k].mark],
+    transform: `translate(${place} ${y})`,
+    style: `fill:${colour}`
+  })]);
+  return link_to_row(
+      table, row, plot, {x: (low + high) / 2, y}, ...under,
+      drawn("line", {class: "range", x1: low, x2: high, y1: y, y2: y, style: `stroke:${colour}`}), ...marks);
 }
 
 function swatch(series, joined) {
@@ -325,30 +340,32 @@ function hidden_at_first(figure, table, rows) {
   return [...members].filter(series => !best.has(series));
 }
 
-function key_of_ranges() {
-  const entry = (text, path) => element(
+function key_of_ranges(figure) {
+  return figure.range.map(({label, mark}) => element(
       "span", {},
       drawn(
           "svg", {width: 18, height: 16, viewBox: "-9 -8 18 16", "aria-hidden": "true"},
-          drawn("path", {d: path, class: "plain"})),
-      text);
-  return [entry("median", shapes[0](5)), entry("99 %", "M-1.5 -7h3v14h-3z"), entry("maximum", shapes[3](4.5))];
+          drawn("path", {d: range_marks[mark], class: "plain"})),
+      label));
 }
 
 /// Buttons that hide and show curves.
 function make_legend(figure, rows, hidden, redraw) {
   const legend = element("div", {class: "legend", role: "group", "aria-label": "Shown"});
-  if (figure.range) legend.append(...key_of_ranges());
+  // The rows of ranges have their names beside them.
+  if (figure.range) {
+    legend.append(...key_of_ranges(figure));
+    return legend;
+  }
   const members = [...new Set(rows.map(row => row[2]))].sort((a, b) => hidden.has(a) - hidden.has(b) || a - b);
   if (members.length < 2) {
-    if (!figure.range)
-      legend.append(element("span", {}, swatch(members[0], figure.join), data.series[members[0]].label));
+    legend.append(element("span", {}, swatch(members[0], figure.join), data.series[members[0]].label));
     return legend;
   }
   const toggles = members.map(series => {
     const toggle = button(
         "", () => change(() => hidden.delete(series) || hidden.add(series)), {class: "toggle", "data-series": series});
-    if (!figure.range) toggle.append(swatch(series, figure.join));
+    toggle.append(swatch(series, figure.join));
     toggle.append(data.series[series].label);
     return toggle;
   });
