@@ -72,8 +72,8 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// The parser takes whatever follows an option for its value, another option too.
-void refuse_options_as_values(const CLI::App& app, int argc, char** argv) {
+/// The parser takes whatever follows an option for its value, another option or nothing too.
+void refuse_missing_values(const CLI::App& app, int argc, char** argv) {
   const CLI::App* command = &app;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -82,9 +82,14 @@ void refuse_options_as_values(const CLI::App& app, int argc, char** argv) {
       command = *next;
       continue;
     }
-    const CLI::Option* option = word.starts_with("--") ? command->get_option_no_throw(word) : nullptr;
-    if (!option || option->get_items_expected_min() == 0 || ++i == argc) continue;
-    const std::string value = argv[i];
+    const std::string name = word.substr(0, word.find('='));
+    const CLI::Option* option = word.starts_with("--") ? command->get_option_no_throw(name) : nullptr;
+    if (!option || option->get_items_expected_min() == 0) continue;
+    const bool joined = name != word;
+    if (!joined && ++i == argc) continue;
+    const std::string value = joined ? word.substr(name.size() + 1) : argv[i];
+    if (value.empty()) throw InputError(fmt::format("{} has an empty value; give it one, or leave it out", name));
+    if (joined) continue;
     if (value.starts_with("--") && command->get_option_no_throw(value.substr(0, value.find('='))))
       throw InputError(
           fmt::format("{} is followed by the option {} where its value should be; give it one, "
@@ -133,7 +138,7 @@ Exit run(int argc, char** argv) {
   add_completion(app, console);
 
   try {
-    refuse_options_as_values(app, argc, argv);
+    refuse_missing_values(app, argc, argv);
     app.parse(argc, argv);
     if (app.get_subcommands().empty()) {
       if (console.json)
