@@ -5,26 +5,13 @@
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
+#include "plots/pages/base64.hpp"
 #include "plots/pages/html_text.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) {
-      return i + k < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i + k])) : 0U;
-    };
-    const unsigned group = byte(0) << 16U | byte(1) << 8U | byte(2);
-    for (unsigned k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
-}
 
 constexpr std::string_view style =
     "body{font:16px/1.5 sans-serif;color:#202020;background:#fff;max-width:940px;margin:2rem auto;"
