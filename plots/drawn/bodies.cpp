@@ -20,7 +20,9 @@ namespace {
 constexpr double width = 900, margin = 16, gap = 14;
 constexpr double tallest = 470;               // pixels of the body alone in its row
 constexpr double pieces_of_picture = 14'000;  // faces and parts of faces
+constexpr double pieces_if_coarse = 1'400;    // the same
 constexpr double finest = 6, coarsest = 14;   // pixels of the side of such a part
+constexpr double coarsest_if_coarse = 20;     // the same
 constexpr double shaft_length = 5;            // radii of the ball
 constexpr std::size_t caption_line = 142;     // characters
 constexpr std::size_t title_line = 90;        // characters, which are larger
@@ -259,7 +261,10 @@ void check(const BodyPicture& picture) {
 class Page {
  public:
   explicit Page(const BodyPicture& picture)
-      : picture_(picture), camera_(picture.towards), range_(range_of(picture)) {}
+      : picture_(picture),
+        camera_(picture.towards),
+        range_(range_of(picture)),
+        most_(picture.coarse ? pieces_if_coarse : pieces_of_picture) {}
 
   std::string write() {
     layout();
@@ -290,12 +295,13 @@ class Page {
     foot_ = top_ + row_ * static_cast<double>(rows) + 8;
     double area = 0;
     for (const BodyView& v : picture_.views) area += painted_area(v.points, v.triangles, camera_, scale_);
-    size_ = std::clamp(std::sqrt(area / (0.43 * pieces_of_picture)), finest, coarsest);
+    size_ =
+        std::clamp(std::sqrt(area / (0.43 * most_)), finest, picture_.coarse ? coarsest_if_coarse : coarsest);
   }
 
   /// A view with few enough triangles.
   BodyView drawn(const BodyView& view) {
-    const double most = 2 * pieces_of_picture / static_cast<double>(picture_.views.size());
+    const double most = 2 * most_ / static_cast<double>(picture_.views.size());
     if (static_cast<double>(view.triangles.size()) <= most) return view;
     fewer_ = true;
     BodyView simple = view;
@@ -419,6 +425,7 @@ class Page {
   const BodyPicture& picture_;
   Camera camera_;
   Range range_;
+  double most_;  ///< pieces
   int columns_ = 1;
   double share_ = 0, scale_ = 1, height_of_view_ = 0, top_ = 0, row_ = 0, foot_ = 0, size_ = finest;
   std::size_t notes_ = 0;

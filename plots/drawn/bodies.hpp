@@ -54,6 +54,7 @@ struct BodyPicture {
   SpacePoint towards{0.45, -1, 0.5};  ///< from the bodies to the viewer; z is up
   int columns = 1;
   std::vector<BodyView> views = {};
+  bool coarse = false;  ///< larger pieces, so that the text has a fifth of the length
 };
 
 /// The text of the SVG, 900 pixels wide. Surfaces of many triangles are drawn with fewer, which the caption
