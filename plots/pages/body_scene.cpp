@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "plots/drawn/colour_map.hpp"
 #include "plots/pages/base64.hpp"
 #include "plots/pages/html_text.hpp"
+#include "plots/pages/page_texts.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -26,7 +28,7 @@ constexpr int version = 1;
 constexpr double most_int16 = 32767;
 /// Far beyond any body; the square of a length still is a double, and the length itself a float.
 constexpr double most_number = 1e30;
-/// Share of the diagonal of the body that a mode moves it; body_scene.js has the same.
+/// Share of the diagonal of the body that a mode moves it; body_scene_drawing.js has the same.
 constexpr double mode_share = 0.1;
 /// Points whose indices have 16 bits.
 constexpr std::size_t most_short = 65'536;
@@ -59,7 +61,8 @@ void check(const SceneMotion& motion, std::size_t size) {
   if (!motion.energy_density.empty() && motion.energy_density.size() != frames)
     reject(fmt::format("{} times for {} frames of energy density", frames, motion.energy_density.size()));
   check_numbers(motion.t, "the time of the frames");
-  if (!std::ranges::is_sorted(motion.t)) reject("the times of the frames are not ascending");
+  if (std::ranges::adjacent_find(motion.t, std::greater_equal<>{}) != motion.t.end())
+    reject("the times of the frames are not ascending");
   for (std::size_t k = 0; k < frames; ++k)
     check_vectors(motion.displacements[k], size, fmt::format("the displacement of frame {}", k));
   for (std::size_t k = 0; k < motion.energy_density.size(); ++k) {
@@ -410,6 +413,10 @@ std::string colour_stops() {
   return text;
 }
 
+std::string_view text_named(std::span<const PageText> texts, std::string_view name) {
+  return std::ranges::find(texts, name, &PageText::name)->text;
+}
+
 }  // namespace
 
 std::string scene_text(const BodyScene& scene, std::size_t most_bytes) {
@@ -455,6 +462,14 @@ std::string scene_html(std::string_view scene_json, std::string_view id) {
       html_text(id), towards[0], towards[1], towards[2], colour_stops(), html_text(scene.title),
       html_text("Picture of the body: " + scene.title), base64(picture_of(scene)), html_text(scene.caption),
       data);
+}
+
+std::string_view scene_style() { return text_named(page_styles(), "body_scene"); }
+
+std::string scene_script() {
+  std::string text = "(() => {\n";
+  for (const char* name : {"body_scene_drawing", "body_scene"}) text += text_named(page_scripts(), name);
+  return text + "})();\n";
 }
 
 }  // namespace hmax

@@ -1,4 +1,4 @@
-/// Bodies that a page turns, moves and colours: plots/pages/body_scene.js draws them with WebGL.
+/// Bodies that a page turns, moves and colours: plots/pages/body_scene*.js draw them with WebGL.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace hmax {
 
 /// How a body moves.
 struct SceneMotion {
-  std::vector<double> t = {};                               ///< of each frame [s], ascending
+  std::vector<double> t = {};                               ///< of each frame [s], strictly ascending
   std::vector<std::vector<SpacePoint>> displacements = {};  ///< of each point in each frame [m]
   std::vector<std::vector<double>> energy_density = {};     ///< the same [J/m^3]; empty: not offered
 };
@@ -69,11 +69,17 @@ BodyScene scene_of(std::string_view text);
 
 /// The place of the body in a page: a figure of class "scene" with the data and a picture of `bodies_svg`:
 /// the frame with the largest displacement, else the first mode, else at rest. The picture is for print and
-/// where there is no WebGL. The page needs the style body_scene.css and, after the figure, the script
-/// body_scene.js.
+/// where there is no WebGL. The page needs `scene_style`, and after its figures `scene_script`.
 /// @param scene_json  of `scene_text`
 /// @param id          of the figure, unique in the page
 /// @throws InputError as `scene_of`
 std::string scene_html(std::string_view scene_json, std::string_view id);
+
+/// The style and the script of a page with bodies, each once for any number of them. The style takes the
+/// colours of the page from its variables `--page`, `--ink`, `--faint`, `--line`, `--soft` and `--link`; the
+/// script has a scope of its own and draws again when `data-theme` of the root or the theme of the system
+/// changes.
+std::string_view scene_style();
+std::string scene_script();
 
 }  // namespace hmax

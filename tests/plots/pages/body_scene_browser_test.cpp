@@ -1,21 +1,15 @@
 /// A body in a browser: what its script does when a user turns, plays, chooses; the picture where there is no
 /// WebGL. Skipped without chromium.
-#include <algorithm>
 #include <map>
 
 #include <gtest/gtest.h>
 
 #include "plots/pages/body_scene.hpp"
-#include "plots/pages/page_texts.hpp"
 #include "tests/plots/pages/browser.hpp"
 #include "tests/plots/pages/made_scenes.hpp"
 
 namespace hmax {
 namespace {
-
-std::string_view text_of(std::span<const PageText> texts) {
-  return std::ranges::find(texts, "body_scene", &PageText::name)->text;
-}
 
 /// Before the script of the page: frames come in the time of the page, which does not wait for the screen,
 /// and what is drawn can be read.
@@ -31,8 +25,8 @@ std::map<std::string, std::string> findings(const std::string& options) {
   BodyScene scene = made_scene(4, 30);
   scene.title = "<i class=\"evil\">bar</i>";
   scene.modes.front().words = "</script><i class=\"evil\">x</i>";
-  const std::string page = made_page(scene_html(scene_text(scene), "body"), text_of(page_styles()),
-                                     time_and_pixels + std::string(text_of(page_scripts())));
+  const std::string page =
+      made_page(scene_html(scene_text(scene), "body"), scene_style(), time_and_pixels + scene_script());
   return findings_on(page, browser(), "body_scene_actions.js", options);
 }
 

@@ -150,6 +150,7 @@ TEST(BodyScene, RefusesWhatDoesNotFit) {
       [](BodyScene& s) { s.held.push_back(1000); },
       [](BodyScene& s) { s.motion.t.pop_back(); },
       [](BodyScene& s) { std::swap(s.motion.t[0], s.motion.t[1]); },
+      [](BodyScene& s) { s.motion.t[1] = s.motion.t[0]; },
       [&](BodyScene& s) { s.motion.t[1] = nan; },
       [](BodyScene& s) { s.motion.displacements.pop_back(); },
       [](BodyScene& s) { s.motion.displacements[1].pop_back(); },
