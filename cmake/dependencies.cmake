@@ -54,7 +54,7 @@ hmax_optional(Spectra HMAX_HAVE_SPECTRA "${Spectra_VERSION}" libspectra-dev "ext
 find_package(ZLIB QUIET)
 set(HMAX_HAVE_ZLIB ${ZLIB_FOUND})
 set(HMAX_ZLIB "${ZLIB_LIBRARIES}")
-hmax_optional(zlib HMAX_HAVE_ZLIB "${ZLIB_VERSION_STRING}" zlib1g-dev "meshes in .vtu compressed by zlib, as ParaView and meshio write them")
+hmax_optional(zlib HMAX_HAVE_ZLIB "${ZLIB_VERSION_STRING}" zlib1g-dev "meshes in .vtu compressed by zlib, as ParaView and meshio write them, and large figures in reports as HTML")
 find_path(HMAX_LZ4_INCLUDE lz4.h)
 find_library(HMAX_LZ4 lz4)
 set(HMAX_HAVE_LZ4 OFF)

@@ -1,10 +1,10 @@
 #include "plots/pages/page.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #include <fmt/format.h>
 
-#include "core/own_files.hpp"
 #include "plots/pages/base64.hpp"
 #include "plots/pages/html_text.hpp"
 #include "results/table.hpp"
@@ -13,20 +13,6 @@ namespace hmax {
 
 namespace {
 
-constexpr std::string_view style =
-    "body{font:16px/1.5 sans-serif;color:#202020;background:#fff;max-width:940px;margin:2rem auto;"
-    "padding:0 1rem}"
-    "h1{font-size:1.7rem}h2{font-size:1.3rem;margin-top:3rem;border-bottom:1px solid #d4d4d4}"
-    "figure{margin:1.5rem 0}img{max-width:100%;height:auto}figcaption{color:#606060;font-size:.9rem}"
-    "table{border-collapse:collapse;font-size:.85rem;display:block;overflow-x:auto}"
-    "th,td{padding:.15rem .4rem;text-align:right;vertical-align:top;border-bottom:1px solid #e4e4e4;white-space:nowrap}"
-    "th:first-child,td:first-child{text-align:left;padding-left:0;white-space:normal}"
-    ".words{text-align:left}"
-    ".facts th,.facts td{font-size:1rem;text-align:left;white-space:normal}.facts th{min-width:6.5rem}"
-    "nav{columns:2}nav a{display:block;color:#0072b2}"
-    "@media print{body{margin:0;max-width:none;padding:0;font-size:11pt}nav{display:none}h2{margin-top:1.5rem}"
-    "h1,h2{break-after:avoid}figure,tr{break-inside:avoid}table{display:table;font-size:.65rem}"
-    "th,td{padding:.1rem .35rem}th{white-space:normal}.facts th,.facts td{font-size:.9rem}}";
 
 /// Of each column, whether it has words, as one without a digit has. The first is flush left anyway.
 std::vector<bool> columns_of_words(const std::vector<std::vector<std::string>>& table) {
@@ -39,18 +25,19 @@ std::vector<bool> columns_of_words(const std::vector<std::vector<std::string>>& 
   return words;
 }
 
-std::string html_of(const std::vector<std::vector<std::string>>& table) {
+std::string html_of(const std::vector<std::vector<std::string>>& table, const std::string& label) {
   if (table.empty()) return {};
   const std::vector<bool> words = columns_of_words(table);
-  std::string html = "<table>\n";
+  std::string html = scrolling_box(label) + "<table>\n<thead>\n";
   for (std::size_t row = 0; row < table.size(); ++row) {
+    if (row == 1) html += "</thead>\n<tbody>\n";
     html += "<tr>";
     for (std::size_t column = 0; column < table[row].size(); ++column)
       html += fmt::format("<{0}{1}{2}>{3}</{0}>", row == 0 ? "th" : "td", row == 0 ? " scope=\"col\"" : "",
                           words[column] ? " class=\"words\"" : "", html_text(table[row][column]));
     html += "</tr>\n";
   }
-  return html + "</table>\n";
+  return html + (table.size() > 1 ? "</tbody>\n" : "</thead>\n") + "</table></div>\n";
 }
 
 std::string html_of(const std::vector<std::pair<std::string, std::string>>& facts) {
@@ -65,11 +52,9 @@ std::string html_of(const std::vector<std::pair<std::string, std::string>>& fact
 std::string html_of(const PagePicture& picture) {
   if (picture.svg.empty())
     return fmt::format("<p>{}: not drawn. {}</p>\n", html_text(picture.caption), html_text(picture.problem));
-  return fmt::format(
-      "<figure><img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\">"
-      "<figcaption>{}</figcaption></figure>\n",
-      html_text(picture.alt.empty() ? picture.caption : picture.alt), base64(picture.svg),
-      html_text(picture.caption));
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
+                     embedded_svg(picture.svg, picture.alt.empty() ? picture.caption : picture.alt),
+                     html_text(picture.caption));
 }
 
 std::string html_of(const PageSection& section) {
@@ -83,24 +68,59 @@ std::string html_of(const PageSection& section) {
     html += "</ul>\n";
   }
   for (const PagePicture& picture : section.pictures) html += html_of(picture);
-  return html + html_of(section.table);
+  return html + html_of(section.table, section.title);
 }
 
 }  // namespace
 
+std::string embedded_svg(std::string_view svg, const std::string& alt) {
+  // The quotes that the text has fewer of are those that have to be replaced.
+  const char quote = std::ranges::count(svg, '"') < std::ranges::count(svg, '\'') ? '"' : '\'';
+  std::string text;
+  text.reserve(svg.size() + svg.size() / 8);
+  for (const char c : svg) {
+    if (c == quote)
+      text += c == '"' ? "&quot;" : "&#39;";
+    else if (c == '&')
+      text += "&amp;";
+    else if (c == '#')
+      text += "%23";
+    else if (c == '%')
+      text += "%25";
+    else
+      text += c == '\n' || c == '\r' || c == '\t' ? ' ' : c;
+  }
+  return fmt::format("<img alt=\"{}\" src={}data:image/svg+xml,{}{}>", html_text(alt), quote, text, quote);
+}
+
+std::string embedded_png(std::string_view png, const std::string& alt) {
+  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", html_text(alt), base64(png));
+}
+
+std::string packed_svg(std::string_view deflated, const std::string& alt) {
+  return fmt::format("<img alt=\"{}\" data-packed=\"{}\">", html_text(alt), base64(deflated));
+}
+
+std::string sections_html(const std::vector<PageSection>& sections) {
+  std::string html;
+  for (std::size_t i = 0; i < sections.size(); ++i)
+    html += fmt::format("<section>\n<h2 id=\"s{}\">{}</h2>\n{}</section>\n", i, html_text(sections[i].title),
+                        html_of(sections[i]));
+  return html;
+}
+
+std::vector<PageLink> section_links(const std::vector<PageSection>& sections) {
+  std::vector<PageLink> links;
+  for (const PageSection& section : sections) links.push_back({fmt::format("#s{}", links.size()), section.title});
+  return links;
+}
+
 std::string page_text(const std::string& title, const std::string& introduction,
                       const std::vector<PageSection>& sections) {
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<!-- {3} -->\n"
-      "<meta name=\"viewport\" content=\"width=device-width\">\n<title>{0}</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p>{2}</p>\n<nav>\n",
-      html_text(title), style, html_text(introduction), own_mark);
-  for (std::size_t i = 0; i < sections.size(); ++i)
-    html += fmt::format("<a href=\"#s{}\">{}</a>\n", i, html_text(sections[i].title));
-  html += "</nav>\n";
-  for (std::size_t i = 0; i < sections.size(); ++i)
-    html += fmt::format("<h2 id=\"s{}\">{}</h2>\n", i, html_text(sections[i].title)) + html_of(sections[i]);
-  return html + "</body>\n</html>\n";
+  return framed_page({.title = title,
+                      .introduction = fmt::format("<p>{}</p>\n", html_text(introduction)),
+                      .links = section_links(sections),
+                      .main = sections_html(sections)});
 }
 
 void write_page(const std::filesystem::path& file, const std::string& text) { write_file(file, text); }

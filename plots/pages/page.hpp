@@ -3,8 +3,11 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
+
+#include "plots/pages/frame.hpp"
 
 namespace hmax {
 
@@ -28,7 +31,23 @@ struct PageSection {
   std::vector<std::vector<std::string>> table = {};  ///< rows of equal length, the first of them headings
 };
 
-/// Every text is shown as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.
+/// The HTML of sections, with the ids s0, s1, ... at their headings, for the content of a page. Every text is shown
+/// as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.
+std::string sections_html(const std::vector<PageSection>& sections);
+
+/// The navigation to these sections.
+std::vector<PageLink> section_links(const std::vector<PageSection>& sections);
+
+/// A picture as an `img` that holds it. An SVG stays text, which is smaller than base64.
+/// @param alt  shown as it is
+std::string embedded_svg(std::string_view svg, const std::string& alt);
+std::string embedded_png(std::string_view png, const std::string& alt);
+
+/// The same for the script packed_figures.js.
+/// @param deflated  an SVG as plots/pages/deflate.hpp makes it
+std::string packed_svg(std::string_view deflated, const std::string& alt);
+
+/// A page of these sections. Every text is shown as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.
 std::string page_text(const std::string& title, const std::string& introduction,
                       const std::vector<PageSection>& sections);
 

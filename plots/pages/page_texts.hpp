@@ -11,10 +11,10 @@ struct PageText {
   std::string_view text;
 };
 
-/// plots/pages/*.js, sorted by name.
+/// plots/pages/web/*.js, sorted by name.
 std::span<const PageText> page_scripts();
 
-/// plots/pages/*.css, sorted by name.
+/// plots/pages/web/*.css, sorted by name.
 std::span<const PageText> page_styles();
 
 }  // namespace hmax

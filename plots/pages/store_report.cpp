@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "core/own_files.hpp"
 #include "plots/colours.hpp"
+#include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
-#include "plots/pages/page_texts.hpp"
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_data.hpp"
 
@@ -16,15 +15,11 @@ namespace hmax {
 
 namespace {
 
-std::string_view text_of(std::span<const PageText> texts, std::string_view name) {
-  return std::ranges::find(texts, name, &PageText::name)->text;
-}
-
 /// The scripts of the page in one scope of its own.
 std::string script() {
   std::string text = "(() => {\n";
   for (const char* name : {"store_report_tables", "store_report_figures", "store_report"})
-    text += text_of(page_scripts(), name);
+    text += page_script(name);
   return text + "})();\n";
 }
 
@@ -168,32 +163,26 @@ std::string page_of(std::span<const ReportedStore> stores, const std::string& ve
                     const ReportData& data) {
   const std::string title = stores.size() == 1 ? "Results: " + stores.front().name
                                                : fmt::format("Results: {} stores", stores.size());
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<!-- {} -->\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n"
-      "<style>\n{}{}</style>\n</head>\n<body>\n",
-      own_mark, html_text(title), text_of(page_styles(), "store_report"), colour_variables());
-  html += fmt::format(
-      "<header>\n<h1>{}</h1>\n<button type=\"button\" id=\"theme\" hidden></button>\n</header>\n<p>{}</p>\n",
-      html_text(title), summary_of(stores));
+  PageFrame page{.title = title};
+  page.introduction = fmt::format("<p>{}</p>\n", summary_of(stores));
   if (data.left_out > 0)
-    html += fmt::format(
+    page.introduction += fmt::format(
         "<p>{} left out to keep the page small; <code>hmax export STORE</code> writes every row.</p>\n",
         counted(data.left_out, "row is", "rows are"));
-  const std::vector<Section> sections = sections_of(stores);
-  html += "<noscript><p>Tables and figures need JavaScript.</p></noscript>\n<nav aria-label=\"Sections\">\n";
-  for (const Section& section : sections)
-    html += fmt::format("<a href=\"#{}-section\">{}</a>\n", section.table, section.title);
-  html += "<a href=\"#machines\">Machines</a>\n</nav>\n<main>\n";
-  for (const Section& section : sections) html += html_of(section);
-  html += machines(stores) + "</main>\n";
-  html += fmt::format(
-      "<footer><p>Written by hmax {}. Row numbers count the rows of a store in the order of <code>hmax export</code>.</p></footer>\n",
+  page.introduction += "<noscript><p>Tables and figures need JavaScript.</p></noscript>\n";
+  for (const Section& section : sections_of(stores)) {
+    page.links.push_back({fmt::format("#{}-section", section.table), section.title});
+    page.main += html_of(section);
+  }
+  page.links.push_back({"#machines", "Machines"});
+  page.main += machines(stores);
+  page.footer = fmt::format(
+      "<p>Written by hmax {}. Row numbers count the rows of a store in the order of <code>hmax export</code>.</p>",
       html_text(version));
-  return html +
-         fmt::format(
-             "<script type=\"application/json\" id=\"data\">{}</script>\n<script>\n{}</script>\n</body>\n</html>\n",
-             data.json, script());
+  page.style = std::string(page_style("store_report")) + colour_variables();
+  page.data = fmt::format("<script type=\"application/json\" id=\"data\">{}</script>\n", data.json);
+  page.script = script();
+  return framed_page(page);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ std::map<std::string, std::string> findings(const std::string& options) {
   scene.modes.front().words = "</script><i class=\"evil\">x</i>";
   const std::string page =
       made_page(scene_html(scene_text(scene), "body"), scene_style(), time_and_pixels + scene_script());
-  return findings_on(page, browser(), "body_scene_actions.js", options);
+  return findings_on(page, "body_scene_actions.js", browser(), options);
 }
 
 TEST(BodySceneInABrowser, TurnsMovesAndColours) {

@@ -1,7 +1,8 @@
-/// Pages driven in Chromium: a script acts on the page and tells what it finds.
+/// Pages driven in a browser, where there is one.
 #pragma once
 
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <string>
@@ -19,28 +20,29 @@ inline std::string browser() {
   return {};
 }
 
-/// What a script of tests/plots/pages finds on a page, by name: it appends an element `pre` with the id
-/// "findings" and a line "name: value" for each. `window.page_errors` has the errors of the page.
-/// @param actions  name of the file of the script
+/// What a script of tests/plots/pages finds on a page, by name. It writes lines "name: value" into an element
+/// `<pre id="findings">`. `window.page_errors` has the errors of the page.
 /// @param options  of `program` besides those for a page without a window
-inline std::map<std::string, std::string> findings_on(std::string page, const std::string& program,
-                                                      const std::string& actions,
-                                                      const std::string& options) {
-  page.insert(page.rfind("<style>"),
+inline std::map<std::string, std::string> findings_on(std::string page, const std::string& script,
+                                                      const std::string& program,
+                                                      const std::string& options = "--disable-gpu") {
+  const auto insert_before = [&](const std::string& place, const std::string& text) {
+    page.insert(page.rfind(place), text);
+  };
+  insert_before("</body>", "<script>\n" + read_text(HMAX_SOURCE_DIR "/tests/plots/pages/" + script) + "</script>\n");
+  page.insert(page.find("<style>"),
               "<script>window.page_errors = [];\n"
               "addEventListener('error', event => page_errors.push(event.message));\n"
               "addEventListener('unhandledrejection', event => page_errors.push(String(event.reason)));\n"
               "console.error = (...words) => page_errors.push(words.join(' '));</script>\n");
-  page.insert(page.rfind("</body>"),
-              "<script>\n" + read_text(HMAX_SOURCE_DIR "/tests/plots/pages/" + actions) + "</script>\n");
   const Scratch folder;
   write_text(folder / "page.html", page);
-  const std::string command = "timeout 120 " + program +
-                              " --headless --no-sandbox --disable-dev-shm-usage --virtual-time-budget=5000 "
-                              "--window-size=1280,900 " +
-                              options + " --user-data-dir='" + (folder / "profile").string() +
-                              "' --dump-dom 'file://" + (folder / "page.html").string() + "' >'" +
-                              (folder / "dom").string() + "' 2>/dev/null </dev/null";
+  const std::string command =
+      "timeout 120 " + program +
+      " --headless --no-sandbox --disable-dev-shm-usage --virtual-time-budget=5000 --window-size=1280,900 " + options +
+      " --user-data-dir='" +
+      (folder / "profile").string() + "' --dump-dom 'file://" + (folder / "page.html").string() + "' >'" +
+      (folder / "dom").string() + "' 2>/dev/null </dev/null";
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
   const std::string dom = read_text(folder / "dom"), opening = "<pre id=\"findings\">";
   const std::size_t begin = dom.rfind(opening);

@@ -18,8 +18,8 @@ TEST(StoreReportInABrowser, SortsFiltersAndShowsValues) {
   ReportedStore store = made_store("a.sqlite", 250);
   store.runs.front().status = "<i class=\"evil\">x</i>";
   store.advice.front().key.motion = "<i class=\"evil\">x</i>";
-  const auto findings = findings_on(store_report({&store, 1}, "1.2.3").html, program,
-                                    "store_report_actions.js", "--disable-gpu");
+  const auto findings =
+      findings_on(store_report({&store, 1}, "1.2.3").html, "store_report_actions.js", program);
   const std::map<std::string, std::string> expected{{"rows at first", "200"},
                                                     {"count at first", "first 200 of 250 rows"},
                                                     {"sorted up", "true ascending"},

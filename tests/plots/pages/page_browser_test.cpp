@@ -1,0 +1,49 @@
+/// The scripts that every page has, in a browser. Skipped without chromium.
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "plots/pages/deflate.hpp"
+#include "plots/pages/frame.hpp"
+#include "plots/pages/page.hpp"
+#include "tests/plots/pages/browser.hpp"
+
+namespace hmax {
+namespace {
+
+constexpr const char* svg =
+    "<svg xmlns='http://www.w3.org/2000/svg' width='30' height='20'><path d=\"M0 0h9\" stroke='#f00'/></svg>";
+
+TEST(PageInABrowser, SortsTablesUnpacksFiguresAndFitsAPhone) {
+  const std::string program = browser();
+  if (program.empty())
+    GTEST_SKIP() << "chromium is not installed, so the page is not driven; apt-get install chromium";
+  const std::vector<PageSection> sections{
+      {.title = "numbers",
+       .facts = {{"one", "1"}, {"two", "2"}},
+       .pictures = {{.svg = svg, .caption = "5 % of \"it\""}},
+       .table = {{"name", "count", "time", "size of a very long heading that no phone has room for, and more of it"},
+                 {"b10", "1,151", "2.5e-3", "9 ms"},
+                 {"b9", "\u2013", "\u22121", "2 s"},
+                 {"a", "unbounded", "-", "10 ms"},
+                 {"b1", "299", "0.01", "4 ms"}}}};
+  const std::string small = deflated(svg);
+  PageFrame frame{.title = "t", .main = sections_html(sections), .script = std::string(page_script("packed_figures"))};
+  if (!small.empty()) frame.main += packed_svg(small, "packed");
+  const std::map<std::string, std::string> expected{{"name up", "a b1 b9 b10"},
+                                                    {"count up", "299 1,151 unbounded \u2013"},
+                                                    {"count down", "unbounded 1,151 299 \u2013"},
+                                                    {"direction told", "none descending none none"},
+                                                    {"as written", "1,151 \u2013 unbounded 299"},
+                                                    {"time up", "\u22121 2.5e-3 0.01 -"},
+                                                    {"units", "2 s 4 ms 9 ms 10 ms"},
+                                                    {"buttons", "4"},
+                                                    {"theme changes", "true"},
+                                                    {"pictures", small.empty() ? "30x20" : "30x20 30x20"},
+                                                    {"wider than a phone", "nothing"},
+                                                    {"errors", "none"}};
+  EXPECT_EQ(findings_on(framed_page(frame), "page_actions.js", program), expected);
+}
+
+}  // namespace
+}  // namespace hmax
