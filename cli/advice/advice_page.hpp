@@ -10,13 +10,11 @@
 
 namespace hmax {
 
-/// Draws the figures of the rows and writes the page.
-/// @param rows      of the answer, best first
-/// @param error_of  what errors are relative to
-/// @returns why figures are missing, as one sentence; empty where all are drawn
+/// Writes the page.
+/// @param rows   of the answer, best first
+/// @param scene  the body as scene_text() writes it; empty: the problem is none, or it is too large for a page
 /// @throws InputError  when the page cannot be written
-std::string write_advice_page(const std::filesystem::path& file, const AdviceText& text,
-                              const AdviceKey& question, const std::vector<AdviceRecord>& rows,
-                              const std::string& error_of);
+void write_advice_page(const std::filesystem::path& file, const AdviceText& text, const AdviceKey& question,
+                       const std::vector<AdviceRecord>& rows, const std::string& scene);
 
 }  // namespace hmax

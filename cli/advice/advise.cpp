@@ -14,6 +14,7 @@
 #include "cli/advice/advice_json.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"
+#include "cli/bodies/body_scene.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
@@ -162,18 +163,17 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   console.flush();
   const AdviceKey key = advice_key(problem, question, advice);
   const std::vector<AdviceRecord> rows = advice_records(advice);
+  const std::string scene = problem.body ? body_scene_text(*advice.model) : "";
   std::exception_ptr page_failure;  // the store is written all the same
   try {
-    const std::string missing =
-        options.output.empty() ? "" : write_advice_page(options.output, text, key, rows, error_scale(problem));
-    if (!missing.empty()) console.remark(missing);
+    if (!options.output.empty()) write_advice_page(options.output, text, key, rows, scene);
   } catch (const InputError&) {
     page_failure = std::current_exception();
   }
   if (!options.out.empty()) {
     Store store = Store::open_or_create(store_path(options.out));
     store.begin_session(fingerprint());
-    store.insert_advice(key, rows);
+    store.insert_advice(key, rows, scene);
   }
   if (page_failure) std::rethrow_exception(page_failure);
 }

@@ -31,6 +31,7 @@ ReportedStore content_of(const Store& store) {
           .runs = store.rows(),
           .limits = store.limits(),
           .advice = store.advice(),
+          .scenes = store.scenes(),
           .sessions = store.sessions()};
 }
 

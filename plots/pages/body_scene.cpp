@@ -14,8 +14,8 @@
 #include "plots/drawn/bodies.hpp"
 #include "plots/drawn/colour_map.hpp"
 #include "plots/pages/base64.hpp"
+#include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
-#include "plots/pages/page_texts.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -413,10 +413,6 @@ std::string colour_stops() {
   return text;
 }
 
-std::string_view text_named(std::span<const PageText> texts, std::string_view name) {
-  return std::ranges::find(texts, name, &PageText::name)->text;
-}
-
 }  // namespace
 
 std::string scene_text(const BodyScene& scene, std::size_t most_bytes) {
@@ -464,11 +460,11 @@ std::string scene_html(std::string_view scene_json, std::string_view id) {
       data);
 }
 
-std::string_view scene_style() { return text_named(page_styles(), "body_scene"); }
+std::string_view scene_style() { return page_style("body_scene"); }
 
 std::string scene_script() {
   std::string text = "(() => {\n";
-  for (const char* name : {"body_scene_drawing", "body_scene"}) text += text_named(page_scripts(), name);
+  for (const char* name : {"body_scene_drawing", "body_scene"}) text += page_script(name);
   return text + "})();\n";
 }
 

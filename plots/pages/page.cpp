@@ -13,7 +13,6 @@ namespace hmax {
 
 namespace {
 
-
 /// Of each column, whether it has words, as one without a digit has. The first is flush left anyway.
 std::vector<bool> columns_of_words(const std::vector<std::vector<std::string>>& table) {
   constexpr std::string_view digits = "0123456789";
@@ -23,21 +22,6 @@ std::vector<bool> columns_of_words(const std::vector<std::vector<std::string>>& 
     for (std::size_t column = 0; column < words.size(); ++column)
       if (table[row][column].find_first_of(digits) != std::string::npos) words[column] = false;
   return words;
-}
-
-std::string html_of(const std::vector<std::vector<std::string>>& table, const std::string& label) {
-  if (table.empty()) return {};
-  const std::vector<bool> words = columns_of_words(table);
-  std::string html = scrolling_box(label) + "<table>\n<thead>\n";
-  for (std::size_t row = 0; row < table.size(); ++row) {
-    if (row == 1) html += "</thead>\n<tbody>\n";
-    html += "<tr>";
-    for (std::size_t column = 0; column < table[row].size(); ++column)
-      html += fmt::format("<{0}{1}{2}>{3}</{0}>", row == 0 ? "th" : "td", row == 0 ? " scope=\"col\"" : "",
-                          words[column] ? " class=\"words\"" : "", html_text(table[row][column]));
-    html += "</tr>\n";
-  }
-  return html + (table.size() > 1 ? "</tbody>\n" : "</thead>\n") + "</table></div>\n";
 }
 
 std::string html_of(const std::vector<std::pair<std::string, std::string>>& facts) {
@@ -68,10 +52,25 @@ std::string html_of(const PageSection& section) {
     html += "</ul>\n";
   }
   for (const PagePicture& picture : section.pictures) html += html_of(picture);
-  return html + html_of(section.table, section.title);
+  return html + table_html(section.table, section.title);
 }
 
 }  // namespace
+
+std::string table_html(const std::vector<std::vector<std::string>>& table, const std::string& label) {
+  if (table.empty()) return {};
+  const std::vector<bool> words = columns_of_words(table);
+  std::string html = scrolling_box(label) + "<table>\n<thead>\n";
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    if (row == 1) html += "</thead>\n<tbody>\n";
+    html += "<tr>";
+    for (std::size_t column = 0; column < table[row].size(); ++column)
+      html += fmt::format("<{0}{1}{2}>{3}</{0}>", row == 0 ? "th" : "td", row == 0 ? " scope=\"col\"" : "",
+                          words[column] ? " class=\"words\"" : "", html_text(table[row][column]));
+    html += "</tr>\n";
+  }
+  return html + (table.size() > 1 ? "</tbody>\n" : "</thead>\n") + "</table></div>\n";
+}
 
 std::string embedded_svg(std::string_view svg, const std::string& alt) {
   // The quotes that the text has fewer of are those that have to be replaced.
@@ -101,17 +100,18 @@ std::string packed_svg(std::string_view deflated, const std::string& alt) {
   return fmt::format("<img alt=\"{}\" data-packed=\"{}\">", html_text(alt), base64(deflated));
 }
 
-std::string sections_html(const std::vector<PageSection>& sections) {
+std::string sections_html(const std::vector<PageSection>& sections, std::size_t first) {
   std::string html;
   for (std::size_t i = 0; i < sections.size(); ++i)
-    html += fmt::format("<section>\n<h2 id=\"s{}\">{}</h2>\n{}</section>\n", i, html_text(sections[i].title),
+    html += fmt::format("<section>\n<h2 id=\"s{}\">{}</h2>\n{}</section>\n", first + i, html_text(sections[i].title),
                         html_of(sections[i]));
   return html;
 }
 
-std::vector<PageLink> section_links(const std::vector<PageSection>& sections) {
+std::vector<PageLink> section_links(const std::vector<PageSection>& sections, std::size_t first) {
   std::vector<PageLink> links;
-  for (const PageSection& section : sections) links.push_back({fmt::format("#s{}", links.size()), section.title});
+  for (const PageSection& section : sections)
+    links.push_back({fmt::format("#s{}", first + links.size()), section.title});
   return links;
 }
 

@@ -33,10 +33,16 @@ struct PageSection {
 
 /// The HTML of sections, with the ids s0, s1, ... at their headings, for the content of a page. Every text is shown
 /// as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.
-std::string sections_html(const std::vector<PageSection>& sections);
+/// @param first  number of the first section
+std::string sections_html(const std::vector<PageSection>& sections, std::size_t first = 0);
 
 /// The navigation to these sections.
-std::vector<PageLink> section_links(const std::vector<PageSection>& sections);
+std::vector<PageLink> section_links(const std::vector<PageSection>& sections, std::size_t first = 0);
+
+/// A table with its headings.
+/// @param rows   of equal length, the first of them headings
+/// @param label  for screen readers
+std::string table_html(const std::vector<std::vector<std::string>>& rows, const std::string& label);
 
 /// A picture as an `img` that holds it. An SVG stays text, which is smaller than base64.
 /// @param alt  shown as it is

@@ -16,6 +16,7 @@ struct ReportedStore {
   std::vector<Row> runs = {};
   std::vector<LimitRow> limits = {};
   std::vector<AdviceRecord> advice = {};
+  std::vector<AdviceScene> scenes = {};  ///< bodies of this advice
   std::vector<Session> sessions = {};
 
   [[nodiscard]] std::size_t size() const { return runs.size() + limits.size() + advice.size(); }

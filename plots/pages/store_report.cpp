@@ -6,9 +6,11 @@
 #include <fmt/format.h>
 
 #include "plots/colours.hpp"
+#include "plots/pages/body_scene.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
 #include "plots/pages/report_answers.hpp"
+#include "plots/pages/report_bodies.hpp"
 #include "plots/pages/report_data.hpp"
 
 namespace hmax {
@@ -78,24 +80,52 @@ struct Section {
   std::string before = {};
 };
 
-std::string html_of(const Section& section) {
-  std::string html = fmt::format("<section>\n<h2 id=\"{}-section\">{}</h2>\n", section.table, section.title);
+/// A page in the making: what its navigation leads to, one after the other.
+class Parts {
+ public:
+  void add(const std::string& id, const std::string& title, const std::string& html) {
+    links_.push_back({"#" + id, title});
+    main_ += fmt::format("<section>\n<h2 id=\"{}\">{}</h2>\n{}</section>\n", id, html_text(title), html);
+  }
+  void add(const std::vector<PageSection>& sections) {
+    const std::vector<PageLink> links = section_links(sections, written_);
+    links_.insert(links_.end(), links.begin(), links.end());
+    main_ += sections_html(sections, written_);
+    written_ += sections.size();
+  }
+  [[nodiscard]] const std::vector<PageLink>& links() const { return links_; }
+  [[nodiscard]] const std::string& main() const { return main_; }
+
+ private:
+  std::vector<PageLink> links_;
+  std::string main_;
+  std::size_t written_ = 0;
+};
+
+void add(Parts& parts, const Section& section) {
+  std::string html;
   if (*section.words != '\0') html += fmt::format("<p>{}</p>\n", section.words);
   html += section.before + "<div class=\"figures\">\n";
   for (const std::string_view figure : section.figures)
     html += fmt::format("<div id=\"figure-{}\"></div>\n", figure);
-  return html + fmt::format("</div>\n<div id=\"table-{}\"></div>\n</section>\n", section.table);
+  html += fmt::format("</div>\n<div id=\"table-{}\"></div>\n", section.table);
+  parts.add(fmt::format("{}-section", section.table), section.title, html);
 }
 
-std::vector<Section> sections_of(std::span<const ReportedStore> stores) {
+/// Where the page is about one answer, this says what its rows are in words.
+Section advice_section(std::span<const ReportedStore> stores, const AnswerSections* answer) {
+  const std::vector<std::string_view> figures{"advice_error", "frame_times", "steps_and_limits"};
+  if (!answer)
+    return {advice_table, "Advice", "", figures, "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"};
+  constexpr const char* title = "All methods";
+  return {advice_table, title, "", figures,
+          "<noscript>\n" + table_html(answer->table, title) + "</noscript>\n"};
+}
+
+std::vector<Section> sections_of(std::span<const ReportedStore> stores, const AnswerSections* answer) {
   const Counts counts = count_rows(stores);
   std::vector<Section> sections;
-  if (counts.advice > 0)
-    sections.push_back({advice_table,
-                        "Advice",
-                        "",
-                        {"advice_error", "frame_times", "steps_and_limits"},
-                        "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"});
+  if (counts.advice > 0) sections.push_back(advice_section(stores, answer));
   if (counts.runs > 0)
     sections.push_back({runs_table,
                         "Measured runs",
@@ -152,53 +182,79 @@ std::string html_of(const Sessions& sessions, const std::string& store) {
 }
 
 std::string machines(std::span<const ReportedStore> stores) {
-  std::string html =
-      "<section>\n<h2 id=\"machines\">Machines</h2>\n<p>CPU times belong to the machine of their session.</p>\n";
+  std::string html = "<p>CPU times belong to the machine of their session.</p>\n";
   for (const ReportedStore& store : stores)
     for (const Sessions& sessions : alike_sessions(store.sessions)) html += html_of(sessions, store.name);
-  return html + "</section>\n";
+  return html;
 }
 
-std::string page_of(std::span<const ReportedStore> stores, const std::string& version,
+std::string introduction_of(std::span<const ReportedStore> stores, const AnswerSections* answer,
+                            std::size_t left_out) {
+  std::string html = fmt::format("<p>{}</p>\n", answer ? html_text(answer->introduction) : summary_of(stores));
+  if (left_out > 0)
+    html += fmt::format("<p>{} left out to keep the page small; <code>hmax export STORE</code> writes every row.</p>\n",
+                        counted(left_out, "row is", "rows are"));
+  return html + "<noscript><p>Figures and sorted tables need JavaScript.</p></noscript>\n";
+}
+
+/// @param answer  null: the page is about stores
+std::string page_of(std::span<const ReportedStore> stores, const AnswerSections* answer, const std::string& version,
                     const ReportData& data) {
-  const std::string title = stores.size() == 1 ? "Results: " + stores.front().name
-                                               : fmt::format("Results: {} stores", stores.size());
-  PageFrame page{.title = title};
-  page.introduction = fmt::format("<p>{}</p>\n", summary_of(stores));
-  if (data.left_out > 0)
-    page.introduction += fmt::format(
-        "<p>{} left out to keep the page small; <code>hmax export STORE</code> writes every row.</p>\n",
-        counted(data.left_out, "row is", "rows are"));
-  page.introduction += "<noscript><p>Tables and figures need JavaScript.</p></noscript>\n";
-  for (const Section& section : sections_of(stores)) {
-    page.links.push_back({fmt::format("#{}-section", section.table), section.title});
-    page.main += html_of(section);
+  PageFrame page{.title = answer               ? answer->title
+                          : stores.size() == 1 ? "Results: " + stores.front().name
+                                               : fmt::format("Results: {} stores", stores.size())};
+  page.introduction = introduction_of(stores, answer, data.left_out);
+  page.style = std::string(page_style("store_report")) + colour_variables();
+  page.script = script();
+  Parts parts;
+  const std::string bodies = report_bodies(stores);
+  if (!bodies.empty()) {
+    page.style += scene_style();
+    page.script += scene_script();
   }
-  page.links.push_back({"#machines", "Machines"});
-  page.main += machines(stores);
+  if (answer) {
+    parts.add(answer->before);
+    if (!bodies.empty()) parts.add("bodies", "The body", bodies);
+  }
+  for (const Section& section : sections_of(stores, answer)) add(parts, section);
+  if (answer)
+    parts.add(answer->after);
+  else if (!bodies.empty())
+    parts.add("bodies", "Bodies", bodies);
+  parts.add("machines", answer ? "Machine" : "Machines", machines(stores));
+  page.links = parts.links();
+  page.main = parts.main();
   page.footer = fmt::format(
       "<p>Written by hmax {}. Row numbers count the rows of a store in the order of <code>hmax export</code>.</p>",
       html_text(version));
-  page.style = std::string(page_style("store_report")) + colour_variables();
   page.data = fmt::format("<script type=\"application/json\" id=\"data\">{}</script>\n", data.json);
-  page.script = script();
   return framed_page(page);
+}
+
+StoreReport report_of(std::span<const ReportedStore> stores, const AnswerSections* answer, const std::string& version,
+                      std::size_t most_bytes) {
+  const Counts counts = count_rows(stores);
+  std::size_t most_rows = std::max({counts.runs, counts.limits, counts.advice});
+  for (;;) {
+    const ReportData data = report_data(stores, most_rows);
+    std::string html = page_of(stores, answer, version, data);
+    if (html.size() <= most_bytes || most_rows <= 1) return {std::move(html), data.left_out};
+    // A little less than its share, so that one more round is enough as a rule.
+    most_rows =
+        std::max<std::size_t>(1, std::min(most_rows - 1, most_rows * most_bytes / html.size() * 19 / 20));
+  }
 }
 
 }  // namespace
 
 StoreReport store_report(std::span<const ReportedStore> stores, const std::string& version,
                          std::size_t most_bytes) {
-  const Counts counts = count_rows(stores);
-  std::size_t most_rows = std::max({counts.runs, counts.limits, counts.advice});
-  for (;;) {
-    const ReportData data = report_data(stores, most_rows);
-    std::string html = page_of(stores, version, data);
-    if (html.size() <= most_bytes || most_rows <= 1) return {std::move(html), data.left_out};
-    // A little less than its share, so that one more round is enough as a rule.
-    most_rows =
-        std::max<std::size_t>(1, std::min(most_rows - 1, most_rows * most_bytes / html.size() * 19 / 20));
-  }
+  return report_of(stores, nullptr, version, most_bytes);
+}
+
+StoreReport answer_report(const ReportedStore& answer, const AnswerSections& sections, const std::string& version,
+                          std::size_t most_bytes) {
+  return report_of({&answer, 1}, &sections, version, most_bytes);
 }
 
 }  // namespace hmax
