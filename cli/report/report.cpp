@@ -26,14 +26,7 @@ struct ReportOptions {
   std::string output;
 };
 
-ReportedStore content_of(const Store& store) {
-  return {.name = store.file().generic_string(),
-          .runs = store.rows(),
-          .limits = store.limits(),
-          .advice = store.advice(),
-          .scenes = store.scenes(),
-          .sessions = store.sessions()};
-}
+ReportedStore content_of(const Store& store) { return reported_store(store, store.file().generic_string()); }
 
 /// The stores that are named, each once.
 /// @throws InputError  where one is none

@@ -9,6 +9,7 @@
 #include "cli/reproduce/reproduce_oscillators.hpp"
 #include "cli/reproduce/reproduce_stability.hpp"
 #include "cli/reproduce/reproduce_tissue.hpp"
+#include "cli/reproduce/rows_page.hpp"
 #include "cli/stability/stability.hpp"
 #include "results/fingerprint.hpp"
 
@@ -16,8 +17,20 @@ namespace hmax {
 
 namespace {
 
+constexpr const char *self_exciting_store = "damping_minus_2.sqlite", *sweep_store = "step_sweep.sqlite",
+                     *limit_store = "limits.sqlite";
+
 double seconds_since(std::chrono::steady_clock::time_point started) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+}
+
+/// Writes the page of all rows. @returns a link to it, as Markdown
+std::string link_to_rows(const std::filesystem::path& folder, const std::vector<std::string>& stores, Console& console) {
+  const RowsPage page = write_rows_page(folder, stores);
+  if (page.left_out > 0)
+    console.remark(fmt::format("{} rows are left out of {}, since it would be larger than 5 MB; the stores have every row",
+                               page.left_out, page.file.string()));
+  return page.link;
 }
 
 /// The damping of the study's text makes the model self-exciting: its amplitude grows without end and with it
@@ -156,7 +169,7 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const auto stop = [&] { return interrupted.load(); };
   const std::vector<LimitCase> cases = limit_cases();
   check_limit_files(folder);
-  Store store = Store::open_or_create(folder / "limits.sqlite");
+  Store store = Store::open_or_create(folder / limit_store);
   const auto study = [&](const char* task, CaseKind kind, const std::vector<Method>& chosen) {
     Progress progress(console, task);
     return limit_study(
@@ -168,7 +181,8 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
   if (interrupted) throw Interrupted{};
   const std::filesystem::path report =
-      reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);
+      reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder,
+                          link_to_rows(folder, {limit_store}, console));
   const LimitSummary found = summary_of(cases, rows);
   const double seconds = seconds_since(started);
   return {.report = report,
@@ -217,10 +231,11 @@ ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Co
   const auto started = std::chrono::steady_clock::now();
   StudyRows rows;
   std::int64_t count = 0;
-  rows.self_exciting = measured(self_exciting_sweep(), folder / "damping_minus_2.sqlite",
+  rows.self_exciting = measured(self_exciting_sweep(), folder / self_exciting_store,
                                 "timing the model with c = -2", console, rows.machine, count);
-  rows.published_model = measured(SweepSpec{}, folder / "step_sweep.sqlite", "timing the step sweep", console,
+  rows.published_model = measured(SweepSpec{}, folder / sweep_store, "timing the step sweep", console,
                                   rows.machine, count);
+  rows.rows_link = link_to_rows(folder, {sweep_store, self_exciting_store}, console);
   std::filesystem::path report;
   {
     Progress progress(console, "drawing");

@@ -13,7 +13,7 @@ namespace hmax {
 
 /// What came of one of them.
 struct ReproducedPart {
-  std::filesystem::path report;     ///< its page
+  std::filesystem::path report;     ///< its page, index.html
   std::int64_t rows = 0;            ///< of numbers that it rests on
   double seconds = 0;               ///< wall time of this call [s]
   bool failed = false;              ///< prediction and runs disagree, or something was not solved

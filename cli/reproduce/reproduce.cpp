@@ -126,7 +126,7 @@ void reproduce_all(const AllOptions& options, Console& console) {
       finished.keep(part.name, *done);
     }
     if (done->failed) console.exit_code = Exit::failed;
-    const std::string link = done->report.lexically_proximate(folder).generic_string();
+    const std::string link = part.name + "/README.md";
     sections.push_back({.title = part.title,
                         .text = fmt::format("{}\n\n[The page]({}): {} stored numbers, {:.0f} s.", markdown_text(done->words),
                                             link, done->rows, done->seconds)});

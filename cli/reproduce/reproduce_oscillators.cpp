@@ -189,7 +189,8 @@ class Study {
                             fmt::format("` at rtol = atol = {:g}", curve_tolerance) +
                             ". Times were measured on: " + markdown_text(rows_.machine) +
                             ". The study's stiffness in kPa and damping in N/m² cannot enter this equation; "
-                            "like the study we use the bare numbers as N/m and N s/m.",
+                            "like the study we use the bare numbers as N/m and N s/m." +
+                            (rows_.rows_link.empty() ? "" : "\n\n" + rows_.rows_link),
                         sections_, folder_);
   }
 

@@ -172,7 +172,7 @@ void check_limit_files(const fs::path& folder) {
 
 fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows,
                              const std::vector<StudyRow>& nonlinear, const std::string& machine,
-                             const fs::path& folder) {
+                             const fs::path& folder, const std::string& rows_link) {
   write_rows(folder / linear_file, rows);
   write_rows(folder / nonlinear_file, nonlinear);
   const LimitSummary summary = summary_of(cases, rows);
@@ -206,7 +206,9 @@ fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vec
            "that length, or already the shortest step leaves the motion.\n\n" +
            nonlinear_table(cases, nonlinear) + "\nAll numbers: [nonlinear.csv](nonlinear.csv)."});
   return write_report("Step limits of the liver oscillators",
-                      "`hmax reproduce stability` made this page. " + markdown_text(machine), sections,
+                      "`hmax reproduce stability` made this page. " + markdown_text(machine) +
+                          (rows_link.empty() ? "" : "\n\n" + rows_link),
+                      sections,
                       folder);
 }
 

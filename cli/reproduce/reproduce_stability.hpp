@@ -22,13 +22,15 @@ LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<S
 void check_limit_files(const std::filesystem::path& folder);
 
 /// Writes limits.csv and nonlinear.csv with the columns of `hmax export --of limits`, the figure
-/// hmax_predicted_vs_observed and a README.md into `folder`.
-/// @param machine  one line: where it was done
-/// @returns the README.md
+/// hmax_predicted_vs_observed and a report (README.md, index.html) into `folder`.
+/// @param machine    one line: where it was done
+/// @param rows_link  to the page of all rows, as Markdown; may be empty
+/// @returns the index.html
 /// @throws InputError when the folder cannot be written
 std::filesystem::path reproduce_stability(const std::vector<LimitCase>& cases,
                                           const std::vector<StudyRow>& rows,
                                           const std::vector<StudyRow>& nonlinear,
-                                          const std::string& machine, const std::filesystem::path& folder);
+                                          const std::string& machine, const std::filesystem::path& folder,
+                                          const std::string& rows_link = {});
 
 }  // namespace hmax

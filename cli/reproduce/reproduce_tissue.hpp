@@ -10,7 +10,7 @@
 
 namespace hmax {
 
-/// Writes pictures, figures, tables and a README.md into `folder`.
+/// Writes pictures, figures, tables and a report (README.md, index.html) into `folder`.
 /// @param progress  told the share that is done and what comes next; may throw to stop
 /// @throws InputError when the folder cannot be written
 TissueStudy reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& options,

@@ -1,11 +1,11 @@
 #include "cli/reproduce/source_items.hpp"
 
 #include <array>
-#include <cctype>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "plots/pages/markdown_page.hpp"
 #include "plots/pages/report.hpp"
 
 namespace hmax {
@@ -72,19 +72,6 @@ constexpr std::array thesis{
     SourceItem{"Slide 66", "rotational invariance", t, "Rotation", ""},
 };
 
-/// As GitHub makes the anchor of a heading.
-std::string anchor_of(const std::string& heading) {
-  std::string anchor;
-  for (const char c : heading) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == ' ')
-      anchor += '-';
-    else if (std::isalnum(byte) || c == '-' || c == '_' || byte > 127)
-      anchor += static_cast<char>(std::tolower(byte));
-  }
-  return anchor;
-}
-
 /// The heading of a page that begins like this; empty where there is none.
 std::string heading_of(const std::string& page, const std::string& beginning) {
   const std::size_t at = page.find("\n## " + beginning);
@@ -108,7 +95,7 @@ std::string items_table(std::span<const SourceItem> items,
       if (!pages.contains(part)) pages[part] = page(part);
       const std::string heading = heading_of(pages[part], item.section);
       where = heading.empty() ? fmt::format("{}: {}", part, markdown_text(item.section))
-                              : fmt::format("[{}]({}/README.md#{})", markdown_text(heading), part, anchor_of(heading));
+                              : fmt::format("[{}]({}/README.md#{})", markdown_text(heading), part, heading_anchor(heading));
     }
     if (*item.note) where += fmt::format("; {}", markdown_text(item.note));
     table += fmt::format("| {} | {} | {} |\n", item.item, markdown_text(item.says), where);

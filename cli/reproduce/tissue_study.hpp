@@ -36,7 +36,7 @@ struct PathLimit {
 
 /// The outcome in numbers.
 struct TissueStudy {
-  std::filesystem::path report;   ///< the README.md
+  std::filesystem::path report;   ///< the index.html
   double force_ratio = 0;         ///< cost of the forces on the liver, finite elements over springs
   double step_ratio = 0;          ///< the same of a step of linearly implicit Euler
   double deflection_springs = 0;  ///< largest displacement of the liver under the same load [m]

@@ -8,6 +8,7 @@
 #include "core/own_files.hpp"
 #include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
+#include "plots/pages/markdown_page.hpp"
 #include "results/errors.hpp"
 #include "results/table.hpp"
 
@@ -85,9 +86,11 @@ std::string report_text(const std::string& title, const std::string& introductio
 std::filesystem::path write_report(const std::string& title, const std::string& introduction,
                                    const std::vector<ReportSection>& sections,
                                    const std::filesystem::path& folder) {
-  std::filesystem::path file = folder / "README.md";
-  write_file(file, report_text(title, introduction, sections, folder));
-  return file;
+  const std::string text = report_text(title, introduction, sections, folder);
+  write_file(folder / "README.md", text);
+  std::filesystem::path page = folder / "index.html";
+  write_file(page, markdown_page(text, folder));
+  return page;
 }
 
 }  // namespace hmax

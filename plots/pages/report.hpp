@@ -1,4 +1,4 @@
-/// A folder of figures with a README.md that shows them.
+/// A folder of figures with a page that shows them, as Markdown and as HTML.
 #pragma once
 
 #include <filesystem>
@@ -33,9 +33,9 @@ std::string markdown_table(const Table& table);
 std::string report_text(const std::string& title, const std::string& introduction,
                         const std::vector<ReportSection>& sections, const std::filesystem::path& folder);
 
-/// Writes `report_text` to folder / README.md.
-/// @returns the file written
-/// @throws InputError when it cannot be written
+/// Writes `report_text` to folder / README.md, and the same as `markdown_page` to folder / index.html.
+/// @returns the index.html
+/// @throws InputError when they cannot be written
 std::filesystem::path write_report(const std::string& title, const std::string& introduction,
                                    const std::vector<ReportSection>& sections,
                                    const std::filesystem::path& folder);

@@ -22,6 +22,9 @@ struct ReportedStore {
   [[nodiscard]] std::size_t size() const { return runs.size() + limits.size() + advice.size(); }
 };
 
+/// @param name  that the page shows
+ReportedStore reported_store(const Store& store, std::string name);
+
 /// The tables of the page; these are their ids in its links.
 inline constexpr std::string_view advice_table = "advice", runs_table = "rows", limits_table = "limits";
 

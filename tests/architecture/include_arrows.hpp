@@ -49,6 +49,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^sqlite3", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},
     {"^results/sqlite/", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},  // the wrapper: SQLite stays behind the store
     {"^CLI/", "^cli/"},
+    {"^cmark", "^plots/pages/markdown_page\\.cpp$"},
     {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},
 };

@@ -13,26 +13,28 @@
     return {value: Number(found[2].replaceAll(",", "").replaceAll("\u2212", "-")), unit: found[3].trim()};
   }
 
-  /// A number for each text where all are numbers of one unit; otherwise null.
-  function numbers_of(texts) {
-    const numbers = texts.map(text => is_missing(text) ? {value: NaN, unit: null} : number_in(text));
-    if (numbers.includes(null)) return null;
-    const units = new Set(numbers.map(each => each.unit).filter(unit => unit !== null));
-    return units.size > 1 ? null : numbers.map(each => each.value);
+  /// What each cell of a column is sorted by: [class, value]. Numbers come before words where all have one unit; a column of
+  /// several units has words only. Dashes come last.
+  function keys_of(texts) {
+    const numbers = texts.map(text => is_missing(text) ? null : number_in(text));
+    const units = new Set(numbers.filter(each => each && each.unit !== null).map(each => each.unit));
+    return texts.map((text, k) => is_missing(text) ? [2, ""] :
+                             numbers[k] && units.size < 2 ? [0, numbers[k].value] : [1, text]);
+  }
+
+  /// The order of classes is the same in both directions.
+  function compare(a, b, direction) {
+    if (a[0] !== b[0]) return a[0] - b[0];
+    if (a[0] === 1) return direction * a[1].localeCompare(b[1], "en", {numeric: true});
+    return a[1] === b[1] ? 0 : direction * (a[1] < b[1] ? -1 : 1);
   }
 
   function make_sortable(table) {
     const headings = [...table.tHead.rows[0].cells], body = table.tBodies[0], written = [...body.rows];
     function sort(column, direction) {
-      const texts = written.map(row => row.cells[column].textContent.trim()), numbers = numbers_of(texts);
-      const compare = (a, b) => {
-        const missing = is_missing(texts[a]) - is_missing(texts[b]);  // these come last in both directions
-        if (missing !== 0 || is_missing(texts[a])) return missing;
-        if (!numbers) return direction * texts[a].localeCompare(texts[b], "en", {numeric: true});
-        return numbers[a] === numbers[b] ? 0 : direction * (numbers[a] < numbers[b] ? -1 : 1);
-      };
+      const keys = keys_of(written.map(row => row.cells[column].textContent.trim()));
       const order = written.map((_, k) => k);
-      if (direction !== 0) order.sort((a, b) => compare(a, b) || a - b);
+      if (direction !== 0) order.sort((a, b) => compare(keys[a], keys[b], direction) || a - b);
       body.append(...order.map(k => written[k]));
     }
     headings.forEach((heading, column) => {

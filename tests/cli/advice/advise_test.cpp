@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/cli/html_links.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {

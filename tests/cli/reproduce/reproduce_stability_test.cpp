@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "cli/reproduce/rows_page.hpp"
 #include "plots/gnuplot.hpp"
+#include "tests/cli/html_links.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -63,11 +65,16 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
     EXPECT_EQ(again[i].limit.observed, rows[i].limit.observed);
   }
 
-  const fs::path report = reproduce_stability(some, rows, nonlinear, "a machine", scratch / "report");
+  const RowsPage all = write_rows_page(scratch.folder(), {"limits.sqlite"});
+  EXPECT_EQ(all.left_out, 0U);
+  const fs::path report = reproduce_stability(some, rows, nonlinear, "a machine", scratch.folder(), all.link);
+  EXPECT_EQ(report, scratch / "index.html");
+  EXPECT_NE(text_of(report).find("<a href=\"rows.html\">Every row, with figures to hover over</a>"), std::string::npos);
+  expect_whole_pages(scratch.folder(), 5);
   EXPECT_NE(text_of(report).find("0 disagree"), std::string::npos);
-  EXPECT_NE(text_of(scratch / "report" / "limits.csv").find("male_slim:light"), std::string::npos);
-  EXPECT_NE(text_of(scratch / "report" / "nonlinear.csv").find("rk4"), std::string::npos);
-  EXPECT_EQ(fs::exists(scratch / "report" / "hmax_predicted_vs_observed.svg"), gnuplot_available());
+  EXPECT_NE(text_of(scratch / "limits.csv").find("male_slim:light"), std::string::npos);
+  EXPECT_NE(text_of(scratch / "nonlinear.csv").find("rk4"), std::string::npos);
+  EXPECT_EQ(fs::exists(scratch / "hmax_predicted_vs_observed.svg"), gnuplot_available());
 }
 
 TEST(StabilityReport, StopsWhenInterruptedAndKeepsWhatIsFinished) {

@@ -11,6 +11,7 @@
 #include "cli/reproduce/source_items.hpp"
 #include "plots/gnuplot.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/cli/html_links.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -67,7 +68,7 @@ std::vector<std::string> reproduce_into(const fs::path& folder) {
   std::vector<std::string> sections;
   const fs::path page =
       reproduce_oscillators(rows, folder, [&](const std::string& s) { sections.push_back(s); });
-  EXPECT_EQ(page, folder / "README.md");
+  EXPECT_EQ(page, folder / "index.html");
   return sections;
 }
 
@@ -120,6 +121,8 @@ TEST(ReproduceOscillators, ShowsEveryFigureAndTableLinksWhatExistsAndRepeatsItsB
   EXPECT_EQ(linked[".dat"], linked[".gp"]);
   EXPECT_EQ(linked[".png"], gnuplot_available() ? linked[".gp"] : 0);
 
+  expect_whole_pages(scratch / "report", 20 + 3 * static_cast<std::size_t>(linked[".gp"]));
+
   reproduce_into(scratch / "report");
   const auto again = contents(scratch / "report");
   ASSERT_EQ(again.size(), files.size());
@@ -136,13 +139,15 @@ TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
   const auto parts = told.json().at("parts");
   ASSERT_EQ(parts.size(), 1U);
   EXPECT_EQ(parts[0].at("part"), "tissue");
-  EXPECT_EQ(parts[0].at("report"), "both/tissue/README.md");
+  EXPECT_EQ(parts[0].at("report"), "both/tissue/index.html");
   EXPECT_GT(parts[0].at("rows"), 0);
   EXPECT_NE(read_text(shell / "both/README.md").find("](tissue/README.md)"), std::string::npos);
   const std::string first = read_text(shell / "both/tissue/README.md"), page = read_text(shell / "both/README.md");
   expect_sections(first, "tissue");
   EXPECT_NE(page.find("](tissue/README.md#two-meshes)"), std::string::npos);
   EXPECT_NE(page.find("| Slide 20 |"), std::string::npos);
+  EXPECT_NE(read_text(shell / "both/index.html").find("<a href=\"tissue/index.html#two-meshes\">"), std::string::npos);
+  expect_whole_pages(shell / "both", 50);
   const Told again = shell.hmax(all);
   EXPECT_EQ(again.json().at("parts"), parts);  // with its seconds: it was not made again
   EXPECT_EQ(read_text(shell / "both/tissue/README.md"), first);
