@@ -1,6 +1,7 @@
 /// Advice as it is stored: every method that was tried at its step, for one question.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -23,6 +24,9 @@ struct AdviceKey {
   bool operator==(const AdviceKey&) const = default;
 };
 
+/// Shares of the frames, for the distribution of their times.
+inline constexpr std::array<double, 11> frame_shares{0.99, 0.9, 0.75, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01, 0.005, 0.001};
+
 /// One method with its options at the step that was found. Numbers that do not apply are NaN, limits that no step
 /// reaches are infinite.
 struct AdviceRecord {
@@ -34,6 +38,9 @@ struct AdviceRecord {
   std::string bound;    ///< stability | accuracy | newton | budget | rate
   std::string verdict;  ///< recommended | tie | suitable | unstable | inaccurate | too_slow
   std::string status;   ///< what the verdict rests on, or why a number is missing
+  /// CPU times that the first frame_shares of the frames exceed, with spaces between [s]; of so few frames as to have no
+  /// such share fewer, empty where none was timed.
+  std::string frame_tail;
   double h = none;                 ///< [s]
   double steps_per_frame = none;
   double h_max = none;             ///< predicted [s]

@@ -2,6 +2,7 @@
 
 #include "bench/models/tissue_problem.hpp"
 #include "bench/rows/model_digest.hpp"
+#include "results/numbers.hpp"
 
 namespace hmax {
 
@@ -37,6 +38,8 @@ std::vector<AdviceRecord> advice_records(const Advice& advice) {
     record.frame_p99 = row.frame.p99;
     record.frame_max = row.frame.max;
     record.first_frame = row.first_frame;
+    for (const double time : row.frame.tail)
+      record.frame_tail += (record.frame_tail.empty() ? "" : " ") + to_text(time);
     record.frames = static_cast<double>(row.frames);
     record.missed = static_cast<double>(row.missed);
     record.newton_per_frame = row.newton_per_frame;

@@ -84,7 +84,10 @@ double quantile(std::vector<double> values, double share) {
 }
 
 FrameTimes frame_times(const std::vector<double>& frames_s) {
-  return {quantile(frames_s, 0.5), quantile(frames_s, 0.99), quantile(frames_s, 1)};
+  FrameTimes times{quantile(frames_s, 0.5), quantile(frames_s, 0.99), quantile(frames_s, 1)};
+  for (const double share : frame_shares)
+    if (share * static_cast<double>(frames_s.size()) >= 1) times.tail.push_back(quantile(frames_s, 1 - share));
+  return times;
 }
 
 MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,

@@ -8,6 +8,7 @@
 
 #include "bench/advice/candidate.hpp"
 #include "bench/advice/probing_motion.hpp"
+#include "results/advice_record.hpp"
 
 namespace hmax {
 
@@ -35,6 +36,8 @@ inline bool is_late(std::size_t missed, std::size_t frames) { return missed > 1 
 /// Order statistics of the time of a frame [s].
 struct FrameTimes {
   double p50 = std::numeric_limits<double>::quiet_NaN(), p99 = p50, max = p50;
+  /// What the first frame_shares of the frames exceed, as far as they are a frame at least.
+  std::vector<double> tail = {};
 };
 /// NaN of no frames.
 FrameTimes frame_times(const std::vector<double>& frames_s);

@@ -25,7 +25,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 template <class Record>
 struct ShownColumn {
   const char *key, *name, *unit;
-  const char* form;  ///< text | long | number | count
+  const char* form;  ///< text | long | number | count | list
   Cell (*of)(const Record&);
 };
 
@@ -118,6 +118,7 @@ const std::vector<ShownColumn<AdviceRecord>>& advice_columns() {
       {"p50", "frame, median", "ms", "number", [](C r) -> Cell { return in_ms(r.frame_p50); }},
       {"p99", "frame, 99 %", "ms", "number", [](C r) -> Cell { return in_ms(r.frame_p99); }},
       {"max", "frame, maximum", "ms", "number", [](C r) -> Cell { return in_ms(r.frame_max); }},
+      {"tail", "frame times", "s", "list", [](C r) -> Cell { return r.frame_tail; }},
       {"first", "first frame", "ms", "number", [](C r) -> Cell { return in_ms(r.first_frame); }},
       {"frames", "frames", "", "count", [](C r) -> Cell { return r.frames; }},
       {"missed", "late frames", "", "count", [](C r) -> Cell { return r.missed; }},
@@ -327,6 +328,12 @@ Json advice_figures() {
   frames["range"] = {mark("p50", "median", "circle"), mark("p99", "99 %", "bar"), mark("max", "maximum", "diamond")};
   frames["missing"] = "not timed";
   frames["lines"].push_back(line("x", "budget", "budget"));
+  Json tail = figure("frame_tail", advice_table, "Distribution of frame times",
+                     "Share of the frames that take longer. Curves of fewer than a thousand frames end earlier.",
+                     "p50", "p99", "CPU time of a frame [ms]", "frames that take longer [%]");
+  tail["shares"] = {{"key", "tail"}, {"of", frame_shares}};
+  tail["join"] = true;
+  tail["lines"].push_back(line("x", "budget", "budget"));
   Json steps = figure("steps_and_limits", advice_table, "Steps and their limits",
                       "Steps below the limit of their method are stable.", "h", "h_max", "time step [ms]", "");
   steps["range"] = {mark("h", "step", "circle"), mark("h_max", "limit, predicted", "bar"),
@@ -338,7 +345,7 @@ Json advice_figures() {
              "p50", "error", "CPU time of a frame, median [ms]", "error [%]");
   errors["strip"] = true;
   errors["lines"] = {line("x", "budget", "budget"), line("y", "tolerance", "tolerance")};
-  return Json::array({errors, frames, steps});
+  return Json::array({errors, frames, tail, steps});
 }
 
 Json run_figures() {

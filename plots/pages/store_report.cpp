@@ -114,7 +114,7 @@ void add(Parts& parts, const Section& section) {
 
 /// Where the page is about one answer, this says what its rows are in words.
 Section advice_section(std::span<const ReportedStore> stores, const AnswerSections* answer) {
-  const std::vector<std::string_view> figures{"advice_error", "frame_times", "steps_and_limits"};
+  const std::vector<std::string_view> figures{"advice_error", "frame_times", "frame_tail", "steps_and_limits"};
   if (!answer)
     return {advice_table, "Advice", "", figures, "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"};
   constexpr const char* title = "All methods";

@@ -20,15 +20,16 @@ inline constexpr std::array<Column<AdviceKey, std::string>, 7> advice_key_texts{
 inline constexpr std::array<Column<AdviceKey, double>, 3> advice_key_numbers{
     {{"rate", &AdviceKey::rate}, {"tolerance", &AdviceKey::tolerance}, {"budget_s", &AdviceKey::budget}}};
 
-inline constexpr std::array<Column<AdviceRecord, std::string>, 5> advice_texts{
+/// Layout 4 does not have these.
+inline constexpr std::string_view linear_column = "linear_per_frame", tail_column = "frame_tail_s";
+
+inline constexpr std::array<Column<AdviceRecord, std::string>, 6> advice_texts{
     {{"method", &AdviceRecord::method},
      {"options", &AdviceRecord::options},
      {"bound", &AdviceRecord::bound},
      {"verdict", &AdviceRecord::verdict},
-     {"status", &AdviceRecord::status}}};
-
-/// Layout 4 does not have it.
-inline constexpr std::string_view linear_column = "linear_per_frame";
+     {"status", &AdviceRecord::status},
+     {tail_column, &AdviceRecord::frame_tail}}};
 
 inline constexpr std::array<Column<AdviceRecord, double>, 16> advice_numbers{
     {{"h", &AdviceRecord::h},

@@ -22,11 +22,12 @@ std::string key_schema() {
 }
 std::string own_names() { return joined("", "", ", ", advice_texts, advice_numbers); }
 
-/// The same as expressions of an earlier layout, which has NaN in place of the numbers that it lacks.
+/// The same as expressions of an earlier layout, with what stands in place of the columns that it lacks.
 std::string own_names(std::int64_t layout) {
   std::string names = own_names();
-  if (layout < 5) names.replace(names.find(linear_column), linear_column.size(), "'nan'");
-  return names;
+  if (layout >= 5) return names;
+  names.replace(names.find(linear_column), linear_column.size(), "'nan'");
+  return names.replace(names.find(tail_column), tail_column.size(), "''");
 }
 
 void bind_key(Statement& statement, int& index, const AdviceKey& key) {

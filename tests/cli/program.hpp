@@ -30,9 +30,9 @@ class Shell {
 
   /// A whole line of sh in which `hmax` is the program.
   Told line(const std::string& command) const {
-    // A limit of a minute turns a hang into a failure.
+    // Three minutes turn a hang into a failure, also on a slow machine.
     const std::string line = "cd '" + folder_.folder().string() +
-                             "' && hmax() { timeout 60 '" HMAX_PROGRAM "' \"$@\"; } && { " + command +
+                             "' && hmax() { timeout 180 '" HMAX_PROGRAM "' \"$@\"; } && { " + command +
                              " ; } >'" + out().string() + "' 2>'" + err().string() + "' </dev/null";
     const int status = std::system(line.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out()), read_text(err())};

@@ -177,7 +177,19 @@ function draw_line(svg, frame, scale, vertical, value, label) {
   svg.append(drawn("line", {class: "bound", ...ends}), drawn("text", {class: "bound", ...words}, label));
 }
 
+/// The times that shares of the frames exceed.
+function tail_points(figure, table, rows) {
+  const column = column_of(table, figure.shares.key);
+  return rows.flatMap(row => value_of(row, column).split(" ").filter(Boolean).map((time, k) => ({
+    row,
+    x: 1e3 * Number(time),
+    y: 100 * figure.shares.of[k],
+    shown: true
+  })));
+}
+
 function points_of(figure, table, rows) {
+  if (figure.shares) return tail_points(figure, table, rows);
   const x = column_of(table, figure.x), y = column_of(table, figure.y);
   return rows.map(row => {
     const across = Math.abs(value_of(row, x)), up = Math.abs(value_of(row, y));

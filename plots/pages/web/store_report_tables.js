@@ -25,7 +25,7 @@ function power_text(exponent) {
   return "10" + String(exponent).replace("-", "\u207b").replace(/\d/g, digit => digits[digit]);
 }
 
-const is_text = column => column.form === "text" || column.form === "long" || column.form === "store";
+const is_text = column => ["text", "long", "list", "store"].includes(column.form);
 
 /// A string, or a number: NaN where there is none.
 function value_of(row, column) {
@@ -89,7 +89,7 @@ function make_table(table, holder) {
   // What every row has in common is told once, above the table.
   const varies = column => column.key === "method" || table.rows.length < 2 ||
       table.rows.some(row => row[column.at] !== table.rows[0][column.at]);
-  const with_values = [store_column, ...table.columns.filter(has_value)];
+  const with_values = [store_column, ...table.columns.filter(column => column.form !== "list" && has_value(column))];
   const columns = [row_column, ...with_values.filter(varies)], common = with_values.filter(column => !varies(column));
   const state = {sort: row_column, direction: 1, words: [], all: false, printed: false, marked: ""};
   const filter =

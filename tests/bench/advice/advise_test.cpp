@@ -547,6 +547,10 @@ TEST(FrameTimes, AreOrderStatistics) {
   EXPECT_EQ(times.p50, 100);
   EXPECT_EQ(times.p99, 198);
   EXPECT_EQ(times.max, 200);
+  ASSERT_EQ(times.tail.size(), frame_shares.size() - 1) << "a thousandth of 200 frames is no frame";
+  EXPECT_EQ(times.tail[3], 100);
+  EXPECT_EQ(times.tail.back(), 199);
+  EXPECT_TRUE(frame_times({}).tail.empty());
   EXPECT_TRUE(std::isnan(frame_times({}).p50));
 }
 

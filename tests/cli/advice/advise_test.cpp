@@ -154,7 +154,7 @@ TEST(AdvisePage, NeedsNothingElse) {
   EXPECT_EQ(count_of(page, "://"), count_of(page, "\"http://www.w3.org/2000/svg\""));
   EXPECT_EQ(count_of(page, "src=\""), 0U);
   EXPECT_EQ(count_of(page, "href=\""), count_of(page, "href=\"#") + count_of(page, "href=\"data:,\""));
-  for (const char* figure : {"advice_error", "frame_times", "steps_and_limits"})
+  for (const char* figure : {"advice_error", "frame_times", "frame_tail", "steps_and_limits"})
     EXPECT_EQ(count_of(page, fmt::format("<div id=\"figure-{}\">", figure)), 1U) << figure;
   EXPECT_EQ(count_of(page, "class=\"scene\""), 0U);
   for (const char* element : {"table", "tr", "td", "th", "h2", "section", "ul", "li"})

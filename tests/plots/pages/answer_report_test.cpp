@@ -63,7 +63,7 @@ TEST(AnswerReportInABrowser, ShowsFiguresAndTheBodyWithoutErrors) {
   if (browser().empty())
     GTEST_SKIP() << "chromium is not installed, so the page is not driven; apt-get install chromium";
   const auto findings = findings_on(answer_report(an_answer(), words(), "1.2.3").html, "answer_report_actions.js", browser());
-  const std::map<std::string, std::string> expected{{"figures", "3"},
+  const std::map<std::string, std::string> expected{{"figures", "4"},
                                                     {"rows", "2"},
                                                     {"body", "1"},
                                                     {"mark leads to its row", "advice-1"},

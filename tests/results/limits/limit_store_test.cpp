@@ -149,6 +149,7 @@ constexpr const char* advice_of_layout_5 = R"sql(CREATE TABLE advice (
   bound TEXT NOT NULL,
   verdict TEXT NOT NULL,
   status TEXT NOT NULL,
+  frame_tail_s TEXT NOT NULL,
   h NOT NULL,
   steps_per_frame NOT NULL,
   h_max NOT NULL,
