@@ -1,0 +1,33 @@
+/// Whether runs of an engine itself grow.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include <Eigen/Core>
+
+#include "analysis/foreign_steps/foreign_stepper.hpp"
+
+namespace hmax {
+
+struct GrowthRun {
+  std::int64_t steps = 2000;
+  double amplitude = 1e-6;  ///< of the disturbance, in units of scales
+  double bound = 0.1;       ///< a distance beyond it is divergence
+  bool follow = false;      ///< the state moves: the distance is that of a run without the disturbance
+  std::function<void()> watch = {};
+};
+
+/// Runs the engine from the state in `slot` with a small random disturbance. The distances from the undisturbed run are
+/// compared: the largest of the last quarter with the largest of the second one. Motions of constant amplitude keep it, free
+/// motion at constant velocity doubles it.
+/// @return  whether it grew by more than a factor of 4, or beyond the bound, or the steps could not be done
+bool run_grows(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale, int slot, double h,
+               const GrowthRun& run);
+
+/// ln of the factor between the distances of two neighbours at the end and at the beginning of a run; infinity where it
+/// diverged.
+double growth_of_run(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale, int slot,
+                     double h, const GrowthRun& run);
+
+}  // namespace hmax

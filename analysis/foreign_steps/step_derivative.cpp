@@ -1,0 +1,129 @@
+#include "analysis/foreign_steps/step_derivative.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "analysis/spectrum/lanczos.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Another direction for each k, its largest part 1.
+VectorXd direction(Index n, Index k) {
+  const VectorXd numbers = start_vector(n + 7 * k).tail(n);
+  return numbers / numbers.cwiseAbs().maxCoeff();
+}
+
+VectorXd signs(Index n, Index k) {
+  return direction(n, k).unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
+}
+
+}  // namespace
+
+StepDerivative::StepDerivative(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot,
+                               const VectorXd& y, double h)
+    : engine_(&engine), coordinates_(&coordinates), scale_(scale), y_(y), slot_(slot), h_(h) {
+  next_ = engine.after(slot, y, h, 1);
+  if (is_finite()) choose_increment();
+}
+
+VectorXd StepDerivative::difference(const VectorXd& v, double increment) const {
+  const auto image = [&](double sign) {
+    const VectorXd x = sign * increment * v.cwiseProduct(scale_);
+    return coordinates_->of(next_, engine_->after(slot_, coordinates_->at(y_, x), h_, 1));
+  };
+  return (image(1) - image(-1)).cwiseQuotient(2 * increment * scale_);
+}
+
+// From large increments, where the step may not be linear, to small ones, where rounding is all: the pair that agrees best.
+void StepDerivative::choose_increment() {
+  constexpr int levels = 15, directions = 3;
+  std::array<double, levels> disagreement{};
+  std::array<double, levels> size{};
+  double shrink = std::sqrt(0.1);
+  for (Index k = 0; k < directions; ++k) {
+    const VectorXd v = direction(scale_.size(), k);
+    VectorXd before;
+    double increment = 0.03;
+    for (std::size_t level = 0; level < levels; ++level, increment *= shrink) {
+      const VectorXd now = difference(v, increment);
+      const double change = level > 0 ? (now - before).norm() / v.norm() : infinity;
+      disagreement[level] = std::max(disagreement[level], std::isfinite(change) ? change : infinity);
+      size[level] = std::max(size[level], now.norm() / v.norm());
+      before = now;
+    }
+  }
+  const auto best = static_cast<std::size_t>(std::ranges::min_element(disagreement) - disagreement.begin());
+  increment_ = 0.03 * std::pow(shrink, static_cast<double>(best));
+  const double rounding = engine_->is_single_precision() ? std::numeric_limits<float>::epsilon()
+                                                         : std::numeric_limits<double>::epsilon();
+  error_ = std::max(disagreement[best], 4 * rounding * size[best]);
+}
+
+VectorXd StepDerivative::product(const VectorXd& v) const {
+  const double largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return VectorXd::Zero(v.size());
+  return largest * difference(v / largest, increment_);
+}
+
+MatrixXd StepDerivative::matrix(const std::function<void(double share)>& watch) const {
+  const Index n = scale_.size();
+  MatrixXd J(n, n);
+  for (Index j = 0; j < n; ++j) {
+    J.col(j) = difference(VectorXd::Unit(n, j), increment_);
+    if (watch && j % 16 == 0) watch(static_cast<double>(j) / static_cast<double>(n));
+  }
+  return J;
+}
+
+VectorXd scales_of(const VectorXd& y) {
+  const double largest = y.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return VectorXd::Ones(y.size());
+  return y.cwiseAbs().cwiseMax(0.01 * largest);
+}
+
+VectorXd balancing_factors(const MatrixXd& J, double noise) {
+  const Index n = J.rows();
+  MatrixXd B = J - MatrixXd::Identity(n, n);
+  B.diagonal().setZero();
+  B = (B.array().abs() > noise).select(B, 0);
+  VectorXd D = VectorXd::Ones(n);
+  for (int sweep = 0; sweep < 20; ++sweep)
+    for (Index i = 0; i < n; ++i) {
+      const double row = B.row(i).norm(), column = B.col(i).norm();
+      if (!(row > 0 && column > 0)) continue;
+      const double factor = std::clamp(std::sqrt(row / column), 0.01, 100.0);
+      D[i] *= factor;
+      B.row(i) /= factor;
+      B.col(i) *= factor;
+    }
+  return D / D.maxCoeff();
+}
+
+VectorXd balancing_factors(const std::function<VectorXd(const VectorXd&)>& J, Index n) {
+  VectorXd D = VectorXd::Ones(n);
+  // D <- sqrt(D |J - I| D): one step would balance two numbers; a third leaves what only loosely hangs together in place.
+  for (int sweep = 0; sweep < 3; ++sweep) {
+    VectorXd squares = VectorXd::Zero(n);
+    for (Index k = 0; k < 4; ++k) {
+      const VectorXd z = D.cwiseProduct(signs(n, 4 * sweep + k));
+      squares += (J(z) - z).cwiseAbs2() / 4;
+    }
+    if (!squares.allFinite()) return VectorXd::Ones(n);
+    for (Index i = 0; i < n; ++i)
+      if (squares[i] > 0) D[i] = std::sqrt(D[i] * std::sqrt(squares[i]));
+    D /= D.maxCoeff();
+    D = D.cwiseMax(1e-6);
+  }
+  return D;
+}
+
+}  // namespace hmax

@@ -1,0 +1,57 @@
+/// The derivative of one step of an engine, by central differences at increments that its precision allows.
+#pragma once
+
+#include <functional>
+
+#include <Eigen/Core>
+
+#include "analysis/foreign_steps/foreign_stepper.hpp"
+
+namespace hmax {
+
+/// Of u -> u', coordinates in units of scales, about a state y that goes to y' in a step of size h. What is hidden in the
+/// engine is as in the slot.
+class StepDerivative {
+ public:
+  /// @param engine  with its state of y in `slot`
+  /// @param scale   shape (coordinates.size()), positive
+  StepDerivative(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale, int slot,
+                 const Eigen::VectorXd& y, double h);
+
+  /// False where a step from y leaves the range of numbers, or cannot be done.
+  [[nodiscard]] bool is_finite() const { return next_.allFinite(); }
+  [[nodiscard]] const Eigen::VectorXd& next() const { return next_; }  ///< y'
+  [[nodiscard]] double increment() const { return increment_; }       ///< in units of scales
+  /// Estimate of the spectral norm of the error of matrix(): the difference of differences at two increments in random
+  /// directions, not less than rounding.
+  [[nodiscard]] double error() const { return error_; }
+
+  /// J v. @param v  shape (coordinates.size())
+  [[nodiscard]] Eigen::VectorXd product(const Eigen::VectorXd& v) const;
+  /// J, shape (coordinates.size(), coordinates.size()); two steps a column.
+  /// @param watch  called with the share that is done; may throw
+  [[nodiscard]] Eigen::MatrixXd matrix(const std::function<void(double share)>& watch = {}) const;
+
+ private:
+  [[nodiscard]] Eigen::VectorXd difference(const Eigen::VectorXd& v, double increment) const;
+  void choose_increment();
+
+  ForeignStepper* engine_;
+  const StateCoordinates* coordinates_;
+  Eigen::VectorXd scale_, y_, next_;
+  int slot_;
+  double h_, increment_ = 1e-5, error_ = 0;
+};
+
+/// Scales of a state as sizes of its numbers: at least a hundredth of the largest one; 1 where all are zero.
+Eigen::VectorXd scales_of(const Eigen::VectorXd& y);
+
+/// Factors of scales that balance a Jacobian: rows and columns of D^-1 (J - I) D have like norms, so that positions and
+/// velocities are measured in one unit. [parlett1969balancing]
+/// @param noise  entries below it are taken for zero
+/// @return  shape (n), at most 1
+Eigen::VectorXd balancing_factors(const Eigen::MatrixXd& J, double noise);
+/// The same of a map of which only products are known, from random vectors of signs. [chen2000balancing]
+Eigen::VectorXd balancing_factors(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& J, Eigen::Index n);
+
+}  // namespace hmax

@@ -1,0 +1,322 @@
+#include "analysis/foreign_steps/step_probe.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "analysis/foreign_steps/hidden_state.hpp"
+#include "analysis/foreign_steps/observed_steps.hpp"
+#include "analysis/foreign_steps/step_derivative.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr int home = 0, work = 1;
+/// A motion that grows by less than this factor more than at h0 is no growth of the steps.
+const double least_growth = std::log(10.0);
+
+/// What all parts of a probe need.
+class Probe {
+ public:
+  Probe(ForeignStepper& engine, const ProbeSettings& settings)
+      : engine_(engine), settings_(settings), coordinates_(engine.dim(), engine.quaternions()) {}
+
+  ProbedLimit run();
+
+ private:
+  void look_at_start();
+  void balance();
+  void find_limit();
+  StepSpectrum at(double h);
+  StepSpectrum along_motion(double h);
+  void bisect(double low, double high);
+  void explain_growth_at_least();
+  void name_growing_numbers();
+  void observe();
+  bool runs_grow(double h);
+  std::int64_t observed_steps();
+  void bracket(double low, double high, bool low_known);
+
+  [[nodiscard]] bool is_single() const { return engine_.is_single_precision(); }
+  void tell(double share, std::string_view detail) const {
+    if (settings_.watch) settings_.watch(share, detail);
+  }
+  [[nodiscard]] std::function<void()> watcher() const {
+    return [this] { tell(share_, detail_); };
+  }
+  [[nodiscard]] GrowthRun growth_run(double h) const;
+  [[nodiscard]] std::int64_t steps_of_motion(double h) const {
+    return std::max<std::int64_t>(1, std::llround(*settings_.motion / h));
+  }
+
+  ForeignStepper& engine_;
+  const ProbeSettings& settings_;
+  StateCoordinates coordinates_;
+  VectorXd start_, scale_;
+  ProbedLimit found_;
+  double base_growth_ = 0, base_run_ = nan;
+  double share_ = 0;
+  std::string detail_ = "steps";
+};
+
+void Probe::look_at_start() {
+  start_ = engine_.state();
+  if (!start_.allFinite()) {
+    Index bad = 0;
+    while (std::isfinite(start_[bad])) ++bad;
+    throw InputError("number " + std::to_string(bad) + " of the state at the start is not finite");
+  }
+  engine_.save(home);
+  for (const Index first : engine_.quaternions())
+    if (std::abs(start_.segment<4>(first).norm() - 1) > 1e-3)
+      throw InputError("the quaternion at number " + std::to_string(first) + " of the state has length " +
+                       rounded_text(start_.segment<4>(first).norm(), 3) + " instead of 1");
+  scale_ = coordinates_.scales(engine_.scales().size() > 0 ? engine_.scales() : scales_of(start_));
+  const VectorXd next = engine_.after(home, start_, settings_.h0, 1);
+  if (!next.allFinite()) throw InputError("a step of h0 from the start is not finite; take a smaller --h0");
+  Index most = 0;
+  const double moved = coordinates_.of(start_, next).cwiseQuotient(scale_).cwiseAbs().maxCoeff(&most);
+  if (settings_.motion) {
+    found_.state = ProbedState::motion;
+  } else if (moved <= (is_single() ? 1e-5 : 1e-9)) {
+    found_.state = ProbedState::equilibrium;
+  } else {
+    const Index i = coordinates_.component(most);
+    found_.status.push_back("the state is no equilibrium, a step of h0 changes its number " + std::to_string(i) + " from " +
+                            rounded_text(start_[i], 3) + " to " + rounded_text(next[i], 3) +
+                            ": h_max is that of this state; --motion T follows the motion");
+  }
+  const std::vector<std::string> remarks =
+      examine_hidden_state(engine_, coordinates_, scale_, home, start_, settings_.h0)
+          .remarks(is_single() ? 1e-4 : 1e-8, engine_.has_hidden_state());
+  found_.status.insert(found_.status.end(), remarks.begin(), remarks.end());
+}
+
+void Probe::balance() {
+  const StepDerivative derivative(engine_, coordinates_, scale_, home, start_, settings_.h0);
+  const VectorXd factors =
+      coordinates_.size() > settings_.spectrum.matrix_to
+          ? balancing_factors([&](const VectorXd& v) { return derivative.product(v); }, coordinates_.size())
+          : balancing_factors(derivative.matrix([this](double share) { tell(0.02 * share, "first differences"); }),
+                              3 * derivative.error());
+  scale_ = scale_.cwiseProduct(factors);
+  if (derivative.error() > 0.01)
+    found_.status.push_back("differences of the step at two increments differ by " + rounded_text(derivative.error(), 2) +
+                            ": the step is not smooth at this state, as at a contact that opens");
+}
+
+StepSpectrum Probe::along_motion(double h) {
+  const std::int64_t steps = steps_of_motion(h);
+  const double increment = is_single() ? 1e-3 : 1e-6;
+  const double growth =
+      growth_along_motion(engine_, coordinates_, scale_, home, work, h, steps, increment, watcher());
+  StepSpectrum row;
+  row.h = h;
+  row.increment = increment;
+  row.multiplier = {nan, nan};
+  row.spectral_radius = std::exp(growth / static_cast<double>(steps));
+  row.tolerance = least_growth / static_cast<double>(steps);
+  row.motion = VectorXd::Zero(engine_.dim());
+  if (found_.rows.empty()) base_growth_ = std::max(0.0, growth);
+  row.grows = !(growth <= 1.5 * base_growth_ + least_growth);
+  return row;
+}
+
+StepSpectrum Probe::at(double h) {
+  StepSpectrum row = found_.state == ProbedState::motion
+                         ? along_motion(h)
+                         : spectrum_of_step(engine_, coordinates_, scale_, home, start_, h,
+                                            {.eigenvalues_to = settings_.spectrum.eigenvalues_to,
+                                             .matrix_to = settings_.spectrum.matrix_to,
+                                             .watch = watcher()});
+  found_.rows.push_back(row);
+  if (row.grows && (!found_.critical || h < found_.critical->h)) found_.critical = row;  // until the limit is known
+  return row;
+}
+
+void Probe::bisect(double low, double high) {
+  while (high - low > settings_.resolution * high) {
+    const double middle = (low + high) / 2;
+    (at(middle).grows ? high : low) = middle;
+    share_ = std::min(0.6, share_ + 0.02);
+  }
+  found_.h_max = (low + high) / 2;
+  // So close to the limit the motion that grows is hardly told from others.
+  const StepSpectrum beyond = at(std::min(1.002 * found_.h_max, settings_.h1));
+  if (beyond.grows) found_.critical = beyond;
+}
+
+/// Whether what grows at h0 grows in the model: at half the step half as much a step.
+void Probe::explain_growth_at_least() {
+  found_.h_max = nan;
+  const StepSpectrum row = found_.rows.front();
+  if (found_.state == ProbedState::motion || !std::isfinite(row.spectral_radius)) {
+    found_.status.push_back("steps of h0 cannot be done; take a smaller --h0");
+    return;
+  }
+  const double of_half = at(settings_.h0 / 2).spectral_radius - 1, of_whole = row.spectral_radius - 1;
+  found_.status.push_back(
+      std::abs(2 * of_half - of_whole) < 0.2 * of_whole
+          ? "motions grow at every step size, at half of h0 half as much a step: the model itself is unstable at this state"
+          : "motions grow at h0 already; take a smaller --h0");
+}
+
+void Probe::find_limit() {
+  const int count = settings_.h1 > settings_.h0 ? std::max(2, settings_.rows) : 1;
+  double low = 0;
+  for (int i = 0; i < count; ++i) {
+    const double part = count > 1 ? static_cast<double>(i) / (count - 1) : 0;
+    const double h = i + 1 == count ? settings_.h1 : settings_.h0 * std::pow(settings_.h1 / settings_.h0, part);
+    share_ = 0.02 + 0.4 * static_cast<double>(i) / count;
+    detail_ = "h = " + rounded_text(h, 4) + " s";
+    tell(share_, detail_);
+    if (at(h).grows) {
+      if (low == 0) return explain_growth_at_least();
+      bisect(low, h);
+      return;
+    }
+    low = h;
+  }
+  found_.h_max = infinity;
+  found_.status.push_back("no growth up to h1");
+}
+
+void Probe::name_growing_numbers() {
+  if (!found_.critical || !(found_.critical->motion.maxCoeff() > 0)) return;
+  const VectorXd& motion = found_.critical->motion;
+  std::vector<Index> order(static_cast<std::size_t>(motion.size()));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::sort(order, [&](Index a, Index b) { return motion[a] != motion[b] ? motion[a] > motion[b] : a < b; });
+  for (const Index i : order)
+    if (found_.moving.size() < 4 && motion[i] > 0.1) found_.moving.push_back(i);
+}
+
+GrowthRun Probe::growth_run(double h) const {
+  GrowthRun run{.steps = found_.state == ProbedState::motion ? steps_of_motion(h) : found_.steps,
+                .amplitude = is_single() ? 3e-3 : 1e-6,
+                .bound = is_single() ? 0.3 : 0.1,
+                .follow = found_.state != ProbedState::equilibrium,
+                .watch = watcher()};
+  return run;
+}
+
+bool Probe::runs_grow(double h) {
+  share_ = std::min(0.99, share_ + 0.02);
+  detail_ = "runs with h = " + rounded_text(h, 5) + " s";
+  if (found_.state != ProbedState::motion) return run_grows(engine_, coordinates_, scale_, home, h, growth_run(h));
+  const auto growth = [&](double size) {
+    return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
+  };
+  if (std::isnan(base_run_)) base_run_ = std::max(0.0, growth(settings_.h0));
+  return !(growth(h) <= 1.5 * base_run_ + least_growth);
+}
+
+/// Long enough that growth at 1.002 of the limit is seen, and not longer than the time allows.
+std::int64_t Probe::observed_steps() {
+  constexpr std::int64_t least = 4000, most = 2'000'000;
+  using Clock = std::chrono::steady_clock;
+  engine_.restore(home);
+  const auto begin = Clock::now();
+  engine_.step(settings_.h0, 50);
+  const double one = std::chrono::duration<double>(Clock::now() - begin).count() / 50;
+  const double affordable = std::clamp(settings_.seconds_a_run / one, double{least}, double{most});
+  if (!std::isfinite(found_.h_max)) return static_cast<std::int64_t>(std::min(affordable, 20000.0));
+  const double rate = std::log(found_.critical->spectral_radius);
+  const double needed = rate > 0 ? 6 / rate : infinity;
+  if (needed > affordable)
+    found_.status.push_back("growth just above the limit is " + rounded_text(rate, 2) + " a step: runs of " +
+                            std::to_string(std::llround(affordable)) + " steps show it late, observed is too large");
+  return std::llround(std::clamp(needed, double{least}, affordable));
+}
+
+/// @param low_known  whether runs at `low` are known not to grow
+void Probe::bracket(double low, double high, bool low_known) {
+  for (double away = 0.004; !low_known && runs_grow(low); away *= 2) {
+    high = low;
+    low = found_.h_max * (1 - away);
+    if (low < settings_.h0 / 2 || away > 1) {
+      found_.observed = nan;
+      found_.status.push_back("runs grow at h0 already, though no multiplier does");
+      return;
+    }
+  }
+  for (double away = 0.004; !runs_grow(high); away *= 2) {
+    if (high >= settings_.h1) {
+      found_.observed = infinity;
+      return;
+    }
+    low = high;
+    high = std::min(settings_.h1, found_.h_max * (1 + away));
+  }
+  while (high - low > settings_.resolution * high) {
+    const double middle = (low + high) / 2;
+    (runs_grow(middle) ? high : low) = middle;
+  }
+  found_.observed = (low + high) / 2;
+}
+
+void Probe::observe() {
+  found_.observed = found_.gap = nan;
+  if (!settings_.observe || std::isnan(found_.h_max)) return;
+  share_ = std::max(share_, 0.6);
+  detail_ = "runs";
+  found_.steps = found_.state == ProbedState::motion ? 0 : observed_steps();
+  if (std::isinf(found_.h_max)) {
+    if (!runs_grow(settings_.h1)) {
+      found_.observed = infinity;
+    } else {
+      found_.status.push_back("runs at h1 grow, though no multiplier does");
+    }
+    return;
+  }
+  bracket(0.998 * found_.h_max, std::min(settings_.h1, 1.002 * found_.h_max), false);
+  found_.gap = (found_.observed - found_.h_max) / found_.h_max;
+  if (!std::isfinite(found_.gap)) found_.gap = nan;
+}
+
+ProbedLimit Probe::run() {
+  found_.model = engine_.name();
+  found_.dim = engine_.dim();
+  look_at_start();
+  balance();
+  find_limit();
+  name_growing_numbers();
+  if (std::ranges::any_of(found_.rows, [](const StepSpectrum& row) { return !row.resolved; }))
+    found_.status.push_back("an iteration for the largest multiplier ended undecided: slow growth may be missed");
+  observe();
+  engine_.restore(home);
+  std::ranges::sort(found_.rows, {}, &StepSpectrum::h);
+  return found_;
+}
+
+}  // namespace
+
+std::string_view name_of(ProbedState state) {
+  switch (state) {
+    case ProbedState::equilibrium: return "equilibrium";
+    case ProbedState::initial: return "initial";
+    case ProbedState::motion: return "motion";
+  }
+  return "";
+}
+
+ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings) {
+  const auto is_size = [](double h) { return std::isfinite(h) && h > 0; };
+  if (!is_size(settings.h0) || !is_size(settings.h1) || settings.h1 < settings.h0)
+    throw InputError("step sizes are from --h0 " + to_text(settings.h0) + " to --h1 " + to_text(settings.h1) +
+                     "; give two positive numbers, the smaller one first");
+  if (settings.motion && !(*settings.motion >= settings.h1 && std::isfinite(*settings.motion)))
+    throw InputError("--motion " + to_text(*settings.motion) + " is shorter than a step of --h1; give its length in seconds");
+  return Probe(engine, settings).run();
+}
+
+}  // namespace hmax

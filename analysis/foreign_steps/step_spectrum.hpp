@@ -1,0 +1,48 @@
+/// The multipliers of one step of an engine, or of its steps along a motion, at one step size.
+#pragma once
+
+#include <complex>
+#include <functional>
+
+#include <Eigen/Core>
+
+#include "analysis/foreign_steps/foreign_stepper.hpp"
+
+namespace hmax {
+
+struct StepSpectrumSettings {
+  Eigen::Index eigenvalues_to = 300;  ///< up to so many coordinates all eigenvalues of the matrix
+  Eigen::Index matrix_to = 1000;      ///< up to so many the matrix, and its largest eigenvalue by Arnoldi iteration; above
+                                      ///< that products alone
+  std::function<void()> watch = {};   ///< called now and then; may throw
+};
+
+/// What a step of size h makes of small differences of states.
+struct StepSpectrum {
+  double h = 0;               ///< [s]
+  double spectral_radius = 0; ///< infinity where a step cannot be done, or leaves the range of numbers
+  /// That grows most, or the largest one where none grows; NaN along motions.
+  std::complex<double> multiplier{};
+  /// Of |multiplier|: how far it may be off by differences. A multiplier of modulus 1 to this accuracy does not grow.
+  double tolerance = 0;
+  double increment = 0;    ///< of the differences, in units of scales
+  bool grows = false;
+  bool resolved = true;    ///< false: an iteration ended undecided
+  Eigen::VectorXd motion{};  ///< that grows, as numbers of the state; shape (dim), its largest number 1
+};
+
+/// About the state of the engine in `slot`. Each eigenvalue has a tolerance of its own, 4 |E| |x| |y| / |y^H x| with the
+/// error E of the matrix, x and y its right and left eigenvectors, but at most 4 sqrt|E|: of modulus 1 are all multipliers
+/// of undamped motions under symplectic methods, and pairs of them meet.
+StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale,
+                              int slot, const Eigen::VectorXd& y, double h, const StepSpectrumSettings& settings = {});
+
+/// ln of the factor by which `steps` steps from the state in `slot` stretch the difference of two neighbours: the product of
+/// the derivatives of the steps, applied twice to a vector, the second time to what the first one made of it.
+/// @param work  a slot that is written
+/// @return infinity where a step cannot be done or leaves the range of numbers
+double growth_along_motion(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale,
+                           int slot, int work, double h, std::int64_t steps, double increment,
+                           const std::function<void()>& watch);
+
+}  // namespace hmax

@@ -1,0 +1,109 @@
+#include "analysis/foreign_steps/step_derivative.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "analysis/foreign_steps/step_spectrum.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// y -> map(y, h), in double or rounded to float.
+class Mapped : public ForeignStepper {
+ public:
+  using Map = VectorXd (*)(const VectorXd& y, double h);
+  Mapped(Map map, VectorXd y, bool single = false) : map_(map), y_(std::move(y)), single_(single) {}
+  std::string name() const override { return "mapped"; }
+  Eigen::Index dim() const override { return y_.size(); }
+  bool is_single_precision() const override { return single_; }
+  bool has_hidden_state() const override { return false; }
+  VectorXd state() override { return y_; }
+  void set_state(const VectorXd& y) override { y_ = rounded(y); }
+  bool step(double h, std::int64_t count) override {
+    for (; count > 0; --count) y_ = rounded(map_(y_, h));
+    return true;
+  }
+  void save(int) override { saved_ = y_; }
+  void restore(int) override { y_ = saved_; }
+
+ private:
+  VectorXd rounded(const VectorXd& y) const { return single_ ? VectorXd(y.cast<float>().cast<double>()) : y; }
+  Map map_;
+  VectorXd y_, saved_;
+  bool single_;
+};
+
+VectorXd curved(const VectorXd& y, double h) {
+  return Eigen::Vector2d(y[0] + h * std::sin(40 * y[1]), y[1] - h * std::exp(30 * y[0]));
+}
+
+TEST(StepDerivative, ItsErrorIsWhatItEstimates) {
+  const Eigen::Vector2d y(0.02, 0.03);
+  const double h = 0.1;
+  MatrixXd exact(2, 2);
+  exact << 1, h * 40 * std::cos(40 * y[1]), -h * 30 * std::exp(30 * y[0]), 1;
+  for (const bool single : {false, true}) {
+    Mapped engine(curved, y, single);
+    engine.save(0);
+    const StateCoordinates coordinates(2, {});
+    const StepDerivative derivative(engine, coordinates, Eigen::Vector2d(1, 1), 0, engine.state(), h);
+    const double error = (derivative.matrix() - exact).norm();
+    EXPECT_LT(error, 10 * derivative.error()) << single;
+    EXPECT_LT(error, single ? 1e-2 : 1e-6);
+  }
+}
+
+TEST(StepDerivative, BalancingMeasuresVelocitiesInUnitsOfPositions) {
+  MatrixXd J(2, 2);
+  J << 1, 1e-3, -1e3, 1;  // omega = 1e3, h = 1e-3
+  const VectorXd D = balancing_factors(J, 1e-12);
+  EXPECT_NEAR(D[1] / D[0], 1e3, 1);
+  const VectorXd by_products = balancing_factors([&](const VectorXd& v) { return VectorXd(J * v); }, 2);
+  EXPECT_GT(by_products[1] / by_products[0], 200);
+}
+
+TEST(StepSpectrum, NeutralMultipliersDoNotGrow) {
+  // A free mass and an oscillator by symplectic Euler: multipliers 1, 1 (one chain) and a pair of modulus 1.
+  const auto free_and_bound = +[](const VectorXd& y, double h) {
+    VectorXd next = y;
+    next[3] -= h * 25 * y[1];
+    next[0] += h * next[2];
+    next[1] += h * next[3];
+    return next;
+  };
+  for (const bool single : {false, true}) {
+    Mapped engine(free_and_bound, VectorXd::Zero(4), single);
+    engine.save(0);
+    const StateCoordinates coordinates(4, {});
+    for (const double h : {0.01, 0.1, 0.39}) {
+      const StepSpectrum found =
+          spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), h);
+      EXPECT_FALSE(found.grows) << h << " " << found.spectral_radius;
+      EXPECT_NEAR(found.spectral_radius, 1, single ? 1e-2 : 1e-5);
+    }
+    EXPECT_TRUE(spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), 0.401).grows);
+  }
+}
+
+TEST(StateCoordinates, GoThereAndBackOnRotations) {
+  const StateCoordinates coordinates(9, {1, 5});
+  ASSERT_EQ(coordinates.size(), 7);
+  VectorXd y = VectorXd::Zero(9);
+  y.segment<4>(1) = Eigen::Vector4d(0.5, -0.5, 0.5, 0.5);
+  y.segment<4>(5) = Eigen::Vector4d(0, 0, 0, 1);
+  const VectorXd x = VectorXd::LinSpaced(7, -0.1, 0.2);
+  VectorXd z = coordinates.at(y, x);
+  EXPECT_NEAR(z.segment<4>(1).norm(), 1, 1e-15);
+  EXPECT_LT((coordinates.of(y, z) - x).norm(), 1e-15);
+  z.segment<4>(5) *= -1;  // the same rotation
+  EXPECT_LT((coordinates.of(y, z) - x).norm(), 1e-15);
+  EXPECT_THROW(StateCoordinates(9, {1, 4}), std::invalid_argument);
+  EXPECT_THROW(StateCoordinates(9, {6}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace hmax
