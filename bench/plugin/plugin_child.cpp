@@ -1,0 +1,384 @@
+#include "bench/plugin/plugin_child.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <dlfcn.h>
+#include <memory>
+#include <new>
+#include <string>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "bench/plugin/plugin.h"
+
+namespace hmax {
+namespace {
+
+/// A sentence for the user.
+struct Failure {
+  std::string text;
+};
+/// A step that cannot be done at its size.
+struct Diverged {};
+
+/// Memory of the alignment that plugin.h promises.
+class Block {
+ public:
+  void resize(std::size_t bytes) {
+    if (bytes <= room_) return;
+    memory_.reset(static_cast<std::byte*>(::operator new(bytes, std::align_val_t{64})));
+    room_ = bytes;
+  }
+  [[nodiscard]] void* bytes() const { return memory_.get(); }
+  [[nodiscard]] double* numbers() const { return static_cast<double*>(bytes()); }
+
+ private:
+  struct Free {
+    void operator()(std::byte* memory) const { ::operator delete(memory, std::align_val_t{64}); }
+  };
+  std::unique_ptr<std::byte, Free> memory_;
+  std::size_t room_ = 0;
+};
+
+struct Slot {
+  Block blob;
+  std::size_t bytes = 0;
+  bool filled = false;
+};
+
+/// False when the other side is gone.
+bool read_all(int socket, void* to, std::size_t bytes) {
+  for (auto* at = static_cast<char*>(to); bytes > 0;) {
+    const ssize_t got = recv(socket, at, bytes, 0);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    at += got;
+    bytes -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+void write_all(int socket, const void* from, std::size_t bytes) {
+  for (const auto* at = static_cast<const char*>(from); bytes > 0;) {
+    const ssize_t put = send(socket, at, bytes, MSG_NOSIGNAL);
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) _exit(0);
+    at += put;
+    bytes -= static_cast<std::size_t>(put);
+  }
+}
+
+class Server {
+ public:
+  Server(int socket, PluginStage& stage) : socket_(socket), stage_(stage) {}
+
+  void open(const PluginName& plugin) {
+    find_entry(plugin);
+    create(plugin.argument);
+    greet();
+  }
+
+  /// @returns false when it is over
+  bool answer() {
+    PluginRequest request;
+    if (!read_all(socket_, &request, sizeof request) || request.ask == PluginAsk::quit) return false;
+    in_.resize(std::max<std::size_t>(request.numbers, 1) * sizeof(double));
+    if (!read_all(socket_, in_.bytes(), request.numbers * sizeof(double))) return false;
+    try {
+      reply(PluginReply::Kind::done, handle(request), "");
+    } catch (const Diverged&) {
+      reply(PluginReply::Kind::diverged, 0, "");
+    } catch (const Failure& failure) {
+      reply(PluginReply::Kind::failed, 0, failure.text);
+    }
+    return true;
+  }
+
+  void reply(PluginReply::Kind kind, std::size_t numbers, const std::string& text) {
+    const PluginReply head{.kind = kind, .padding = 0, .numbers = numbers, .characters = text.size()};
+    write_all(socket_, &head, sizeof head);
+    write_all(socket_, out_.bytes(), numbers * sizeof(double));
+    write_all(socket_, text.data(), text.size());
+  }
+
+  void close() {
+    if (object_ && object_->destroy && created_) enter(PluginCall::destroy, [&] { return object_->destroy(handle_), 0; });
+  }
+
+ private:
+  [[nodiscard]] std::string reason(int code) const {
+    const char* text = object_ && object_->error_text ? object_->error_text(handle_) : nullptr;
+    return text && *text ? std::string(text) : fmt::format("code {}", code);
+  }
+
+  template <class Call>
+  int enter(PluginCall call, const Call& function) {
+    stage_.call = call;
+    try {
+      const int code = function();
+      stage_.call = PluginCall::none;
+      return code;
+    } catch (const std::exception& error) {
+      throw Failure{fmt::format("{} of the plugin threw an exception: {}",
+                                plugin_call_names[static_cast<std::size_t>(call)], error.what())};
+    }
+  }
+
+  template <class Call>
+  void check(PluginCall call, const Call& function) {
+    if (const int code = enter(call, function); code != HMAX_OK)
+      throw Failure{fmt::format("{}() of the plugin failed: {}", plugin_call_names[static_cast<std::size_t>(call)],
+                                reason(code))};
+  }
+
+  void find_entry(const PluginName& plugin);
+  void create(const std::string& argument);
+  void greet();
+  void greet_stepper(std::vector<double>& words, PluginGreeting& greeting);
+  void greet_model(std::vector<double>& words, PluginGreeting& greeting);
+
+  std::size_t handle(const PluginRequest& request);
+  std::size_t handle_model(const PluginRequest& request);
+  void steps(double h, std::uint64_t count);
+  void save(std::uint32_t slot);
+  void restore(std::uint32_t slot);
+  void set_state(const double* y) {
+    check(PluginCall::set_state, [&] { return stepper_->set_state(handle_, y); });
+  }
+  std::size_t state() {
+    out_.resize(n_ * sizeof(double));
+    check(PluginCall::get_state, [&] { return stepper_->get_state(handle_, out_.numbers()); });
+    return n_;
+  }
+
+  int socket_;
+  PluginStage& stage_;
+  const hmax_plugin_entry* entry_ = nullptr;
+  const hmax_object* object_ = nullptr;
+  const hmax_stepper* stepper_ = nullptr;
+  const hmax_model* model_ = nullptr;
+  void* handle_ = nullptr;
+  bool created_ = false;
+  std::size_t n_ = 0;
+  Block in_, out_;
+  std::vector<Slot> slots_;
+};
+
+void Server::find_entry(const PluginName& plugin) {
+  stage_.call = PluginCall::load;
+  void* library = dlopen(plugin.file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw Failure{fmt::format("the plugin cannot be loaded: {}", dlerror())};
+  using Get = const hmax_plugin*();
+  auto* get = reinterpret_cast<Get*>(dlsym(library, "hmax_plugin_get"));
+  if (!get)
+    throw Failure{fmt::format("'{}' has no function hmax_plugin_get; see hmax/plugin.h", plugin.file.filename().string())};
+  const hmax_plugin* table = get();
+  stage_.call = PluginCall::none;
+  if (!table) throw Failure{"hmax_plugin_get() of the plugin returned no table"};
+  if (table->version != HMAX_PLUGIN_VERSION)
+    throw Failure{fmt::format("the plugin has version {} of hmax/plugin.h and hmax has {}; compile it with the header of this hmax",
+                              table->version, HMAX_PLUGIN_VERSION)};
+  std::string names;
+  for (std::uint32_t i = 0; i < table->count && !entry_; ++i) {
+    const hmax_plugin_entry& entry = table->entries[i];
+    const std::string name = entry.name ? entry.name : "";
+    if (plugin.name.empty() || plugin.name == name) entry_ = &entry;
+    names += (names.empty() ? "" : ", ") + name;
+  }
+  if (!entry_ && names.empty()) throw Failure{"the plugin has no entries"};
+  if (!entry_) throw Failure{fmt::format("the plugin has no entry '{}'; it has {}", plugin.name, names)};
+  stepper_ = entry_->stepper;
+  model_ = entry_->model;
+  if (!stepper_ == !model_) throw Failure{"an entry of the plugin must have either a model or a stepper"};
+  object_ = stepper_ ? &stepper_->object : &model_->object;
+  const bool complete = object_->create && object_->dimension &&
+                        (stepper_ ? stepper_->get_state && stepper_->set_state && stepper_->step
+                                  : model_->start && (model_->force ? model_->mass != nullptr : model_->rhs != nullptr));
+  if (!complete)
+    throw Failure{stepper_ ? "a stepper needs create, dimension, get_state, set_state and step"
+                           : "a model needs create, dimension, start, and rhs or mass and force"};
+  if (stepper_ && (!stepper_->save != !stepper_->restore || !stepper_->save != !stepper_->saved_size))
+    throw Failure{"a stepper has all of saved_size, save and restore, or none of them"};
+}
+
+void Server::create(const std::string& argument) {
+  check(PluginCall::create, [&] { return object_->create(argument.c_str(), &handle_); });
+  created_ = true;
+  check(PluginCall::dimension, [&] { return object_->dimension(handle_, &n_); });
+  if (n_ < 1 || n_ > most_plugin_states)
+    throw Failure{fmt::format("dimension() of the plugin is {}; it must be 1 to {}", n_, most_plugin_states)};
+  if (model_ && model_->force && n_ % 2 != 0)
+    throw Failure{fmt::format("dimension() of the plugin is {}; with forces it is twice the number of positions", n_)};
+}
+
+void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting) {
+  greeting.is_stepper = 1;
+  greeting.single_precision = (stepper_->flags & HMAX_SINGLE_PRECISION) != 0;
+  greeting.has_save = stepper_->save != nullptr;
+  if (stepper_->quaternions) {
+    std::size_t count = 0;
+    check(PluginCall::quaternions, [&] { return stepper_->quaternions(handle_, &count, nullptr); });
+    if (4 * count > n_) throw Failure{fmt::format("the plugin has {} quaternions in {} numbers", count, n_)};
+    std::vector<std::size_t> first(count + 1);
+    check(PluginCall::quaternions, [&] { return stepper_->quaternions(handle_, &count, first.data()); });
+    greeting.quaternions = static_cast<double>(count);
+    for (std::size_t i = 0; i < count; ++i) words.push_back(static_cast<double>(first[i]));
+  }
+  if (stepper_->scales) {
+    greeting.has_scales = 1;
+    out_.resize(n_ * sizeof(double));
+    check(PluginCall::scales, [&] { return stepper_->scales(handle_, out_.numbers()); });
+    words.insert(words.end(), out_.numbers(), out_.numbers() + n_);
+  }
+}
+
+void Server::greet_model(std::vector<double>& words, PluginGreeting& greeting) {
+  greeting.has_rhs = model_->rhs != nullptr;
+  greeting.has_jacobian = model_->jacobian != nullptr;
+  greeting.has_force = model_->force != nullptr;
+  greeting.has_stiffness = model_->force && model_->stiffness;
+  greeting.has_damping = model_->force && model_->damping;
+  out_.resize(n_ * sizeof(double));
+  check(PluginCall::start, [&] { return model_->start(handle_, out_.numbers(), &greeting.t_end); });
+  words.insert(words.end(), out_.numbers(), out_.numbers() + n_);
+  if (model_->force) {
+    check(PluginCall::mass, [&] { return model_->mass(handle_, out_.numbers()); });
+    words.insert(words.end(), out_.numbers(), out_.numbers() + n_ / 2);
+  }
+}
+
+void Server::greet() {
+  std::vector<double> words;
+  PluginGreeting greeting;
+  greeting.dimension = static_cast<double>(n_);
+  stepper_ ? greet_stepper(words, greeting) : greet_model(words, greeting);
+  out_.resize(sizeof greeting + words.size() * sizeof(double));
+  std::memcpy(out_.bytes(), &greeting, sizeof greeting);
+  std::copy(words.begin(), words.end(), out_.numbers() + greeting_size);
+  reply(PluginReply::Kind::done, greeting_size + words.size(),
+        fmt::format("{}\n{}", entry_->name ? entry_->name : "", entry_->note ? entry_->note : ""));
+}
+
+void Server::steps(double h, std::uint64_t count) {
+  using Clock = std::chrono::steady_clock;
+  auto told = Clock::now();
+  stage_.h = h;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const int code = enter(PluginCall::step, [&] { return stepper_->step(handle_, h); });
+    if (code == HMAX_DIVERGED) throw Diverged{};
+    if (code != HMAX_OK) throw Failure{fmt::format("step({}) of the plugin failed: {}", h, reason(code))};
+    if (i + 1 < count && Clock::now() - told > std::chrono::milliseconds(100)) {
+      reply(PluginReply::Kind::alive, 0, "");
+      told = Clock::now();
+    }
+  }
+}
+
+void Server::save(std::uint32_t slot) {
+  if (slots_.size() <= slot) slots_.resize(slot + 1);
+  Slot& into = slots_[slot];
+  if (stepper_->save) {
+    enter(PluginCall::saved_size, [&] { return into.bytes = stepper_->saved_size(handle_), 0; });
+    into.blob.resize(std::max<std::size_t>(into.bytes, 1));
+    check(PluginCall::save, [&] { return stepper_->save(handle_, into.blob.bytes()); });
+  } else {
+    into.blob.resize(n_ * sizeof(double));
+    check(PluginCall::get_state, [&] { return stepper_->get_state(handle_, into.blob.numbers()); });
+  }
+  into.filled = true;
+}
+
+void Server::restore(std::uint32_t slot) {
+  if (slot >= slots_.size() || !slots_[slot].filled) throw Failure{"a state that was never saved is restored"};
+  const Slot& from = slots_[slot];
+  if (stepper_->restore)
+    check(PluginCall::restore, [&] { return stepper_->restore(handle_, from.blob.bytes(), from.bytes); });
+  else
+    set_state(from.blob.numbers());
+}
+
+std::size_t Server::handle(const PluginRequest& request) {
+  if (model_) return handle_model(request);
+  switch (request.ask) {
+    case PluginAsk::state: return state();
+    case PluginAsk::set_state: return set_state(in_.numbers()), 0;
+    case PluginAsk::steps: return steps(request.h, request.count), 0;
+    case PluginAsk::save: return save(request.slot), 0;
+    case PluginAsk::restore: return restore(request.slot), 0;
+    case PluginAsk::after:
+      restore(request.slot);
+      set_state(in_.numbers());
+      steps(request.h, request.count);
+      return state();
+    case PluginAsk::advance:
+      restore(request.slot);
+      steps(request.h, 1);
+      save(request.slot);
+      return state();
+    default: throw Failure{"a stepper is asked for what only models have"};
+  }
+}
+
+std::size_t Server::handle_model(const PluginRequest& request) {
+  const std::size_t m = n_ / 2;
+  const double t = request.h;
+  const double *y = in_.numbers(), *v = in_.numbers() + m;
+  const auto answer = [&](PluginCall call, std::size_t numbers, const auto& function) {
+    out_.resize(numbers * sizeof(double));
+    check(call, function);
+    return numbers;
+  };
+  switch (request.ask) {
+    case PluginAsk::rhs:
+      return answer(PluginCall::rhs, n_, [&] { return model_->rhs(handle_, t, y, out_.numbers()); });
+    case PluginAsk::jacobian:
+      return answer(PluginCall::jacobian, n_ * n_, [&] { return model_->jacobian(handle_, t, y, out_.numbers()); });
+    case PluginAsk::force:
+      return answer(PluginCall::force, m, [&] { return model_->force(handle_, t, y, v, out_.numbers()); });
+    case PluginAsk::stiffness:
+      return answer(PluginCall::stiffness, m * m, [&] { return model_->stiffness(handle_, t, y, v, out_.numbers()); });
+    case PluginAsk::damping:
+      return answer(PluginCall::damping, m * m, [&] { return model_->damping(handle_, t, y, v, out_.numbers()); });
+    default: throw Failure{"a model is asked for what only steppers have"};
+  }
+}
+
+/// Signals do what they do without hmax, standard output stays that of hmax, and the child ends with its parent.
+void leave_the_parent() {
+  for (const int each : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE})
+    std::signal(each, SIG_DFL);
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  // A plugin that calls exit() must not end hmax's files and threads, which this process has copies of.
+  on_exit([](int code, void*) { _exit(code); }, nullptr);
+}
+
+}  // namespace
+
+void serve_plugin(int socket, PluginStage& stage, const PluginName& plugin) {
+  leave_the_parent();
+  Server server(socket, stage);
+  try {
+    server.open(plugin);
+    while (server.answer()) {
+    }
+    server.close();
+  } catch (const Failure& failure) {
+    server.reply(PluginReply::Kind::failed, 0, failure.text);
+  } catch (const std::bad_alloc&) {
+    server.reply(PluginReply::Kind::failed, 0, "the plugin asked for more memory than there is");
+  }
+  _exit(0);
+}
+
+}  // namespace hmax

@@ -1,0 +1,70 @@
+/// What hmax and the child process with the plugin say to each other over a socket.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace hmax {
+
+/// Functions of the plugin, and where the child is before and after them.
+enum class PluginCall : std::uint32_t {
+  none, load, create, dimension, get_state, set_state, step, saved_size, save, restore, quaternions, scales,
+  start, rhs, jacobian, mass, force, stiffness, damping, destroy
+};
+
+inline constexpr std::array<std::string_view, 20> plugin_call_names{
+    "between calls", "loading", "create", "dimension", "get_state", "set_state", "step", "saved_size", "save", "restore",
+    "quaternions",   "scales",  "start",  "rhs",       "jacobian",  "mass",      "force", "stiffness", "damping", "destroy"};
+
+/// What the child is doing, in memory that both processes see: it outlives a crash.
+struct PluginStage {
+  PluginCall call = PluginCall::none;
+  double h = 0;  ///< of step
+};
+
+enum class PluginAsk : std::uint32_t {
+  state,      ///< -> y
+  set_state,  ///< y ->
+  steps,      ///< h, count ->
+  save,       ///< slot ->
+  restore,    ///< slot ->
+  after,      ///< slot, h, count, y -> y: restore, set_state, steps, state
+  advance,    ///< slot, h -> y: restore, step, save, state
+  rhs,        ///< h is t; y -> dydt
+  jacobian,   ///< y -> J
+  force,      ///< (q, v) -> f
+  stiffness,
+  damping,
+  quit
+};
+
+struct PluginRequest {
+  PluginAsk ask = PluginAsk::state;
+  std::uint32_t slot = 0;
+  std::uint64_t count = 0;
+  double h = 0;
+  std::uint64_t numbers = 0;  ///< doubles that follow
+};
+
+struct PluginReply {
+  /// alive: a long series of steps goes on. diverged: the step says that it cannot be done.
+  enum class Kind : std::uint32_t { done, failed, diverged, alive };
+  Kind kind = Kind::done;
+  std::uint32_t padding = 0;
+  std::uint64_t numbers = 0, characters = 0;  ///< that follow
+};
+
+/// The first reply begins with these numbers; the quaternions, and where they are there the scales, or y0 and the mass of
+/// a model, follow.
+struct PluginGreeting {
+  double is_stepper = 0, dimension = 0, single_precision = 0, has_save = 0, quaternions = 0, has_scales = 0;
+  double has_rhs = 0, has_jacobian = 0, has_force = 0, has_stiffness = 0, has_damping = 0, t_end = 0;
+};
+inline constexpr std::size_t greeting_size = sizeof(PluginGreeting) / sizeof(double);
+
+/// States of more numbers are taken for an error of the plugin.
+inline constexpr std::size_t most_plugin_states = 10'000'000;
+
+}  // namespace hmax

@@ -1,0 +1,182 @@
+#include "bench/plugin/plugin_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The process, shared by the copies of a system.
+class Link {
+ public:
+  Link(PluginName plugin, PluginSettings settings) : process_(std::move(plugin), std::move(settings)) {}
+
+  void ask(PluginAsk what, double t, std::span<const double> in, std::span<double> out) const {
+    const std::lock_guard lock(one_at_a_time_);
+    process_.ask({.ask = what, .h = t}, in, out);
+  }
+  [[nodiscard]] const PluginProcess& process() const { return process_; }
+  [[nodiscard]] const PluginFacts& facts() const { return process_.facts(); }
+
+ private:
+  mutable std::mutex one_at_a_time_;
+  mutable PluginProcess process_;
+};
+
+template <class Numbers>
+auto span_of(Numbers& numbers) {
+  return std::span(numbers.data(), static_cast<std::size_t>(numbers.size()));
+}
+
+/// (q, v) as one array.
+VectorXd packed(const VectorXd& q, const VectorXd& v) {
+  VectorXd y(q.size() + v.size());
+  y << q, v;
+  return y;
+}
+
+/// d f / d x by central differences, at increments of the cube root of rounding.
+template <class Function>
+MatrixXd differences(const Function& f, VectorXd x) {
+  const double least = 1e-3 * std::max(1e-3, x.cwiseAbs().maxCoeff());
+  MatrixXd J(x.size(), x.size());
+  for (Index j = 0; j < x.size(); ++j) {
+    const double at = x[j], d = 6e-6 * std::max(std::abs(at), least);
+    x[j] = at + d;
+    const VectorXd ahead = f(x);
+    x[j] = at - d;
+    J.col(j) = (ahead - f(x)) / (2 * d);
+    x[j] = at;
+  }
+  return J;
+}
+
+/// y' = rhs(t, y).
+class FirstOrder {
+ public:
+  using State = VectorXd;
+  using Jacobian = MatrixXd;
+  explicit FirstOrder(std::shared_ptr<const Link> link) : link_(std::move(link)) {}
+
+  [[nodiscard]] Index dim() const { return link_->facts().dim; }
+  void rhs(double t, const State& y, State& dydt) const { link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt)); }
+  void jacobian(double t, const State& y, Jacobian& J) const {
+    J.resize(dim(), dim());
+    if (link_->facts().greeting.has_jacobian != 0) return link_->ask(PluginAsk::jacobian, t, span_of(y), span_of(J));
+    J = differences(
+        [&](const VectorXd& x) {
+          VectorXd dydt(x.size());
+          rhs(t, x, dydt);
+          return dydt;
+        },
+        y);
+  }
+
+ private:
+  std::shared_ptr<const Link> link_;
+};
+
+/// M q'' = force(t, q, v).
+class SecondOrder {
+ public:
+  using State = VectorXd;
+  using Jacobian = MatrixXd;
+  using Dofs = VectorXd;
+  using DofMatrix = MatrixXd;
+  explicit SecondOrder(std::shared_ptr<const Link> link) : link_(std::move(link)) {}
+
+  [[nodiscard]] Index dim() const { return link_->facts().dim; }
+  [[nodiscard]] Index dofs() const { return dim() / 2; }
+  [[nodiscard]] Dofs mass() const { return link_->facts().mass; }
+  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
+    const VectorXd y = packed(q, v);
+    f.resize(dofs());
+    link_->ask(PluginAsk::force, t, span_of(y), span_of(f));
+  }
+  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
+    matrix(PluginAsk::stiffness, link_->facts().greeting.has_stiffness != 0, t, q, v, K,
+           [&](const VectorXd& x, VectorXd& f) { force(t, x, v, f); }, q);
+  }
+  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
+    matrix(PluginAsk::damping, link_->facts().greeting.has_damping != 0, t, q, v, C,
+           [&](const VectorXd& x, VectorXd& f) { force(t, q, x, f); }, v);
+  }
+  void rhs(double t, const State& y, State& dydt) const {
+    if (link_->facts().greeting.has_rhs != 0) return link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt));
+    VectorXd f(dofs());
+    link_->ask(PluginAsk::force, t, span_of(y), span_of(f));
+    dydt.head(dofs()) = y.tail(dofs());
+    dydt.tail(dofs()) = f.cwiseQuotient(link_->facts().mass);
+  }
+  void jacobian(double t, const State& y, Jacobian& J) const {
+    const Index m = dofs();
+    const VectorXd q = y.head(m), v = y.tail(m);
+    MatrixXd K, C;
+    stiffness(t, q, v, K);
+    damping(t, q, v, C);
+    J = MatrixXd::Zero(2 * m, 2 * m);
+    J.topRightCorner(m, m).setIdentity();
+    const VectorXd inverse = link_->facts().mass.cwiseInverse();
+    J.bottomLeftCorner(m, m) = -(inverse.asDiagonal() * K);
+    J.bottomRightCorner(m, m) = -(inverse.asDiagonal() * C);
+  }
+
+ private:
+  template <class Force>
+  void matrix(PluginAsk what, bool given, double t, const Dofs& q, const Dofs& v, DofMatrix& out, const Force& f,
+              const VectorXd& of) const {
+    out.resize(dofs(), dofs());
+    if (given) {
+      const VectorXd y = packed(q, v);
+      return link_->ask(what, t, span_of(y), span_of(out));
+    }
+    out = -differences(
+        [&](const VectorXd& x) {
+          VectorXd value(x.size());
+          f(x, value);
+          return value;
+        },
+        of);
+  }
+
+  std::shared_ptr<const Link> link_;
+};
+
+}  // namespace
+
+Problem plugin_problem(PluginName plugin, PluginSettings settings) {
+  const auto link = std::make_shared<const Link>(std::move(plugin), std::move(settings));
+  const PluginFacts& facts = link->facts();
+  if (facts.greeting.is_stepper != 0)
+    throw InputError(fmt::format("'{}' of the plugin is a stepper and no model; use `hmax probe` for it", facts.name));
+  if (!facts.y0.allFinite()) throw InputError("the initial state of the plugin is not finite");
+  if (!(facts.greeting.t_end > 0 && std::isfinite(facts.greeting.t_end)))
+    throw InputError("the end time that start() of the plugin gives is not positive");
+  const bool mechanical = facts.greeting.has_force != 0;
+  if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
+    throw InputError("mass() of the plugin has numbers that are not positive; leave massless positions out");
+  std::vector<std::string> states;
+  for (Index i = 0; i < facts.dim; ++i)
+    states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
+                                : fmt::format("y{}", i + 1));
+  return {.id = facts.name,
+          .material = {},
+          .note = facts.note,
+          .parameters = {},
+          .states = states,
+          .y0 = facts.y0,
+          .t_end = facts.greeting.t_end,
+          .system = mechanical ? AnySystem(SecondOrder(link)) : AnySystem(FirstOrder(link))};
+}
+
+}  // namespace hmax

@@ -1,0 +1,26 @@
+/// The header and the examples of plugins as texts, so that a user without the sources of hmax has them.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace hmax {
+
+/// A file; the definitions are made at configuration by cmake/embed.cmake.
+struct PluginText {
+  std::string_view name;  ///< of the file, without its ending
+  std::string_view text;
+};
+
+std::span<const PluginText> plugin_headers();        ///< plugin.h
+std::span<const PluginText> plugin_step_examples();  ///< plugin_stepper.cpp
+std::span<const PluginText> plugin_model_examples(); ///< plugin_model.c
+
+/// Writes hmax/plugin.h, plugin_stepper.cpp and plugin_model.c into a folder.
+/// @return  the files
+/// @throws InputError  where one cannot be written, or is there with another text
+std::vector<std::filesystem::path> write_plugin_examples(const std::filesystem::path& folder);
+
+}  // namespace hmax

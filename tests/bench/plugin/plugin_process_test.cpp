@@ -1,0 +1,133 @@
+#include "bench/plugin/plugin_process.hpp"
+
+#include <chrono>
+#include <csignal>
+#include <sys/wait.h>
+
+#include <gtest/gtest.h>
+
+#include "bench/plugin/plugin_model.hpp"
+#include "bench/plugin/plugin_stepper.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+PluginName tested(const std::string& entry) { return parse_plugin(std::string(TESTED_PLUGIN) + ":" + entry); }
+
+/// What an attempt to use a plugin says.
+template <class Use>
+std::string error_of(const Use& use) {
+  try {
+    use();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string error_of_step(const std::string& entry, double h, double patience = 10) {
+  return error_of([&] { PluginStepper(tested(entry), {.patience = patience}).step(h, 1); });
+}
+
+void expect_no_child() { EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1); }
+
+TEST(Plugin, StepsRestoresAndSetsStates) {
+  PluginStepper chain(tested("chain:3"));
+  EXPECT_EQ(chain.name(), "chain:3");
+  EXPECT_EQ(chain.note(), "masses on springs");
+  ASSERT_EQ(chain.dim(), 6);
+  chain.save(0);
+  const Eigen::VectorXd y = Eigen::VectorXd::Unit(6, 0);
+  const Eigen::VectorXd next = chain.after(0, y, 0.001, 1);
+  EXPECT_DOUBLE_EQ(next[3], -20);
+  EXPECT_DOUBLE_EQ(next[0], 1 - 0.02);
+  EXPECT_EQ(chain.state(), next);
+  chain.restore(0);
+  EXPECT_EQ(chain.state(), Eigen::VectorXd::Zero(6));
+  chain.set_state(y);
+  ASSERT_TRUE(chain.step(0.001, 1));
+  EXPECT_EQ(chain.state(), next);
+}
+
+TEST(Plugin, CrashesAreErrorsThatNameTheStep) {
+  EXPECT_EQ(error_of_step("crash:segv", 0.5),
+            "the plugin crashed in step(0.5) with signal 11 (Segmentation fault); run it in a debugger, or try other step "
+            "sizes");
+  EXPECT_EQ(error_of_step("crash:segv", 0.001), "no error");
+  EXPECT_NE(error_of_step("crash:abort", 0.02).find("in step(0.02) with signal 6"), std::string::npos);
+  EXPECT_EQ(error_of_step("crash:exit", 0.02),
+            "the plugin ended the process in step(0.02) with exit code 7; a plugin returns a code instead");
+  EXPECT_EQ(error_of_step("crash:throw", 0.02), "step of the plugin threw an exception: no scene");
+  EXPECT_EQ(error_of_step("crash:code", 0.02), "step(0.02) of the plugin failed: the contact solver gave up");
+  EXPECT_NE(error_of_step("start:crash", 0.1).find("crashed in create() with signal 11"), std::string::npos);
+  expect_no_child();
+}
+
+TEST(Plugin, HangsEndAfterTheTimeThatTheyAreGiven) {
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(error_of_step("crash:hang", 0.02, 0.2),
+            "the plugin did not return within 0.2 s in step(0.02); raise --patience if it needs longer");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  expect_no_child();
+}
+
+TEST(Plugin, LongSeriesOfShortStepsAreNoHang) {
+  PluginStepper chain(tested("chain:2000"), {.patience = 0.3});
+  EXPECT_TRUE(chain.step(1e-4, 100000));
+}
+
+TEST(Plugin, WhoWatchesMayLeave) {
+  struct Left {};
+  PluginStepper engine(tested("crash:hang"), {.watch = [] { throw Left{}; }});
+  EXPECT_THROW(engine.step(0.1, 1), Left);
+  expect_no_child();
+  EXPECT_EQ(error_of([&] { engine.step(0.001, 1); }), "the plugin has ended");
+}
+
+TEST(Plugin, AStepThatCannotBeDoneIsDivergence) {
+  PluginStepper engine(tested("crash"));
+  engine.save(0);
+  EXPECT_FALSE(engine.step(0.1, 3));
+  EXPECT_TRUE(engine.after(0, engine.state(), 0.1, 1).array().isNaN().all());
+  EXPECT_TRUE(engine.step(0.001, 3));
+}
+
+TEST(Plugin, WhatCannotBeLoadedSaysWhy) {
+  const auto error = [](const std::string& text) { return error_of([&] { PluginStepper engine(parse_plugin(text)); }); };
+  EXPECT_EQ(error("no.so"), "there is no file 'no.so'; give the path of the shared library");
+  EXPECT_EQ(error("/tmp:a"), "'/tmp' is no file; give the path of the shared library");
+  EXPECT_NE(error(HMAX_SOURCE_DIR "/README.md").find("the plugin cannot be loaded: "), std::string::npos);
+  EXPECT_NE(error(TESTED_PLUGIN_NAMELESS).find("has no function hmax_plugin_get; see hmax/plugin.h"), std::string::npos);
+  EXPECT_EQ(error(TESTED_PLUGIN_VERSION),
+            "the plugin has version 99 of hmax/plugin.h and hmax has 1; compile it with the header of this hmax");
+  const std::string file = TESTED_PLUGIN;
+  EXPECT_EQ(error(file + ":chains").substr(0, 56), "the plugin has no entry 'chains'; it has chain, float_ch");
+  EXPECT_EQ(error(file + ":neither"), "an entry of the plugin must have either a model or a stepper");
+  EXPECT_EQ(error(file + ":start:empty"), "dimension() of the plugin is 0; it must be 1 to 10000000");
+  EXPECT_EQ(error(file + ":start:refuse"), "create of the plugin threw an exception: refused");
+  EXPECT_EQ(error(EXAMPLE_MODEL), "'pendulum' of the plugin is a model and has no step of its own; name a stepper");
+  expect_no_child();
+}
+
+TEST(Plugin, AModelIsAProblem) {
+  const Problem problem = plugin_problem(parse_plugin(std::string(EXAMPLE_MODEL) + ":pendulum:500"));
+  EXPECT_EQ(problem.id, "pendulum");
+  EXPECT_EQ(problem.t_end, 2);
+  ASSERT_TRUE(is_second_order(problem));
+  const auto& system = std::get<AnySystem>(problem.system);
+  Eigen::VectorXd dydt(8);
+  system.rhs(0, problem.y0, dydt);
+  EXPECT_LT(dydt.cwiseAbs().maxCoeff(), 1e-12);  // it hangs at rest
+  AnySystem::DofMatrix K;
+  system.stiffness(0, problem.y0.head(4), problem.y0.tail(4), K);
+  const Eigen::MatrixXd& dense = std::get<Eigen::MatrixXd>(K);
+  EXPECT_NEAR(dense(1, 1), 1000, 1e-5);
+  EXPECT_NEAR(dense(1, 3), -500, 1e-5);
+  EXPECT_LT((dense - dense.transpose()).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_EQ(error_of([] { plugin_problem(tested("chain")); }),
+            "'chain' of the plugin is a stepper and no model; use `hmax probe` for it");
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,223 @@
+/// A plugin with steppers whose limits are known, and some that go wrong in the ways that plugins do.
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "bench/plugin/plugin.h"
+
+#ifndef TESTED_VERSION
+#define TESTED_VERSION HMAX_PLUGIN_VERSION
+#endif
+
+namespace {
+
+using Numbers = std::vector<double>;
+
+struct Engine {
+  Numbers y, hidden;
+  explicit Engine(Numbers start) : y(std::move(start)) {}
+  virtual ~Engine() = default;
+  virtual int step(double h) = 0;
+  virtual int set(const double* from) { return std::copy(from, from + y.size(), y.begin()), HMAX_OK; }
+};
+
+/// x_i'' = k (x_i-1 - 2 x_i + x_i+1) between walls by symplectic Euler; h_max = 1 / (sqrt(k) sin(n pi / (2 n + 2))).
+template <class Real>
+struct Chain : Engine {
+  explicit Chain(const std::string& argument) : Engine(Numbers(2 * size_of(argument))) {}
+  static std::size_t size_of(const std::string& argument) { return argument.empty() ? 10 : std::stoul(argument); }
+  int step(double h) override {
+    const std::size_t n = y.size() / 2;
+    std::vector<Real> x(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(n)), v(y.begin() + static_cast<std::ptrdiff_t>(n), y.end());
+    const Real step = static_cast<Real>(h), k = 1e4;
+    for (std::size_t i = 0; i < n; ++i)
+      v[i] += step * k * ((i > 0 ? x[i - 1] : 0) - 2 * x[i] + (i + 1 < n ? x[i + 1] : 0));
+    for (std::size_t i = 0; i < n; ++i) x[i] += step * v[i];
+    for (std::size_t i = 0; i < n; ++i) y[i] = x[i], y[n + i] = v[i];
+    return HMAX_OK;
+  }
+};
+
+/// x'' = -2 zeta omega x' - omega^2 x by explicit Euler, omega = 10, zeta = 0.1; h_max = 2 zeta / omega = 0.02.
+struct ExplicitEuler : Engine {
+  explicit ExplicitEuler(const std::string&) : Engine({0, 0}) {}
+  int step(double h) override {
+    const double x = y[0], v = y[1];
+    y = {x + h * v, v + h * (-2 * v - 100 * x)};
+    return HMAX_OK;
+  }
+};
+
+/// Exact steps of x'' = x: unstable, and no step is to blame.
+struct Unstable : Engine {
+  explicit Unstable(const std::string&) : Engine({0, 0}) {}
+  int step(double h) override {
+    const double x = y[0], v = y[1], c = std::cosh(h), s = std::sinh(h);
+    y = {c * x + s * v, s * x + c * v};
+    return HMAX_OK;
+  }
+};
+
+/// x'' = -x by implicit Euler: stable at every step.
+struct ImplicitEuler : Engine {
+  explicit ImplicitEuler(const std::string&) : Engine({0, 0}) {}
+  int step(double h) override {
+    const double v = (y[1] - h * y[0]) / (1 + h * h);
+    y = {y[0] + h * v, v};
+    return HMAX_OK;
+  }
+};
+
+/// x'' = -100 x - 1e4 x^3 from x = 0.2 by symplectic Euler: at rest 2 / 10, along the motion less.
+struct Stiffening : Engine {
+  explicit Stiffening(const std::string& argument) : Engine({argument.empty() ? 0.2 : std::stod(argument), 0}) {}
+  int step(double h) override {
+    y[1] -= h * (100 * y[0] + 1e4 * y[0] * y[0] * y[0]);
+    y[0] += h * y[1];
+    return HMAX_OK;
+  }
+};
+
+using Quaternion = std::array<double, 4>;  // w, x, y, z
+
+Quaternion product(const Quaternion& a, const Quaternion& b) {
+  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+}
+
+/// Rotations about a position of rest on springs with omega = 10, 20, 40 by symplectic Euler; h_max = 2 / 40.
+struct Gimbal : Engine {
+  explicit Gimbal(const std::string&) : Engine({0.5, 0.5, 0.5, 0.5, 0, 0, 0}) {}
+  int step(double h) override {
+    const Quaternion q{y[0], y[1], y[2], y[3]}, off = product({0.5, -0.5, -0.5, -0.5}, q);
+    const double side = off[0] < 0 ? -1 : 1, omega[] = {10, 20, 40};
+    double size = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      y[4 + i] -= h * omega[i] * omega[i] * 2 * side * off[1 + i];
+      size += y[4 + i] * y[4 + i];
+    }
+    const double angle = h * std::sqrt(size) / 2, part = size > 0 ? std::sin(angle) / std::sqrt(size) : h / 2;
+    const Quaternion next = product(q, {std::cos(angle), part * y[4], part * y[5], part * y[6]});
+    std::copy(next.begin(), next.end(), y.begin());
+    return HMAX_OK;
+  }
+};
+
+/// Implicit Euler for x'' = -100 x by one half-hearted iteration from the last solution.
+struct WarmStart : Engine {
+  explicit WarmStart(const std::string&) : Engine({0, 0}) { hidden = {0}; }
+  int step(double h) override {
+    double& w = hidden[0];
+    w += 0.3 * ((y[1] - h * 100 * y[0]) / (1 + 100 * h * h) - w);
+    y[1] = w;
+    y[0] += h * w;
+    return HMAX_OK;
+  }
+};
+
+/// Steps depend on how many there were, which nothing saves.
+struct Counting : Engine {
+  double count = 0;
+  explicit Counting(const std::string&) : Engine({1, 0}) {}
+  int step(double h) override {
+    y[0] += h * 0.01 * std::sin(count++);
+    return HMAX_OK;
+  }
+};
+
+struct Crash : Engine {
+  explicit Crash(const std::string& argument) : Engine({0, 0}), way(argument) {}
+  std::string way;
+  int step(double h) override {
+    if (h < 0.01) return HMAX_OK;
+    if (way == "segv") raise(SIGSEGV);
+    if (way == "abort") std::abort();
+    if (way == "exit") std::exit(7);
+    if (way == "throw") throw std::runtime_error("no scene");
+    if (way == "code") return 5;
+    if (way == "talk") std::puts("I talk");
+    while (way == "hang") usleep(1000);
+    return HMAX_DIVERGED;
+  }
+};
+
+struct Start : Engine {
+  explicit Start(const std::string& argument) : Engine({0, 0}) {
+    if (argument == "nan") y[1] = std::nan("");
+    if (argument == "empty") y.clear();
+    if (argument == "refuse") throw std::invalid_argument("refused");
+    if (argument == "crash") raise(SIGSEGV);
+  }
+  int step(double) override { return HMAX_OK; }
+};
+
+Engine& of(void* handle) { return *static_cast<Engine*>(handle); }
+
+template <class E>
+int create(const char* argument, void** handle) {
+  *handle = new E(argument);
+  return HMAX_OK;
+}
+void destroy(void* handle) { delete &of(handle); }
+const char* error_text(void*) { return "the contact solver gave up"; }
+int dimension(void* handle, size_t* n) { return *n = of(handle).y.size(), HMAX_OK; }
+int get(void* handle, double* y) { return std::copy(of(handle).y.begin(), of(handle).y.end(), y), HMAX_OK; }
+int set(void* handle, const double* y) { return of(handle).set(y); }
+int step(void* handle, double h) { return of(handle).step(h); }
+size_t saved_size(void* handle) { return sizeof(double) * (of(handle).y.size() + of(handle).hidden.size()); }
+int save(void* handle, void* blob) {
+  auto* to = static_cast<double*>(blob);
+  to = std::copy(of(handle).y.begin(), of(handle).y.end(), to);
+  return std::copy(of(handle).hidden.begin(), of(handle).hidden.end(), to), HMAX_OK;
+}
+int restore(void* handle, const void* blob, size_t bytes) {
+  if (bytes != saved_size(handle)) return 3;
+  const auto* from = static_cast<const double*>(blob);
+  Engine& engine = of(handle);
+  std::copy(from, from + engine.y.size(), engine.y.begin());
+  std::copy(from + engine.y.size(), from + engine.y.size() + engine.hidden.size(), engine.hidden.begin());
+  return HMAX_OK;
+}
+int first_four(void*, size_t* count, size_t* first) {
+  *count = 1;
+  if (first) *first = 0;
+  return HMAX_OK;
+}
+
+template <class E>
+constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_t*, size_t*) = nullptr) {
+  return {{create<E>, destroy, error_text, dimension}, flags, get, set, step, saved_size, save, restore, quaternions, nullptr};
+}
+
+const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
+                   explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
+                   implicit_euler = table<ImplicitEuler>(), stiffening = table<Stiffening>(),
+                   gimbal = table<Gimbal>(0, first_four), warm_start = table<WarmStart>(), counting = table<Counting>(),
+                   crash = table<Crash>(), start = table<Start>();
+
+const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain},
+                                  {"float_chain", "", nullptr, &float_chain},
+                                  {"explicit_euler", "", nullptr, &explicit_euler},
+                                  {"unstable", "", nullptr, &unstable},
+                                  {"implicit_euler", "", nullptr, &implicit_euler},
+                                  {"stiffening", "", nullptr, &stiffening},
+                                  {"gimbal", "", nullptr, &gimbal},
+                                  {"warm_start", "", nullptr, &warm_start},
+                                  {"counting", "", nullptr, &counting},
+                                  {"crash", "", nullptr, &crash},
+                                  {"start", "", nullptr, &start},
+                                  {"neither", "", nullptr, nullptr}};
+const hmax_plugin plugin{TESTED_VERSION, sizeof entries / sizeof *entries, entries};
+
+}  // namespace
+
+#ifndef TESTED_NAME
+#define TESTED_NAME hmax_plugin_get
+#endif
+HMAX_PLUGIN_EXPORT const hmax_plugin* TESTED_NAME(void) { return &plugin; }
