@@ -127,6 +127,7 @@ Exit run(int argc, char** argv) {
   add_sweep(app, console);
   add_precision(app, console);
   add_check(app, console);
+  add_probe(app, console);
   add_phase(app, console);
   add_stability(app, console);
   add_mesh(app, console);

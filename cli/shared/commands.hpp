@@ -23,6 +23,7 @@ void add_order(CLI::App& app, Console& console);
 void add_sweep(CLI::App& app, Console& console);
 void add_precision(CLI::App& app, Console& console);
 void add_check(CLI::App& app, Console& console);
+void add_probe(CLI::App& app, Console& console);
 void add_phase(CLI::App& app, Console& console);
 void add_stability(CLI::App& app, Console& console);
 void add_mesh(CLI::App& app, Console& console);

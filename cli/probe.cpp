@@ -1,0 +1,171 @@
+/// hmax probe: the largest stable step of an engine of one's own, from its steps alone.
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "analysis/foreign_steps/step_probe.hpp"
+#include "bench/plugin/plugin_sources.hpp"
+#include "bench/plugin/plugin_stepper.hpp"
+#include "cli/shared/commands.hpp"
+#include "results/errors.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ProbeOptions {
+  std::string plugin, example;
+  std::optional<double> h0, h1, motion, patience;
+  bool no_runs = false;
+};
+
+Json number_or_word(double value) {
+  return std::isnan(value) ? Json() : std::isinf(value) ? Json("unbounded") : Json(value);
+}
+
+Json complex_or_null(std::complex<double> value) {
+  if (!std::isfinite(value.real()) || !std::isfinite(value.imag())) return {};
+  return {{"re", value.real()}, {"im", value.imag()}};
+}
+
+Json to_json(const ProbedLimit& found) {
+  Json rows = Json::array();
+  for (const StepSpectrum& row : found.rows)
+    rows.push_back({{"h", row.h},
+                    {"spectral_radius", number_or_word(row.spectral_radius)},
+                    {"grows", row.grows},
+                    {"growing", row.grows ? complex_or_null(row.multiplier) : Json()},
+                    {"tolerance", row.tolerance}});
+  return {{"model", found.model},
+          {"dim", found.dim},
+          {"state", name_of(found.state)},
+          {"rows", rows},
+          {"h_max", number_or_word(found.h_max)},
+          {"moving", found.moving},
+          {"observed", number_or_word(found.observed)},
+          {"gap", number_or_word(found.gap)},
+          {"steps", found.steps},
+          {"status", found.status.empty() ? Json() : Json(fmt::format("{}", fmt::join(found.status, "; ")))}};
+}
+
+std::string length_in_words(double h) {
+  return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h, 7) + " s";
+}
+
+std::string multiplier_in_words(std::complex<double> mu) {
+  if (!std::isfinite(mu.real()) || !std::isfinite(mu.imag())) return "-";
+  const double imaginary = std::abs(mu.imag());
+  return imaginary < 1e-6 * std::abs(mu) ? short_number(mu.real())
+                                         : fmt::format("{} ± {}i", short_number(mu.real()), short_number(imaginary));
+}
+
+std::string table_of(const ProbedLimit& found, const Console& console) {
+  TextTable table({"h [s]", found.state == ProbedState::motion ? "mean growth of a step" : "spectral radius",
+                   "growing multiplier", ""});
+  for (const StepSpectrum& row : found.rows)
+    table.add({short_number(row.h, 7),
+               std::isinf(row.spectral_radius) ? "infinite" : short_number(row.spectral_radius, 8),
+               row.grows ? multiplier_in_words(row.multiplier) : "-", row.grows ? "grows" : ""});
+  return table.text(console);
+}
+
+/// What the growing motion is like from step to step.
+std::string critical_in_words(const ProbedLimit& found) {
+  if (!found.critical || !std::isfinite(std::abs(found.critical->multiplier))) return "";
+  const std::complex<double> mu = found.critical->multiplier;
+  std::string text = std::abs(mu.imag()) > 1e-6 * std::abs(mu)
+                         ? fmt::format("a motion that comes round every {} steps grows",
+                                       short_number(2 * std::numbers::pi / std::abs(std::arg(mu)), 4))
+                     : mu.real() < 0 ? "a motion that changes sign in every step grows"
+                                     : "a motion without oscillation grows";
+  if (!found.moving.empty()) text += fmt::format("; numbers {} of the state move most", fmt::join(found.moving, ", "));
+  return ": " + text;
+}
+
+std::string in_words(const ProbeOptions& options, const ProbedLimit& found, const Console& console) {
+  std::string text = fmt::format("{} of {}: {} numbers, ", found.model,
+                                 std::filesystem::path(options.plugin.substr(0, options.plugin.find(':'))).filename().string(),
+                                 found.dim);
+  text += found.state == ProbedState::equilibrium ? "in equilibrium"
+          : found.state == ProbedState::motion ? fmt::format("along the motion to {} s", short_number(*options.motion))
+                                               : "at its initial state";
+  text += "\n\n" + table_of(found, console) + "\n";
+  text += fmt::format("h_max     {}{}\n", console.strong(length_in_words(found.h_max)), critical_in_words(found));
+  if (!options.no_runs) {
+    text += "observed  " + length_in_words(found.observed);
+    if (std::isfinite(found.gap)) text += fmt::format(", gap {} %", short_number(100 * found.gap, 2));
+    if (found.steps > 0) text += fmt::format(", in runs of {} steps", found.steps);
+    text += "\n";
+  }
+  for (const std::string& remark : found.status) text += remark + "\n";
+  return text;
+}
+
+void write_examples(const ProbeOptions& options, Console& console) {
+  if (!options.plugin.empty()) throw InputError("--example writes files and probes nothing; remove --plugin");
+  Json files = Json::array();
+  std::string text;
+  for (const std::filesystem::path& file : write_plugin_examples(options.example)) {
+    files.push_back(file.string());
+    text += file.string() + "\n";
+  }
+  if (console.json) return console.print_json({{"files", files}});
+  console.print(text);
+}
+
+void probe(const ProbeOptions& options, Console& console) {
+  if (!options.example.empty()) return write_examples(options, console);
+  if (options.plugin.empty())
+    throw InputError("give the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
+  if (!options.h0 || !options.h1) throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
+  if (options.patience && !(*options.patience > 0))
+    throw InputError(fmt::format("--patience {} is not positive; give seconds", to_text(*options.patience)));
+  const std::atomic<bool>& interrupted = interrupt_flag();
+  const auto leave = [&] {
+    if (interrupted) throw Interrupted{};
+  };
+  PluginStepper engine(parse_plugin(options.plugin), {.patience = options.patience.value_or(10), .watch = leave});
+  const ProbedLimit found = [&] {
+    Progress progress(console, "probe");
+    return probe_steps(engine, {.h0 = *options.h0,
+                                .h1 = *options.h1,
+                                .motion = options.motion,
+                                .observe = !options.no_runs,
+                                .watch = [&](double share, std::string_view detail) {
+                                  leave();
+                                  progress.update(share, detail);
+                                }});
+  }();
+  if (console.json) return console.print_json(to_json(found));
+  console.print(in_words(options, found, console));
+}
+
+}  // namespace
+
+void add_probe(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(app, console, "probe", "Find the largest stable step of your own step function",
+                                  {"hmax probe --example probe_example",
+                                   "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
+                                   "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
+  const auto options = std::make_shared<ProbeOptions>();
+  command.add_option("--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h")
+      ->type_name("FILE.so[:NAME[:ARGUMENT]]");
+  add_number(command, "--h0", options->h0, "The smallest step size [s]");
+  add_number(command, "--h1", options->h1, "The largest step size [s]");
+  add_number(command, "--motion", options->motion,
+             "Growth of neighbours along the motion of this length [s], instead of one step at the start");
+  add_number(command, "--patience", options->patience, "Time that one call of the plugin may take [s]; 10 by default");
+  command.add_flag("--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
+  command.add_option("--example", options->example, "Write the header and two examples into this folder, and end")
+      ->type_name("FOLDER");
+  command.callback([options, &console] { probe(*options, console); });
+}
+
+}  // namespace hmax

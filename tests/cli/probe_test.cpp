@@ -1,0 +1,82 @@
+#include <cmath>
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+const std::string tested = TESTED_PLUGIN;
+
+Told probe(const std::string& arguments) { return Shell().hmax("probe --plugin " + arguments); }
+
+TEST(ProbeCommand, PrintsTheContractedKeys) {
+  const Told told = probe(tested + ":chain --h0 1e-3 --h1 0.1 --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.err, "");
+  const nlohmann::json found = told.json();
+  EXPECT_EQ(found["model"], "chain");
+  EXPECT_EQ(found["dim"], 20);
+  EXPECT_EQ(found["state"], "equilibrium");
+  EXPECT_NEAR(found["h_max"].get<double>(), 0.01010, 1e-5);
+  EXPECT_NEAR(found["observed"].get<double>(), 0.01010, 5e-5);
+  EXPECT_LT(std::abs(found["gap"].get<double>()), 5e-3);
+  EXPECT_TRUE(found["status"].is_null()) << found["status"];
+  double before = 0;
+  for (const auto& row : found["rows"]) {
+    EXPECT_GT(row["h"].get<double>(), before);
+    before = row["h"];
+    EXPECT_EQ(row["growing"].is_null(), before < found["h_max"].get<double>()) << row;
+  }
+  EXPECT_LT(found["rows"].back()["growing"]["re"].get<double>(), -1);
+}
+
+TEST(ProbeCommand, WhatHasNoLimitIsUnbounded) {
+  const nlohmann::json found = probe(tested + ":implicit_euler --h0 0.1 --h1 10 --json").json();
+  EXPECT_EQ(found["h_max"], "unbounded");
+  EXPECT_EQ(found["observed"], "unbounded");
+  EXPECT_TRUE(found["gap"].is_null());
+}
+
+TEST(ProbeCommand, RefusesWhatDoesNotWork) {
+  const std::string steps = " --h0 1e-3 --h1 1";
+  expect_refused(probe("none.so" + steps), "there is no file 'none.so'");
+  expect_refused(probe(tested), "give the step sizes");
+  expect_refused(probe(tested + ":start:nan" + steps), "number 1 of the state at the start is not finite");
+  expect_refused(probe(tested + ":crash:segv" + steps), "with signal 11");
+  expect_refused(probe(tested + ":crash:hang --patience 0.2" + steps), "did not return within 0.2 s");
+  expect_refused(probe(tested + " --patience 0" + steps), "--patience 0 is not positive");
+  expect_refused(probe(TESTED_PLUGIN_VERSION + steps), "version 99");
+  expect_refused(Shell().hmax("probe"), "--example FOLDER");
+  expect_refused(Shell().hmax("probe --example a --plugin b"), "remove --plugin");
+}
+
+TEST(ProbeCommand, WhatAPluginSaysIsNoPartOfTheDocument) {
+  const Told told = probe(tested + ":crash:talk --h0 1e-3 --h1 0.1 --no-runs --json");
+  EXPECT_EQ(told.exit_code, 0);
+  EXPECT_EQ(told.json()["dim"], 2);
+}
+
+TEST(ProbeCommand, InterruptedItLeavesNoProcess) {
+  const Shell shell;
+  const Told told = shell.line("timeout -s INT 1 '" HMAX_PROGRAM "' probe --plugin " + tested +
+                               ":crash:hang --h0 1e-3 --h1 1; echo $?; sleep 0.2; pgrep -f '^" HMAX_PROGRAM
+                               " probe .*crash:hang' | wc -l");
+  EXPECT_EQ(told.out.substr(told.out.size() - 2), "0\n") << told.out << told.err;
+}
+
+TEST(ProbeCommand, ItsExamplesAreThoseThatTheTestsRun) {
+  const Shell shell;
+  const Told told = shell.hmax("probe --example a");
+  EXPECT_EQ(told.out, "a/hmax/plugin.h\na/plugin_stepper.cpp\na/plugin_model.c\n");
+  EXPECT_EQ(read_text(shell / "a/hmax/plugin.h"), read_text(HMAX_SOURCE_DIR "/bench/plugin/plugin.h"));
+  EXPECT_EQ(read_text(shell / "a/plugin_stepper.cpp"), read_text(HMAX_SOURCE_DIR "/examples/plugin_stepper.cpp"));
+  EXPECT_EQ(shell.hmax("probe --example a").exit_code, 0);
+  shell.line("echo >> a/plugin_model.c");
+  expect_refused(shell.hmax("probe --example a"), "is there already and differs");
+}
+
+}  // namespace
+}  // namespace hmax
