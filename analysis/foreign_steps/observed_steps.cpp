@@ -54,8 +54,11 @@ std::vector<double> distances(ForeignStepper& engine, const StateCoordinates& co
     const double now = done ? distance(run.follow ? undisturbed[k] : start) : std::numeric_limits<double>::infinity();
     if (run.watch) run.watch();
     found.push_back(now / first);
-    if (!std::isfinite(now) || now > run.bound * std::sqrt(static_cast<double>(scale.size()))) {
-      found.back() = std::numeric_limits<double>::infinity();
+    if (!std::isfinite(now)) found.back() = std::numeric_limits<double>::infinity();
+    if (!(now <= run.bound * std::sqrt(static_cast<double>(scale.size())))) {
+      // Free motion at constant velocity gets there too.
+      const double half = *std::max_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(k / 2 + 1));
+      if (found.back() > 6 * (k > 1 ? half : 1)) found.back() = std::numeric_limits<double>::infinity();
       break;
     }
   }

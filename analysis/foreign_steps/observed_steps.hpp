@@ -13,7 +13,7 @@ namespace hmax {
 struct GrowthRun {
   std::int64_t steps = 2000;
   double amplitude = 1e-6;  ///< of the disturbance, in units of scales
-  double bound = 0.1;       ///< a distance beyond it is divergence
+  double bound = 0.1;       ///< the run ends at a distance beyond it
   bool follow = false;      ///< the state moves: the distance is that of a run without the disturbance
   std::function<void()> watch = {};
 };
@@ -21,7 +21,8 @@ struct GrowthRun {
 /// Runs the engine from the state in `slot` with a small random disturbance. The distances from the undisturbed run are
 /// compared: the largest of the last quarter with the largest of the second one. Motions of constant amplitude keep it, free
 /// motion at constant velocity doubles it.
-/// @return  whether it grew by more than a factor of 4, or beyond the bound, or the steps could not be done
+/// @return  whether it grew by more than a factor of 4, to the bound faster than in proportion to time, or out of the range of
+///          numbers
 bool run_grows(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale, int slot, double h,
                const GrowthRun& run);
 

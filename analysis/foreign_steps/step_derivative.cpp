@@ -45,14 +45,15 @@ VectorXd StepDerivative::difference(const VectorXd& v, double increment) const {
 
 // From large increments, where the step may not be linear, to small ones, where rounding is all: the pair that agrees best.
 void StepDerivative::choose_increment() {
-  constexpr int levels = 15, directions = 3;
+  constexpr int levels = 17, directions = 3;
+  constexpr double largest = 0.5;
   std::array<double, levels> disagreement{};
   std::array<double, levels> size{};
   double shrink = std::sqrt(0.1);
   for (Index k = 0; k < directions; ++k) {
     const VectorXd v = direction(scale_.size(), k);
     VectorXd before;
-    double increment = 0.03;
+    double increment = largest;
     for (std::size_t level = 0; level < levels; ++level, increment *= shrink) {
       const VectorXd now = difference(v, increment);
       const double change = level > 0 ? (now - before).norm() / v.norm() : infinity;
@@ -62,7 +63,7 @@ void StepDerivative::choose_increment() {
     }
   }
   const auto best = static_cast<std::size_t>(std::ranges::min_element(disagreement) - disagreement.begin());
-  increment_ = 0.03 * std::pow(shrink, static_cast<double>(best));
+  increment_ = largest * std::pow(shrink, static_cast<double>(best));
   const double rounding = engine_->is_single_precision() ? std::numeric_limits<float>::epsilon()
                                                          : std::numeric_limits<double>::epsilon();
   error_ = std::max(disagreement[best], 4 * rounding * size[best]);
@@ -75,10 +76,21 @@ VectorXd StepDerivative::product(const VectorXd& v) const {
 }
 
 MatrixXd StepDerivative::matrix(const std::function<void(double share)>& watch) const {
+  return matrix_at(increment_, watch);
+}
+
+MatrixXd StepDerivative::confirmed_matrix(const std::function<void(double share)>& watch) const {
+  const MatrixXd J = matrix_at(increment_, watch), other = matrix_at(3 * increment_, watch);
+  // On the diagonal what is left of 1 counts.
+  const MatrixXd one = MatrixXd::Identity(J.rows(), J.cols());
+  return one + ((J - other).array().abs() < 0.3 * (J - one).array().abs()).select(J - one, 0);
+}
+
+MatrixXd StepDerivative::matrix_at(double increment, const std::function<void(double share)>& watch) const {
   const Index n = scale_.size();
   MatrixXd J(n, n);
   for (Index j = 0; j < n; ++j) {
-    J.col(j) = difference(VectorXd::Unit(n, j), increment_);
+    J.col(j) = difference(VectorXd::Unit(n, j), increment);
     if (watch && j % 16 == 0) watch(static_cast<double>(j) / static_cast<double>(n));
   }
   return J;
@@ -90,11 +102,10 @@ VectorXd scales_of(const VectorXd& y) {
   return y.cwiseAbs().cwiseMax(0.01 * largest);
 }
 
-VectorXd balancing_factors(const MatrixXd& J, double noise) {
+VectorXd balancing_factors(const MatrixXd& J) {
   const Index n = J.rows();
   MatrixXd B = J - MatrixXd::Identity(n, n);
   B.diagonal().setZero();
-  B = (B.array().abs() > noise).select(B, 0);
   VectorXd D = VectorXd::Ones(n);
   for (int sweep = 0; sweep < 20; ++sweep)
     for (Index i = 0; i < n; ++i) {

@@ -31,8 +31,11 @@ class StepDerivative {
   /// J, shape (coordinates.size(), coordinates.size()); two steps a column.
   /// @param watch  called with the share that is done; may throw
   [[nodiscard]] Eigen::MatrixXd matrix(const std::function<void(double share)>& watch = {}) const;
+  /// J without the entries that another increment does not confirm to a third: four steps a column.
+  [[nodiscard]] Eigen::MatrixXd confirmed_matrix(const std::function<void(double share)>& watch = {}) const;
 
  private:
+  [[nodiscard]] Eigen::MatrixXd matrix_at(double increment, const std::function<void(double share)>& watch) const;
   [[nodiscard]] Eigen::VectorXd difference(const Eigen::VectorXd& v, double increment) const;
   void choose_increment();
 
@@ -48,9 +51,9 @@ Eigen::VectorXd scales_of(const Eigen::VectorXd& y);
 
 /// Factors of scales that balance a Jacobian: rows and columns of D^-1 (J - I) D have like norms, so that positions and
 /// velocities are measured in one unit. [parlett1969balancing]
-/// @param noise  entries below it are taken for zero
+/// @param J  without noise: how large its small entries are matters
 /// @return  shape (n), at most 1
-Eigen::VectorXd balancing_factors(const Eigen::MatrixXd& J, double noise);
+Eigen::VectorXd balancing_factors(const Eigen::MatrixXd& J);
 /// The same of a map of which only products are known, from random vectors of signs. [chen2000balancing]
 Eigen::VectorXd balancing_factors(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& J, Eigen::Index n);
 

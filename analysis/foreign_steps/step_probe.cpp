@@ -40,6 +40,7 @@ class Probe {
   StepSpectrum along_motion(double h);
   void bisect(double low, double high);
   void explain_growth_at_least();
+  void check_rest_at_limit();
   void name_growing_numbers();
   void observe();
   bool runs_grow(double h);
@@ -91,8 +92,8 @@ void Probe::look_at_start() {
     found_.state = ProbedState::equilibrium;
   } else {
     const Index i = coordinates_.component(most);
-    found_.status.push_back("the state is no equilibrium, a step of h0 changes its number " + std::to_string(i) + " from " +
-                            rounded_text(start_[i], 3) + " to " + rounded_text(next[i], 3) +
+    found_.status.push_back("the state is no equilibrium, a step of h0 changes its number " + std::to_string(i) + " by " +
+                            rounded_text(next[i] - start_[i], 2) +
                             ": h_max is that of this state; --motion T follows the motion");
   }
   const std::vector<std::string> remarks =
@@ -106,11 +107,12 @@ void Probe::balance() {
   const VectorXd factors =
       coordinates_.size() > settings_.spectrum.matrix_to
           ? balancing_factors([&](const VectorXd& v) { return derivative.product(v); }, coordinates_.size())
-          : balancing_factors(derivative.matrix([this](double share) { tell(0.02 * share, "first differences"); }),
-                              3 * derivative.error());
+          : balancing_factors(
+                derivative.confirmed_matrix([this](double share) { tell(0.02 * share, "first differences"); }));
   scale_ = scale_.cwiseProduct(factors);
-  if (derivative.error() > 0.01)
-    found_.status.push_back("differences of the step at two increments differ by " + rounded_text(derivative.error(), 2) +
+  const double error = StepDerivative(engine_, coordinates_, scale_, home, start_, settings_.h0).error();
+  if (error > 0.01)
+    found_.status.push_back("differences of the step at two increments differ by " + rounded_text(error, 2) +
                             ": the step is not smooth at this state, as at a contact that opens");
 }
 
@@ -190,6 +192,22 @@ void Probe::find_limit() {
   found_.status.push_back("no growth up to h1");
 }
 
+/// Constraints may be softer at large steps: the state of rest is then another one.
+void Probe::check_rest_at_limit() {
+  if (found_.state != ProbedState::equilibrium || std::isnan(found_.h_max)) return;
+  const double h = std::min(0.99 * found_.h_max, settings_.h1);
+  const VectorXd next = engine_.after(home, start_, h, 1);
+  if (!next.allFinite()) return;
+  Index most = 0;
+  const double moved = coordinates_.of(start_, next).cwiseQuotient(scale_).cwiseAbs().maxCoeff(&most);
+  if (moved <= (is_single() ? 1e-3 : 1e-6)) return;
+  const Index i = coordinates_.component(most);
+  found_.state = ProbedState::initial;
+  found_.status.push_back("the state of rest depends on the step size: a step of " + rounded_text(h, 3) +
+                          " s changes its number " + std::to_string(i) + " by " + rounded_text(next[i] - start_[i], 2) +
+                          "; h_max is that of the state of rest at small steps");
+}
+
 void Probe::name_growing_numbers() {
   if (!found_.critical || !(found_.critical->motion.maxCoeff() > 0)) return;
   const VectorXd& motion = found_.critical->motion;
@@ -201,9 +219,11 @@ void Probe::name_growing_numbers() {
 }
 
 GrowthRun Probe::growth_run(double h) const {
+  // As far as the step is linear, and above its rounding.
+  const double increment = found_.rows.front().increment, amplitude = std::clamp(increment, 1e-7, is_single() ? 1e-2 : 1e-6);
   GrowthRun run{.steps = found_.state == ProbedState::motion ? steps_of_motion(h) : found_.steps,
-                .amplitude = is_single() ? 3e-3 : 1e-6,
-                .bound = is_single() ? 0.3 : 0.1,
+                .amplitude = amplitude,
+                .bound = is_single() ? 100 * amplitude : 1e5 * amplitude,
                 .follow = found_.state != ProbedState::equilibrium,
                 .watch = watcher()};
   return run;
@@ -222,20 +242,21 @@ bool Probe::runs_grow(double h) {
 
 /// Long enough that growth at 1.002 of the limit is seen, and not longer than the time allows.
 std::int64_t Probe::observed_steps() {
-  constexpr std::int64_t least = 4000, most = 2'000'000;
+  constexpr double most = 2e6;
   using Clock = std::chrono::steady_clock;
   engine_.restore(home);
   const auto begin = Clock::now();
   engine_.step(settings_.h0, 50);
   const double one = std::chrono::duration<double>(Clock::now() - begin).count() / 50;
-  const double affordable = std::clamp(settings_.seconds_a_run / one, double{least}, double{most});
+  constexpr double least = 400;
+  const double affordable = std::clamp(settings_.seconds_a_run / one, least, most);
   if (!std::isfinite(found_.h_max)) return static_cast<std::int64_t>(std::min(affordable, 20000.0));
   const double rate = std::log(found_.critical->spectral_radius);
-  const double needed = rate > 0 ? 6 / rate : infinity;
+  const double needed = rate > 0 ? 10 / rate : infinity;
   if (needed > affordable)
     found_.status.push_back("growth just above the limit is " + rounded_text(rate, 2) + " a step: runs of " +
                             std::to_string(std::llround(affordable)) + " steps show it late, observed is too large");
-  return std::llround(std::clamp(needed, double{least}, affordable));
+  return std::llround(std::clamp(needed, least, affordable));
 }
 
 /// @param low_known  whether runs at `low` are known not to grow
@@ -289,6 +310,7 @@ ProbedLimit Probe::run() {
   look_at_start();
   balance();
   find_limit();
+  check_rest_at_limit();
   name_growing_numbers();
   if (std::ranges::any_of(found_.rows, [](const StepSpectrum& row) { return !row.resolved; }))
     found_.status.push_back("an iteration for the largest multiplier ended undecided: slow growth may be missed");
