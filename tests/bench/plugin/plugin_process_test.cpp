@@ -1,11 +1,14 @@
 #include "bench/plugin/plugin_process.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <sys/wait.h>
 
 #include <gtest/gtest.h>
 
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/predict.hpp"
 #include "bench/plugin/plugin_model.hpp"
 #include "bench/plugin/plugin_stepper.hpp"
 #include "results/errors.hpp"
@@ -127,6 +130,14 @@ TEST(Plugin, AModelIsAProblem) {
   EXPECT_LT((dense - dense.transpose()).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_EQ(error_of([] { plugin_problem(tested("chain")); }),
             "'chain' of the plugin is a stepper and no model; use `hmax probe` for it");
+}
+
+TEST(Plugin, AModelHasStepLimits) {
+  const Problem problem = plugin_problem(parse_plugin(EXAMPLE_MODEL));
+  const Prediction row = predict(find_method("symplectic_euler"), linearised(problem));
+  ASSERT_TRUE(row.h_max) << row.note;
+  // The faster of two stretching modes, k / m (3 + sqrt(5)) / 2.
+  EXPECT_NEAR(*row.h_max, 2 / std::sqrt(1e4 * (3 + std::sqrt(5)) / 2), 2e-5);
 }
 
 }  // namespace
