@@ -108,4 +108,7 @@ int columns_of(int asked);
 /// a slide, that of the columns that it has.
 double panel_width(int columns);
 
+/// The id of a problem for a title: a mesh file without its folders.
+std::string title_of(const std::string& problem);
+
 }  // namespace hmax

@@ -18,16 +18,30 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 /// Of so many states at most the maps of steps are looked at: seconds for each candidate.
 constexpr Eigen::Index most_states_stepped = 2000;
 
-/// The states of the reference at which limits are looked for.
-Path path_of(const ReferenceMotion& reference) {
-  constexpr std::size_t most = 10;
-  Path path;
-  const std::size_t stride = std::max<std::size_t>(1, (reference.t.size() + most - 1) / most);
-  for (std::size_t i = 0; i < reference.t.size(); i += stride) {
-    path.at.push_back(reference.t[i]);
-    path.y.push_back(reference.y[i]);
+/// Of so few states limits are looked for all along the motion.
+constexpr Eigen::Index small = 20;
+
+/// At most so many states of a path, the first among them.
+Path thinned(const Path& path, std::size_t most) {
+  Path few;
+  const std::size_t stride = std::max<std::size_t>(1, (path.at.size() + most - 1) / most);
+  for (std::size_t i = 0; i < path.at.size(); i += stride) {
+    few.at.push_back(path.at[i]);
+    few.y.push_back(path.y[i]);
   }
-  return path;
+  return few;
+}
+
+/// The states at which limits are looked for: of bodies and of large problems ten of the reference, of small ones four
+/// hundred of the motion, which may be fast between two instants of the reference.
+Path path_of(const AnalysedModel& model, const Watcher& watcher) {
+  const Problem& problem = model.motion.problem;
+  const ReferenceMotion& reference = model.reference;
+  if (!problem.body && !problem.stiff && problem.y0.size() <= small) try {
+      return motion_path(problem, model.motion.t_end, 400, watcher);
+    } catch (const InputError&) {  // what the explicit method of the path does not follow
+    }
+  return thinned({.at = reference.t, .y = reference.y, .note = {}}, problem.body ? 10 : reference.t.size());
 }
 
 /// The smaller of two limits of which either may be missing.
@@ -92,7 +106,6 @@ CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& of_mod
 /// Where the maps of steps are looked at besides the start: of a body where it is stiffest.
 std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
                                   const std::optional<TrajectoryLimit>& central) {
-  constexpr Eigen::Index small = 20;
   const Problem& problem = model.motion.problem;
   std::vector<Linearised> places;
   if (problem.body) {
@@ -100,7 +113,9 @@ std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
     if (stiffens && problem.y0.size() <= most_states_stepped)
       places.push_back(linearised(problem, central->t_least, central->y_least));
   } else if (problem.y0.size() <= small) {
-    for (std::size_t i = 1; i < path.at.size(); ++i) places.push_back(linearised(problem, path.at[i], path.y[i]));
+    const Path few = thinned(path, 10);
+    for (std::size_t i = 1; i < few.at.size(); ++i) places.push_back(linearised(problem, few.at[i], few.y[i]));
+    if (central && central->y_least.size() > 0) places.push_back(linearised(problem, central->t_least, central->y_least));
   }
   return places;
 }
@@ -110,7 +125,7 @@ std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
 void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,
                     const std::function<void(std::size_t)>& progress) {
   const Problem& problem = model.motion.problem;
-  const Path path = path_of(model.reference);
+  const Path path = path_of(model, watcher);
   std::vector<Method> asked;
   for (const Candidate& candidate : all) asked.push_back(candidate.method);
   asked.push_back(find_method("central_difference"));

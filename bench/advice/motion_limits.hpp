@@ -32,9 +32,9 @@ struct AnalysedModel {
 };
 
 /// Fills AnalysedModel::limits, and what the motion makes of the model: the least limits at the start and at ten states
-/// of the reference. Limits that no mode tells, of Jacobians that are frozen, of truncated iterations and of implicit-explicit
+/// of the reference, of problems of up to 20 states that are not stiff at 400 states of the motion. Limits that no mode tells, of Jacobians that are frozen, of truncated iterations and of implicit-explicit
 /// steps, come from the maps of their steps, of models up to 2000 states: at the start and where the body is stiffest, or of
-/// small problems at all ten states. Of larger bodies frozen Jacobians have that of an undamped spring which stiffens as
+/// small problems at ten states and where the central difference has its least limit. Of larger bodies frozen Jacobians have that of an undamped spring which stiffens as
 /// much as the fastest mode.
 /// @param progress  called with the number of each candidate before its turn
 void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,

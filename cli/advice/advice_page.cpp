@@ -5,6 +5,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "plots/figure.hpp"
 #include "plots/pages/store_report.hpp"
 #include "results/build_info.hpp"
 #include "results/table.hpp"
@@ -53,7 +54,8 @@ void write_advice_page(const std::filesystem::path& file, const AdviceText& text
                        .sessions = {{.id = 1, .started = now, .fingerprint = fingerprint()}}};
   if (!scene.empty()) answer.scenes.push_back({.key = question, .scene = scene, .session = 1});
   const AnswerSections sections{
-      .title = fmt::format("{} at {} Hz: integrator and step size", text.model, short_number(question.rate)),
+      .title = fmt::format("{}{}{} at {} Hz: integrator and step size", title_of(question.problem),
+                           question.material.empty() ? "" : ", ", question.material, short_number(question.rate)),
       .introduction = "Which integrator, and how large a step? " + text.question,
       .before = {answer_section(text)},
       .after = sections_after(text, question),

@@ -159,10 +159,20 @@ std::vector<std::string> words_of_remedies(const Advice& advice) {
   std::vector<std::string> words;
   for (const Remedy& remedy : advice.remedies)
     words.push_back(fmt::format("{} {} in place of {}{}: {} with h = {} ms", remedy.change,
-                                short_number(remedy.to), short_number(remedy.from),
+                                short_number(remedy.to, 4), short_number(remedy.from, 4),
                                 remedy.cost.empty() ? "" : " (" + remedy.cost + ")", remedy.method,
                                 milliseconds(remedy.h, 5)));
   return words;
+}
+
+/// The row that comes nearest where none suits; empty where none has a number to tell it by.
+std::string words_of_nearest(const Advice& advice, const AdviceQuestion& question) {
+  if (advice.rows.empty()) return {};
+  const AdviceRow& row = advice.rows.front();
+  if (std::isnan(row.h) || !std::isfinite(row.error) || std::isnan(row.frame.p50)) return {};
+  return fmt::format("Nearest: {} with h = {} ms, error {}, {} ms of {} ms per frame (median). ", row.candidate.words(),
+                     milliseconds(row.h, 4), percent(row.error), milliseconds(row.frame.p50),
+                     milliseconds(question.frame_budget()));
 }
 
 /// What is said above the remedies.
@@ -244,7 +254,7 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
     text.answer = words_of_interruption(advice);
   } else {
     text.answer = "no method that was tried meets this";
-    text.help = words_of_help(advice, interrupted);
+    text.help = words_of_nearest(advice, question) + words_of_help(advice, interrupted);
     text.remedies = words_of_remedies(advice);
   }
   const std::vector<AdviceRecord> rows = advice_records(advice);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -115,9 +116,11 @@ Remaking remaking(const ProblemChoice& choice) {
   return make;
 }
 
-/// @throws InputError  for a store or a page that cannot have its name
+/// @throws InputError  for a store or a page that cannot have its name, and for a file that is no store
 void check_names(const AdviseOptions& options) {
-  if (!options.out.empty()) (void)store_path(options.out);
+  if (!options.out.empty())
+    if (const std::filesystem::path store = store_path(options.out); std::filesystem::exists(store))
+      (void)Store::open_existing(store);
   if (!options.output.empty()) check_page_name(options.output, "advice.html");
 }
 
@@ -166,7 +169,10 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   const std::string scene = problem.body ? body_scene_text(*advice.model) : "";
   std::exception_ptr page_failure;  // the store is written all the same
   try {
-    if (!options.output.empty()) write_advice_page(options.output, text, key, rows, scene);
+    if (!options.output.empty()) {
+      write_advice_page(options.output, text, key, rows, scene);
+      if (!console.json) console.print(fmt::format("\nOpen {}\n", options.output));
+    }
   } catch (const InputError&) {
     page_failure = std::current_exception();
   }
@@ -174,6 +180,7 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
     Store store = Store::open_or_create(store_path(options.out));
     store.begin_session(fingerprint());
     store.insert_advice(key, rows, scene);
+    if (!console.json) console.print(fmt::format("\nStored in {}\n", store.file().generic_string()));
   }
   if (page_failure) std::rethrow_exception(page_failure);
 }

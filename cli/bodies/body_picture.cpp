@@ -46,12 +46,6 @@ double rounded_up(double value) {
 
 }  // namespace
 
-std::string title_of(const std::string& problem) {
-  const std::size_t at = problem.find('@'), folder = problem.rfind('/');
-  if (folder == std::string::npos || (at != std::string::npos && folder < at)) return problem;
-  return problem.substr(0, at == std::string::npos ? 0 : at + 1) + problem.substr(folder + 1);
-}
-
 std::vector<SpacePoint> space_points(const Eigen::Matrix3Xd& x) {
   std::vector<SpacePoint> points;
   points.reserve(static_cast<std::size_t>(x.cols()));

@@ -6,6 +6,7 @@
 
 #include "cli/shared/console.hpp"
 #include "plots/drawn/bodies.hpp"
+#include "plots/figure.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -28,9 +29,6 @@ BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, B
 /// The scale of such views. That of energies ends where one in fifty points is beyond, when the largest are
 /// much larger: at the edge of a support they grow without bound as the mesh is refined.
 BodyColours colours_of(BodyValue value, const std::vector<BodyView>& views);
-
-/// The id of a problem for a title: a mesh file without its folders.
-std::string title_of(const std::string& problem);
 
 /// A mesh, in the colours of its worst element at each triangle of the surface: one of those that have a
 /// corner of it.

@@ -11,6 +11,7 @@
 #include "cli/reproduce/reproduce_tissue.hpp"
 #include "cli/reproduce/rows_page.hpp"
 #include "cli/stability/stability.hpp"
+#include "plots/pages/report.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {
@@ -164,6 +165,7 @@ nlohmann::ordered_json to_json(const TissueStudy& study) {
 }  // namespace
 
 ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console) {
+  check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   const auto& interrupted = interrupt_flag();
   const auto stop = [&] { return interrupted.load(); };
@@ -204,6 +206,7 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
 }
 
 ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options, Console& console) {
+  check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   const auto& interrupted = interrupt_flag();
   TissueStudy study;
@@ -228,6 +231,7 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
 }
 
 ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console) {
+  check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   StudyRows rows;
   std::int64_t count = 0;

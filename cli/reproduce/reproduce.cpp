@@ -116,6 +116,7 @@ struct AllOptions {
 void reproduce_all(const AllOptions& options, Console& console) {
   const std::filesystem::path folder = options.folder;
   const std::vector<Part> chosen = chosen_parts(options.names);
+  check_report_place(folder);
   FinishedParts finished(folder, options.quick);
   std::vector<ReportSection> sections;
   Json listed = Json::array();
@@ -144,8 +145,9 @@ void reproduce_all(const AllOptions& options, Console& console) {
   const std::filesystem::path page = write_report(
       "Two sources, done again",
       "A study of a liver as one oscillator, and a thesis on deformable organs. Each page shows what was printed, what "
-      "hmax finds, and why they differ. Computed on: " +
-          markdown_text(summary(fingerprint())) + ".",
+      "hmax finds, and why they differ." +
+          std::string(options.quick ? " This is the quick form: coarser meshes and fewer points of the thesis." : "") +
+          " Computed on: " + markdown_text(summary(fingerprint())) + ".",
       sections, folder);
   if (console.json) return console.print_json({{"report", page.string()}, {"parts", listed}});
   console.print(fmt::format("Open {}\n", page.string()));

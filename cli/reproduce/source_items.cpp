@@ -94,7 +94,9 @@ std::string items_table(std::span<const SourceItem> items,
     if (!part.empty()) {
       if (!pages.contains(part)) pages[part] = page(part);
       const std::string heading = heading_of(pages[part], item.section);
-      where = heading.empty() ? fmt::format("{}: {}", part, markdown_text(item.section))
+      where = pages[part].empty()
+                  ? fmt::format("not made here; `--part {}` makes it: {}", part, markdown_text(item.section))
+              : heading.empty() ? fmt::format("{}: {}", part, markdown_text(item.section))
                               : fmt::format("[{}]({}/README.md#{})", markdown_text(heading), part, heading_anchor(heading));
     }
     if (*item.note) where += fmt::format("; {}", markdown_text(item.note));

@@ -23,7 +23,7 @@ std::span<const SourceItem> thesis_items();
 
 /// The items as a table in Markdown.
 /// @param page  the text of the page of a part, from which the heading is taken; a section that it does not have is named
-///              without a link
+///              without a link, and the part said not to be made where the text is empty
 std::string items_table(std::span<const SourceItem> items, const std::function<std::string(const std::string& part)>& page);
 
 }  // namespace hmax

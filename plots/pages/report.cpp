@@ -83,6 +83,10 @@ std::string report_text(const std::string& title, const std::string& introductio
   return text;
 }
 
+void check_report_place(const std::filesystem::path& folder) {
+  for (const char* file : {"README.md", "index.html"}) check_writable(folder / file);
+}
+
 std::filesystem::path write_report(const std::string& title, const std::string& introduction,
                                    const std::vector<ReportSection>& sections,
                                    const std::filesystem::path& folder) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "plots/figure.hpp"
 #include "plots/pages/html_text.hpp"
 #include "results/numbers.hpp"
 
@@ -90,7 +91,7 @@ std::string html_of(const Answer& answer, std::span<const ReportedStore> stores)
   const bool found = best != answer.rows.end();
   std::string html = fmt::format(
       "<article class=\"answer\">\n<h3>{}{}{} at {} Hz</h3>\n<p class=\"take\">{}</p>\n<dl>\n",
-      html_text(key.problem), key.material.empty() ? "" : ", ", html_text(key.material), digits(key.rate, 6),
+      html_text(title_of(key.problem)), key.material.empty() ? "" : ", ", html_text(key.material), digits(key.rate, 6),
       html_text(found ? "Take " + step_of(*best) + "." : "No method that was tried meets this."));
   Facts facts{{"question", question_of(key)}, {"motion", key.motion}};
   if (found)

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "plots/figure.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -43,7 +44,7 @@ double step_of(const Row& row) {
 const std::vector<ShownColumn<Row>>& run_columns() {
   using C = const Row&;
   static const std::vector<ShownColumn<Row>> columns{
-      {"problem", "problem", "", "text", [](C r) -> Cell { return r.key.problem; }},
+      {"problem", "problem", "", "text", [](C r) -> Cell { return title_of(r.key.problem); }},
       {"material", "material", "", "text", [](C r) -> Cell { return r.key.material; }},
       {"method", "method", "", "text", [](C r) -> Cell { return r.key.method; }},
       {"mode", "mode", "", "text", [](C r) -> Cell { return r.key.mode; }},
@@ -77,7 +78,7 @@ const std::vector<ShownColumn<Row>>& run_columns() {
 const std::vector<ShownColumn<LimitRow>>& limit_columns() {
   using C = const LimitRow&;
   static const std::vector<ShownColumn<LimitRow>> columns{
-      {"problem", "problem", "", "text", [](C r) -> Cell { return r.point.problem; }},
+      {"problem", "problem", "", "text", [](C r) -> Cell { return title_of(r.point.problem); }},
       {"material", "material", "", "text", [](C r) -> Cell { return r.point.material; }},
       {"state_kind", "near", "", "text", [](C r) -> Cell { return r.state_kind; }},
       {"method", "method", "", "text", [](C r) -> Cell { return r.method; }},
@@ -104,30 +105,30 @@ const std::vector<ShownColumn<LimitRow>>& limit_columns() {
 const std::vector<ShownColumn<AdviceRecord>>& advice_columns() {
   using C = const AdviceRecord&;
   static const std::vector<ShownColumn<AdviceRecord>> columns{
-      {"problem", "problem", "", "text", [](C r) -> Cell { return r.key.problem; }},
-      {"material", "material", "", "text", [](C r) -> Cell { return r.key.material; }},
+      {"problem", "problem", "", "text", [](C r) -> Cell { return title_of(r.key.problem); }},
       {"rate", "rate", "Hz", "number", [](C r) -> Cell { return r.key.rate; }},
       {"method", "method", "", "text", [](C r) -> Cell { return r.words(); }},
       {"verdict", "verdict", "", "text", [](C r) -> Cell { return r.verdict; }},
       {"h", "h", "ms", "number", [](C r) -> Cell { return in_ms(r.h); }},
       {"steps", "steps per frame", "", "count", [](C r) -> Cell { return r.steps_per_frame; }},
-      {"h_max", "limit predicted", "ms", "number", [](C r) -> Cell { return in_ms(r.h_max); }},
-      {"observed", "limit observed", "ms", "number", [](C r) -> Cell { return in_ms(r.h_max_observed); }},
-      {"bound", "limited by", "", "text", [](C r) -> Cell { return r.bound; }},
       {"error", "error", "%", "number", [](C r) -> Cell { return in_percent(r.error); }},
       {"p50", "frame, median", "ms", "number", [](C r) -> Cell { return in_ms(r.frame_p50); }},
       {"p99", "frame, 99 %", "ms", "number", [](C r) -> Cell { return in_ms(r.frame_p99); }},
       {"max", "frame, maximum", "ms", "number", [](C r) -> Cell { return in_ms(r.frame_max); }},
-      {"tail", "frame times", "s", "list", [](C r) -> Cell { return r.frame_tail; }},
-      {"first", "first frame", "ms", "number", [](C r) -> Cell { return in_ms(r.first_frame); }},
+      {"h_max", "limit predicted", "ms", "number", [](C r) -> Cell { return in_ms(r.h_max); }},
+      {"observed", "limit observed", "ms", "number", [](C r) -> Cell { return in_ms(r.h_max_observed); }},
+      {"bound", "limited by", "", "text", [](C r) -> Cell { return r.bound; }},
       {"frames", "frames", "", "count", [](C r) -> Cell { return r.frames; }},
       {"missed", "late frames", "", "count", [](C r) -> Cell { return r.missed; }},
+      {"first", "first frame", "ms", "number", [](C r) -> Cell { return in_ms(r.first_frame); }},
       {"newton", "Newton iterations per frame", "", "count", [](C r) -> Cell { return r.newton_per_frame; }},
       {"linear", "CG iterations per frame", "", "count", [](C r) -> Cell { return r.linear_per_frame; }},
       {"memory", "memory", "MB", "number", [](C r) -> Cell { return r.memory / 1e6; }},
       {"stiffening", "margin of stiffness", "", "number", [](C r) -> Cell { return r.stiffening; }},
+      {"material", "material", "", "text", [](C r) -> Cell { return r.key.material; }},
       {"tolerance", "tolerance", "%", "number", [](C r) -> Cell { return in_percent(r.key.tolerance); }},
       {"budget", "budget", "ms", "number", [](C r) -> Cell { return in_ms(r.key.budget); }},
+      {"tail", "frame times", "s", "list", [](C r) -> Cell { return r.frame_tail; }},
       {"status", "remark", "", "long", [](C r) -> Cell { return r.status; }},
       {"parameters", "parameters", "", "long", [](C r) -> Cell { return r.key.parameters; }},
       {"session", "session", "", "count", [](C r) -> Cell { return static_cast<double>(r.session); }}};
@@ -190,7 +191,7 @@ std::string label_of(const LimitRow& row) { return row.method; }
 std::string label_of(const AdviceRecord& row) { return row.words(); }
 
 std::string named(const std::string& problem, const std::string& material) {
-  return material.empty() ? problem : problem + ", " + material;
+  return title_of(problem) + (material.empty() ? "" : ", " + material);
 }
 
 std::size_t case_of(const Row& row, Cases& cases) {
@@ -335,7 +336,7 @@ Json advice_figures() {
   tail["join"] = true;
   tail["lines"].push_back(line("x", "budget", "budget"));
   Json steps = figure("steps_and_limits", advice_table, "Steps and their limits",
-                      "Steps below the limit of their method are stable.", "h", "h_max", "time step [ms]", "");
+                      "Predicted limits are the smallest of the linearised model along the motion; observed ones are of runs on it.", "h", "h_max", "time step [ms]", "");
   steps["range"] = {mark("h", "step", "circle"), mark("h_max", "limit, predicted", "bar"),
                     mark("observed", "limit, observed", "diamond")};
   steps["missing"] = "without a limit";
@@ -371,7 +372,7 @@ Json run_figures() {
 Json limit_figures() {
   Json both = figure(
       "limits", limits_table, "Predicted and observed limits",
-      "Marks on the dashed line are limits that runs confirm exactly. Runs below the observed limit are stable.",
+      "Marks on the dashed line are limits that runs confirm exactly. They hold for small motions about the state that a row names.",
       "h_max", "observed", "largest stable step, predicted [ms]", "observed [ms]");
   both["diagonal"] = true;
   both["whole"] = true;

@@ -187,9 +187,9 @@ function write_bar(view) {
   bar.lastChild.replaceChildren(...ticks);
 }
 
-/// A length in round numbers, of at most 110 pixels.
+/// A length in round numbers, of at most 160 pixels, and 64 at least.
 function write_scale(view, pixels) {
-  const most = 110 / pixels, power = 10 ** Math.floor(Math.log10(most));
+  const most = 160 / pixels, power = 10 ** Math.floor(Math.log10(most));
   const length = power * [5, 2, 1].find(each => each * power <= most);
   const {scale} = view.parts, text = in_unit(length, length < 1e-3 ? lengths[0] : length < 1 ? lengths[1] : lengths[2]);
   scale.style.width = length * pixels + "px";

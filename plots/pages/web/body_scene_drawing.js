@@ -456,7 +456,7 @@ function draw_owner(view, camera) {
   };
   const line = (ends, more, wide) => ends.flatMap(([a, b]) => thick_line(a, b, wide + more, canvas));
   gl.disable(gl.DEPTH_TEST);
-  draw(faces.flat().flatMap(p => [...p, 0]), [...owner_colour, 0.28]);
+  draw(faces.flat().flatMap(p => [...p, 0]), [...owner_colour, 0.12]);
   draw([...line(pairs, 2, width), ...line(rings, 2, 2)], [...owner_border, 1]);
   draw([...line(pairs, 0, width), ...line(rings, 0, 2)], [...owner_colour, 1]);
 }

@@ -211,7 +211,7 @@ function draw_scatter(figure, table, rows, plot, width) {
   if (lost.length) notes.push(counted(lost.length, "row", "rows") + " without an error in the grey strip");
   if (rest) notes.push(counted(rest, "row has", "rows have") + " no mark: a number is missing, zero or unbounded");
   plot.note.textContent = notes.join("; ");
-  if (!shown.length) return element("p", {class: "none"}, "No row has both numbers.");
+  if (!shown.length) return element("p", {class: "none"}, "No row has a mark here.");
   const strip = lost.length ? 24 : 0;
   const height = Math.round(Math.max(270, Math.min(460, 0.62 * width)));
   const frame = {left: 62, right: width - 14, top: 10 + strip, bottom: height - 46};

@@ -27,6 +27,9 @@ function power_text(exponent) {
 
 const is_text = column => ["text", "long", "list", "store"].includes(column.form);
 
+/// Paper has no room for long texts.
+const class_of = column => column.form === "long" ? "words off-paper" : is_text(column) ? "words" : "";
+
 /// A string, or a number: NaN where there is none.
 function value_of(row, column) {
   const cell = row[column.at];
@@ -118,7 +121,7 @@ function make_table(table, holder) {
   for (const column of columns) {
     const label =
         column.unit ? [column.name, element("span", {class: "unit"}, " [" + column.unit + "]")] : [column.name];
-    const cell = element("th", {scope: "col", class: is_text(column) ? "words" : ""});
+    const cell = element("th", {scope: "col", class: class_of(column)});
     const sorter = button("", () => {
       state.direction = state.sort === column ? -state.direction : 1;
       state.sort = column;
@@ -156,8 +159,8 @@ function make_table(table, holder) {
       }
       const text = text_of(row, column);
       made.append(element(
-          "td", is_text(column) ? {class: "words"} : {},
-          column.form === "long" ? element("div", {class: "long"}, text) : text));
+          "td", is_text(column) ? {class: class_of(column)} : {},
+          column.form === "long" ? element("div", {class: "long", title: text}, text) : text));
     }
     return made;
   }

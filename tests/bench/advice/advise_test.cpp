@@ -533,6 +533,18 @@ TEST(Advise, KnowsOscillators) {
   EXPECT_EQ(advice.recommended()->candidate.method.id, "rk4");
 }
 
+/// Between two instants of the reference the forced liver is stiffer than at either.
+TEST(Advise, LooksForLimitsOfSmallProblemsAllAlongTheMotion) {
+  const Problem problem = make_problem("liver_forced");
+  const Advice advice = advise(problem, question(100, {"rk4", "rk2_heun"}, problem));
+  ASSERT_EQ(advice.rows.size(), 2U);
+  for (const AdviceRow& row : advice.rows) {
+    const auto along = limit_along(row.candidate.method, problem, problem.t_end);
+    EXPECT_NEAR(row.h_max, along->least, 1e-6 * along->least) << row.candidate.method.id;
+    EXPECT_LT(row.h_max, 0.8 * predict(row.candidate.method, advice.model->near).h_max.value()) << row.candidate.method.id;
+  }
+}
+
 TEST(Deadlines, MayBeMissedByOneFrameInAThousand) {
   EXPECT_FALSE(is_late(0, 10));
   EXPECT_FALSE(is_late(1, 10));  // the machine's
