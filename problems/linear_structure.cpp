@@ -107,6 +107,18 @@ MatrixXd scaled_by(const Eigen::LLT<MatrixXd>& factor, const StructureMatrix& A)
   return scaled;
 }
 
+/// Methods add masses to K and C in place, which takes a stored diagonal; of damped structures K and C have one
+/// pattern, so that no step looks for it.
+void share_pattern(Sparse& K, Sparse& C, bool damped) {
+  Sparse zero(K.rows(), K.rows());
+  zero.setIdentity();
+  zero *= 0.0;
+  const Sparse pattern = damped ? Sparse(0.0 * K + 0.0 * C + zero) : zero;
+  C = Sparse(C + pattern);
+  K = Sparse(K + (damped ? pattern : zero));
+}
+void share_pattern(MatrixXd&, MatrixXd&, bool) {}
+
 template <class Matrix>
 bool has_entries(const Matrix& matrix) {
   bool found = false;
@@ -128,6 +140,7 @@ LinearStructure<MatrixT>::LinearStructure(MatrixT K, VectorXd mass, MatrixT C) {
   require_whole(C, "C", K.rows());
   auto parts = std::make_shared<Parts>();
   parts->damped = has_entries(C);
+  share_pattern(K, C, parts->damped);
   parts->K.swap(K);
   parts->mass.swap(mass);
   parts->C.swap(C);
