@@ -45,7 +45,7 @@ ErrorOf error_of(const PrecisionOptions& options, const Problem& problem) {
 PrecisionSpec spec_of(const PrecisionOptions& options) {
   PrecisionSpec spec;
   ProblemChoice problem = options.problem;
-  if (problem.problem.empty() && problem.body.mesh.empty()) problem.problem = SweepProblem{}.name;
+  if (problem.empty()) problem.problem = SweepProblem{}.name;
   spec.problem = {.name = problem.id(), .settings = problem.settings()};
   if (options.methods.empty())
     throw InputError(

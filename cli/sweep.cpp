@@ -27,6 +27,7 @@ struct SweepOptions {
   std::string file, problems, materials, methods, tableaux, h, rtol, readings, control, y0, repeats,
       max_steps, out, output;
   MeshOptions body;
+  MatrixOptions own;
   std::vector<std::string> set;
   std::optional<double> atol, t_end;
   bool fixed = false, sampled = false, resume = false, publish = false;
@@ -40,6 +41,10 @@ SweepRequest flags_of(const SweepOptions& options) {
   names("--problem", options.problems, request.problems);
   if (const std::string id = options.body.problem_id(); !id.empty()) {
     if (request.problems) throw InputError("--problem and --mesh are both given; choose one of them");
+    request.problems = {id};
+  }
+  if (const std::string id = options.own.problem_id(); !id.empty()) {
+    if (request.problems) throw InputError("--matrices and another model are both given; choose one of them");
     request.problems = {id};
   }
   request.unit = options.body.metres();
@@ -61,6 +66,7 @@ SweepRequest flags_of(const SweepOptions& options) {
     if (options.sampled) request.readings->emplace_back(reading_names[1]);
   }
   request.parameters = options.body.parameters();
+  for (const auto& parameter : options.own.parameters()) request.parameters.push_back(parameter);
   for (const std::string& assignment : options.set)
     request.parameters.push_back(parse_assignment("--set", assignment));
   request.atol = options.atol;
@@ -311,6 +317,7 @@ void add_sweep(CLI::App& app, Console& console) {
        "FILE.toml");
   text("--problem,--problems", options->problems, "Ids of `hmax list problems`, or files of formulas", "A,B");
   options->body.add_to(command);
+  options->own.add_to(command);
   text("--materials,--material", options->materials, "Ids of `hmax list materials`, or all", "A,B");
   command.add_option("--set", options->set, "Change a parameter, like c=6; may be repeated")
       ->type_name("NAME=VALUE")

@@ -9,6 +9,7 @@
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
 #include "bench/models/body_balance.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -41,6 +42,7 @@ void require_usual_rates(const Spectrum& spectrum) {
 }  // namespace
 
 bool is_nonlinear(const Problem& problem) {
+  if (is_matrices_id(problem.id)) return false;
   const LinearModel here = linear_model(problem, 0, problem.y0);
   const Eigen::VectorXd elsewhere = problem.y0 + Eigen::VectorXd::Ones(problem.y0.size());
   // Jacobians by differences are known to some digits.
@@ -151,7 +153,19 @@ EquilibriumSearch equilibrium_of(const Problem& problem, const EquilibriumWatche
 }
 }  // namespace
 
+namespace {
+/// Matrices are the same in every state; zero is an equilibrium.
+OperatingPoint point_of_matrices(const Problem& problem) {
+  OperatingPoint point = operating_point(problem, 0, Eigen::VectorXd::Zero(problem.y0.size()));
+  point.kind = StateKind::matrices;
+  point.at_equilibrium = true;
+  point.state = fmt::format("the matrices, {} states", problem.y0.size());
+  return point;
+}
+}  // namespace
+
 OperatingPoint operating_point(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
+  if (is_matrices_id(problem.id)) return point_of_matrices(problem);
   const bool at_rest = at == AskedState::rest;
   const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
   const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();

@@ -29,10 +29,11 @@ enum class StateKind {
   equilibrium,
   rest,     ///< of a body: without displacement
   initial,  ///< of other problems: no equilibrium was found
+  matrices,  ///< of matrices of a user, which hold in every state
   motion,   ///< a state that was given
 };
 
-/// "equilibrium", "rest", "initial", "motion".
+/// "equilibrium", "rest", "initial", "matrices", "motion".
 constexpr std::string_view name_of(StateKind kind) {
   switch (kind) {
     case StateKind::equilibrium:
@@ -41,6 +42,8 @@ constexpr std::string_view name_of(StateKind kind) {
       return "rest";
     case StateKind::initial:
       return "initial";
+    case StateKind::matrices:
+      return "matrices";
     case StateKind::motion:
       break;
   }

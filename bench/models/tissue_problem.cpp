@@ -8,8 +8,10 @@
 
 #include "analysis/spectrum/linear_model.hpp"
 #include "analysis/spectrum/modal_motion.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/models/mesh_choice.hpp"
 #include "bench/models/tissue_choice.hpp"
+#include "core/digest.hpp"
 #include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -134,7 +136,7 @@ std::string tissue_id(std::string_view model, std::string_view mesh, std::string
                      load.empty() || load == tissue_loads().front() ? "" : fmt::format("/{}", load), mesh);
 }
 
-bool is_tissue_id(std::string_view id) { return id.find('@') != std::string_view::npos; }
+bool is_tissue_id(std::string_view id) { return !is_matrices_id(id) && id.find('@') != std::string_view::npos; }
 
 Problem make_tissue_problem(const std::string& name, const ProblemSettings& settings) {
   const TissueId id(name);
@@ -185,6 +187,13 @@ Problem after_ramps(const Problem& problem) {
   return with_settings(problem, after_ramps(problem.body->settings()));
 }
 
-std::string start_in_words(const Problem& problem) { return problem.body ? "rest" : describe(problem.y0); }
+std::string start_in_words(const Problem& problem) {
+  constexpr Eigen::Index most_listed = 64;
+  if (problem.body) return "rest";
+  if (!is_matrices_id(problem.id) || problem.y0.size() <= most_listed) return describe(problem.y0);
+  Digest digest;
+  digest.add({reinterpret_cast<const char*>(problem.y0.data()), sizeof(double) * static_cast<std::size_t>(problem.y0.size())});
+  return fmt::format("{} numbers, {}", problem.y0.size(), digest.text());
+}
 
 }  // namespace hmax

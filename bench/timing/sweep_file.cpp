@@ -9,6 +9,7 @@
 
 #include "bench/input/suggest.hpp"
 #include "bench/models/mesh_choice.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "results/errors.hpp"
@@ -114,6 +115,10 @@ void seek_beside(const std::string& sweep_file, std::vector<std::string>& names)
   };
   for (std::string& name : names) {
     if (name.ends_with(".toml")) name = beside(name);
+    if (is_matrices_id(name)) {
+      name = matrices_beside(name, std::filesystem::path(sweep_file).parent_path().string());
+      continue;
+    }
     // A mesh that is no file has a name.
     const std::size_t mesh = is_tissue_id(name) ? name.find('@') + 1 : std::string::npos;
     if (mesh != std::string::npos && std::filesystem::is_regular_file(beside(name.substr(mesh))))

@@ -4,12 +4,14 @@
 
 #include "bench/models/body_summary.hpp"
 #include "bench/models/free_parts.hpp"
+#include "bench/models/matrix_problem.hpp"
 
 namespace hmax {
 
 using Json = nlohmann::ordered_json;
 
 std::string body_in_words(const Problem& problem) {
+  if (is_matrices_id(problem.id)) return problem.note;
   return problem.body ? fmt::format("{}\n{}", problem.note, in_words(summary_of(*problem.body))) : "";
 }
 
@@ -29,7 +31,38 @@ Json body_json(const Problem& problem) {
           {"unusual", unusual_values(body)}};
 }
 
+Json matrices_json(const Problem& problem) {
+  if (!is_matrices_id(problem.id)) return nullptr;
+  const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
+  const MatrixFacts& facts = model->facts;
+  const auto file = [](const std::string& name) { return name.empty() ? Json() : Json(name); };
+  const auto rows = [](const std::vector<Eigen::Index>& numbers) {
+    Json list = Json::array();
+    for (const Eigen::Index i : numbers) list.push_back(i + 1);
+    return list;
+  };
+  const std::optional<ModeCounts> counts = mode_counts(*model);
+  return {{"stiffness", file(model->files.stiffness)},
+          {"mass", file(model->files.mass)},
+          {"damping", file(model->files.damping)},
+          {"jacobian", file(model->files.jacobian)},
+          {"rows", facts.rows},
+          {"unknowns", model->size()},
+          {"entries", model->is_first_order() ? model->J.nonZeros() : model->K.nonZeros()},
+          {"symmetric", facts.symmetric_K && facts.symmetric_C},
+          {"mass_sum", model->is_first_order() ? Json() : Json(facts.mass)},
+          {"mass_couples", facts.coupled_mass},
+          {"massless", facts.massless},
+          {"repeated", facts.repeated},
+          {"rigid_modes", counts ? Json(counts->rigid) : Json()},
+          {"negative_modes", counts ? Json(counts->negative) : Json()},
+          {"decoupled_rows", rows(facts.constraints.decoupled)},
+          {"penalty_rows", rows(facts.constraints.penalties)},
+          {"dropped", facts.dropped}};
+}
+
 void remark_unusual(Console& console, const Problem& problem) {
+  for (const std::string& sentence : matrix_remarks(problem)) console.remark(sentence);
   if (!problem.body) return;
   for (const std::string& sentence : unusual_values(summary_of(*problem.body))) console.remark(sentence);
   // Who holds nothing at all knows that.

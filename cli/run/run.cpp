@@ -8,6 +8,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/models/body_balance.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
 #include "cli/bodies/body_picture.hpp"
@@ -262,12 +263,44 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   return document;
 }
 
+/// States of matrices that are listed one by one.
+constexpr std::size_t most_listed = 24;
+
+/// What moves most, of matrices with many unknowns.
+std::string largest_states(const Problem& problem, const RunRecord& record) {
+  const Eigen::Index n = is_second_order(problem) ? record.y.size() / 2 : record.y.size();
+  std::string text;
+  for (Eigen::Index first = 0; first < record.y.size(); first += n) {
+    Eigen::Index i = 0;
+    record.y.segment(first, n).cwiseAbs().maxCoeff(&i);
+    text += fmt::format("  largest of {} {:<10} {:> .16g}\n", n, problem.states[static_cast<std::size_t>(first + i)],
+                        record.y[first + i]);
+  }
+  return text;
+}
+
+std::string costs_in_words(const Method& method, const RunRecord& record, double cpu_seconds) {
+  std::string text;
+  const Stats& stats = record.stats;
+  text += fmt::format("\nsteps {}   rejected {}   rhs {}", stats.steps, stats.rejected, stats.rhs);
+  if (method.needs_jacobian)
+    text += fmt::format("   jacobian {}   factorisations {}", stats.jacobian, stats.factorisations);
+  if (stats.newton > 0) text += fmt::format("   newton {}", stats.newton);
+  if (stats.newton > 0 && stats.steps > 0 && stats.newton_error > 0)
+    text += fmt::format(" ({} a step, error left {} of the state)",
+                        short_number(static_cast<double>(stats.newton) / static_cast<double>(stats.steps), 3),
+                        short_number(stats.newton_error, 2));
+  if (stats.linear_iterations > 0) text += fmt::format("   linear iterations {}", stats.linear_iterations);
+  text += fmt::format("   cpu {} s\n", short_number(cpu_seconds, 3));
+  return text;
+}
+
 std::string for_people(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run,
                        bool own_tableau, const Console& console) {
   const auto& [record, cpu_seconds] = run;
   const bool done = record.outcome == Outcome::reached_end;
   std::string text = fmt::format("{} with {}\n", problem.id, describe_acting(problem));
-  if (problem.body) text += body_in_words(problem) + "\n";
+  if (const std::string words = body_in_words(problem); !words.empty()) text += words + "\n";
   text += fmt::format("{}, {}", method.id,
                       spec.adaptive ? fmt::format("rtol {}, atol {}, control {}", to_text(spec.rtol),
                                                   to_text(spec.atol), control_of(method, spec))
@@ -280,6 +313,8 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   text += "\n\n" + (done ? console.strong(words) : console.alarming(words)) + "\n";
   if (record.t_state < record.t)
     text += fmt::format("before that, at t = {} s:\n", short_number(record.t_state, 10));
+  if (is_matrices_id(problem.id) && problem.states.size() > most_listed)
+    return text + largest_states(problem, record) + costs_in_words(method, record, cpu_seconds);
   std::size_t width = 0;
   for (const std::string& state : problem.states) width = std::max(width, state.size());
   for (std::size_t i = 0; i < problem.states.size(); ++i)
@@ -294,18 +329,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
     if (const auto tool = tool_report(problem, record.t_state, record.y))
       text += fmt::format("  tool                  {}\n", tool->words());
   }
-  const Stats& stats = record.stats;
-  text += fmt::format("\nsteps {}   rejected {}   rhs {}", stats.steps, stats.rejected, stats.rhs);
-  if (method.needs_jacobian)
-    text += fmt::format("   jacobian {}   factorisations {}", stats.jacobian, stats.factorisations);
-  if (stats.newton > 0) text += fmt::format("   newton {}", stats.newton);
-  if (stats.newton > 0 && stats.steps > 0 && stats.newton_error > 0)
-    text += fmt::format(" ({} a step, error left {} of the state)",
-                        short_number(static_cast<double>(stats.newton) / static_cast<double>(stats.steps), 3),
-                        short_number(stats.newton_error, 2));
-  if (stats.linear_iterations > 0) text += fmt::format("   linear iterations {}", stats.linear_iterations);
-  text += fmt::format("   cpu {} s\n", short_number(cpu_seconds, 3));
-  return text;
+  return text + costs_in_words(method, record, cpu_seconds);
 }
 
 /// The body where the run ended.

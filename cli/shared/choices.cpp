@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/catalogue/tableau_file.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/models/mesh_choice.hpp"
 #include "bench/models/tissue_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
@@ -89,10 +90,31 @@ std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
   return parameters;
 }
 
+void MatrixOptions::add_to(CLI::App& command) {
+  command
+      .add_option("--matrices", matrices,
+                  "Linear model of your own matrices: stiffness=K.mtx,mass=M.mtx[,damping=C.mtx][,initial=q.mtx], or "
+                  "jacobian=J.mtx; Matrix Market, PETSc binary or CalculiX .sti and .mas; mass=lumped:M.mtx sums rows, "
+                  "storage=triangle mirrors files, drop=constraints leaves constraint rows out")
+      ->type_name("KEY=FILE,...");
+  add_number(command, "--alpha", alpha, "Rayleigh damping alpha M of matrices or a body [1/s]; short for --set alpha");
+  add_number(command, "--beta", beta, "Rayleigh damping beta K of matrices or a body [s]; short for --set beta");
+}
+
+std::string MatrixOptions::problem_id() const { return matrices.empty() ? std::string() : matrices_id(matrices); }
+
+std::vector<std::pair<std::string, double>> MatrixOptions::parameters() const {
+  std::vector<std::pair<std::string, double>> parameters;
+  for (const auto& [name, value] : {std::pair("alpha", &alpha), {"beta", &beta}})
+    if (*value) parameters.emplace_back(name, **value);
+  return parameters;
+}
+
 void ProblemChoice::add_to(CLI::App& command) {
   command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
       ->type_name("ID");
   body.add_to(command);
+  own.add_to(command);
   command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()
@@ -107,27 +129,34 @@ void ProblemChoice::add_to(CLI::App& command) {
 
 std::string ProblemChoice::id() const {
   const std::string on_mesh = body.problem_id();
-  if (problem.empty() && on_mesh.empty())
+  std::vector<std::string_view> given;
+  if (!problem.empty()) given.emplace_back("--problem");
+  if (!on_mesh.empty()) given.emplace_back("--mesh");
+  if (!own.matrices.empty()) given.emplace_back("--matrices");
+  if (given.empty())
     throw InputError(
-        "no problem is given; name one with --problem, `hmax list problems` shows all of them, or a mesh with "
-        "--mesh");
-  if (!problem.empty() && !on_mesh.empty())
-    throw InputError("--problem and --mesh are both given; choose one of them");
+        "no problem is given; name one with --problem, `hmax list problems` shows all of them, a mesh with --mesh, or "
+        "matrices with --matrices");
+  if (given.size() > 1)
+    throw InputError(fmt::format("{} and {} are both given; choose one of them", given[0], given[1]));
+  if (!own.matrices.empty()) return own.problem_id();
   return problem.empty() ? on_mesh : problem;
 }
 
 ProblemSettings ProblemChoice::settings() const {
+  const std::string named = problem.empty() ? "the model" : problem;
   if (!body.unit.empty() && body.mesh.empty() && !is_tissue_id(problem))
     throw InputError(fmt::format(
-        "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", problem));
+        "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", named));
   ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}, .unit = body.metres()};
   settings.parameters = body.parameters();
   if (!settings.parameters.empty() && body.mesh.empty() && !is_tissue_id(problem))
     throw InputError(fmt::format(
         "--gravity, --support, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out",
-        problem));
+        named));
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
+  for (auto& parameter : own.parameters()) settings.parameters.push_back(std::move(parameter));
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);
   return settings;
 }

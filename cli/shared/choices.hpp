@@ -30,15 +30,30 @@ struct MeshOptions {
 /// --support, sets of points as of bench/models/support_sets.hpp
 void add_support(CLI::App& command, std::vector<std::string>& sets);
 
-/// --problem or a mesh; --set --material --y0
+/// --matrices with --alpha --beta
+struct MatrixOptions {
+  std::string matrices;
+  std::optional<double> alpha, beta;
+
+  void add_to(CLI::App& command);
+  /// The id of the problem, empty without matrices.
+  [[nodiscard]] std::string problem_id() const;
+  /// alpha and beta where they are given.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
+};
+
+/// --problem, a mesh or matrices; --set --alpha --beta --material --y0
 struct ProblemChoice {
   std::string problem, material, y0;
   MeshOptions body;
+  MatrixOptions own;
   std::vector<std::string> set;
 
   void add_to(CLI::App& command);
   /// @throws InputError when something is missing or unknown
   [[nodiscard]] Problem make() const { return make_problem(id(), settings()); }
+  /// Whether no model is named.
+  [[nodiscard]] bool empty() const { return problem.empty() && own.matrices.empty() && body.mesh.empty(); }
   /// What make_problem takes. @throws InputError  when a problem is missing, or given twice
   [[nodiscard]] std::string id() const;
   [[nodiscard]] ProblemSettings settings() const;

@@ -11,6 +11,7 @@
 #include "bench/limits/predict.hpp"
 #include "bench/limits/verification.hpp"
 #include "bench/models/body_balance.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/tool_report.hpp"
@@ -71,6 +72,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
   }
   if (near.point.model.mechanical) document["damping"] = name_of(near.point.model.mechanical->damping);
   document["body"] = body_json(problem);
+  if (is_matrices_id(problem.id)) document["matrices"] = matrices_json(problem);
   if (const auto tool = tool_report(problem, near.point.model.t, near.point.model.y))
     document["tool"] = tool->json();
   if (problem.body) document["fastest_mode"] = fastest_mode_json(problem, near);
@@ -403,6 +405,8 @@ void PredictedRows::tell_of_state(std::size_t which, const Linearised& near, boo
   if (console_.json || store_) point.document = model_json(problem, near).dump();
   if (problem.body && (store_ || (which == 0 && !console_.json)))
     point.body_words = body_in_words(problem) + "\n" + fastest_mode_in_words(problem, near);
+  else if (is_matrices_id(problem.id))
+    point.body_words = body_in_words(problem) + "\n";
 }
 
 Json PredictedRows::json() const {

@@ -1,4 +1,4 @@
-/// hmax stability limits | region | numerical-damping | predict | map | modes
+/// hmax stability limits | region | numerical-damping | predict | map | modes | matrices
 #include "cli/stability/stability.hpp"
 
 #include <cmath>
@@ -227,6 +227,7 @@ void add_stability(CLI::App& app, Console& console) {
   add_stability_map(stability, console);
   add_stability_frozen(stability, console);
   add_stability_modes(stability, console);
+  add_stability_matrices(stability, console);
 }
 
 }  // namespace hmax

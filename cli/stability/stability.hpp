@@ -31,5 +31,6 @@ void add_stability_gallery(CLI::App& stability, Console& console, const std::str
 void add_stability_map(CLI::App& stability, Console& console);
 void add_stability_frozen(CLI::App& stability, Console& console);
 void add_stability_modes(CLI::App& stability, Console& console);
+void add_stability_matrices(CLI::App& stability, Console& console);
 
 }  // namespace hmax

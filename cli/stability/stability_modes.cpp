@@ -10,8 +10,11 @@
 #include "bench/limits/fastest_mode.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/models/body_balance.hpp"
+#include "bench/models/matrix_problem.hpp"
+#include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/stability/matrix_modes.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
@@ -161,8 +164,17 @@ std::string in_words(const Problem& problem, const OperatingPoint& point,
 
 void modes(const ModesOptions& options, Console& console) {
   const Problem problem = options.problem.make();
+  if (is_matrices_id(problem.id)) {
+    if (!options.output.empty())
+      throw InputError("--output writes shapes on a mesh, and matrices have none; remove it");
+    remark_unusual(console, problem);
+    return print_matrix_modes(problem, operating_point(problem, options.at.of(problem)),
+                              static_cast<Eigen::Index>(parse_count("--count", options.count, 1)), options.fastest,
+                              console);
+  }
   if (!problem.body)
-    throw InputError(fmt::format("{} is no body on a mesh, so its modes have no shapes; name one with --mesh",
+    throw InputError(fmt::format("{} is no body on a mesh, so its modes have no shapes; name one with --mesh, or "
+                                 "matrices with --matrices",
                                  problem.id));
   check_output(options);
   const TissueBody& body = *problem.body;
@@ -193,7 +205,7 @@ void modes(const ModesOptions& options, Console& console) {
 
 void add_stability_modes(CLI::App& stability, Console& console) {
   CLI::App& command =
-      add_command(stability, console, "modes", "Compute the slowest or the fastest modes of a body on a mesh",
+      add_command(stability, console, "modes", "Compute the slowest or the fastest modes of a body on a mesh, or of matrices",
                   {"hmax stability modes --mesh liver --material liver:male_normal --output modes.vtu",
                    "hmax stability modes --mesh phantom --model mass_spring --fastest --count 3 --json"});
   const auto options = std::make_shared<ModesOptions>();

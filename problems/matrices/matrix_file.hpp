@@ -1,9 +1,7 @@
-/// Matrices from files: Matrix Market, PETSc binary, CalculiX.
+/// A matrix as a file holds it.
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,18 +28,6 @@ struct MatrixFile {
   Storage storage = Storage::general;
   std::vector<MatrixEntry> entries;  ///< all finite, in the order of the file
 };
-
-/// Reads a matrix. The format follows from the first bytes, and from the extension where these do not tell.
-/// Numbers may have the exponents of Fortran, 1.0D+00.
-/// @throws std::invalid_argument  one sentence with file, line or byte, and what to do
-MatrixFile read_matrix(const std::filesystem::path& file);
-
-/// The same of the bytes of a file.
-/// @param name  of the file, with the extension
-MatrixFile matrix_from(const std::string& name, std::string_view bytes);
-
-/// Names of the unknowns of CalculiX, "12.3" for direction 3 of node 12, one a line of a .dof file.
-std::vector<std::string> read_unknown_names(const std::filesystem::path& file);
 
 /// Whether entries stand above the diagonal alone, or below it alone.
 bool is_one_triangle(const MatrixFile& file);

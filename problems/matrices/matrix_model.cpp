@@ -14,7 +14,7 @@
 #include "problems/linear_structure.hpp"
 #include "problems/matrices/condensation.hpp"
 #include "problems/matrices/linear_first_order.hpp"
-#include "problems/matrices/matrix_file.hpp"
+#include "problems/matrices/read_matrix.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {

@@ -27,7 +27,7 @@ struct Shown {
   std::size_t begin = 0, end = 0;  ///< lines of the page
 };
 
-/// What a page asks its reader to type: files, as blocks that begin with ```toml NAME, and commands.
+/// What a page asks its reader to type: files, as blocks that begin with ```toml NAME or ```mtx NAME, and commands.
 struct Page {
   std::vector<std::string> lines;
   std::vector<std::pair<std::string, std::string>> files;  // name, text
@@ -43,12 +43,12 @@ Page read_page(const std::string& text) {
     page.lines.push_back(line);
     const std::size_t next = page.lines.size();
     if (line.rfind("```", 0) == 0) {
-      const bool begins_file = line.rfind("```toml ", 0) == 0;
+      const bool begins_file = line.starts_with("```toml ") || line.starts_with("```mtx ");
       if (inside != outside)
         inside = outside;
       else
         inside = line == "```console" ? console : begins_file ? file : other;
-      if (inside == file) page.files.emplace_back(line.substr(8), "");
+      if (inside == file) page.files.emplace_back(line.substr(line.find(' ') + 1), "");
     } else if (inside == console && line.rfind("$ ", 0) == 0) {
       page.shown.push_back({line.substr(2), "", false, next, next});
     } else if (inside == outside && line.rfind(comment, 0) == 0 && line.ends_with(comment_end)) {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "problems/matrices/matrix_file.hpp"
+#include "problems/matrices/read_matrix.hpp"
 
 namespace hmax {
 

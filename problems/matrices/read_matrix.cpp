@@ -1,0 +1,101 @@
+#include "problems/matrices/read_matrix.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/own_files.hpp"
+#include "problems/matrices/matrix_readers.hpp"
+#include "problems/mesh/files/mesh_text.hpp"
+
+namespace hmax {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_whole(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error))
+    throw std::invalid_argument("there is no file '" + file.string() + "'; correct the name");
+  if (!fs::is_regular_file(file, error))
+    throw std::invalid_argument("'" + file.string() + "' is not a file; name a matrix file");
+  note_input(file);
+  std::ifstream in(file, std::ios::binary);
+  std::string text;
+  const auto size = fs::file_size(file, error);
+  if (in && !error) {
+    text.resize(static_cast<std::size_t>(size));
+    in.read(text.data(), static_cast<std::streamsize>(size));
+    text.resize(static_cast<std::size_t>(in.gcount()));
+  }
+  if (error || in.bad() || !in.is_open())
+    throw std::invalid_argument("the file '" + file.string() + "' cannot be read; check its permissions");
+  return text;
+}
+
+std::string lower_extension(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+bool starts_as_matrix_market(std::string_view bytes) {
+  const std::size_t begin = bytes.find_first_not_of('%');
+  if (begin == std::string_view::npos || begin == 0) return false;
+  constexpr std::string_view word = "matrixmarket";
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const std::size_t at = begin + i;
+    if (at >= bytes.size()) return false;
+    const char c = bytes[at];
+    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != word[i]) return false;
+  }
+  return true;
+}
+
+/// A sentence for formats that are met and not read; empty for all others.
+std::string known_and_not_read(std::string_view bytes) {
+  constexpr const char* remedy = "; write Matrix Market, for instance with scipy.io.mmwrite";
+  if (bytes.starts_with("\x1f\x8b")) return "the file is compressed; unpack it with gunzip";
+  if (bytes.starts_with("PK")) return std::string("the file is an archive, such as .npz") + remedy;
+  if (bytes.starts_with("\x93NUMPY")) return std::string("the file is an array of NumPy") + remedy;
+  if (bytes.starts_with("MATLAB")) return std::string("the file is one of MATLAB") + remedy;
+  if (bytes.starts_with("\x89HDF")) return std::string("the file is HDF5") + remedy;
+  return {};
+}
+
+}  // namespace
+
+MatrixFile matrix_from(const std::string& name, std::string_view bytes) {
+  const auto fail = [&](const std::string& text) { throw std::invalid_argument(name + ": " + text); };
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // the byte order mark of UTF-8
+  if (bytes.empty()) fail("the file is empty; export the matrix again");
+  if (starts_as_matrix_market(bytes)) return read_matrix_market(name, bytes);
+  if (is_petsc(bytes)) return read_petsc(name, bytes);
+  if (const std::string sentence = known_and_not_read(bytes); !sentence.empty()) fail(sentence);
+  const std::string extension = lower_extension(name);
+  if (extension == ".sti" || extension == ".mas" || extension == ".dam") return read_calculix(name, bytes);
+  fail("the file starts with " + in_quotes(bytes.substr(0, std::min(bytes.find('\n'), bytes.size()))) +
+       " and is neither Matrix Market, whose first line is like %%MatrixMarket matrix coordinate real general, nor "
+       "PETSc binary, nor CalculiX .sti or .mas; export it as one of these");
+  return {};
+}
+
+MatrixFile read_matrix(const fs::path& file) { return matrix_from(file.string(), read_whole(file)); }
+
+std::vector<std::string> read_unknown_names(const fs::path& file) {
+  const std::string text = read_whole(file);
+  MatrixLines lines(file.string(), text, 0);
+  std::vector<std::string> names;
+  while (lines.next()) {
+    if (lines.words() != 1 || !std::isfinite(number_in(lines.word()[0])))
+      lines.fail("the line should be node.direction, such as 12.3, and is " + in_quotes(lines.line()) +
+                 "; export the matrices again");
+    names.emplace_back(lines.word()[0]);
+  }
+  return names;
+}
+
+}  // namespace hmax

@@ -1,0 +1,129 @@
+/// Models of the user's own matrices, through the program.
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using nlohmann::json;
+
+void write(const Shell& shell, const std::string& name, const std::string& text) { std::ofstream(shell / name) << text; }
+
+/// A chain of three points.
+void write_chain(const Shell& shell) {
+  write(shell, "K.mtx",
+        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 200\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n");
+  write(shell, "M.mtx", "%%MatrixMarket matrix coordinate real general\n3 3 3\n1 1 1\n2 2 1\n3 3 0.5\n");
+}
+const std::string chain = "--matrices stiffness=K.mtx,mass=M.mtx";
+
+json rows_of(const Shell& shell, const std::string& model, const std::string& methods) {
+  const Told told = shell.hmax("stability predict " + model + " --json --methods " + methods);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  return told.json().at("rows");
+}
+
+TEST(MatricesOfAUser, ExportedFromABodyTheyHaveItsLimits) {
+  const Shell shell;
+  for (const std::string body : {"--mesh phantom --material male_normal",
+                                 "--mesh phantom --at rest --model mass_spring --set beta=1e-4"}) {
+    const Told told = shell.hmax("stability matrices --json --force --output out " + body);
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    const std::string own = "--matrices " + told.json().at("matrices").get<std::string>();
+    const json of_body = rows_of(shell, body, "rk4,symplectic_euler,newmark");
+    const json of_files = rows_of(shell, own, "rk4,symplectic_euler,newmark");
+    for (std::size_t i = 0; i < of_body.size(); ++i) {
+      const json &x = of_body[i].at("h_max"), &y = of_files[i].at("h_max");
+      EXPECT_EQ(of_files[i].at("state_kind"), "matrices");
+      if (x.is_number())
+        EXPECT_NEAR(y.get<double>() / x.get<double>(), 1, 1e-10) << x << " " << y;
+      else
+        EXPECT_EQ(x, y);
+    }
+  }
+}
+
+TEST(MatricesOfAUser, HaveLimitsThatRunsShow) {
+  const Shell shell;
+  write_chain(shell);
+  for (const std::string damping : {"", " --alpha 0.2 --beta 1e-3"})
+    for (const json& row : rows_of(shell, chain + damping + " --verify", "rk4,symplectic_euler,generalized_alpha")) {
+      if (!row.at("h_max").is_number()) continue;
+      EXPECT_LT(std::abs(row.at("gap").get<double>()), 1e-3) << row;
+    }
+}
+
+TEST(MatricesOfAUser, AreRunByEveryKindOfMethod) {
+  const Shell shell;
+  write_chain(shell);
+  for (const std::string method : {"rk4", "newmark", "explicit_newmark", "central_difference", "radau_iia_5", "rosenbrock_23"}) {
+    const Told told = shell.hmax("run " + chain + " --json --h 0.01 --y0 1,0,0 --t-end 0.5 --method " + method);
+    EXPECT_EQ(told.exit_code, 0) << method << ": " << told.err;
+  }
+  const Told told = shell.hmax("order " + chain + " --method rk4 --json");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NEAR(told.json().at("observed").get<double>(), 4, 0.1);
+}
+
+TEST(MatricesOfAUser, OfFirstOrderHaveTheirLimit) {
+  const Shell shell;
+  write(shell, "J.mtx", "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 -1\n1 2 1\n2 2 -50\n");
+  const json rows = rows_of(shell, "--matrices jacobian=J.mtx --verify", "explicit_euler,rk4");
+  EXPECT_NEAR(rows[0].at("h_max").get<double>(), 0.04, 1e-12);
+  EXPECT_LT(std::abs(rows[0].at("gap").get<double>()), 1e-3);
+}
+
+TEST(MatricesOfAUser, PenaltyRowsAreNamedAndLeftOutWhenTold) {
+  const Shell shell;
+  write(shell, "K.mtx",
+        "%%MatrixMarket matrix coordinate real symmetric\n4 4 7\n1 1 1e10\n2 1 -100\n2 2 200\n3 2 -100\n3 3 200\n4 3 "
+        "-100\n4 4 100\n");
+  write(shell, "M.mtx", "%%MatrixMarket matrix array real general\n4 1\n1\n1\n1\n1\n");
+  const Told kept = shell.hmax("stability predict " + chain + " --methods rk4 --json");
+  EXPECT_NE(kept.err.find("1 penalty rows (unknown 1) own the fastest mode, 100000 rad/s"), std::string::npos) << kept.err;
+  const Told left = shell.hmax("stability predict " + chain + ",drop=constraints --methods rk4 --json");
+  EXPECT_EQ(left.err, "");
+  EXPECT_GT(left.json().at("rows")[0].at("h_max").get<double>(),
+            1000 * kept.json().at("rows")[0].at("h_max").get<double>());
+  EXPECT_EQ(left.json().at("models")[0].at("matrices").at("penalty_rows"), json::array({1}));
+}
+
+TEST(MatricesOfAUser, HaveModesAndMaps) {
+  const Shell shell;
+  write_chain(shell);
+  const Told told = shell.hmax("stability modes " + chain + " --fastest --count 1 --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const double omega = told.json().at("modes")[0].at("omega").get<double>();
+  EXPECT_NEAR(rows_of(shell, chain, "symplectic_euler")[0].at("h_max").get<double>() * omega, 2, 1e-9);
+  const Told map = shell.hmax("stability map " + chain + " --method rk4 --x alpha=0:2:3 --y beta=0:0.01:3 --json");
+  ASSERT_EQ(map.exit_code, 0) << map.err;
+  EXPECT_EQ(map.json().at("h_max").size(), 3U);
+}
+
+TEST(MatricesOfAUser, AreRefusedWithASentence) {
+  const Shell shell;
+  write_chain(shell);
+  const auto refused = [&](const std::string& options, const std::string& named) {
+    expect_refused(shell.hmax("stability predict --methods rk4 " + options), named);
+  };
+  refused("--matrices stiffness=K.mtx", "--matrices has no mass");
+  refused("--matrices K.mtx,M.mtx", "'K.mtx' of --matrices names no file");
+  refused("--matrices stifness=K.mtx,mass=M.mtx", "unknown part 'stifness'");
+  refused("--matrices stiffness=K.mtx,mass=lumped", "write mass=lumped:M.mtx");
+  refused("--matrices stiffness=K.mtx,mass=M.mtx,mass=M.mtx", "names mass twice");
+  refused("--matrices stiffness=K.mtx,mass=none.mtx", "there is no file 'none.mtx'");
+  refused("--matrices jacobian=K.mtx,mass=M.mtx", "of a first-order model");
+  refused("--matrices jacobian=K.mtx --alpha 1", "alpha belongs to second-order models");
+  refused(chain + " --problem liver_forced", "--problem and --matrices are both given");
+  refused(chain + " --mesh phantom", "--mesh and --matrices are both given");
+  refused(chain + " --material male_normal", "--material belongs to bodies and oscillators");
+  refused(chain + " --set gamma=1", "unknown parameter 'gamma' of matrices");
+  refused(chain + ",drop=everything", "write drop=constraints");
+}
+
+}  // namespace
+}  // namespace hmax
