@@ -330,8 +330,9 @@ double relative_error(const ProbingMotion& motion, const ReferenceMotion& refere
   for (Eigen::Index i = 0; i < y.size(); ++i) {
     const double away = std::abs(y[i] - reference.y[instant][i]);
     if (std::isnan(away)) return away;
-    // What does not move has no range of its own.
-    largest = std::max(largest, away / (reference.ranges[i] > 0 ? reference.ranges[i] : std::max(reference.scale, 1e-300)));
+    // A state that stays where it is but for rounding is measured by the others.
+    const bool moves = reference.ranges[i] > 1e-9 * reference.scale;
+    largest = std::max(largest, away / (moves ? reference.ranges[i] : std::max(reference.scale, 1e-300)));
   }
   return largest;
 }

@@ -10,6 +10,7 @@
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/input/suggest.hpp"
 #include "bench/models/matrix_problem.hpp"
+#include "bench/plugin/plugin_model.hpp"
 #include "bench/models/problem_file.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/formula_system.hpp"
@@ -189,6 +190,7 @@ std::vector<std::string> problem_ids() {
 
 Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings) {
   try {
+    if (is_plugin_id(id_or_file)) return make_plugin_problem(id_or_file, settings);
     if (is_matrices_id(id_or_file)) return make_matrix_problem(id_or_file, settings);
     if (is_tissue_id(id_or_file)) return make_tissue_problem(id_or_file, settings);
     if (id_or_file.ends_with(".toml")) return formula_problem(id_or_file, settings);

@@ -16,6 +16,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr std::string_view id_prefix = "plugin:";
+
 /// The process, shared by the copies of a system.
 class Link {
  public:
@@ -177,6 +179,23 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
           .y0 = facts.y0,
           .t_end = facts.greeting.t_end,
           .system = mechanical ? AnySystem(SecondOrder(link)) : AnySystem(FirstOrder(link))};
+}
+
+std::string plugin_id(std::string_view text) { return std::string(id_prefix) + std::string(text); }
+bool is_plugin_id(std::string_view id) { return id.starts_with(id_prefix); }
+
+Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings) {
+  if (!settings.material.empty()) throw InputError("a plugin has no materials; leave --material out");
+  if (!settings.parameters.empty())
+    throw InputError(fmt::format("a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT",
+                                 settings.parameters.front().first));
+  Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())));
+  if (settings.y0.empty()) return problem;
+  if (static_cast<Index>(settings.y0.size()) != problem.y0.size())
+    throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}", settings.y0.size(),
+                                 problem.y0.size()));
+  problem.y0 = Eigen::Map<const Eigen::VectorXd>(settings.y0.data(), problem.y0.size());
+  return problem;
 }
 
 }  // namespace hmax

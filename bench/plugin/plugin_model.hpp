@@ -11,4 +11,12 @@ namespace hmax {
 /// @throws InputError  where the plugin is no model, does not work, or starts with numbers that are not finite
 Problem plugin_problem(PluginName plugin, PluginSettings settings = {});
 
+/// The id of a model of a plugin for make_problem(). @param text  as parse_plugin()
+std::string plugin_id(std::string_view text);
+bool is_plugin_id(std::string_view id);
+
+/// The model of this id with an initial state of the user's.
+/// @throws InputError  as plugin_problem(), for an initial state of another length, and for a material or parameters
+Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings);
+
 }  // namespace hmax

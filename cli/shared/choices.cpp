@@ -12,6 +12,7 @@
 #include "bench/models/mesh_choice.hpp"
 #include "bench/models/tissue_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "bench/plugin/plugin_model.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -115,6 +116,10 @@ void ProblemChoice::add_to(CLI::App& command) {
       ->type_name("ID");
   body.add_to(command);
   own.add_to(command);
+  command
+      .add_option("--plugin", plugin,
+                  "Model of your own behind the C interface hmax/plugin.h; `hmax probe --example FOLDER` writes one")
+      ->type_name("FILE.so[:NAME[:ARGUMENT]]");
   command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()
@@ -133,13 +138,15 @@ std::string ProblemChoice::id() const {
   if (!problem.empty()) given.emplace_back("--problem");
   if (!on_mesh.empty()) given.emplace_back("--mesh");
   if (!own.matrices.empty()) given.emplace_back("--matrices");
+  if (!plugin.empty()) given.emplace_back("--plugin");
   if (given.empty())
     throw InputError(
-        "no problem is given; name one with --problem, `hmax list problems` shows all of them, a mesh with --mesh, or "
-        "matrices with --matrices");
+        "no problem is given; name one with --problem, `hmax list problems` shows all of them, a mesh with --mesh, "
+        "matrices with --matrices, or a plugin with --plugin");
   if (given.size() > 1)
     throw InputError(fmt::format("{} and {} are both given; choose one of them", given[0], given[1]));
   if (!own.matrices.empty()) return own.problem_id();
+  if (!plugin.empty()) return plugin_id(plugin);
   return problem.empty() ? on_mesh : problem;
 }
 

@@ -42,9 +42,9 @@ struct MatrixOptions {
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
 
-/// --problem, a mesh or matrices; --set --alpha --beta --material --y0
+/// --problem, a mesh, matrices or a plugin; --set --alpha --beta --material --y0
 struct ProblemChoice {
-  std::string problem, material, y0;
+  std::string problem, plugin, material, y0;
   MeshOptions body;
   MatrixOptions own;
   std::vector<std::string> set;
@@ -53,7 +53,9 @@ struct ProblemChoice {
   /// @throws InputError when something is missing or unknown
   [[nodiscard]] Problem make() const { return make_problem(id(), settings()); }
   /// Whether no model is named.
-  [[nodiscard]] bool empty() const { return problem.empty() && own.matrices.empty() && body.mesh.empty(); }
+  [[nodiscard]] bool empty() const { 
+    return problem.empty() && plugin.empty() && own.matrices.empty() && body.mesh.empty();
+  }
   /// What make_problem takes. @throws InputError  when a problem is missing, or given twice
   [[nodiscard]] std::string id() const;
   [[nodiscard]] ProblemSettings settings() const;

@@ -19,9 +19,12 @@ TEST(List, MethodsHaveTheKeysOfTheContract) {
     expect_keys(method, {"id", "aliases", "family", "order", "error_order", "stages", "explicit", "adaptive",
                          "needs_jacobian", "a_stable", "l_stable", "engine", "source", "note",
                          "linearly_implicit", "first_same_as_last", "steps_back"});
-    if (method.at("id") == "adams_bashforth_4") EXPECT_EQ(method.at("steps_back"), 3);
-    if (method.at("id") == "fehlberg_78")
+    if (method.at("id") == "adams_bashforth_4") {
+      EXPECT_EQ(method.at("steps_back"), 3);
+    }
+    if (method.at("id") == "fehlberg_78") {
       EXPECT_NE(method.at("note").get<std::string>().find("error estimate is zero"), std::string::npos);
+    }
     ids.insert(method.at("id"));
     EXPECT_EQ(method.at("adaptive"), method.at("error_order") > 0);
   }

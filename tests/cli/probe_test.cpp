@@ -78,5 +78,21 @@ TEST(ProbeCommand, ItsExamplesAreThoseThatTheTestsRun) {
   expect_refused(shell.hmax("probe --example a"), "is there already and differs");
 }
 
+/// A model behind the interface stands where any model stands.
+TEST(PluginOption, IsAModelForEveryCommand) {
+  const Shell shell;
+  const std::string model = std::string(" --plugin ") + EXAMPLE_MODEL;
+  const Told run = shell.hmax("run" + model + " --method rk4 --h 0.01 --t-end 1 --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.json().at("outcome"), "reached_end");
+  const Told limit = shell.hmax("stability predict" + model + " --methods symplectic_euler --json");
+  ASSERT_EQ(limit.exit_code, 0) << limit.err;
+  EXPECT_GT(limit.json().at("rows").at(0).at("h_max").get<double>(), 0);
+  expect_refused(shell.hmax("run" + model + " --set a=1 --method rk4 --h 0.1"), "a plugin has no parameter 'a'");
+  expect_refused(shell.hmax("run" + model + " --y0 1 --method rk4 --h 0.1"), "the initial state has 1 numbers");
+  expect_refused(shell.hmax("run" + model + " --mesh liver --method rk4 --h 0.1"), "--mesh and --plugin are both given");
+  expect_refused(shell.hmax("run --plugin " + tested + ":chain --method rk4 --h 0.1"), "is a stepper and no model");
+}
+
 }  // namespace
 }  // namespace hmax
