@@ -129,7 +129,7 @@ StepSpectrum Probe::along_motion(double h) {
   row.tolerance = least_growth / static_cast<double>(steps);
   row.motion = VectorXd::Zero(engine_.dim());
   if (found_.rows.empty()) base_growth_ = std::max(0.0, growth);
-  row.grows = !(growth <= 1.5 * base_growth_ + least_growth);
+  row.grows = !std::isfinite(growth) || growth > 1.5 * base_growth_ + least_growth;
   return row;
 }
 
@@ -237,7 +237,8 @@ bool Probe::runs_grow(double h) {
     return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
   };
   if (std::isnan(base_run_)) base_run_ = std::max(0.0, growth(settings_.h0));
-  return !(growth(h) <= 1.5 * base_run_ + least_growth);
+  const double here = growth(h);
+  return !std::isfinite(here) || here > 1.5 * base_run_ + least_growth;
 }
 
 /// Long enough that growth at 1.002 of the limit is seen, and not longer than the time allows.

@@ -64,8 +64,8 @@ StepChoices choices_of(const Candidate& candidate) {
 }
 
 /// The least limit of the maps of steps at all places; NaN where none has one.
-/// @param of_modes  that of the method itself
-CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& of_modes, const AnalysedModel& model,
+/// @param at_start  that of the method itself there
+CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& at_start, const AnalysedModel& model,
                               const Watcher& watcher) {
   StepQuestion question{.options = std::nullopt, .watch = watcher};
   if (takes_step_options(candidate.method)) question.options = choices_of(candidate);
@@ -77,7 +77,7 @@ CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& 
   };
   // A frozen Jacobian is that of the start: there the method steps as it is.
   if (is_frozen(candidate) && !is_truncated(candidate))
-    limit = of_modes;
+    limit = at_start;
   else
     look(model.near);
   std::ranges::for_each(model.elsewhere, look);
@@ -94,12 +94,13 @@ CandidateLimit limit_of_frozen_spring(const Candidate& candidate, const Analysed
   return {.h_max = std::isinf(exit) ? infinity : model.fastest > 0 ? exit / model.fastest : unknown, .status = {}};
 }
 
-CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& of_modes, const AnalysedModel& model,
-                        const Watcher& watcher) {
+/// @param at_start, along  of the method as it is: at the start, and the least of all places
+CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& at_start, const CandidateLimit& along,
+                        const AnalysedModel& model, const Watcher& watcher) {
   const bool is_of_modes = !is_frozen(candidate) && !is_truncated(candidate) &&
-                           !(candidate.method.needs_split && std::isnan(of_modes.h_max));
-  if (is_of_modes) return of_modes;
-  if (model.motion.problem.y0.size() <= most_states_stepped) return limit_by_steps(candidate, of_modes, model, watcher);
+                           !(candidate.method.needs_split && std::isnan(along.h_max));
+  if (is_of_modes) return along;
+  if (model.motion.problem.y0.size() <= most_states_stepped) return limit_by_steps(candidate, at_start, model, watcher);
   return is_frozen(candidate) && !is_truncated(candidate) ? limit_of_frozen_spring(candidate, model) : CandidateLimit{};
 }
 
@@ -140,7 +141,7 @@ void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, con
     CandidateLimit of_modes{.h_max = lesser(start.h_max.value_or(unknown), along[i] ? along[i]->least : unknown),
                             .status = {}};
     if (std::isnan(of_modes.h_max)) of_modes.status = start.note;
-    model.limits.push_back(limit_of(all[i], of_modes, model, watcher));
+    model.limits.push_back(limit_of(all[i], {start.h_max.value_or(unknown), start.note}, of_modes, model, watcher));
   }
 }
 

@@ -315,7 +315,7 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   const MatrixFacts& facts = model->facts;
   std::vector<std::string> remarks;
   if (facts.repeated > 0)
-    remarks.push_back(fmt::format("{} entries stand at a place that an earlier one has; they are added", facts.repeated));
+    remarks.push_back(fmt::format("{} duplicate entries are summed", facts.repeated));
   if (model->is_first_order()) return remarks;
   if (!facts.symmetric_K)
     remarks.push_back(
@@ -328,13 +328,13 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   const std::optional<ModeCounts> counts = mode_counts(*model);
   if (counts && counts->negative > 0)
     remarks.push_back(fmt::format(
-        "{} modes have a negative stiffness, so the model grows by itself: K is not that of a stable state",
+        "{} modes have a negative stiffness, so the model is unstable: K is not that of a stable state",
         counts->negative));
   if (counts && counts->rigid > 0)
-    remarks.push_back(fmt::format("{}{} modes move without stiffness{}", counts->rigid == 7 ? "at least " : "",
+    remarks.push_back(fmt::format("{}{} rigid-body modes (zero frequency){}", counts->rigid == 7 ? "at least " : "",
                                   counts->rigid, counts->rigid == 6 ? ", the rigid motions of a free body in 3-D" : ""));
   else if (!counts && facts.free_directions > 0)
-    remarks.push_back(fmt::format("translations along {} directions make no force: supports do not hold the model",
+    remarks.push_back(fmt::format("K does not resist translation along {} directions: supports do not hold the model",
                                   facts.free_directions));
   return remarks;
 }

@@ -227,9 +227,11 @@ void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting)
   if (stepper_->quaternions) {
     std::size_t count = 0;
     check(PluginCall::quaternions, [&] { return stepper_->quaternions(handle_, &count, nullptr); });
-    if (4 * count > n_) throw Failure{fmt::format("the plugin has {} quaternions in {} numbers", count, n_)};
+    if (count > n_ / 4) throw Failure{fmt::format("the plugin has {} quaternions in {} numbers", count, n_)};
     std::vector<std::size_t> first(count + 1);
+    const std::size_t told = count;
     check(PluginCall::quaternions, [&] { return stepper_->quaternions(handle_, &count, first.data()); });
+    if (count != told) throw Failure{fmt::format("the plugin has {} quaternions, then {}", told, count)};
     greeting.quaternions = static_cast<double>(count);
     for (std::size_t i = 0; i < count; ++i) words.push_back(static_cast<double>(first[i]));
   }

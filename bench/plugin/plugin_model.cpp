@@ -165,6 +165,11 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   if (!(facts.greeting.t_end > 0 && std::isfinite(facts.greeting.t_end)))
     throw InputError("the end time that start() of the plugin gives is not positive");
   const bool mechanical = facts.greeting.has_force != 0;
+  // Its matrices are dense: half a gigabyte each.
+  if (constexpr Index most = 8000; (mechanical ? facts.dim / 2 : facts.dim) > most)
+    throw InputError(fmt::format("the model of the plugin has {} unknowns, but its matrices are dense, which serves up to {}; "
+                                 "write its matrices to files and use --matrices",
+                                 mechanical ? facts.dim / 2 : facts.dim, most));
   if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
     throw InputError("mass() of the plugin has numbers that are not positive; leave massless positions out");
   std::vector<std::string> states;

@@ -131,7 +131,7 @@ void PluginProcess::explain_end() {
 void PluginProcess::explain_hang() {
   const std::string place = where();
   end();
-  throw InputError(fmt::format("the plugin did not return within {} s {}; raise --patience if it needs longer",
+  throw InputError(fmt::format("the plugin did not return within {} s {}; `hmax probe` waits longer with --patience",
                                to_text(settings_.patience), place));
 }
 
@@ -188,7 +188,7 @@ PluginProcess::Answer PluginProcess::receive() {
 }
 
 bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in, std::span<double> out) {
-  if (socket_ < 0) throw InputError("the plugin has ended");
+  if (socket_ < 0) throw InputError("the plugin has ended; start the command again");
   PluginRequest head = request;
   head.numbers = in.size();
   // A request that is not read to its end would leave the two out of step: whatever goes wrong ends the child.
@@ -212,6 +212,15 @@ void PluginProcess::greet() {
   if (words.size() < greeting_size) throw InputError("the plugin did not say what it is");
   std::memcpy(static_cast<void*>(&facts_.greeting), words.data(), sizeof facts_.greeting);
   const PluginGreeting& said = facts_.greeting;
+  // What a plugin that writes beyond its arrays has destroyed is not read as something else.
+  const double most = most_plugin_states;
+  const bool whole = said.dimension >= 1 && said.dimension <= most && said.quaternions >= 0 &&
+                     4 * said.quaternions <= said.dimension;
+  const double told = said.quaternions + (said.has_scales != 0 ? said.dimension : 0) +
+                      (said.is_stepper == 0 ? said.dimension : 0) +
+                      (said.has_force != 0 ? std::floor(said.dimension / 2) : 0);
+  if (!whole || static_cast<double>(words.size() - greeting_size) != told)
+    throw InputError("the plugin destroyed the memory of its process; check the bounds of its arrays");
   facts_.dim = static_cast<Eigen::Index>(said.dimension);
   facts_.name = answer.text.substr(0, answer.text.find('\n'));
   facts_.note = answer.text.substr(answer.text.find('\n') + 1);

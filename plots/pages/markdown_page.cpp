@@ -114,6 +114,7 @@ bool is_alone(cmark_node* node) { return !cmark_node_previous(node) && !cmark_no
 /// Of a path below the folder of the page; empty for another host, an absolute path and a file that cannot be read.
 std::string bytes_of(const fs::path& folder, const fs::path& file) {
   if (file.empty() || file.is_absolute() || file.string().find(':') != std::string::npos) return {};
+  if (std::ranges::find(file, fs::path("..")) != file.end()) return {};
   std::ifstream stream(folder / file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -145,16 +146,26 @@ void add_forms(Picture& picture, const fs::path& folder) {
       picture.forms.emplace_back(Picture::Kind::packed, packed_svg(small, picture.alt));
 }
 
+/// Whether a node stands in another of this type.
+bool is_below(cmark_node* node, std::string_view type) {
+  for (cmark_node* above = cmark_node_parent(node); above; above = cmark_node_parent(above))
+    if (cmark_node_get_type_string(above) == type) return true;
+  return false;
+}
+
 /// The pictures of a document, each in an empty node now.
 std::vector<Picture> take_pictures(Document& document, const fs::path& folder) {
   std::vector<Picture> pictures;
   for (cmark_node* image : document.all("image")) {
+    // Nodes in headings are copied, and those in other pictures gone with them.
+    if (is_below(image, "image") || is_below(image, "heading")) continue;
     Picture picture{.place = nullptr, .figure = false, .file = cmark_node_get_url(image), .link = {}, .alt = words_of(image)};
     picture.link = picture.file;
     cmark_node* outer = image;
     if (cmark_node* parent = cmark_node_parent(outer);
         cmark_node_get_type(parent) == CMARK_NODE_LINK && is_alone(outer)) {
-      picture.link = cmark_node_get_url(parent);
+      const std::string url = cmark_node_get_url(parent);
+      if (url.find(':') == std::string::npos) picture.link = url;  // no script
       outer = parent;
     }
     if (cmark_node* parent = cmark_node_parent(outer);

@@ -198,8 +198,9 @@ std::string introduction_of(std::span<const ReportedStore> stores, const AnswerS
 }
 
 /// @param answer  null: the page is about stores
-std::string page_of(std::span<const ReportedStore> stores, const AnswerSections* answer, const std::string& version,
-                    const ReportData& data) {
+/// @param bodies  of report_bodies()
+std::string page_of(std::span<const ReportedStore> stores, const AnswerSections* answer, const std::string& bodies,
+                    const std::string& version, const ReportData& data) {
   PageFrame page{.title = answer               ? answer->title
                           : stores.size() == 1 ? "Results: " + stores.front().name
                                                : fmt::format("Results: {} stores", stores.size())};
@@ -207,7 +208,6 @@ std::string page_of(std::span<const ReportedStore> stores, const AnswerSections*
   page.style = std::string(page_style("store_report")) + colour_variables();
   page.script = script();
   Parts parts;
-  const std::string bodies = report_bodies(stores);
   if (!bodies.empty()) {
     page.style += scene_style();
     page.script += scene_script();
@@ -234,10 +234,11 @@ std::string page_of(std::span<const ReportedStore> stores, const AnswerSections*
 StoreReport report_of(std::span<const ReportedStore> stores, const AnswerSections* answer, const std::string& version,
                       std::size_t most_bytes) {
   const Counts counts = count_rows(stores);
+  const std::string bodies = report_bodies(stores);
   std::size_t most_rows = std::max({counts.runs, counts.limits, counts.advice});
   for (;;) {
     const ReportData data = report_data(stores, most_rows);
-    std::string html = page_of(stores, answer, version, data);
+    std::string html = page_of(stores, answer, bodies, version, data);
     if (html.size() <= most_bytes || most_rows <= 1) return {std::move(html), data.left_out};
     // A little less than its share, so that one more round is enough as a rule.
     most_rows =

@@ -88,9 +88,9 @@ Sparse mass_from(MatrixFile& file, const MatrixModel& model, std::size_t& repeat
 void check_mass(const MatrixModel& model, const Sparse& M, const std::string& file) {
   const VectorXd diagonal = M.diagonal();
   for (Index i = 0; i < diagonal.size(); ++i)
-    if (diagonal[i] < 0)
+    if (!(diagonal[i] >= 0 && std::isfinite(diagonal[i])))
       fail(file, "the mass of " + model.name_of(i) + " is " + shortest_digits(diagonal[i]) +
-                     " but must not be negative; " +
+                     " but must be finite and not negative; " +
                      (model.files.lumped
                           ? "the sums of rows are no masses of quadratic elements, so give the masses that the program "
                             "lumps itself"

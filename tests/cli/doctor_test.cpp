@@ -54,7 +54,7 @@ TEST(Completion, OffersTheNamesThatFitInBash) {
   };
   EXPECT_EQ(offered("hmax or", 1), "order\n");
   EXPECT_EQ(offered("hmax run --method dop", 3), "dop_853\n");
-  EXPECT_EQ(offered("hmax run --ma", 2), "--material --max-steps\n");
+  EXPECT_EQ(offered("hmax run --ma", 2), "--matrices --material --max-steps\n");
   EXPECT_EQ(offered("hmax list mat", 2), "materials\n");
 }
 

@@ -70,7 +70,7 @@ TEST(Plugin, CrashesAreErrorsThatNameTheStep) {
 TEST(Plugin, HangsEndAfterTheTimeThatTheyAreGiven) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(error_of_step("crash:hang", 0.02, 0.2),
-            "the plugin did not return within 0.2 s in step(0.02); raise --patience if it needs longer");
+            "the plugin did not return within 0.2 s in step(0.02); `hmax probe` waits longer with --patience");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   expect_no_child();
 }
@@ -85,7 +85,7 @@ TEST(Plugin, WhoWatchesMayLeave) {
   PluginStepper engine(tested("crash:hang"), {.watch = [] { throw Left{}; }});
   EXPECT_THROW(engine.step(0.1, 1), Left);
   expect_no_child();
-  EXPECT_EQ(error_of([&] { engine.step(0.001, 1); }), "the plugin has ended");
+  EXPECT_EQ(error_of([&] { engine.step(0.001, 1); }), "the plugin has ended; start the command again");
 }
 
 TEST(Plugin, AStepThatCannotBeDoneIsDivergence) {

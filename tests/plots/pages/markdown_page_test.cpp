@@ -96,5 +96,17 @@ TEST(MarkdownPage, LeadsToThePagesOfOtherReports) {
   EXPECT_TRUE(contains(page, "<a href=\"other/README.md#y\">"));
 }
 
+/// Nodes of a heading are copied, and those of a picture go with it.
+TEST(MarkdownPage, LeavesPicturesInHeadingsAndInOtherPictures) {
+  const Scratch folder;
+  write_text(folder / "a.svg", "<svg xmlns='http://www.w3.org/2000/svg' width='3' height='2'/>");
+  for (const char* text : {"## ![a](a.svg)\n", "# ![a](a.svg)\n\n![a](a.svg)\n", "![a ![b](a.svg)](a.svg)\n",
+                           "[![a](a.svg)](javascript:alert(1))\n"}) {
+    const std::string page = markdown_page(text, folder.folder());
+    EXPECT_NE(page.find("</html>"), std::string::npos) << text;
+    EXPECT_EQ(page.find("javascript:"), std::string::npos) << text;
+  }
+}
+
 }  // namespace
 }  // namespace hmax
