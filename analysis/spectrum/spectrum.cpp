@@ -144,7 +144,8 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
     // The modes are orthogonal to one another in these coordinates, so the condition of V is that of 2 x 2
     // blocks.
     const double w = std::sqrt(std::max(std::abs(mode.kappa), std::numeric_limits<double>::min()));
-    const double lengths = std::sqrt((w * w + std::norm(lambda[0])) * (w * w + std::norm(lambda[1])));
+    // Root by root: of a free motion the product of both squares is zero.
+    const double lengths = std::sqrt(w * w + std::norm(lambda[0])) * std::sqrt(w * w + std::norm(lambda[1]));
     const double g = std::min(1.0, std::abs(w * w + std::conj(lambda[0]) * lambda[1]) / lengths);
     const double longest = std::sqrt(1 + g);
     // sigma_1 sigma_2 = |det| = w |l2 - l1| / (product of the lengths).
