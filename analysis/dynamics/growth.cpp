@@ -48,12 +48,12 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 }
 
 std::int64_t steps_to_see(const ExpectedGrowth& expected) {
-  constexpr double least = 512, most = most_observed_steps;
+  constexpr double most = most_observed_steps;
   // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
   // N / 2 steps lie between the quarters: share g N / 2 = threshold.
   const double to_grow = 2 * threshold_of(expected) / (expected.share * expected.above);
   const double to_decay = 4 * expected.fall / -expected.beside;
-  return static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), least, most));
+  return static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), expected.least, most));
 }
 
 namespace {

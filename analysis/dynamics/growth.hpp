@@ -58,11 +58,12 @@ struct ExpectedGrowth {
   double share = 0.08;  ///< how much of the growth between the quarters at 1.001 of the limit that is
   double fall = 37;  ///< ln of the factor by which what `beside` multiplies has to fall before it is nothing
   double resolution = 1e-6;  ///< to which the limit is sought, relative
+  double least = 512;        ///< steps of each run
 };
 
 /// How long a run has to be that shows a share of the growth that is expected at 1.001 of the limit, after
-/// the rest has died away before the first quarter that is compared; 512 steps at least, most_observed_steps
-/// at most.
+/// the rest has died away before the first quarter that is compared; `least` steps at least,
+/// most_observed_steps at most.
 /// With g = ln of the growth per step at 1.001 of the limit: N = 2 t / (share g) for the growth, with t =
 /// visible, or ln 4 + visible where it is linear, and 4 fall / |beside| for the decay of the rest; the larger
 /// of the two.

@@ -149,8 +149,10 @@ VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
   const MechanicalPart& part = *near.point.model.mechanical;
   double largest = 0;
   for (const MechanicalMode& each : near.modes.spectrum.mechanical) largest = std::max(largest, each.kappa);
+  const bool is_fastest = mode.kappa >= largest * (1 - 1e-12);
+  if (is_fastest && near.modes.fastest_shape.size() > 0) return near.modes.fastest_shape;
   const ExtremeStiffnesses found =
-      mode.kappa >= largest * (1 - 1e-12) ? largest_stiffnesses(part) : stiffnesses_near(part, mode.kappa);
+      is_fastest ? largest_stiffnesses(part) : stiffnesses_near(part, mode.kappa);
   return found.shapes.col(0);
 }
 

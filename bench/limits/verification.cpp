@@ -11,6 +11,7 @@
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/dynamics/growth.hpp"
+#include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "bench/catalogue/measured_amplification.hpp"
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/mode_start.hpp"
@@ -136,6 +137,9 @@ double visible_growth(const Method& method, const Growth& growth, Complex lambda
   return whole / from_rounding;
 }
 
+/// Whether the runs are as short as they may be: a step takes a hundredth of a second or more.
+bool is_large(const MechanicalPart& part) { return part.mass.size() > most_cheaply_factored; }
+
 /// How runs beside a limit are watched, and what they are expected to show.
 struct Watch {
   ExpectedGrowth expected;
@@ -185,6 +189,11 @@ Watch watch_all(const Method& method, const Prediction& row, const Linearised& n
                            .fall = start.mode_alone ? 10.0 : 37.0},
               .run = run,
               .distance = start.distance};
+  // Beats of an oscillation at 0.999 of its limit last a hundred steps.
+  if (near.point.model.mechanical && is_large(*near.point.model.mechanical)) {
+    watch.expected.least = 256;
+    watch.expected.resolution = 2e-4;
+  }
   const bool single = near.point.model.y.size() == 2;
   if ((start.mode_alone || single) && growth.polynomial && method.amplification->of_oscillation)
     take_out_creep(watch, near.point.model.y, *growth.polynomial, oscillation_of(near, row.limiting->lambda),
@@ -220,6 +229,8 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   watch.distance = start.amplitude;
   watch.expected.visible = 1e-5;
   watch.expected.fall = 20;
+  // What a step multiplies by one number shows its growth within a few steps.
+  if (near.point.model.mechanical && is_large(*near.point.model.mechanical)) watch.expected.least = 32;
   if (!growth.polynomial) return watch;
   const double h = 1.001 * *row.h_max;
   const Complex lambda = row.limiting->lambda;
@@ -356,6 +367,23 @@ void take_out_free_motions(const Eigen::MatrixXd& motions, const Eigen::VectorXd
   without(y.tail(mass.size()));
 }
 
+/// The motions that small matrices of a user leave without stiffness, with columns orthonormal in M; of larger ones a
+/// run starts from a mode alone, beside which these are not seen.
+Eigen::MatrixXd free_motions_of_matrices(const Linearised& near) {
+  const auto& part = near.point.model.mechanical;
+  if (near.point.kind != StateKind::matrices || !part || !part->symmetric || part->mass.size() > most_dense_start) return {};
+  const ExtremeStiffnesses all = smallest_stiffnesses(*part, part->mass.size());
+  double largest = 0;
+  for (const double kappa : all.kappa) largest = std::max(largest, std::abs(kappa));
+  Eigen::MatrixXd motions(part->mass.size(), 0);
+  for (std::size_t i = 0; i < all.kappa.size(); ++i) {
+    if (std::abs(all.kappa[i]) > 1e-12 * largest) continue;
+    motions.conservativeResize(Eigen::NoChange, motions.cols() + 1);
+    motions.rightCols(1) = all.shapes.col(static_cast<Eigen::Index>(i));
+  }
+  return motions;
+}
+
 /// About what the runs of a verification take [bytes]: states, the factors of an implicit method, and where a
 /// force drives the problem its motion, state by state.
 double memory_of(const Method& method, const Problem& problem) {
@@ -379,10 +407,17 @@ Finding watch_without_limit(Prediction& row, const Problem& problem, const ModeS
   Finding finding;
   Observation& seen = finding.seen;
   // Of a large structure: where a step carries what velocities there are too far, it is not linear.
-  const double farthest = (start.mode_alone ? 1e3 : 1e6) / rates.slowest;
+  double farthest = (start.mode_alone ? 1e3 : 1e6) / rates.slowest;
+  std::int64_t most = start.mode_alone ? 512 : 4096;
+  // Longer steps of large matrices take a factor: minutes.
+  if (!problem.body && start.mode_alone && problem.y0.size() / 2 > most_cheaply_factored) {
+    farthest = 10 / rates.fastest;
+    most = 12;
+    row.note = fmt::format("verified at a step of {:.3g} s alone: longer ones of so many unknowns take minutes", farthest);
+  }
   seen.agrees = true;
   for (const double h : steps_without_limit(problem, farthest)) {
-    seen.steps = h < farthest ? 100 : start.mode_alone ? 512 : 4096;
+    seen.steps = h < farthest ? 100 : most;
     seen.agrees = !grows_at(run, start.distance, h, seen.steps);
     if (seen.agrees) continue;
     if (outcome == Outcome::newton_failed) {
@@ -436,7 +471,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const bool has_claim =
       row.bound == Bound::stability || row.bound == Bound::accuracy || row.bound == Bound::newton;
   if (!method.fixed_step || row.unstable_from || !has_claim) return;
-  const Eigen::MatrixXd free_rigid = problem.body ? free_motions(*problem.body) : Eigen::MatrixXd();
+  const Eigen::MatrixXd free_rigid = problem.body ? free_motions(*problem.body) : free_motions_of_matrices(near);
   const Rates rates = rates_of(row, free_rigid.cols() > 0);
   if (rates.fastest == 0) return;  // nothing moves
   Problem free = after_ramps(problem);
@@ -453,7 +488,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
       row.coupled && row.bound == Bound::stability
           ? start_from_shape(*near.point.model.mechanical, rest, row.coupled->displacement, *row.h_max)
           : start_from_mode(near, rest, wanted, rates.fastest);
-  if (free_rigid.cols() > 0) take_out_free_motions(free_rigid, problem.body->mass(), start.displacement);
+  if (free_rigid.cols() > 0) take_out_free_motions(free_rigid, near.point.model.mechanical->mass, start.displacement);
   // Where a mode is watched alone little is seen that is not its own.
   const double most_change = start.mode_alone ? 1e-7 : 1e-4;
   const double size =
