@@ -83,16 +83,17 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
   return point;
 }
 
-ModeSet mode_set(const LinearModel& model) {
+ModeSet mode_set(const LinearModel& model, bool is_body) {
   ModeSet modes;
-  if (!set_curve(model, modes) && !set_range(model, modes)) modes.spectrum = spectrum_of(model);
+  if (!set_curve(model, modes, most_dense_modes, is_body) && !set_range(model, modes) && !set_largest(model, modes))
+    modes.spectrum = spectrum_of(model);
   require_usual_rates(modes.spectrum);
   return modes;
 }
 
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
   Linearised near{.point = operating_point(problem, t, y)};
-  near.modes = mode_set(near.point.model);
+  near.modes = mode_set(near.point.model, near.point.is_body);
   return near;
 }
 
@@ -159,7 +160,8 @@ OperatingPoint point_of_matrices(const Problem& problem) {
   OperatingPoint point = operating_point(problem, 0, Eigen::VectorXd::Zero(problem.y0.size()));
   point.kind = StateKind::matrices;
   point.at_equilibrium = true;
-  point.state = fmt::format("the matrices, {} states", problem.y0.size());
+  point.state = fmt::format("the matrices{}, {} states", times_of_matrices(problem).empty() ? "" : " at t = 0 s",
+                            problem.y0.size());
   return point;
 }
 }  // namespace
@@ -195,7 +197,7 @@ OperatingPoint operating_point(const Problem& problem, AskedState at, const Equi
 
 Linearised linearised(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
   Linearised near{.point = operating_point(problem, at, watcher)};
-  near.modes = mode_set(near.point.model);
+  near.modes = mode_set(near.point.model, near.point.is_body);
   return near;
 }
 

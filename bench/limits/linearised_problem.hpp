@@ -34,6 +34,7 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
 void ask(OperatingPoint& point, const Problem& problem);
 /// All modes, or of large structures those that limits need.
 /// @throws InputError  where rates leave the range of numbers, or all modes are asked for and are too many
-ModeSet mode_set(const LinearModel& model);
+/// @param is_body  of the point of the model
+ModeSet mode_set(const LinearModel& model, bool is_body = true);
 
 }  // namespace hmax

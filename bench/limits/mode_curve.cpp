@@ -15,7 +15,7 @@ namespace hmax {
 namespace {
 
 /// The least eigenvalue of K u = kappa M u: of those that iteration finds, the least, which none is above.
-double least_stiffness(const MechanicalPart& part, double kappa_max) {
+double least_stiffness(const MechanicalPart& part, double kappa_max, Eigen::Index most_products) {
   const Eigen::SparseMatrix<double> K =
       is_sparse(part.K) ? std::get<Eigen::SparseMatrix<double>>(part.K)
                         : Eigen::SparseMatrix<double>(std::get<Eigen::MatrixXd>(part.K).sparseView());
@@ -27,7 +27,7 @@ double least_stiffness(const MechanicalPart& part, double kappa_max) {
       },
       part.mass.size(),
       {.tolerance = 1e-8,
-       .most_products = part.mass.size() > most_factored ? 300 : 2000,
+       .most_products = most_products,
        .with_vector = false});
   return kappa_max - pair.value;
 }
@@ -40,11 +40,16 @@ double slow_end(const MechanicalPart& part, double kappa_max) {
   // Those nearest to zero; a body that buckles has others.
   const double nearest = std::abs(least.kappa.at(0)) <= 1e-12 * kappa_max ? 0 : least.kappa.at(0);
   // Known to be below zero by that much, whatever the iteration for the least of them says.
-  return least.negative > 0 ? std::min(least_stiffness(part, kappa_max), -1e-8 * kappa_max) : nearest;
+  return least.negative > 0 ? std::min(least_stiffness(part, kappa_max, 2000), -1e-8 * kappa_max) : nearest;
 }
 
-/// Whether the model is that of a structure without displacement, whose stiffness has no negative eigenvalue.
-bool is_undeformed(const LinearModel& model) { return model.y.head(model.mechanical->mass.size()).isZero(0); }
+/// Whether the model is that of a body without displacement, whose stiffness has no negative eigenvalue.
+bool is_undeformed(const LinearModel& model, bool is_body) {
+  return is_body && model.y.head(model.mechanical->mass.size()).isZero(0);
+}
+
+/// What finds negative eigenvalues that are far from zero, within seconds.
+constexpr Eigen::Index few_products = 100, many_products = 300;
 
 }  // namespace
 
@@ -53,7 +58,7 @@ double SlowEnd::of(const MechanicalPart& part, const DampingCurve& curve) {
   return kappa_;
 }
 
-bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small) {
+bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small, bool is_body) {
   if (!model.mechanical || model.mechanical->mass.size() <= small) return false;
   const MechanicalPart& part = *model.mechanical;
   const auto rayleigh = rayleigh_coefficients(part);
@@ -67,11 +72,12 @@ bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small) {
   modes.curve = curve;
   // The slow end takes a factor of K, which most limits do not need; only a body that may buckle does.
   const Eigen::Index dofs = part.mass.size();
-  if (dofs <= most_cheaply_factored || (dofs <= most_factored && !is_undeformed(model))) {
+  const bool undeformed = is_undeformed(model, is_body);
+  if (dofs <= most_cheaply_factored || (is_body && dofs <= most_factored && !undeformed)) {
     modes.curve->kappa_min = modes.slow_end->of(part, curve);
     modes.slow_end = nullptr;
-  } else if (!is_undeformed(model)) {
-    const double least = least_stiffness(part, curve.kappa_max);
+  } else if (!undeformed) {
+    const double least = least_stiffness(part, curve.kappa_max, is_body ? many_products : few_products);
     if (least < -1e-8 * curve.kappa_max) modes.curve->kappa_min = least;
   }
   const auto add = [&](double kappa) {

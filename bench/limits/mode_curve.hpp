@@ -25,8 +25,9 @@ class SlowEnd {
 /// Puts the ends of the spectrum of a large structure with proportional damping into `modes`; beyond
 /// most_cheaply_factored degrees of freedom its fast end alone, which limits explicit methods, with 0 for the
 /// slow one. False, and nothing done, for all other models.
-/// @param small  up to so many degrees of freedom a structure is not large
-bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_modes);
+/// @param small    up to so many degrees of freedom a structure is not large
+/// @param is_body  then its stiffness without displacement has no negative eigenvalue
+bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_modes, bool is_body = true);
 
 /// The least limit of a method along the curve of all modes between those ends.
 struct LimitOnCurve {

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/spectrum/damped_eigenvalues.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/statics/static_solution.hpp"
 #include "bench/limits/mode_curve.hpp"
 #include "core/size_limits.hpp"
+#include "results/errors.hpp"
 
 namespace hmax {
 namespace {
@@ -55,6 +58,27 @@ bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small) {
     modes.spectrum.lambda.emplace_back(*modes.range->growing);
   else
     modes.range->pairs = damping_range(part);
+  return true;
+}
+
+bool set_largest(const LinearModel& model, ModeSet& modes) {
+  if (model.y.size() <= most_dense_rows || !has_krylov()) return false;
+  const AnyMatrix J = model.J();
+  if (!is_sparse(J)) return false;
+  LargestEigenvalues largest = largest_eigenvalues(std::get<Eigen::SparseMatrix<double>>(J), 4);
+  if (!largest.converged)
+    throw InputError(
+        fmt::format("the largest eigenvalues of {} states did not converge, as the matrices are not symmetric; `hmax run` "
+                    "with --method and --h shows whether a step holds",
+                    model.y.size()));
+  modes.range = std::make_shared<ModeRange>();
+  modes.range->open = true;
+  for (Complex& lambda : largest.lambda) {
+    // An undamped motion must not grow by the error of the iteration.
+    if (std::abs(lambda.real()) <= 1e-8 * std::abs(lambda)) lambda.real(0);
+    modes.spectrum.lambda.push_back(lambda);
+  }
+  modes.range->rest = std::abs(largest.lambda.back());
   return true;
 }
 

@@ -18,6 +18,7 @@ struct ModeRange {
   DampingRange pairs;             ///< where all modes lie
   double rest = 0;                ///< no eigenvalue that is not listed is larger in modulus [1/s]
   std::optional<double> growing;  ///< the eigenvalue of a body that buckles [1/s]
+  bool open = false;  ///< nothing but `rest` is known of the eigenvalues that are not listed
 
   /// The range, cut by gamma >= rho kappa once a limit asks for it.
   const DampingRange& with_least_damping(const MechanicalPart& part);
@@ -30,6 +31,12 @@ struct ModeRange {
 /// Puts the largest eigenvalues of a structure with symmetric matrices and general damping into `modes`, and
 /// the range of all modes. False, and nothing done, for all other models.
 bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_coupled);
+
+/// Puts the largest eigenvalues of any other model of more than most_dense_rows states into `modes`: one of first
+/// order, or with matrices that are not symmetric. False, and nothing done, for smaller models, dense ones, and in a
+/// build without Krylov methods.
+/// @throws InputError  where the iteration does not converge
+bool set_largest(const LinearModel& model, ModeSet& modes);
 
 /// The limit of a method on such a structure.
 struct LimitInRange {

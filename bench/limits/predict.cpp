@@ -114,6 +114,11 @@ void is_of_growing_model(Prediction& row, const Mode& mode, const OperatingPoint
         "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
         "exp({:.4g} t) whatever the step; take less load, `--along load` shows up to which share it does not",
         lambda.real());
+  else if (point.kind == StateKind::matrices)
+    row.note = fmt::format(
+        "the model itself grows as exp({:.4g} t): an eigenvalue has a positive real part, which no step changes; check "
+        "whether the matrices are those of a stable state",
+        lambda.real());
   else
     row.note = fmt::format(
         "the model itself grows as exp({:.4g} t) here: an eigenvalue has a positive real part, which no step changes; "
@@ -171,6 +176,27 @@ void predict_in_range(Prediction& row, const Method& method, const OperatingPoin
   row.limiting.reset();
   row.note =
       fmt::format("a lower bound: damping couples the modes, and no step below h_max is unstable; {}", found);
+}
+
+/// Where the largest eigenvalues alone are known: from which step on these are unstable.
+void predict_from_largest(Prediction& row, const Method& method, const OperatingPoint& point, const ModeSet& modes) {
+  if (method.needs_split && !is_all_stiff(point.model)) {
+    row.note = without_common_modes;
+    return;
+  }
+  std::vector<Mode> all = modes_of(modes.spectrum);
+  std::vector<Eigenmode> told;
+  for (const Mode& mode : all) told.emplace_back(mode.lambda).radius = radius_told(method, point, modes);
+  const StepLimit limit = largest_stable_step(*method.amplification, told);
+  for (std::size_t i = 0; i < all.size(); ++i) row.modes.push_back({all[i], limit.of_modes[i], told[i]});
+  if (!limit.growing.empty()) return is_of_growing_model(row, all[limit.growing.front()], point);
+  row.unstable_from = limit.h_max;
+  row.note = fmt::format(
+      "only the fastest modes of {} states without symmetric matrices are known; {}, and `hmax run` with --method and "
+      "--h shows whether a step holds",
+      point.model.y.size(),
+      std::isinf(limit.h_max) ? std::string("none of them limits the step")
+                              : fmt::format("they are unstable from {:.6g} s on", limit.h_max));
 }
 
 /// Where the steps couple modes the whole model has one limit.
@@ -260,6 +286,8 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
         "explicit_newmark, which solves for all of it, fewer degrees of freedom, or alpha in place of beta";
   else if (modes.curve)
     predict_on_curve(row, method, point, modes);
+  else if (modes.range && modes.range->open)
+    predict_from_largest(row, method, point, modes);
   else if (motion && couples_modes(*motion, *point.model.mechanical))
     predict_coupled(row, method, point, modes);
   else if (modes.range)
