@@ -6,6 +6,7 @@
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/limits/steps/linearly_implicit.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/step_maps/predict_by_steps.hpp"
 #include "results/errors.hpp"
 
@@ -37,6 +38,7 @@ Path thinned(const Path& path, std::size_t most) {
 Path path_of(const AnalysedModel& model, const Watcher& watcher) {
   const Problem& problem = model.motion.problem;
   const ReferenceMotion& reference = model.reference;
+  if (auto path = path_of_matrices(problem, model.motion.t_end)) return *std::move(path);
   if (!problem.body && !problem.stiff && problem.y0.size() <= small) try {
       return motion_path(problem, model.motion.t_end, 400, watcher);
     } catch (const InputError&) {  // what the explicit method of the path does not follow
@@ -71,7 +73,8 @@ CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& 
   if (takes_step_options(candidate.method)) question.options = choices_of(candidate);
   CandidateLimit limit;
   const auto look = [&](const Linearised& place) {
-    const Prediction here = predict_by_steps(candidate.method, model.motion.problem, place, question);
+    const Problem still = with_frozen_matrices(model.motion.problem, place.point.model.t);
+    const Prediction here = predict_by_steps(candidate.method, still, place, question);
     if (here.h_max) limit.h_max = lesser(limit.h_max, *here.h_max);
     if (!here.h_max && limit.status.empty()) limit.status = here.note;
   };

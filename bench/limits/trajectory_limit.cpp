@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -15,6 +16,7 @@
 #include "bench/limits/mode_range.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/models/body_balance.hpp"
+#include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -99,7 +101,20 @@ double end_of_motion(const Problem& problem) {
   return period <= most_ends * problem.t_end ? std::max(period, problem.t_end) : problem.t_end;
 }
 
+std::optional<Path> path_of_matrices(const Problem& problem, double t_end) {
+  if (!is_matrices_id(problem.id)) return std::nullopt;
+  if (!(t_end > 0 && std::isfinite(t_end)))
+    throw InputError(fmt::format("the end time is {} s but must be positive and finite; give another", to_text(t_end)));
+  Path path{.at = {0}, .y = {}, .note = {}};
+  const std::vector<double> times = times_of_matrices(problem);
+  std::ranges::copy_if(times, std::back_inserter(path.at), [&](double t) { return t > 0 && t < t_end; });
+  if (!times.empty()) path.at.push_back(t_end);
+  path.y.assign(path.at.size(), Eigen::VectorXd::Zero(problem.y0.size()));
+  return path;
+}
+
 Path motion_path(const Problem& problem, double t_end, int points, const Watcher& watcher) {
+  if (auto path = path_of_matrices(problem, t_end)) return *std::move(path);
   struct Inverted {};
   Path path;
   const auto keep = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {

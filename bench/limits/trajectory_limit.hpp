@@ -33,8 +33,13 @@ double end_of_motion(const Problem& problem);
 /// The tolerances of motion_path().
 inline constexpr Tolerances<double> motion_tolerances{1e-10, 1e-12};
 
+/// The times up to t_end at which matrices of a user are given, with the state zero, as a linear model is the same
+/// in all of them; t = 0 alone where they do not change. Nothing for other problems.
+/// @throws InputError  when t_end is not positive
+std::optional<Path> path_of_matrices(const Problem& problem, double t_end);
+
 /// The motion from y0 to t_end by dormand_prince_54 at motion_tolerances, looked at `points` times; of a
-/// body as far as none of its elements is turned inside out.
+/// body as far as none of its elements is turned inside out; of matrices path_of_matrices().
 /// @throws InputError  when t_end is no end of a run, or the motion does not reach it within
 /// most_observed_steps attempts
 Path motion_path(const Problem& problem, double t_end, int points = 400, const Watcher& watcher = {});

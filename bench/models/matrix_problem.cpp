@@ -26,7 +26,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr std::string_view prefix = "matrices:";
-constexpr std::string_view lumped_word = "lumped:";
+constexpr std::string_view lumped_word = "lumped:", series_word = "series:";
 constexpr std::array<std::string_view, 7> keys{"stiffness", "mass",    "damping", "jacobian",
                                                "initial",   "storage", "drop"};
 
@@ -44,6 +44,18 @@ std::vector<std::pair<std::string, std::string>> parts_of(std::string_view id) {
     parts.emplace_back(item.substr(0, sign), item.substr(sign + 1));
   }
   return parts;
+}
+
+/// The part of `value` that names a file, behind a word that says how it is read.
+/// @returns  whether the word stands there
+/// @throws InputError  where nothing stands behind it
+bool take_word(std::string_view word, const std::string& key, std::string_view example, std::string& value) {
+  const std::string_view bare = word.substr(0, word.size() - 1);
+  if (value == bare || value == word)
+    throw InputError(fmt::format("{0}={1} names no file; write {0}={2}{3}", key, value, word, example));
+  if (!value.starts_with(word)) return false;
+  value.erase(0, word.size());
+  return true;
 }
 
 void require_word(const std::string& key, const std::string& value, std::string_view word) {
@@ -108,8 +120,9 @@ double rate_bound(const MatrixModel& model) {
   return sums.size() > 0 ? sums.maxCoeff() : 0;
 }
 
-/// Twenty periods of that rate, to one digit [s].
+/// Of matrices that change their last time, of others twenty periods of that rate, to one digit [s].
 double default_end(const MatrixModel& model) {
+  if (model.varying && model.varying->times().back() > 0) return model.varying->times().back();
   const double rate = rate_bound(model);
   if (!(rate > 0) || !std::isfinite(rate)) return 1;
   const double end = 20 * 2 * std::numbers::pi / rate;
@@ -146,7 +159,9 @@ MechanicalPart part_of(const AnySystem& system) {
 
 /// The exact motion, from all modes, computed when it is first asked for.
 void add_exact_motion(Problem& problem, const MatrixModel& model) {
-  if (model.is_first_order() || model.size() > most_modal_dofs || !model.facts.symmetric_K || model.facts.damped) return;
+  if (model.is_first_order() || model.size() > most_modal_dofs || !model.facts.symmetric_K || model.facts.damped ||
+      model.varying)
+    return;
   struct Once {
     std::once_flag flag;
     std::optional<ModalMotion> motion;
@@ -161,6 +176,9 @@ void add_exact_motion(Problem& problem, const MatrixModel& model) {
   };
 }
 
+/// "1 mode", "2 modes"
+std::string counted(Index count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+
 std::string shown(double value) { return fmt::format("{:.6g}", value); }
 
 std::string file_name(const std::string& file) { return std::filesystem::path(file).filename().string(); }
@@ -169,20 +187,28 @@ std::string file_name(const std::string& file) { return std::filesystem::path(fi
 std::string note_of(const MatrixModel& model) {
   const MatrixFacts& facts = model.facts;
   if (model.is_first_order())
-    return fmt::format("{}: {} states, {} entries{}", file_name(model.files.jacobian), model.size(),
+    return fmt::format("{}: {}, {} entries{}", file_name(model.files.jacobian), counted(model.size(), "state"),
                        model.J.nonZeros(), facts.symmetric_K ? ", symmetric" : "");
   std::string note = fmt::format(
-      "{} unknowns; {}: {} entries, {}; {}: {}, entries sum to {} kg, three times {} kg in 3-D", model.size(),
+      "{}; {}: {} entries, {}; {}: {}, entries sum to {} kg, three times {} kg in 3-D", counted(model.size(), "unknown"),
       file_name(model.files.stiffness), model.K.nonZeros(), facts.symmetric_K ? "symmetric" : "not symmetric",
       file_name(model.files.mass),
       facts.coupled_mass ? "a mass that couples unknowns" : model.files.lumped ? "sums of rows" : "a mass for each unknown",
       shown(facts.mass), shown(facts.mass / 3));
   if (facts.damped)
     note += fmt::format("; {}: {}", file_name(model.files.damping), facts.symmetric_C ? "symmetric" : "not symmetric");
-  if (facts.massless > 0) note += fmt::format("; {} unknowns without mass are condensed", facts.massless);
+  if (model.varying) {
+    const std::vector<double>& times = model.varying->times();
+    note += fmt::format("; given at {} times from {} to {} s, linear between them", times.size(),
+                        to_text(times.front()), to_text(times.back()));
+  }
+  if (facts.multipliers > 0)
+    note += fmt::format("; {} eliminated, with an unknown each", counted(facts.multipliers, "Lagrange multiplier"));
+  if (facts.massless > 0) note += fmt::format("; {} without mass condensed", counted(facts.massless, "unknown"));
   if (facts.dropped)
-    note += fmt::format("; {} constraint rows are left out",
-                        facts.constraints.decoupled.size() + facts.constraints.penalties.size());
+    note += fmt::format("; {} left out",
+                        counted(static_cast<Index>(facts.constraints.decoupled.size() + facts.constraints.penalties.size()),
+                                "constraint row"));
   return note;
 }
 
@@ -200,17 +226,17 @@ void remark_constraints(const MatrixModel& model, std::vector<std::string>& rema
   if (rows.none() || model.facts.dropped) return;
   std::string found;
   if (!rows.penalties.empty())
-    found = fmt::format("{} penalty rows ({})", rows.penalties.size(), rows_in_words(model, rows.penalties));
+    found = fmt::format("{} ({})", counted(static_cast<Index>(rows.penalties.size()), "penalty row"), rows_in_words(model, rows.penalties));
   if (!rows.decoupled.empty())
-    found += fmt::format("{}{} rows with a diagonal alone ({})", found.empty() ? "" : " and ", rows.decoupled.size(),
-                         rows_in_words(model, rows.decoupled));
+    found += fmt::format("{}{} with a diagonal alone ({})", found.empty() ? "" : " and ",
+                         counted(static_cast<Index>(rows.decoupled.size()), "row"), rows_in_words(model, rows.decoupled));
   remarks.push_back(
       rows.own_the_fastest()
-          ? fmt::format("{} own the fastest mode, {} rad/s, all others have at most {} rad/s; add drop=constraints to "
-                        "--matrices to leave them out",
+          ? fmt::format("the fastest mode, {1} rad/s, is that of {0}; all others have at most {2} rad/s; add "
+                        "drop=constraints to --matrices to leave such rows out",
                         found, shown(rows.fastest), shown(rows.others))
-          : fmt::format("{} hold unknowns in place; their modes have at most {} rad/s; drop=constraints in --matrices "
-                        "leaves them out",
+          : fmt::format("unknowns are held in place by {}; their modes have at most {} rad/s; drop=constraints in "
+                        "--matrices leaves them out",
                         found, shown(rows.fastest)));
 }
 
@@ -223,18 +249,18 @@ bool is_matrices_id(std::string_view id) { return id.starts_with(prefix); }
 MatrixFiles matrix_files(const std::string& id) {
   MatrixFiles files;
   std::vector<std::string> seen;
-  for (const auto& [key, value] : parts_of(id)) {
+  for (auto& [key, value] : parts_of(id)) {
     if (std::ranges::find(seen, key) != seen.end())
       throw InputError(fmt::format("--matrices names {} twice; remove one of them", key));
     seen.push_back(key);
     if (key == "stiffness") {
+      files.stiffness_series = take_word(series_word, key, "K.txt for the stiffnesses that K.txt names", value);
       files.stiffness = value;
     } else if (key == "mass") {
-      files.lumped = value.starts_with(lumped_word);
-      files.mass = files.lumped ? value.substr(lumped_word.size()) : value;
-      if (files.mass.empty() || value == "lumped")
-        throw InputError("mass=lumped names no file; write mass=lumped:M.mtx for the sums of the rows of M.mtx");
+      files.lumped = take_word(lumped_word, key, "M.mtx for the sums of the rows of M.mtx", value);
+      files.mass = value;
     } else if (key == "damping") {
+      files.damping_series = take_word(series_word, key, "C.txt for the matrices that C.txt names", value);
       files.damping = value;
     } else if (key == "jacobian") {
       files.jacobian = value;
@@ -257,10 +283,12 @@ MatrixFiles matrix_files(const std::string& id) {
 std::string matrices_beside(const std::string& id, const std::string& folder) {
   std::string changed;
   for (const auto& [key, value] : parts_of(id)) {
-    const bool lumped = key == "mass" && value.starts_with(lumped_word);
+    std::string_view word;
+    for (const std::string_view each : {lumped_word, series_word})
+      if (value.starts_with(each)) word = each;
     const bool is_file = key != "storage" && key != "drop";
-    const std::string file = lumped ? value.substr(lumped_word.size()) : value;
-    changed += fmt::format("{}{}={}{}", changed.empty() ? "" : ",", key, lumped ? lumped_word : "",
+    const std::string file = value.substr(word.size());
+    changed += fmt::format("{}{}={}{}", changed.empty() ? "" : ",", key, word,
                            is_file ? (std::filesystem::path(folder) / file).string() : file);
   }
   return matrices_id(changed);
@@ -295,6 +323,22 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
 
 std::shared_ptr<const MatrixModel> matrices_of(const Problem& problem) { return model_of(problem.id); }
 
+std::vector<double> times_of_matrices(const Problem& problem) {
+  if (!is_matrices_id(problem.id)) return {};
+  const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
+  return model->varying ? model->varying->times() : std::vector<double>();
+}
+
+Problem with_frozen_matrices(const Problem& problem, double t) {
+  if (times_of_matrices(problem).empty()) return problem;
+  Problem still = problem;
+  const auto value_of = [&](std::string_view name) {
+    return std::ranges::find(problem.parameters, name, &std::pair<std::string, double>::first)->second;
+  };
+  still.system = system_of(frozen(*matrices_of(problem), t), value_of("alpha"), value_of("beta"));
+  return still;
+}
+
 std::optional<ModeCounts> mode_counts(const MatrixModel& model) {
   if (model.is_first_order() || model.size() > most_counted_modes || !model.facts.symmetric_K) return std::nullopt;
   // Sylvester's law of inertia: the signs are the same with every positive mass.
@@ -317,10 +361,17 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   if (facts.repeated > 0)
     remarks.push_back(fmt::format("{} duplicate entries are summed", facts.repeated));
   if (model->is_first_order()) return remarks;
+  if (!facts.redundant.empty())
+    remarks.push_back(fmt::format("the constraints of {} ({}) follow from others and are left out",
+                                  counted(static_cast<Index>(facts.redundant.size()), "Lagrange multiplier"), rows_in_words(*model, facts.redundant)));
   if (!facts.symmetric_K)
     remarks.push_back(
         "the stiffness is not symmetric, so the model has no energy and may grow by itself; check the file if a "
         "symmetric one is expected");
+  if (model->varying)
+    remarks.emplace_back(
+        "the matrices change with time: every limit is that of matrices that stay as they are at one time; changes that "
+        "are as fast as the motion may amplify it at any step size (parametric resonance), which only runs show");
   if (facts.damped && !facts.symmetric_C)
     remarks.push_back("the damping is not symmetric, as that of gyroscopic forces is; check the file if a symmetric one is "
                       "expected");
@@ -328,11 +379,11 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   const std::optional<ModeCounts> counts = mode_counts(*model);
   if (counts && counts->negative > 0)
     remarks.push_back(fmt::format(
-        "{} modes have a negative stiffness, so the model is unstable: K is not that of a stable state",
-        counts->negative));
+        "{} of negative stiffness: the model is unstable, K is not that of a stable state",
+        counted(counts->negative, "mode")));
   if (counts && counts->rigid > 0)
-    remarks.push_back(fmt::format("{}{} rigid-body modes (zero frequency){}", counts->rigid == 7 ? "at least " : "",
-                                  counts->rigid, counts->rigid == 6 ? ", the rigid motions of a free body in 3-D" : ""));
+    remarks.push_back(fmt::format("{}{} of zero frequency{}", counts->rigid == 7 ? "at least " : "",
+                                  counted(counts->rigid, "mode"), counts->rigid == 6 ? ", the rigid motions of a free body in 3-D" : ""));
   else if (!counts && facts.free_directions > 0)
     remarks.push_back(fmt::format("K does not resist translation along {} directions: supports do not hold the model",
                                   facts.free_directions));

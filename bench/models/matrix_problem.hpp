@@ -20,6 +20,7 @@ bool is_matrices_id(std::string_view id);
 
 /// The files of such an id.
 ///   stiffness=FILE,mass=FILE[,damping=FILE]  M q'' + C q' + K q = 0; mass=lumped:FILE takes the sums of rows
+///   stiffness=series:FILE                    K(t) of the files that FILE names, damping alike
 ///   jacobian=FILE                            y' = J y
 ///   initial=FILE                             the start
 ///   storage=triangle                         files hold one triangle of symmetric matrices
@@ -38,8 +39,15 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
 /// The matrices of a problem that was made of them.
 std::shared_ptr<const MatrixModel> matrices_of(const Problem& problem);
 
-/// What a user should know of the matrices of a problem: constraint rows, asymmetry, modes that grow; empty for
-/// other problems.
+/// The times at which the matrices of a problem are given, rising [s]; empty where they do not change, and of other
+/// problems.
+std::vector<double> times_of_matrices(const Problem& problem);
+
+/// The problem with its matrices as they are at the time t [s]; others as they are.
+Problem with_frozen_matrices(const Problem& problem, double t);
+
+/// What a user should know of the matrices of a problem: constraint rows, asymmetry, modes that grow, change
+/// with time; empty for other problems.
 std::vector<std::string> matrix_remarks(const Problem& problem);
 
 /// How many modes of K move without stiffness, and how many have a negative one.

@@ -1,7 +1,11 @@
 #include "bench/rows/model_digest.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
+#include "bench/models/matrix_problem.hpp"
 #include "core/digest.hpp"
 #include "integrators/system.hpp"
 
@@ -30,10 +34,12 @@ Eigen::VectorXd moved(const Eigen::VectorXd& y, double size) {
 std::string model_digest(const Problem& problem) {
   Digest digest;
   add(digest, problem.y0);
+  std::vector<double> times{0.0, 0.1, 0.25, 0.5, 1.0, 3.0, 10.0, problem.t_end};
+  std::ranges::copy(times_of_matrices(problem), std::back_inserter(times));
   std::visit(
       [&]<class Sys>(const Sys& system) {
         typename Sys::State f(problem.y0);
-        for (const double t : {0.0, 0.1, 0.25, 0.5, 1.0, 3.0, 10.0, problem.t_end})
+        for (const double t : times)
           for (const double size : {0.0, 1e-6, 1e-4, 1e-2, 1.0, -1.0, 10.0, -10.0}) {
             const typename Sys::State y(moved(problem.y0, size));
             system.rhs(t, y, f);

@@ -17,7 +17,8 @@ namespace hmax {
 struct MeshCommand {
   std::string mesh, output, unit, times = "1", slivers = "5";
   bool fix = false, renumber = false;
-  // Of SOFA's scenes.
+  std::string matrices;  ///< folder
+  // Of SOFA's scenes, and of matrices.
   std::string model, material, gravity;
   std::vector<std::string> set;
   std::vector<std::string> supports;  ///< of `mesh check` too

@@ -5,8 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/linearised_problem.hpp"
 #include "bench/models/tissue_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "cli/bodies/matrix_files.hpp"
 #include "cli/bodies/mesh.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/outputs.hpp"
@@ -43,6 +46,19 @@ struct Scene {
   std::string text, lacking;
 };
 
+/// Without gravity and supports unless they are asked for.
+ProblemSettings settings_of(const MeshCommand& options) {
+  MeshOptions acting;
+  acting.gravity = options.gravity;
+  acting.supports = options.supports;
+  ProblemSettings settings{
+      .material = options.material, .parameters = {{"g", 0}, {"support", 0}}, .y0 = {}, .unit = options.metres()};
+  for (const auto& parameter : acting.parameters()) settings.parameters.push_back(parameter);
+  for (const std::string& assignment : options.set)
+    settings.parameters.push_back(parse_assignment("--set", assignment));
+  return settings;
+}
+
 /// A scene of the body that `hmax run --mesh` would make, without gravity and supports unless they are asked
 /// for.
 Scene scene_of(const MeshCommand& options, const MeshFile& file) {
@@ -53,14 +69,7 @@ Scene scene_of(const MeshCommand& options, const MeshFile& file) {
                     .mesh = std::move(import.mesh),
                     .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
   const TissueId id(tissue_id(options.model.empty() ? "fem_corotational" : options.model, options.mesh, ""));
-  MeshOptions acting;
-  acting.gravity = options.gravity;
-  acting.supports = options.supports;
-  ProblemSettings settings{.material = options.material, .parameters = {{"g", 0}, {"support", 0}}, .y0 = {}};
-  for (const auto& parameter : acting.parameters()) settings.parameters.push_back(parameter);
-  for (const std::string& assignment : options.set)
-    settings.parameters.push_back(parse_assignment("--set", assignment));
-  const TissueParameters parameters = tissue_parameters(id, settings);
+  const TissueParameters parameters = tissue_parameters(id, settings_of(options));
   const TissueBody body(loaded.mesh, tissue_settings(id, parameters, loaded), loaded.origin);
   return {sofa_text(body, options.h.value_or(0.01)), lacking(body.settings())};
 }
@@ -116,7 +125,21 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
                             mesh.tetrahedron_count(), done));
 }
 
+/// The matrices of the body that `hmax run --mesh` would make, at its static equilibrium, without gravity and supports
+/// unless they are asked for.
+void deliver_matrices(const MeshCommand& options, Console& console) {
+  if (!options.output.empty())
+    throw InputError(fmt::format("--matrices {} and the output {} are both given; remove one of them", options.matrices,
+                                 options.output));
+  if (options.fix || options.renumber || options.h)
+    throw InputError("--fix, --renumber and --h do not apply to matrices; convert the mesh to a file first, and leave --h out");
+  const Problem problem = make_problem(tissue_id(options.model, options.mesh, ""), settings_of(options));
+  write_matrices(problem, operating_point(problem), options.matrices, console);
+}
+
 void convert(const MeshCommand& options, Console& console) {
+  if (!options.matrices.empty()) return deliver_matrices(options, console);
+  if (options.output.empty()) throw InputError("no output is given; name a file .msh, .vtu or .scn, or --matrices FOLDER");
   OpenedMesh opened = open_mesh(options.mesh);
   const std::optional<double> unit = unit_of(opened, options);
   const Eigen::Index fixed = options.fix ? fix_orientation(opened.file.mesh) : 0;
@@ -174,22 +197,27 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
   refine_command.callback(with_sentences(refine, options, console));
 
   CLI::App& convert_command = add_command(
-      group, console, "convert", "Convert a mesh to Gmsh, ParaView, or a scene of SOFA",
+      group, console, "convert", "Convert a mesh to Gmsh, ParaView, a scene of SOFA, or matrices",
       {"hmax mesh convert phantom phantom.vtu",
        "hmax mesh convert liver liver.scn --material liver:male_normal --gravity 0,0,-9.81 --h 0.01",
-       "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber"});
+       "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber",
+       "hmax mesh convert liver --matrices liver --material liver:male_normal"});
   add_mesh_argument(convert_command, *options);
-  convert_command.add_option("output", options->output, "File to write: .msh, .vtu or .scn")->required();
+  convert_command.add_option("output", options->output, "File to write: .msh, .vtu or .scn");
+  convert_command
+      .add_option("--matrices", options->matrices,
+                  "Folder of the stiffness, mass and damping of the body, instead of a file; it is made if needed")
+      ->type_name("FOLDER");
   add_unit(convert_command, *options);
   convert_command.add_flag("--fix", options->fix, "Reorient inverted tetrahedra");
   convert_command.add_flag("--renumber", options->renumber, "Renumber points and tetrahedra, so that neighbours have similar numbers");
-  convert_command.add_option("--model", options->model, "Model of a scene; fem_corotational by default")
+  convert_command.add_option("--model", options->model, "Model of a scene or of matrices; fem_corotational of a scene and mass_spring of matrices by default")
       ->type_name("ID");
-  convert_command.add_option("--material", options->material, "Tissue of a scene, like liver:male_normal")
+  convert_command.add_option("--material", options->material, "Tissue of a scene or of matrices, like liver:male_normal")
       ->type_name("ID");
-  convert_command.add_option("--gravity", options->gravity, "Gravity of a scene [m/s2]")->type_name("X,Y,Z");
+  convert_command.add_option("--gravity", options->gravity, "Gravity of a scene or of matrices [m/s2]")->type_name("X,Y,Z");
   convert_command
-      .add_option("--set", options->set, "Change a parameter of a scene, like E:tumour=8000; may be repeated")
+      .add_option("--set", options->set, "Change a parameter of a scene or of matrices, like E:tumour=8000; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()
       ->allow_extra_args(false);

@@ -96,7 +96,8 @@ void MatrixOptions::add_to(CLI::App& command) {
       .add_option("--matrices", matrices,
                   "Linear model of your own matrices: stiffness=K.mtx,mass=M.mtx[,damping=C.mtx][,initial=q.mtx], or "
                   "jacobian=J.mtx; Matrix Market, PETSc binary or CalculiX .sti and .mas; mass=lumped:M.mtx sums rows, "
-                  "storage=triangle mirrors files, drop=constraints leaves constraint rows out")
+                  "storage=triangle mirrors files, drop=constraints leaves constraint rows out, stiffness=series:K.txt names "
+                  "matrices at several times")
       ->type_name("KEY=FILE,...");
   add_number(command, "--alpha", alpha, "Rayleigh damping alpha M of matrices or a body [1/s]; short for --set alpha");
   add_number(command, "--beta", beta, "Rayleigh damping beta K of matrices or a body [s]; short for --set beta");

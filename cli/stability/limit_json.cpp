@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "bench/models/body_balance.hpp"
+#include "bench/models/matrix_problem.hpp"
+#include "bench/models/tissue_problem.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/stability.hpp"
@@ -65,20 +67,21 @@ Json options_json(const std::optional<StepChoices>& options) {
   return {{"jacobian", to_string(options->jacobian)}, {"linear", to_string(options->linear)}};
 }
 
-Json path_json(const TrajectoryLimit& along, const LimitRow& row, bool of_body) {
+Json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem& problem) {
   Json path = Json::array();
   for (std::size_t i = 0; i < along.t.size(); ++i)
     path.push_back({along.t[i], number_or_word(along.h_max[i])});
   Json document{{"h_min", number_or_word(along.least)},
                 {row.point.path == "load" ? "share" : "t", along.t_least}};
-  // The states of bodies are long.
+  // The states of bodies are long, and those of linear models do not matter.
+  const bool of_matrices = is_matrices_id(problem.id);
   const Eigen::VectorXd& y = along.y_least;
-  if (of_body)
+  if (is_tissue_id(problem.id))
     document["max_displacement"] = largest_displacement(y.head(y.size() / 2));
-  else
+  else if (!of_matrices)
     document["y"] = std::vector<double>(y.begin(), y.end());
   document["growing_share"] = along.growing;
-  if (row.point.path != "load") document["tolerances"] = to_json(motion_tolerances);
+  if (row.point.path != "load" && !of_matrices) document["tolerances"] = to_json(motion_tolerances);
   document["path"] = std::move(path);
   const std::string status = both(words_of_growth(row), row.path_note);
   if (!status.empty()) document["status"] = status;

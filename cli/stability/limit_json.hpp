@@ -19,9 +19,8 @@ nlohmann::ordered_json details_json(const Prediction& prediction);
 nlohmann::ordered_json options_json(const std::optional<StepChoices>& options);
 
 /// The key `along` of these details: the path with the limit at each state.
-/// @param row      with the limit along the path
-/// @param of_body  whether states are those of a body, which are long
-nlohmann::ordered_json path_json(const TrajectoryLimit& along, const LimitRow& row, bool of_body);
+/// @param row  with the limit along the path
+nlohmann::ordered_json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem& problem);
 
 /// A row.
 /// @param state_status  OperatingPointRow::status

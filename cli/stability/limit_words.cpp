@@ -63,7 +63,7 @@ std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& colu
                                    words_of(row.h_max),
                                    row.bound,
                                    number_or_dash(row.omega),
-                                   std::isnan(row.zeta) ? "-" : short_number(row.zeta)};
+                                   std::isnan(row.zeta) ? "-" : short_number(0.0 + row.zeta)};
     if (names_states) cells.emplace(cells.begin() + 2, row.state_kind);
     if (any_real) cells.push_back(words_of_rates(row));
     if (solves) {

@@ -105,7 +105,9 @@ std::string task_along(const LimitQuestion& question, const Problem& problem, st
 
 /// Why the limits of one state do not tell of a motion.
 std::string_view why_along(const Problem& problem) {
-  return problem.body ? "the load changes with time" : "the model is not linear";
+  return problem.body                  ? "the load changes with time"
+         : is_matrices_id(problem.id) ? "the matrices change with time"
+                                      : "the model is not linear";
 }
 
 /// What is to be said where the motion that is looked at without being asked for has no limits.
@@ -125,6 +127,14 @@ std::string words_of_part(const Problem& problem, double t_end) {
 std::string words_of_model(const LimitQuestion& question, const Problem& problem, const Linearised& near,
                            bool has_path) {
   std::string words = fmt::format("{}: {}\n", problem.id, near.point.state);
+  if (has_path && is_matrices_id(problem.id)) {
+    if (!times_of_matrices(problem).empty())
+      words += fmt::format(
+          "the matrices change with time: h_max holds for those of t = 0 s; \"least along\" is the smallest limit of those "
+          "given up to t = {} s\n",
+          short_number(question.end_of(problem)));
+    return words;
+  }
   if (has_path && question.path_by_default)
     words += fmt::format(
         "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
@@ -335,10 +345,10 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
   rows.resize(methods.size());
   // Formulas have one workspace each, so that a worker has a problem and a point of its own; bodies are
   // shared.
-  std::vector<Problem> own(1, problem);
+  std::vector<Problem> own(1, with_frozen_matrices(problem, near.point.model.t));
   std::vector<OperatingPoint> points;
   while (own.size() < std::min(jobs(), methods.size())) {
-    own.push_back(problem.body ? problem : choices_[which].make());
+    own.push_back(problem.body ? problem : with_frozen_matrices(choices_[which].make(), near.point.model.t));
     if (!problem.body) ask(points.emplace_back(near.point), own.back());
   }
   const auto point_of = [&](std::size_t worker) -> const OperatingPoint& {
@@ -378,7 +388,7 @@ void PredictedRows::look_along(const Problem& problem, const Path& path, const s
     if (!limits[i]) continue;
     add_path(rows[i], *limits[i], path.note);
     Json details = Json::parse(rows[i].details);
-    details["along"] = path_json(*limits[i], rows[i], is_tissue_id(problem.id));
+    details["along"] = path_json(*limits[i], rows[i], problem);
     rows[i].details = details.dump();
   }
   if (!question_.runs_from_start) return;

@@ -12,6 +12,7 @@
 
 #include "analysis/dynamics/phase_plane.hpp"
 #include "bench/models/parameter_units.hpp"
+#include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
@@ -286,6 +287,7 @@ void map(const MapOptions& options, Console& console) {
   else
     refuse_style_without_figure("--output FOLDER");
   MapStudy study = study_of(options, console);
+  remark_unusual(console, study.bare);
   if (!options.output.empty()) study.figure = drawn(study, options);
   if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
   if (console.json) return console.print_json(to_json(study));

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/models/matrix_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/predicted_rows.hpp"
@@ -51,14 +52,20 @@ std::optional<StepChoices> step_options(const PredictOptions& options, const std
   return chosen;
 }
 
-/// The question with what --along stands for: loads of bodies that change with time, and other models that are
-/// not linear, are looked at along the motion unless the user asks for the state at rest, or for no path.
+/// Whether the limits of one state do not tell of the motion.
+bool changes_along_motion(const Problem& problem) {
+  if (problem.body) return has_moving_load(problem);
+  return !times_of_matrices(problem).empty() || is_nonlinear(problem);
+}
+
+/// The question with what --along stands for: loads of bodies and matrices that change with time, and other models
+/// that are not linear, are looked at along the motion unless the user asks for the state at rest, or for no path.
 LimitQuestion question_of(const PredictOptions& options, const Problem& problem) {
   LimitQuestion question{
       .at = options.at, .verify = options.verify, .path = options.along, .t_end = options.t_end};
   if (question.path.empty()) {
     question.path_by_default = options.jacobian.empty() && options.linear.empty() &&
-                               (problem.body ? has_moving_load(problem) : is_nonlinear(problem)) &&
+                               changes_along_motion(problem) &&
                                options.at.of(problem) != AskedState::rest;
     if (question.path_by_default) question.path = path_names[0];
   } else if (parse_choice("--along", question.path, path_names) == path_names[2]) {
@@ -67,9 +74,10 @@ LimitQuestion question_of(const PredictOptions& options, const Problem& problem)
   if (options.t_end && question.path != path_names[0])
     throw InputError(
         "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
-  // Some thousand runs: of bodies only for those who ask.
-  question.runs_from_start =
-      options.verify && question.path == path_names[0] && !(question.path_by_default && problem.body);
+  // Some thousand runs: of bodies and large matrices only for those who ask.
+  constexpr Eigen::Index soon = 2000;
+  const bool is_large = problem.body || problem.y0.size() > soon;
+  question.runs_from_start = options.verify && question.path == path_names[0] && !(question.path_by_default && is_large);
   return question;
 }
 
@@ -190,7 +198,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
           "--along", options->along,
           "Also the smallest limit along the motion from the initial state, at " + in_words(motion_tolerances) +
               " (with --verify also the largest step that stays near it), or of a body while its load grows; "
-              "motion for nonlinear models and bodies whose load changes with time, else none, by default")
+              "motion for nonlinear models, and matrices and loads that change with time, else none, by default")
       ->type_name("motion|load|none")
       ->expected(0, 1)
       ->default_str(std::string(path_names[0]));

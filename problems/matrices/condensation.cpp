@@ -7,6 +7,7 @@
 #include <Eigen/SparseLU>
 
 #include "core/size_limits.hpp"
+#include "problems/matrices/symmetry.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {
@@ -49,7 +50,7 @@ Sparse solved(const Sparse& K_mm, const Sparse& K_mu, const std::vector<Index>& 
     throw std::invalid_argument(
         "the stiffness among the " + std::to_string(rows.size()) + " unknowns without mass is singular, for instance at " +
         name_of(rows[static_cast<std::size_t>(row)]) +
-        ": nothing holds it, or it is a Lagrange multiplier; give it a mass, or take it out of the matrices");
+        ": nothing holds it; give it a mass, or take it out of the matrices");
   };
   VectorXd sizes = VectorXd::Zero(K_mm.rows());
   each_entry(K_mm, [&](Index i, Index, double value) { sizes[i] = std::max(sizes[i], std::abs(value)); });
@@ -85,11 +86,6 @@ Sparse solved(const Sparse& K_mm, const Sparse& K_mu, const std::vector<Index>& 
   return from(entries, K_mm.rows(), K_mu.cols());
 }
 
-/// Both halves of a symmetric matrix from their mean: rounding must not make it unsymmetric.
-Sparse symmetrised(const Sparse& A) { return 0.5 * (A + Sparse(A.transpose())); }
-
-bool is_symmetric(const Sparse& A) { return Sparse(A - Sparse(A.transpose())).squaredNorm() <= 1e-26 * A.squaredNorm(); }
-
 }  // namespace
 
 Sparse block_of(const Sparse& A, const std::vector<Index>& rows, const std::vector<Index>& columns) {
@@ -103,6 +99,12 @@ Sparse block_of(const Sparse& A, const std::vector<Index>& rows, const std::vect
   return from(entries, static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
 }
 
+void require_proportional_damping(const Sparse& C, const Sparse& K, const std::vector<Index>& rows, const NameOf& name_of) {
+  std::vector<Index> all(static_cast<std::size_t>(K.rows()));
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
+  require_proportional(block_of(C, rows, all), block_of(K, rows, all), rows, name_of);
+}
+
 CondensedStructure condensed(const Sparse& K, const Sparse& C, const std::vector<char>& massless, const NameOf& name_of) {
   CondensedStructure result;
   std::vector<Index> out;
@@ -113,9 +115,7 @@ CondensedStructure condensed(const Sparse& K, const Sparse& C, const std::vector
   if (static_cast<std::ptrdiff_t>(out.size()) > most_factored)
     throw std::invalid_argument(std::to_string(out.size()) + " unknowns have no mass, more than the " +
                                 std::to_string(most_factored) + " that are taken out; give them a mass");
-  std::vector<Index> all(static_cast<std::size_t>(K.rows()));
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
-  require_proportional(block_of(C, out, all), block_of(K, out, all), out, name_of);
+  require_proportional_damping(C, K, out, name_of);
   const std::vector<Index>& kept = result.kept;
   const Sparse T = solved(block_of(K, out, out), block_of(K, out, kept), out, name_of);
   result.K = block_of(K, kept, kept) - Sparse(block_of(K, kept, out) * T);

@@ -29,6 +29,11 @@ CondensedStructure condensed(const Eigen::SparseMatrix<double>& K, const Eigen::
                              const std::vector<char>& massless,
                              const std::function<std::string(Eigen::Index)>& name_of);
 
+/// @throws std::invalid_argument  unless the rows of C are a number times those of K
+void require_proportional_damping(const Eigen::SparseMatrix<double>& C, const Eigen::SparseMatrix<double>& K,
+                                  const std::vector<Eigen::Index>& rows,
+                                  const std::function<std::string(Eigen::Index)>& name_of);
+
 /// The rows and columns `rows` and `columns` of A, in their order.
 Eigen::SparseMatrix<double> block_of(const Eigen::SparseMatrix<double>& A, const std::vector<Eigen::Index>& rows,
                                      const std::vector<Eigen::Index>& columns);

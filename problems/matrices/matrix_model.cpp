@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <optional>
+#include <numeric>
 #include <random>
 #include <stdexcept>
 
@@ -14,7 +14,9 @@
 #include "problems/linear_structure.hpp"
 #include "problems/matrices/condensation.hpp"
 #include "problems/matrices/linear_first_order.hpp"
+#include "problems/matrices/multipliers.hpp"
 #include "problems/matrices/read_matrix.hpp"
+#include "problems/matrices/symmetry.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {
@@ -52,17 +54,6 @@ void settle_triangle(MatrixFile& file, bool mirrored) {
   if (mirrored && !one && std::ranges::any_of(file.entries, [](const MatrixEntry& e) { return e.row() != e.col(); }))
     fail(file.name, "storage=triangle is given, and entries stand on both sides of the diagonal; remove it");
   if (one) file.storage = Storage::symmetric;
-}
-
-/// The first place where A and its transpose differ by more than rounding; nothing where none does.
-std::optional<std::pair<Index, Index>> first_asymmetry(const Sparse& A) {
-  const Sparse difference = A - Sparse(A.transpose());
-  const double allowed = 1e-10 * (A.nonZeros() > 0 ? A.coeffs().cwiseAbs().maxCoeff() : 0.0);
-  std::optional<std::pair<Index, Index>> found;
-  each_entry(difference, [&](Index i, Index j, double value) {
-    if (!found && std::abs(value) > allowed) found = {i, j};
-  });
-  return found;
 }
 
 Sparse diagonal_matrix(const VectorXd& values) {
@@ -119,6 +110,12 @@ Index free_directions(const Sparse& K) {
   return free;
 }
 
+std::vector<Index> all_rows(const Sparse& A) {
+  std::vector<Index> rows(static_cast<std::size_t>(A.cols()));
+  std::iota(rows.begin(), rows.end(), Index(0));
+  return rows;
+}
+
 /// Unknowns of the files that are left when `out` are taken away.
 std::vector<Index> without(Index n, const ConstraintRows& out) {
   std::vector<char> gone(static_cast<std::size_t>(n), 0);
@@ -130,77 +127,230 @@ std::vector<Index> without(Index n, const ConstraintRows& out) {
   return kept;
 }
 
-/// K, C and M of the files, and what is left of them.
-void reduce(MatrixModel& model, Sparse K, Sparse C, Sparse M) {
-  MatrixFacts& facts = model.facts;
-  facts.constraints = constraint_rows(K, C, M);
-  model.unknowns = without(facts.rows, model.files.drop_constraints ? facts.constraints : ConstraintRows{});
-  facts.dropped = model.files.drop_constraints && !facts.constraints.none();
-  if (facts.dropped) {
-    if (model.unknowns.empty())
-      throw std::invalid_argument("every row is a constraint row, so drop=constraints leaves nothing; remove it");
-    K = block_of(K, model.unknowns, model.unknowns);
-    C = block_of(C, model.unknowns, model.unknowns);
-    M = block_of(M, model.unknowns, model.unknowns);
+/// The matrices of the files, of one shape.
+struct Structure {
+  MatrixSeries K, C;  ///< C is empty without damping
+  Sparse M;
+
+  /// Changes every matrix.
+  template <class Change>
+  void each(const Change& change) {
+    for (MatrixSeries* series : {&K, &C})
+      for (Sparse& A : series->at) Sparse(change(A)).swap(A);
+    Sparse(change(M)).swap(M);
   }
+  [[nodiscard]] bool varies() const { return K.varies() || C.varies(); }
+};
+
+std::vector<char> rows_without_mass(const Sparse& M) {
   std::vector<char> massless;
   const VectorXd diagonal = M.diagonal();
   for (Index i = 0; i < diagonal.size(); ++i) massless.push_back(diagonal[i] == 0 ? 1 : 0);
-  facts.massless = std::ranges::count(massless, 1);
-  if (facts.massless > 0) {
-    CondensedStructure rest =
-        condensed(K, C, massless, [&](Index i) { return model.name_of(model.unknowns[static_cast<std::size_t>(i)]); });
-    M = block_of(M, rest.kept, rest.kept);
-    K.swap(rest.K);
-    C.swap(rest.C);
-    for (Index& row : rest.kept) row = model.unknowns[static_cast<std::size_t>(row)];
-    model.unknowns = std::move(rest.kept);
+  return massless;
+}
+
+/// The unknowns of the model after a reduction that keeps some of them.
+void keep(MatrixModel& model, const std::vector<Index>& kept) {
+  std::vector<Index> rows;
+  for (const Index i : kept) rows.push_back(model.unknowns[static_cast<std::size_t>(i)]);
+  model.unknowns = std::move(rows);
+}
+
+std::string name_of_row(const MatrixModel& model, Index i) {
+  return model.name_of(model.unknowns[static_cast<std::size_t>(i)]);
+}
+
+void leave_out_constraint_rows(MatrixModel& model, Structure& structure) {
+  MatrixFacts& facts = model.facts;
+  facts.constraints = constraint_rows(structure.K.at.front(), structure.C.at.front(), structure.M);
+  facts.dropped = model.files.drop_constraints && !facts.constraints.none();
+  if (!facts.dropped) return;
+  const std::vector<Index> kept = without(facts.rows, facts.constraints);
+  if (kept.empty())
+    throw std::invalid_argument("every row is a constraint row, so drop=constraints leaves nothing; remove it");
+  structure.each([&](const Sparse& A) { return block_of(A, kept, kept); });
+  keep(model, kept);
+}
+
+/// @throws std::invalid_argument  unless the constraints are the same at all times
+void require_lasting_constraints(const MatrixSeries& K, const std::vector<Index>& multipliers) {
+  const Sparse first = block_of(K.at.front(), multipliers, all_rows(K.at.front()));
+  for (std::size_t k = 1; k < K.at.size(); ++k)
+    if (!(Sparse(block_of(K.at[k], multipliers, all_rows(first)) - first).norm() <= 1e-10 * first.norm()))
+      throw std::invalid_argument("the constraints of the Lagrange multipliers change with time, and only ones that do "
+                                  "not can be eliminated; give stiffnesses with the same constraints");
+}
+
+void eliminate_multipliers(MatrixModel& model, Structure& structure) {
+  const std::vector<char> massless = rows_without_mass(structure.M);
+  const Sparse& K = structure.K.at.front();
+  const std::vector<Index> multipliers = multiplier_rows(K, massless);
+  model.facts.multipliers = static_cast<Index>(multipliers.size());
+  if (multipliers.empty()) return;
+  const auto name = [&](Index i) { return name_of_row(model, i); };
+  require_lasting_constraints(structure.K, multipliers);
+  for (const Sparse& C : structure.C.at)
+    for (const Sparse& half : {C, Sparse(C.transpose())}) require_proportional_damping(half, K, multipliers, name);
+  const ConstrainedMotions motions = constrained_motions(K, multipliers, massless, name);
+  for (const Index i : motions.redundant) model.facts.redundant.push_back(model.unknowns[static_cast<std::size_t>(i)]);
+  structure.each([&](const Sparse& A) { return projected(A, motions.Z); });
+  keep(model, motions.kept);
+}
+
+void condense_massless(MatrixModel& model, Structure& structure) {
+  const std::vector<char> massless = rows_without_mass(structure.M);
+  model.facts.massless = std::ranges::count(massless, 1);
+  if (model.facts.massless == 0) return;
+  const auto name = [&](Index i) { return name_of_row(model, i); };
+  std::vector<Index> kept;
+  if (structure.varies()) {
+    const Sparse none(structure.M.rows(), structure.M.rows());
+    std::vector<Index> out;
+    for (std::size_t i = 0; i < massless.size(); ++i)
+      if (massless[i]) out.push_back(static_cast<Index>(i));
+    for (const Sparse& C : structure.C.at) require_proportional_damping(C, none, out, name);
+    for (Sparse& K : structure.K.at) {
+      CondensedStructure rest = condensed(K, none, massless, name);
+      K.swap(rest.K);
+      kept = std::move(rest.kept);
+    }
+    for (Sparse& C : structure.C.at) block_of(C, kept, kept).swap(C);
+  } else {
+    CondensedStructure rest = condensed(structure.K.at.front(), structure.C.at.front(), massless, name);
+    structure.K.at.front().swap(rest.K);
+    structure.C.at.front().swap(rest.C);
+    kept = std::move(rest.kept);
   }
-  each_entry(M, [&](Index i, Index j, double value) { facts.coupled_mass = facts.coupled_mass || (i != j && value != 0); });
-  facts.symmetric_K = !first_asymmetry(K);
-  facts.symmetric_C = !first_asymmetry(C);
-  facts.free_directions = facts.massless == 0 && !facts.dropped ? free_directions(K) : 0;
-  each_entry(C, [&](Index, Index, double value) { facts.damped = facts.damped || value != 0; });
-  if (facts.damped) model.C.swap(C);
-  model.K.swap(K);
+  block_of(structure.M, kept, kept).swap(structure.M);
+  keep(model, kept);
+}
+
+/// Takes rounding out of matrices that are symmetric but for it. False where one is not symmetric.
+bool settle_symmetry(MatrixSeries& series) {
+  const bool symmetric = std::ranges::all_of(series.at, is_symmetric);
+  if (symmetric)
+    for (Sparse& A : series.at) symmetrised(A).swap(A);
+  return symmetric;
+}
+
+bool has_entries(const Sparse& A) {
+  bool found = false;
+  each_entry(A, [&](Index, Index, double value) { found = found || value != 0; });
+  return found;
+}
+
+/// Sets K and C to those of the time t.
+void set_matrices_at(double t, MatrixModel& model) {
+  model.varying->combine(t, 1, 0, 0, model.mass, model.K);
+  if (model.facts.damped) model.varying->combine(t, 0, 1, 0, model.mass, model.C);
+}
+
+/// Puts the matrices into the model.
+void settle(MatrixModel& model, Structure structure) {
+  MatrixFacts& facts = model.facts;
+  each_entry(structure.M, [&](Index i, Index j, double value) { facts.coupled_mass = facts.coupled_mass || (i != j && value != 0); });
+  facts.symmetric_K = settle_symmetry(structure.K);
+  facts.symmetric_C = settle_symmetry(structure.C);
+  facts.free_directions = model.size() == facts.rows ? free_directions(structure.K.at.front()) : 0;
+  facts.damped = std::ranges::any_of(structure.C.at, has_entries);
   if (facts.coupled_mass)
-    model.M.swap(M);
+    model.M.swap(structure.M);
   else
-    model.mass = M.diagonal();
+    model.mass = structure.M.diagonal();
+  if (!structure.varies()) {
+    if (facts.damped) model.C.swap(structure.C.at.front());
+    model.K.swap(structure.K.at.front());
+    return;
+  }
+  if (facts.coupled_mass)
+    fail(model.files.mass, "the mass matrix couples unknowns, and matrices that change with time take one mass for each; "
+                           "write mass=lumped:" + model.files.mass + ", which takes the sums of its rows");
+  if (!facts.damped) structure.C = {};
+  model.varying = std::make_shared<const VaryingMatrices>(std::move(structure.K), std::move(structure.C));
+  set_matrices_at(0, model);
+}
+
+/// K, C and M of the files, and what is left of them.
+void reduce(MatrixModel& model, Structure structure) {
+  model.unknowns = all_rows(structure.M);
+  settle_symmetry(structure.K);
+  settle_symmetry(structure.C);
+  leave_out_constraint_rows(model, structure);
+  eliminate_multipliers(model, structure);
+  condense_massless(model, structure);
+  settle(model, std::move(structure));
+}
+
+/// What stands behind stiffness= or damping=: one file, or those of a series.
+struct GivenFiles {
+  std::vector<double> t;
+  std::vector<MatrixFile> files;
+};
+
+GivenFiles read_given(const std::string& name, bool series) {
+  GivenFiles given;
+  if (!series) {
+    given.t = {0};
+    given.files.push_back(read_matrix(name));
+    return given;
+  }
+  for (const SeriesEntry& entry : read_series(name)) {
+    given.t.push_back(entry.t);
+    given.files.push_back(read_matrix(entry.file));
+  }
+  return given;
+}
+
+/// The matrices of files of n rows. What was read is given up.
+MatrixSeries assembled_series(GivenFiles& given, Index n, bool one_triangle, const std::string& shape, std::size_t& repeated) {
+  MatrixSeries series{.t = given.t, .at = {}};
+  for (MatrixFile& file : given.files) {
+    require_shape(file, n, shape);
+    settle_triangle(file, one_triangle);
+    std::size_t again = 0;
+    series.at.push_back(assembled(file, n, n, &again));
+    repeated += again;
+    file.entries = {};
+  }
+  return series;
 }
 
 void read_structure(MatrixModel& model) {
   const MatrixFiles& files = model.files;
-  MatrixFile K = read_matrix(files.stiffness), M = read_matrix(files.mass);
-  MatrixFile C{.name = files.damping, .format = {}, .entries = {}};
-  if (!files.damping.empty()) C = read_matrix(files.damping);
-  if (K.rows != K.columns) fail(K.name, "the stiffness has the shape " + shape_of(K) + " but must be square; give K");
+  GivenFiles K = read_given(files.stiffness, files.stiffness_series), C;
+  MatrixFile M = read_matrix(files.mass);
+  if (!files.damping.empty()) C = read_given(files.damping, files.damping_series);
+  const MatrixFile& first = K.files.front();
+  if (first.rows != first.columns)
+    fail(first.name, "the stiffness has the shape " + shape_of(first) + " but must be square; give K");
   // A format without a shape leaves out rows behind the last entry.
-  Index n = K.rows;
-  for (const MatrixFile* file : {&M, &C})
-    if (K.open_shape && file->rows == file->columns) n = std::max(n, file->rows);
+  Index n = first.rows;
+  std::size_t entries = M.entries.size();
+  for (const std::vector<MatrixFile>* each : {&K.files, &C.files})
+    for (const MatrixFile& file : *each)
+      if (first.open_shape && file.rows == file.columns) n = std::max(n, file.rows);
+  if (first.open_shape && M.rows == M.columns) n = std::max(n, M.rows);
+  for (const MatrixFile& file : K.files) entries += file.entries.size();
   model.facts.rows = n;
-  if (static_cast<std::size_t>(n) > K.entries.size() + M.entries.size())
-    fail(K.name, "the matrix has " + std::to_string(n) + " rows, and K and M have only " +
-                     std::to_string(K.entries.size() + M.entries.size()) +
-                     " entries, so some unknowns have neither stiffness nor mass; check the number of rows");
-  if (const bool column = M.columns == 1 && M.rows == n; !column) require_shape(M, n, "the stiffness");
-  settle_triangle(K, files.one_triangle);
-  std::size_t repeated[3] = {0, 0, 0};
-  Sparse stiffness = assembled(K, n, n, &repeated[0]);
-  K.entries = {};
-  const Sparse mass = mass_from(M, model, repeated[1]);
-  check_mass(model, mass, M.name);
+  if (static_cast<std::size_t>(n) > entries)
+    fail(first.name, "the matrix has " + std::to_string(n) + " rows, and K and M have only " + std::to_string(entries) +
+                         " entries, so some unknowns have neither stiffness nor mass; check the number of rows");
+  const bool column = M.columns == 1 && M.rows == n;
+  if (!column) require_shape(M, n, "the stiffness");
+  std::size_t& repeated = model.facts.repeated;
+  const std::string shape = files.stiffness_series ? first.name : "the stiffness";
+  Structure structure{.K = assembled_series(K, n, files.one_triangle, shape, repeated), .C = {}, .M = {}};
+  std::size_t again = 0;
+  structure.M = mass_from(M, model, again);
+  repeated += again;
+  check_mass(model, structure.M, M.name);
   M.entries = {};
-  Sparse damping(n, n);
-  if (!files.damping.empty()) {
-    require_shape(C, n, "the stiffness");
-    settle_triangle(C, files.one_triangle);
-    damping = assembled(C, n, n, &repeated[2]);
-  }
-  model.facts.repeated = repeated[0] + repeated[1] + repeated[2];
-  model.facts.mass = mass.sum();
-  reduce(model, std::move(stiffness), std::move(damping), mass);
+  if (files.damping.empty())
+    structure.C = {.t = {0}, .at = {Sparse(n, n)}};
+  else
+    structure.C = assembled_series(C, n, files.one_triangle, shape, repeated);
+  model.facts.mass = structure.M.sum();
+  reduce(model, std::move(structure));
 }
 
 void read_first_order(MatrixModel& model) {
@@ -242,10 +392,9 @@ VectorXd start_of_file(const MatrixModel& model) {
   return start_from(model, values, file.name);
 }
 
-/// The names that CalculiX writes beside its matrices.
+/// The names that CalculiX and hmax write beside a stiffness, in a file .dof.
 std::vector<std::string> names_beside(const std::string& stiffness) {
   std::filesystem::path file(stiffness);
-  if (file.extension() != ".sti") return {};
   std::error_code error;
   if (!std::filesystem::is_regular_file(file.replace_extension(".dof"), error)) return {};
   return read_unknown_names(file);
@@ -293,7 +442,14 @@ VectorXd start_from(const MatrixModel& model, const VectorXd& values, const std:
   return start;
 }
 
+MatrixModel frozen(MatrixModel model, double t) {
+  if (model.varying) set_matrices_at(t, model);
+  model.varying = nullptr;
+  return model;
+}
+
 AnySystem system_of(const MatrixModel& model, double alpha, double beta) {
+  if (model.varying) return AnySystem(VaryingStructure(model.varying, model.mass, alpha, beta));
   if (model.is_first_order()) return AnySystem(LinearFirstOrder{model.J});
   const Index n = model.size();
   Sparse C(n, n);

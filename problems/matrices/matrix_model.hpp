@@ -1,6 +1,7 @@
 /// A linear model of matrices from files: M q'' + C q' + K q = 0, or y' = J y.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "problems/any_system.hpp"
 #include "problems/matrices/constraint_rows.hpp"
+#include "problems/matrices/varying_structure.hpp"
 
 namespace hmax {
 
@@ -18,6 +20,7 @@ struct MatrixFiles {
   std::string jacobian = {};                            ///< of first order
   std::string initial = {};       ///< the start; empty: pseudo-random numbers
   bool lumped = false;            ///< masses are the sums of the rows of M
+  bool stiffness_series = false, damping_series = false;  ///< the file names matrices at several times
   bool one_triangle = false;      ///< files hold one triangle of symmetric matrices, whatever their header says
   bool drop_constraints = false;  ///< constraint rows are left out
 };
@@ -27,19 +30,23 @@ struct MatrixFacts {
   Eigen::Index rows = 0;       ///< of the files
   double mass = 0;             ///< sum of the entries of M [kg]; of a body in three dimensions three times its mass
   bool symmetric_K = true, symmetric_C = true, coupled_mass = false, damped = false;
-  Eigen::Index massless = 0;   ///< rows that were condensed
+  Eigen::Index massless = 0;     ///< rows that were condensed
+  Eigen::Index multipliers = 0;  ///< rows of Lagrange multipliers, eliminated with an unknown each
+  std::vector<Eigen::Index> redundant;  ///< those of them whose constraint follows from others; rows of the files
   ConstraintRows constraints;  ///< rows of the files, counted from 0
   bool dropped = false;        ///< whether these were left out
   std::size_t repeated = 0;    ///< entries at a place that an earlier one has
   Eigen::Index free_directions = 0;  ///< translations that strain nothing, for three unknowns a node in turn
 };
 
-/// What of the files is left: unknowns without mass are condensed, constraint rows left out where that is asked
-/// for.
+/// What of the files is left: Lagrange multipliers are eliminated, unknowns without mass condensed, constraint
+/// rows left out where that is asked for.
 struct MatrixModel {
   MatrixFiles files;
   MatrixFacts facts;
-  Eigen::SparseMatrix<double> K, C;  ///< shape (n, n); C is empty (0, 0) without damping
+  Eigen::SparseMatrix<double> K, C;  ///< at t = 0, shape (n, n); C is empty (0, 0) without damping
+  /// Where K or C is a series: both at every time; else null.
+  std::shared_ptr<const VaryingMatrices> varying = nullptr;
   Eigen::VectorXd mass;              ///< the diagonal of M, shape (n) [kg]; empty where M couples unknowns
   Eigen::SparseMatrix<double> M;     ///< where it does, shape (n, n)
   Eigen::SparseMatrix<double> J;     ///< of first order, shape (n, n)
@@ -56,8 +63,11 @@ struct MatrixModel {
 /// Reads and checks the files.
 /// @throws std::invalid_argument  for files that cannot be read, shapes that do not agree, unknowns with
 /// neither stiffness nor mass, masses that are negative, a mass that is not symmetric, one triangle of a matrix
-/// without `one_triangle`, massless unknowns without stiffness
+/// without `one_triangle`, massless unknowns without stiffness, matrices of a series that are not of one model
 MatrixModel read_matrix_model(const MatrixFiles& files);
+
+/// The model with its matrices as they are at the time t [s].
+MatrixModel frozen(MatrixModel model, double t);
 
 /// The start that `values` of the unknowns of the files make: q, or (q, q').
 /// @param values  shape (rows of the files), or of second order (2 rows)

@@ -85,9 +85,30 @@ MatrixFile matrix_from(const std::string& name, std::string_view bytes) {
 
 MatrixFile read_matrix(const fs::path& file) { return matrix_from(file.string(), read_whole(file)); }
 
+std::vector<SeriesEntry> read_series(const fs::path& file) {
+  const std::string text = read_whole(file);
+  MatrixLines lines(file.string(), text, '#');
+  std::vector<SeriesEntry> series;
+  while (lines.next()) {
+    if (lines.words() != 2)
+      lines.fail("the line has " + std::to_string(lines.words()) +
+                 " words but should be a time in seconds and the name of a matrix file, such as 0.5 K_1.mtx; correct it");
+    const double t = lines.number(0, "the time");
+    if (!series.empty() && !(t > series.back().t))
+      lines.fail("the time is " + std::string(lines.word()[0]) + " s but must be later than that of the line before; sort "
+                 "the lines by their times");
+    const fs::path name(lines.word()[1]);
+    series.push_back({t, name.is_absolute() ? name : file.parent_path() / name});
+  }
+  if (series.size() < 2)
+    lines.fail_at_end("the series names " + std::to_string(series.size()) + (series.size() == 1 ? " matrix" : " matrices") +
+                      " but needs two or more; a matrix that does not change is named without series:");
+  return series;
+}
+
 std::vector<std::string> read_unknown_names(const fs::path& file) {
   const std::string text = read_whole(file);
-  MatrixLines lines(file.string(), text, 0);
+  MatrixLines lines(file.string(), text, '#');
   std::vector<std::string> names;
   while (lines.next()) {
     if (lines.words() != 1 || !std::isfinite(number_in(lines.word()[0])))

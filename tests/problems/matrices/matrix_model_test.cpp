@@ -1,68 +1,19 @@
 #include "problems/matrices/matrix_model.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <stdexcept>
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "problems/matrices/matrix_writers.hpp"
-#include "tests/results/scratch.hpp"
+#include "tests/problems/matrices/matrix_folder.hpp"
 
 namespace hmax {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Sparse = Eigen::SparseMatrix<double>;
 
-/// A folder of matrices.
-class Matrices : public ::testing::Test {
- protected:
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(scratch_ / name) << text;
-    return (scratch_ / name).string();
-  }
-  std::string write(const std::string& name, const MatrixXd& matrix) const {
-    return write(name, matrix_market_text(Sparse(matrix.sparseView()), name));
-  }
-  MatrixFiles files(const MatrixXd& K, const MatrixXd& M) const {
-    return {.stiffness = write("K.mtx", K), .mass = write("M.mtx", M)};
-  }
-  static std::string refusal(const MatrixFiles& files) {
-    try {
-      (void)system_of(read_matrix_model(files), 0, 0);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return {};
-  }
-  static void expect_refusal(const MatrixFiles& files, const std::string& part) {
-    EXPECT_NE(refusal(files).find(part), std::string::npos) << "'" << part << "' is not in: " << refusal(files);
-  }
-
-  Scratch scratch_;
-};
-
-MatrixXd chain(Eigen::Index n) {
-  MatrixXd K = MatrixXd::Zero(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    K(i, i) = 2;
-    if (i > 0) K(i, i - 1) = K(i - 1, i) = -1;
-  }
-  return K;
-}
-
-/// Eigenvalues of M^-1 K, rising.
-VectorXd stiffnesses(const AnySystem& system) {
-  const VectorXd zero = VectorXd::Zero(system.dofs());
-  AnySystem::DofMatrix K;
-  system.stiffness(0, zero, zero, K);
-  const MatrixXd full = K.index() == 0 ? std::get<0>(K) : MatrixXd(std::get<1>(K));
-  const VectorXd scale = system.mass().cwiseSqrt().cwiseInverse();
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(MatrixXd(scale.asDiagonal() * full * scale.asDiagonal())).eigenvalues();
-}
+using Matrices = MatrixFolder;
 
 TEST_F(Matrices, MakeTheStructureWithRayleighDamping) {
   const MatrixModel model = read_matrix_model(files(chain(3), 2 * MatrixXd::Identity(3, 3)));

@@ -1,0 +1,18 @@
+/// The matrices of a model as files.
+#pragma once
+
+#include <string>
+
+#include "bench/catalogue/method.hpp"
+#include "bench/limits/operating_point.hpp"
+#include "cli/shared/console.hpp"
+
+namespace hmax {
+
+/// Writes stiffness.mtx, mass.mtx and damping.mtx, or jacobian.mtx of a first-order model, into a folder, and says
+/// so; the folder is made if needed. Of a body stiffness.dof names the unknowns: 12.3 is direction 3 of point 12 of
+/// the mesh file.
+/// @throws InputError  where the folder cannot be made
+void write_matrices(const Problem& problem, const OperatingPoint& point, const std::string& folder, Console& console);
+
+}  // namespace hmax

@@ -1,0 +1,93 @@
+/// M q'' + C(t) q' + K(t) q = 0 of matrices that are given at several times.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace hmax {
+
+/// A matrix at several times, rising; one time: it does not change.
+struct MatrixSeries {
+  std::vector<double> t;                        ///< [s]
+  std::vector<Eigen::SparseMatrix<double>> at;  ///< one for each time, of one shape
+
+  [[nodiscard]] bool varies() const { return t.size() > 1; }
+};
+
+/// K(t) and C(t), linear between the given times, and before and after all of them the nearest. Their numbers
+/// stand on one pattern, which also holds the diagonal.
+class VaryingMatrices {
+ public:
+  /// @param C  empty without damping
+  VaryingMatrices(MatrixSeries K, MatrixSeries C);
+
+  /// The times of both, rising [s].
+  [[nodiscard]] const std::vector<double>& times() const { return times_; }
+  [[nodiscard]] Eigen::Index size() const { return pattern_.rows(); }
+  [[nodiscard]] bool damped() const { return !C_.t.empty(); }
+  /// f -= K(t) (q + beta v) + C(t) v.
+  void subtract_forces(double t, double beta, const Eigen::Ref<const Eigen::VectorXd>& q,
+                       const Eigen::Ref<const Eigen::VectorXd>& v, Eigen::Ref<Eigen::VectorXd> f) const;
+  /// The same with dK/dt and dC/dt, at a given time those behind it.
+  void subtract_force_rates(double t, double beta, const Eigen::Ref<const Eigen::VectorXd>& q,
+                            const Eigen::Ref<const Eigen::VectorXd>& v, Eigen::Ref<Eigen::VectorXd> f) const;
+  /// A = k K(t) + c C(t) + m diag(mass), on the one pattern.
+  void combine(double t, double k, double c, double m, const Eigen::VectorXd& mass,
+               Eigen::SparseMatrix<double>& A) const;
+
+ private:
+  struct Numbers {
+    std::vector<double> t;
+    std::vector<Eigen::VectorXd> values;  ///< on the pattern
+  };
+  /// a A[i] + b A[i + 1], or of one time a A[0] alone.
+  struct Part {
+    const double *first = nullptr, *second = nullptr;
+    double a = 0, b = 0;
+    [[nodiscard]] double operator()(Eigen::Index k) const { return first ? a * first[k] + b * second[k] : 0; }
+  };
+  static Part value_of(const Numbers& numbers, double t);
+  static Part rate_of(const Numbers& numbers, double t);
+  void subtract(const Part& K, const Part& C, double beta, const Eigen::Ref<const Eigen::VectorXd>& q,
+                const Eigen::Ref<const Eigen::VectorXd>& v, Eigen::Ref<Eigen::VectorXd> f) const;
+  [[nodiscard]] Numbers on_pattern(MatrixSeries series) const;
+
+  Eigen::SparseMatrix<double> pattern_;
+  Numbers K_, C_;
+  std::vector<double> times_;
+};
+
+/// The structure of such matrices, lumped masses and Rayleigh damping alpha M + beta K(t), y = (q, v), shape
+/// (2 n). Copies share the matrices.
+class VaryingStructure {
+ public:
+  using State = Eigen::VectorXd;
+  using Dofs = Eigen::VectorXd;
+  using DofMatrix = Eigen::SparseMatrix<double>;
+  using Jacobian = Eigen::SparseMatrix<double>;
+
+  /// @param mass   the diagonal of M, shape (n) [kg], all positive
+  /// @param alpha  [1/s]
+  /// @param beta   [s]
+  VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, Eigen::VectorXd mass, double alpha, double beta);
+
+  [[nodiscard]] Eigen::Index dofs() const { return mass_.size(); }
+  [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
+  void rhs(double t, const State& y, State& dydt) const;
+  void jacobian(double t, const State& y, Jacobian& J) const;
+  void time_derivative(double t, const State& y, State& dfdt) const;
+  [[nodiscard]] Dofs mass() const { return mass_; }
+  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const;
+  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const;
+  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const;
+
+ private:
+  std::shared_ptr<const VaryingMatrices> matrices_;
+  Eigen::VectorXd mass_;
+  double alpha_, beta_;
+};
+
+}  // namespace hmax

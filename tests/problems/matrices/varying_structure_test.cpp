@@ -1,0 +1,133 @@
+#include "problems/matrices/varying_structure.hpp"
+
+#include "tests/problems/matrices/matrix_folder.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+using MatricesInTime = MatrixFolder;
+
+MatrixXd stiffness_of(const AnySystem& system, double t) {
+  const VectorXd zero = VectorXd::Zero(system.dofs());
+  AnySystem::DofMatrix K;
+  system.stiffness(t, zero, zero, K);
+  return MatrixXd(std::get<1>(K));
+}
+MatrixXd damping_of(const AnySystem& system, double t) {
+  const VectorXd zero = VectorXd::Zero(system.dofs());
+  AnySystem::DofMatrix C;
+  system.damping(t, zero, zero, C);
+  return MatrixXd(std::get<1>(C));
+}
+
+TEST_F(MatricesInTime, AreLinearBetweenTheirTimesAndStayBeyond) {
+  // The second matrix has a place that the first has not.
+  MatrixXd second = 3 * chain(4);
+  second(0, 3) = second(3, 0) = -1;
+  write("K0.mtx", chain(4));
+  write("K1.mtx", second);
+  MatrixFiles given = files(chain(4), 2 * MatrixXd::Identity(4, 4));
+  given.stiffness = write("K.txt", "# tangents\n1 K0.mtx\n\n3 K1.mtx # the last one\n");
+  expect_refusal([&] { auto wrong = given; wrong.stiffness_series = true; return wrong; }(), "line 4: the line has");
+  given.stiffness = write("K.txt", "# tangents\n1 K0.mtx\n\n3 K1.mtx\n");
+  given.stiffness_series = true;
+  const MatrixModel model = read_matrix_model(given);
+  const AnySystem system = system_of(model, 0.5, 0.25);
+  for (const auto& [t, share] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.5, 0.25}, {2.9, 0.95}, {3.0, 1.0}, {9.0, 1.0}}) {
+    const MatrixXd K = (1 - share) * chain(4) + share * second;
+    EXPECT_NEAR((stiffness_of(system, t) - K).norm(), 0, 1e-14) << t;
+    const MatrixXd C = 0.5 * 2 * MatrixXd::Identity(4, 4) + 0.25 * K;
+    EXPECT_NEAR((damping_of(system, t) - C).norm(), 0, 1e-14) << t;
+    const VectorXd q = VectorXd::LinSpaced(4, 1, 2), v = VectorXd::LinSpaced(4, -1, 3);
+    VectorXd f(4), y(8), rates(8);
+    system.force(t, q, v, f);
+    EXPECT_NEAR((f + K * q + C * v).norm(), 0, 1e-13) << t;
+    y << q, v;
+    system.rhs(t, y, rates);
+    EXPECT_NEAR((rates.tail(4) + (K * q + C * v) / 2).norm(), 0, 1e-13) << t;
+    AnySystem::Jacobian J;
+    system.jacobian(t, y, J);
+    EXPECT_NEAR((std::get<1>(J) * y - rates).norm(), 0, 1e-13) << t;
+  }
+  EXPECT_FALSE(system.is_autonomous());
+  EXPECT_EQ(model.varying->times(), (std::vector<double>{1, 3}));
+}
+
+TEST_F(MatricesInTime, HaveTheTimeDerivativeOfDifferences) {
+  write("K0.mtx", chain(3));
+  write("K1.mtx", 2 * chain(3));
+  write("C0.mtx", MatrixXd::Identity(3, 3));
+  write("C1.mtx", 5 * MatrixXd::Identity(3, 3));
+  MatrixFiles given = files(chain(3), MatrixXd::Identity(3, 3));
+  given.stiffness = write("K.txt", "0 K0.mtx\n2 K1.mtx\n");
+  given.damping = write("C.txt", "0.5 C0.mtx\n1 C1.mtx\n");
+  given.stiffness_series = given.damping_series = true;
+  const MatrixModel model = read_matrix_model(given);
+  EXPECT_EQ(model.varying->times(), (std::vector<double>{0, 0.5, 1, 2}));
+  const AnySystem system = system_of(model, 0.1, 0.2);
+  const VectorXd y = VectorXd::LinSpaced(6, -1, 2);
+  VectorXd before(6), after(6), rate(6);
+  for (const double t : {-1.0, 0.25, 0.75, 1.5, 3.0}) {
+    const double d = 1e-3;  // the right-hand side is linear in t here
+    system.rhs(t - d, y, before);
+    system.rhs(t + d, y, after);
+    system.time_derivative(t, y, rate);
+    EXPECT_NEAR((rate - (after - before) / (2 * d)).norm(), 0, 1e-11) << t;
+  }
+}
+
+TEST_F(MatricesInTime, FrozenOnesAreThoseOfTheirTime) {
+  write("K0.mtx", chain(3));
+  write("K1.mtx", 3 * chain(3));
+  MatrixFiles given = files(chain(3), MatrixXd::Identity(3, 3));
+  given.stiffness = write("K.txt", "0 K0.mtx\n1 K1.mtx\n");
+  given.stiffness_series = true;
+  const AnySystem still = system_of(frozen(read_matrix_model(given), 0.5), 0, 0);
+  EXPECT_TRUE(still.is_autonomous());
+  EXPECT_NEAR((stiffness_of(still, 7) - 2 * chain(3)).norm(), 0, 1e-14);
+}
+
+TEST_F(MatricesInTime, AreCondensedAndFreedOfMultipliersAtEachTime) {
+  MatrixXd K = MatrixXd::Zero(4, 4);
+  K.topLeftCorner(3, 3) << 5, -2, 0, -2, 4, -2, 0, -2, 5;
+  K(3, 0) = K(0, 3) = 1;  // holds the first unknown
+  MatrixXd stiffer = 2 * K;
+  stiffer(3, 0) = stiffer(0, 3) = 1;
+  write("K0.mtx", K);
+  write("K1.mtx", stiffer);
+  MatrixFiles given = files(K, MatrixXd(Eigen::Vector4d(1, 0, 1, 0).asDiagonal()));
+  given.stiffness = write("K.txt", "0 K0.mtx\n1 K1.mtx\n");
+  given.stiffness_series = true;
+  const AnySystem system = system_of(read_matrix_model(given), 0, 0);
+  // One mass on 5 - 2 (1/4) 2 = 4 N/m.
+  EXPECT_NEAR(stiffness_of(system, 0)(0, 0), 4, 1e-14);
+  EXPECT_NEAR(stiffness_of(system, 1)(0, 0), 8, 1e-14);
+  write("K1.mtx", 2 * K);
+  expect_refusal(given, "the constraints of the Lagrange multipliers change with time");
+}
+
+TEST_F(MatricesInTime, AreRefusedWithFileLineAndRemedy) {
+  write("K0.mtx", chain(3));
+  write("K1.mtx", chain(4));
+  MatrixFiles given = files(chain(3), MatrixXd::Identity(3, 3));
+  given.stiffness_series = true;
+  const auto expect = [&](const std::string& text, const std::string& part) {
+    given.stiffness = write("K.txt", text);
+    expect_refusal(given, part);
+  };
+  expect("0 K0.mtx\n", "names 1 matrix but needs two or more");
+  expect("", "names 0 matrices");
+  expect("1 K0.mtx\n1 K0.mtx\n", "line 2: the time is 1 s but must be later");
+  expect("1 K0.mtx\nnan K0.mtx\n", "line 2: the time is 'nan' but must be a finite number");
+  expect("0 K0.mtx\n1 K9.mtx\n", "there is no file");
+  expect("0 K0.mtx\n1 K1.mtx\n", "K1.mtx: the matrix has the shape 4 x 4 but must have 3 x 3");
+  expect("0 K0.mtx\n1\n", "line 2: the line has 1 words");
+  given.mass = write("M.mtx", MatrixXd{{2, 1, 0}, {1, 2, 1}, {0, 1, 2}});
+  expect("0 K0.mtx\n1 K0.mtx\n", "write mass=lumped:");
+}
+
+}  // namespace
+}  // namespace hmax
