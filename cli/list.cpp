@@ -6,6 +6,8 @@
 #include <fmt/ranges.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/documents/method_json.hpp"
+#include "bench/documents/number_json.hpp"
 #include "cli/shared/commands.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/tissue/tissue_model.hpp"
@@ -16,12 +18,6 @@ namespace hmax {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json to_json(const std::vector<std::pair<std::string, double>>& parameters) {
-  Json object = Json::object();
-  for (const auto& [name, value] : parameters) object[name] = value;
-  return object;
-}
 
 /// All words, or the first two and the last of more than six.
 std::string abbreviated(const std::vector<std::string>& words) {
@@ -37,7 +33,7 @@ void list_problems(Console& console) {
     const Problem problem = make_problem(id);
     document.push_back({{"id", id},
                         {"dimension", problem.y0.size()},
-                        {"parameters", to_json(problem.parameters)},
+                        {"parameters", parameters_json(problem.parameters)},
                         {"y0", std::vector<double>(problem.y0.begin(), problem.y0.end())},
                         {"t_end", problem.t_end},
                         {"has_exact_solution", problem.has_exact_solution},
@@ -58,27 +54,7 @@ void list_methods(Console& console) {
   Json document = Json::array();
   TextTable table({"method", "order", "error order", "stages", "aliases", "source"});
   for (const Method& method : methods()) {
-    document.push_back({{"id", method.id},
-                        {"aliases", method.aliases},
-                        {"family", method.family},
-                        {"order", method.order},
-                        {"error_order", method.error_order},
-                        {"stages", method.stages},
-                        {"explicit", method.is_explicit},
-                        {"adaptive", method.adaptive()},
-                        {"fixed_step", method.fixed_step},
-                        {"needs_jacobian", method.needs_jacobian},
-                        {"needs_second_order", method.needs_second_order},
-                        {"needs_split", method.needs_split},
-                        {"linearly_implicit", method.linearly_implicit},
-                        {"first_same_as_last", method.first_same_as_last},
-                        {"steps_back", method.steps_back},
-                        {"parameters", to_json(method.parameters)},
-                        {"a_stable", method.a_stable},
-                        {"l_stable", method.l_stable},
-                        {"engine", method.engine},
-                        {"source", method.source},
-                        {"note", method.note}});
+    document.push_back(method_json(method));
     table.add({method.id, method.has_variable_order() ? "variable" : std::to_string(method.order),
                method.adaptive() ? std::to_string(method.error_order) : "-",
                method.stages > 0 ? std::to_string(method.stages) : "varies",

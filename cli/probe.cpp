@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/foreign_steps/step_probe.hpp"
+#include "bench/documents/probe_json.hpp"
 #include "bench/plugin/plugin_sources.hpp"
 #include "bench/plugin/plugin_stepper.hpp"
 #include "cli/shared/commands.hpp"
@@ -25,35 +26,6 @@ struct ProbeOptions {
   std::optional<double> h0, h1, motion, patience;
   bool no_runs = false;
 };
-
-Json number_or_word(double value) {
-  return std::isnan(value) ? Json() : std::isinf(value) ? Json("unbounded") : Json(value);
-}
-
-Json complex_or_null(std::complex<double> value) {
-  if (!std::isfinite(value.real()) || !std::isfinite(value.imag())) return {};
-  return {{"re", value.real()}, {"im", value.imag()}};
-}
-
-Json to_json(const ProbedLimit& found) {
-  Json rows = Json::array();
-  for (const StepSpectrum& row : found.rows)
-    rows.push_back({{"h", row.h},
-                    {"spectral_radius", number_or_word(row.spectral_radius)},
-                    {"grows", row.grows},
-                    {"growing", row.grows ? complex_or_null(row.multiplier) : Json()},
-                    {"tolerance", row.tolerance}});
-  return {{"model", found.model},
-          {"dim", found.dim},
-          {"state", name_of(found.state)},
-          {"rows", rows},
-          {"h_max", number_or_word(found.h_max)},
-          {"moving", found.moving},
-          {"observed", number_or_word(found.observed)},
-          {"gap", number_or_word(found.gap)},
-          {"steps", found.steps},
-          {"status", found.status.empty() ? Json() : Json(fmt::format("{}", fmt::join(found.status, "; ")))}};
-}
 
 std::string length_in_words(double h) {
   return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h, 7) + " s";
@@ -143,7 +115,7 @@ void probe(const ProbeOptions& options, Console& console) {
                                   progress.update(share, detail);
                                 }});
   }();
-  if (console.json) return console.print_json(to_json(found));
+  if (console.json) return console.print_json(probe_json(found));
   console.print(in_words(options, found, console));
 }
 

@@ -397,6 +397,10 @@ void observe_limits(std::vector<AdviceRow>& rows, const AnalysedModel& model, co
 
 }  // namespace
 
+std::string error_scale(const Problem& problem) {
+  return problem.body ? "largest displacement" : "range of each state";
+}
+
 std::string_view name_of(AdviceBound bound) {
   constexpr std::array<std::string_view, 5> names{"stability", "accuracy", "newton", "budget", "rate"};
   return names[static_cast<std::size_t>(bound)];

@@ -47,6 +47,9 @@ enum class AdviceVerdict { recommended, tie, suitable, unstable, inaccurate, too
 std::string_view name_of(AdviceBound bound);
 std::string_view name_of(AdviceVerdict verdict);
 
+/// What errors are relative to, in words.
+std::string error_scale(const Problem& problem);
+
 /// A candidate at the longest of its steps that holds and meets the tolerance; at the last one that was tried where
 /// none does.
 struct AdviceRow {

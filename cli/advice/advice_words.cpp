@@ -231,10 +231,6 @@ std::vector<std::string> reasons_of(const std::vector<AdviceRecord>& rows) {
 
 }  // namespace
 
-std::string error_scale(const Problem& problem) {
-  return problem.body ? "largest displacement" : "range of each state";
-}
-
 AdviceText words_of(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
                     bool interrupted) {
   AdviceText text;

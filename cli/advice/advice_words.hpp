@@ -10,9 +10,6 @@
 
 namespace hmax {
 
-/// What errors are relative to.
-std::string error_scale(const Problem& problem);
-
 /// An answer, sentence by sentence.
 struct AdviceText {
   std::string model;     ///< id of the problem, and its material

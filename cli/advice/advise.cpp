@@ -11,8 +11,9 @@
 
 #include "bench/advice/advice_records.hpp"
 #include "bench/advice/advise.hpp"
+#include "bench/advice/remaking.hpp"
+#include "bench/documents/advice_json.hpp"
 #include "bench/models/support_sets.hpp"
-#include "cli/advice/advice_json.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"
 #include "cli/bodies/body_scene.hpp"
@@ -93,29 +94,6 @@ std::string words_of_left_out(const AdviseOptions& options, const Problem& probl
                                      fmt::join(names, ", "));
 }
 
-Remaking remaking(const ProblemChoice& choice) {
-  Remaking make;
-  make.with = [&](const std::vector<std::pair<std::string, double>>& values) {
-    ProblemChoice changed = choice;
-    for (const auto& [name, value] : values) {
-      std::erase_if(changed.set, [&](const std::string& text) { return text.starts_with(name + "="); });
-      changed.set.push_back(name + "=" + to_text(value));
-    }
-    return changed.make();
-  };
-  const auto on_mesh = [&choice](const std::string& mesh) {
-    ProblemChoice changed = choice;
-    changed.body.mesh = mesh;
-    return changed.make();
-  };
-  const std::string& mesh = choice.body.mesh;
-  if (mesh.empty()) return make;
-  if (const std::string coarser = coarser_mesh(mesh); !coarser.empty())
-    make.coarser = [on_mesh, coarser] { return on_mesh(coarser); };
-  if (!mended_mesh(mesh, 1).empty()) make.mended = [on_mesh, &mesh](int count) { return on_mesh(mended_mesh(mesh, count)); };
-  return make;
-}
-
 /// @throws InputError  for a store or a page that cannot have its name, and for a file that is no store
 void check_names(const AdviseOptions& options) {
   if (!options.out.empty())
@@ -136,7 +114,7 @@ std::exception_ptr search(const AdviseOptions& options, const Problem& problem, 
     progress.update(share, what);
   };
   try {
-    const Remaking make = remaking(options.problem);
+    const Remaking make = remaking(options.problem.id(), options.problem.settings());
     advise(problem, question, advice, watcher, make.with);
     if (!advice.recommended())
       find_remedies(problem, question, advice, make, [&](double share, const std::string& what) {

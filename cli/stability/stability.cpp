@@ -12,6 +12,7 @@
 #include "analysis/amplification/numerical_damping.hpp"
 #include "bench/catalogue/formulas.hpp"
 #include "bench/catalogue/tableau_file.hpp"
+#include "bench/documents/stability_json.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "results/errors.hpp"
@@ -29,42 +30,6 @@ std::string number_or_unbounded(double value, int digits = 10) {
 
 // ---- limits
 
-Json to_json(const Formula& formula, const StabilityLimits& limits) {
-  const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
-  Json lobes = Json::array();
-  for (const Lobe& lobe : limits.lobes)
-    lobes.push_back({{"axis", lobe.imaginary ? "imaginary" : "real"},
-                     {"from", lobe.from},
-                     {"to", number_or_word(lobe.to)}});
-  Json document{
-      {"method", formula.id},
-      {"order", formula.order},
-      {"real", motion ? Json() : number_or_word(limits.real)},
-      {"imaginary", number_or_word(limits.imaginary)},
-      {"imaginary_weak", number_or_word(limits.imaginary_weak)},
-      {"alpha_degrees", limits.alpha_degrees ? Json(*limits.alpha_degrees) : Json()},
-      {"a_stable", limits.a_stable},
-      {"l_stable", limits.l_stable},
-      {"at_infinity",
-       limits.at_infinity && std::isfinite(*limits.at_infinity) ? Json(*limits.at_infinity) : Json()},
-      {"evaluations", formula.evaluations > 0 ? Json(formula.evaluations) : Json()},
-      {"derived_from", formula.amplification->measured ? "steps of the code" : "coefficients"},
-      {"lobes", lobes}};
-  if (motion) {
-    document["status"] =
-        "steps positions and velocities: `imaginary` is the undamped omega h, and a real eigenvalue alone is "
-        "no motion";
-    document["critically_damped"] = number_or_word(limits.real);
-  }
-  if (formula.explicit_half) {
-    const StabilityLimits half = stability_limits(*formula.explicit_half);
-    document["nothing_stiff"] = {{"real", number_or_word(half.real)},
-                                 {"imaginary", number_or_word(half.imaginary)},
-                                 {"imaginary_weak", number_or_word(half.imaginary_weak)}};
-  }
-  return document;
-}
-
 void limits(const MethodsChoice& choice, Console& console) {
   const std::vector<Formula> formulas = choice.formulas();
   Json documents = Json::array();
@@ -72,7 +37,7 @@ void limits(const MethodsChoice& choice, Console& console) {
   std::string remarks;
   for (const Formula& formula : formulas) {
     const StabilityLimits found = stability_limits(*formula.amplification);
-    documents.push_back(to_json(formula, found));
+    documents.push_back(limits_json(formula, found));
     const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
     table.add(
         {formula.id, motion ? "-" : number_or_unbounded(found.real), number_or_unbounded(found.imaginary),
@@ -190,10 +155,6 @@ std::vector<Formula> formulas_of(const std::string& names) {
         "no method is given; name one with --method, like rk4, adams_pece:order=4 or bdf_3, or several with "
         "commas");
   return choose_formulas(parse_names("--method", names));
-}
-
-Json number_or_word(double value) {
-  return std::isnan(value) ? Json() : std::isinf(value) ? Json("unbounded") : Json(value);
 }
 
 void add_stability(CLI::App& app, Console& console) {

@@ -2,12 +2,10 @@
 #pragma once
 
 #include "bench/catalogue/formulas.hpp"
+#include "bench/documents/number_json.hpp"
 #include "cli/shared/console.hpp"
 
 namespace hmax {
-
-/// A number, "unbounded" for infinity, null for NaN.
-nlohmann::ordered_json number_or_word(double value);
 
 /// The formulas of --method. @throws InputError when there is none
 std::vector<Formula> formulas_of(const std::string& names);

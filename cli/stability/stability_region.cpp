@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/documents/stability_json.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
 #include "cli/stability/stability_parts.hpp"
@@ -115,28 +116,12 @@ std::string csv_of(const RegionStudy& study) {
   return csv;
 }
 
-Json to_json(const DrawnRegion& region, const std::string& method) {
-  Json list = Json::array(), about = Json::array();
-  for (const RegionCurve& curve : region.curves) {
-    Json points = Json::array();
-    for (const Complex z : curve.points) points.push_back({z.real(), z.imag()});
-    points.push_back(points.front());
-    list.push_back(std::move(points));
-    const double area = curve.area();
-    about.push_back({{"area", area}, {"hole", area < 0}, {"clipped", curve.clipped}});
-  }
-  const PlaneWindow& window = region.window;
-  return {{"method", method},
-          {"window", {window.re_from, window.re_to, window.im_from, window.im_to}},
-          {"curves", std::move(list)},
-          {"about", std::move(about)}};
-}
-
 Json to_json(const RegionStudy& study, const RegionOptions& options) {
   Json documents = Json::array();
   for (std::size_t i = 0; i < study.regions.size(); ++i) {
     const DrawnRegion& region = study.regions[i];
-    Json document = to_json(region, study.parts.empty() ? region.formula.id : study.chosen.front().id);
+    Json document = region_json(study.parts.empty() ? region.formula.id : study.chosen.front().id, region.window,
+                                region.curves);
     if (!options.parts.fast.empty())
       document["fast"] = {study.parts[i].fast.real(), study.parts[i].fast.imag()};
     if (!options.parts.ratios.empty()) document["ratio"] = study.parts[i].ratio;

@@ -1,11 +1,10 @@
-#include "cli/advice/advice_json.hpp"
+#include "bench/documents/advice_json.hpp"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "cli/advice/advice_words.hpp"
-#include "cli/stability/stability.hpp"
+#include "bench/documents/number_json.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {
@@ -105,11 +104,9 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
                         {"to", remedy.to},
                         {"cost", remedy.cost},
                         {"then", {{"method", remedy.method}, {"h", remedy.h}}}});
-  Json parameters = Json::object();
-  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
   Json document{{"model", problem.id},
                 {"material", problem.material},
-                {"parameters", std::move(parameters)},
+                {"parameters", parameters_json(problem.parameters)},
                 {"motion", advice.motion},
                 {"load_share", advice.load_share},
                 {"gravity_share", advice.gravity_share},
