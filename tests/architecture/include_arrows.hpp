@@ -30,6 +30,7 @@ inline const std::map<std::string, std::set<std::string>> allowed_arrows{
     {"bench", {"bench", "analysis", "integrators", "problems", "results", "core"}},
     {"plots", {"plots", "results", "core"}},
     {"cli", {"cli", "plots", "bench", "analysis", "integrators", "problems", "results", "core"}},
+    {"python", {"python", "bench", "analysis", "integrators", "problems", "results", "core"}},
     {"examples", {"integrators", "problems"}},
     {"tests", {"tests", "cli", "plots", "bench", "analysis", "integrators", "problems", "results", "core"}},
 };
@@ -49,6 +50,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^sqlite3", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},
     {"^results/sqlite/", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},  // the wrapper: SQLite stays behind the store
     {"^CLI/", "^cli/"},
+    {"^pybind11/", "^python/bindings/"},
     {"^cmark", "^plots/pages/markdown_page\\.cpp$"},
     {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},

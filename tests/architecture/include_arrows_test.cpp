@@ -70,6 +70,8 @@ TEST(IncludeArrows, ArrowsThatPointUpOrSidewaysAreRefused) {
   EXPECT_TRUE(violation({"plots/figure.cpp", "analysis/region.hpp", true}));
   EXPECT_TRUE(violation({"bench/sweep.cpp", "plots/figure.hpp", true}));
   EXPECT_TRUE(violation({"bench/sweep.cpp", "tests/architecture/source_tree.hpp", true}));
+  EXPECT_TRUE(violation({"bench/sweep.cpp", "python/bindings/calls.hpp", true}));
+  EXPECT_TRUE(violation({"python/bindings/limits.cpp", "cli/shared/console.hpp", true}));
 }
 
 TEST(IncludeArrows, ArrowsThatPointDownAreAllowed) {
@@ -99,6 +101,7 @@ TEST(IncludeArrows, ForeignHeadersOutsideTheirPlaceAreRefused) {
   EXPECT_FALSE(violation({"results/store.cpp", "results/sqlite/sqlite.hpp", true}));
   EXPECT_TRUE(violation({"bench/config.hpp", "toml++/toml.h", false}));
   EXPECT_TRUE(violation({"bench/sweep.cpp", "CLI/CLI.hpp", false}));
+  EXPECT_TRUE(violation({"bench/sweep.cpp", "pybind11/pybind11.h", false}));
 }
 
 TEST(IncludeArrows, IncludeLinesAreFoundHoweverTheyAreSpaced) {

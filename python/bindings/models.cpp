@@ -1,0 +1,195 @@
+/// Meshes, bodies of soft tissue, and the advice of which integrator to take.
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include "bench/advice/advise.hpp"
+#include "bench/advice/remaking.hpp"
+#include "bench/catalogue/catalogue.hpp"
+#include "bench/documents/advice_json.hpp"
+#include "bench/models/mesh_choice.hpp"
+#include "bench/models/tissue_parameters.hpp"
+#include "bench/models/tissue_problem.hpp"
+#include "problems/tissue/body.hpp"
+#include "python/bindings/calls.hpp"
+#include "python/bindings/groups.hpp"
+#include "python/bindings/runs.hpp"
+#include "results/errors.hpp"
+
+namespace hmax::python {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+using Values = std::vector<std::pair<std::string, double>>;
+
+/// How a problem is made, and made again with changes.
+struct Recipe {
+  std::string id;
+  ProblemSettings settings;
+
+  [[nodiscard]] Problem make() const { return make_problem(id, settings); }
+};
+
+/// A body on a mesh, as Python holds it.
+struct Body {
+  Recipe recipe;
+  Problem problem;
+
+  [[nodiscard]] const TissueBody& tissue() const { return *problem.body; }
+};
+
+std::shared_ptr<Body> make_body(const std::string& mesh, const std::string& model, const std::string& material,
+                                const std::string& load, const Values& parameters,
+                                const std::optional<std::array<double, 3>>& gravity, const std::vector<std::string>& supports,
+                                std::optional<double> unit) {
+  Recipe recipe{tissue_id(model, mesh, load),
+                {.material = material, .parameters = parameters, .y0 = {}, .unit = unit}};
+  for (std::size_t i = 0; gravity && i < gravity->size(); ++i)
+    recipe.settings.parameters.emplace_back(gravity_names[i], (*gravity)[i]);
+  for (const std::string& set : supports)
+    recipe.settings.parameters.emplace_back(fmt::format("{}:{}", support_name, set), 1);
+  return in_background([recipe = std::move(recipe)](const Stop&) {
+    return std::make_shared<Body>(Body{recipe, recipe.make()});
+  });
+}
+
+/// q or v of a body; zero where none is given.
+VectorXd dofs_from(const Body& body, const py::object& given, std::string_view what) {
+  const Index n = body.tissue().dofs();
+  return given.is_none() ? VectorXd::Zero(n) : vector_from(given, what, n);
+}
+
+/// write(t, q, v, result) of a body, without the GIL.
+template <class Result, class Write>
+Result at_state(const Body& body, const py::object& q, const py::object& v, double t, const Write& write) {
+  const VectorXd at_q = dofs_from(body, q, "q"), at_v = dofs_from(body, v, "v");
+  Result result;
+  const py::gil_scoped_release release;
+  write(body.tissue(), t, at_q, at_v, result);
+  return result;
+}
+
+Sparse stiffness(const Body& body, const py::object& q, const py::object& v, double t) {
+  return at_state<Sparse>(body, q, v, t, [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
+                                            Sparse& K) { tissue.stiffness(at, x, y, K); });
+}
+Sparse damping(const Body& body, const py::object& q, const py::object& v, double t) {
+  return at_state<Sparse>(body, q, v, t, [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
+                                            Sparse& C) { tissue.damping(at, x, y, C); });
+}
+VectorXd force(const Body& body, const py::object& q, const py::object& v, double t) {
+  return at_state<VectorXd>(body, q, v, t, [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
+                                              VectorXd& f) {
+    f.resize(tissue.dofs());
+    tissue.force(at, x, y, f);
+  });
+}
+Sparse mass(const Body& body) {
+  Sparse M(body.tissue().dofs(), body.tissue().dofs());
+  M = body.tissue().mass().asDiagonal();
+  return M;
+}
+
+py::dict run_body(const Body& body, const std::string& method, VectorXd y0, double t_end, std::optional<double> h,
+                  std::optional<double> rtol, std::optional<double> atol, std::optional<double> every) {
+  Problem problem = body.problem;
+  problem.y0 = std::move(y0);
+  return run_problem(method, std::move(problem), spec_of(t_end, h, rtol, atol, every));
+}
+
+/// A mesh as arrays: name, points (n, 3) [m], tetrahedra (m, 4), regions (m).
+py::tuple read_mesh(const std::string& text, std::optional<double> unit) {
+  const LoadedMesh loaded = in_background([=](const Stop&) { return load_mesh(text, unit); });
+  const TetMesh& mesh = loaded.mesh;
+  const Index count = mesh.tetrahedron_count();
+  Eigen::VectorXi regions(count);
+  for (Index i = 0; i < count; ++i) regions[i] = mesh.region(i);
+  // Eigen's columns are the rows of a C array.
+  const auto points = py::array_t<double>({mesh.point_count(), Index{3}}, mesh.points.data());
+  const auto tetrahedra = py::array_t<TetMesh::Index>({count, Index{4}}, mesh.tetrahedra.data());
+  return py::make_tuple(loaded.name, points, tetrahedra, regions);
+}
+
+AdviceQuestion question_of(const Problem& problem, double rate, double tolerance, std::optional<double> budget_ms,
+                           bool least_error, const std::vector<std::string>& names, std::size_t frames) {
+  AdviceQuestion question;
+  question.rate = rate;
+  question.tolerance = tolerance;
+  if (budget_ms) question.budget = *budget_ms / 1000;
+  question.least_error = least_error;
+  question.frames = frames;
+  question.methods = choose_methods(names.empty() ? simulator_methods() : names, {problem});
+  return question;
+}
+
+/// What `hmax advise` computes; remedies are sought where nothing is recommended.
+nlohmann::ordered_json advice_of(const Problem& problem, const AdviceQuestion& question, const Remaking& make,
+                                 const Stop& stop) {
+  const AdviceWatcher watcher = [&stop](double, const std::string&) { leave_if(stop); };
+  Advice advice;
+  advise(problem, question, advice, watcher, make.with);
+  if (!advice.recommended()) find_remedies(problem, question, advice, make, watcher);
+  return advice_json(problem, question, advice, false);
+}
+
+/// What is asked of a model.
+struct Asked {
+  double rate, tolerance;
+  std::optional<double> budget_ms;
+  bool least_error;
+  std::vector<std::string> methods;
+  std::size_t frames;
+};
+
+py::object advise_on(const Recipe& recipe, const Asked& asked) {
+  return to_python(in_background([=](const Stop& stop) {
+    const Problem problem = recipe.make();
+    return advice_of(problem,
+                     question_of(problem, asked.rate, asked.tolerance, asked.budget_ms, asked.least_error, asked.methods,
+                                 asked.frames),
+                     remaking(recipe.id, recipe.settings), stop);
+  }));
+}
+
+py::object advise_named(const std::string& id, const std::string& material, const Values& parameters,
+                        const std::vector<double>& y0, double rate, double tolerance, std::optional<double> budget_ms,
+                        bool least_error, std::vector<std::string> methods, std::size_t frames) {
+  return advise_on({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
+                   {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
+}
+
+py::object advise_body(const Body& body, double rate, double tolerance, std::optional<double> budget_ms, bool least_error,
+                       std::vector<std::string> methods, std::size_t frames) {
+  return advise_on(body.recipe, {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
+}
+
+}  // namespace
+
+void add_models(py::module_& module) {
+  py::class_<Body, std::shared_ptr<Body>>(module, "Body")
+      .def(py::init(&make_body))
+      .def("K", &stiffness)
+      .def("C", &damping)
+      .def("M", &mass)
+      .def("force", &force)
+      .def("run", &run_body)
+      .def("advise", &advise_body)
+      .def_property_readonly("id", [](const Body& body) { return body.problem.id; })
+      .def_property_readonly("dofs", [](const Body& body) { return body.tissue().dofs(); })
+      .def_property_readonly("free_points", [](const Body& body) {
+        const auto& points = body.tissue().free_points();
+        return py::array_t<TetMesh::Index>(static_cast<py::ssize_t>(points.size()), points.data());
+      });
+  module.def("read_mesh", &read_mesh);
+  module.def("unit_in_metres", &unit_in_metres);
+  module.def("advise", &advise_named);
+}
+
+}  // namespace hmax::python

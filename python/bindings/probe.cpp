@@ -1,0 +1,107 @@
+/// The largest stable step of a step function written in Python.
+#include <array>
+#include <optional>
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include "analysis/foreign_steps/step_probe.hpp"
+#include "bench/documents/probe_json.hpp"
+#include "python/bindings/calls.hpp"
+#include "python/bindings/groups.hpp"
+
+namespace hmax::python {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// An engine behind Python functions, in this process. Its functions are called with the GIL.
+///   step(y, h)     returns the next state, or None of an engine in place, whose state is then what save() returns
+///   save()         all of an engine in place; else what is hidden beside the state, of any kind
+///   restore(that)
+class PythonStepper final : public ForeignStepper {
+ public:
+  struct Functions {
+    py::object step, save, restore;  ///< the last two may be None
+  };
+  struct Facts {
+    std::string name;
+    bool in_place = false, single = false;
+    std::vector<Index> quaternions;
+    VectorXd scales;
+  };
+
+  PythonStepper(Functions functions, Facts facts, VectorXd y)
+      : functions_(std::move(functions)), facts_(std::move(facts)), y_(std::move(y)) {}
+
+  [[nodiscard]] std::string name() const override { return facts_.name; }
+  [[nodiscard]] Index dim() const override { return y_.size(); }
+  [[nodiscard]] bool is_single_precision() const override { return facts_.single; }
+  [[nodiscard]] bool has_hidden_state() const override { return has_hidden(); }
+  [[nodiscard]] std::vector<Index> quaternions() const override { return facts_.quaternions; }
+  [[nodiscard]] VectorXd scales() const override { return facts_.scales; }
+
+  VectorXd state() override { return y_; }
+  void set_state(const VectorXd& y) override {
+    y_ = y;
+    if (facts_.in_place) call_back([&] { functions_.restore(to_array(y)); });
+  }
+  bool step(double h, std::int64_t count) override {
+    for (std::int64_t i = 0; i < count; ++i) call_back([&] { step_once(h); });
+    return true;
+  }
+  void save(int slot) override {
+    Slot& kept = slots_.at(static_cast<std::size_t>(slot));
+    kept.y = y_;
+    if (has_hidden()) call_back([&] { kept.hidden = functions_.save(); });
+  }
+  void restore(int slot) override {
+    const Slot& kept = slots_.at(static_cast<std::size_t>(slot));
+    if (facts_.in_place) return set_state(kept.y);
+    y_ = kept.y;
+    if (has_hidden()) call_back([&] { functions_.restore(kept.hidden); });
+  }
+
+ private:
+  struct Slot {
+    VectorXd y;
+    py::object hidden;
+  };
+
+  [[nodiscard]] bool has_hidden() const { return !facts_.in_place && !functions_.save.is_none(); }
+  void step_once(double h) {
+    const py::object next = functions_.step(to_array(y_), h);
+    if (!facts_.in_place) {
+      y_ = vector_from(next, "what step returns", dim());
+      return;
+    }
+    if (!next.is_none())
+      throw std::invalid_argument("step returned a state, but returned None before; return one of them always");
+    y_ = vector_from(functions_.save(), "what save returns", dim());
+  }
+
+  Functions functions_;
+  Facts facts_;
+  VectorXd y_;
+  std::array<Slot, 3> slots_;
+};
+
+py::object probe(const py::object& step, const py::object& save, const py::object& restore, VectorXd y0, bool in_place,
+                 const std::string& name, bool single, std::vector<Index> quaternions, VectorXd scales, double h0, double h1,
+                 std::optional<double> motion, bool verify) {
+  PythonStepper engine({step, save, restore},
+                       {.name = name, .in_place = in_place, .single = single, .quaternions = std::move(quaternions),
+                        .scales = std::move(scales)},
+                       std::move(y0));
+  const ProbeSettings settings{.h0 = h0, .h1 = h1, .motion = motion, .observe = verify,
+                               .watch = [](double, std::string_view) { call_back([] {}); }};
+  return to_python(with_callbacks([&] { return probe_json(probe_steps(engine, settings)); }));
+}
+
+}  // namespace
+
+void add_probe(py::module_& module) { module.def("probe", &probe); }
+
+}  // namespace hmax::python

@@ -1,0 +1,21 @@
+/// Runs of problems, for the calls of several groups.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <pybind11/pybind11.h>
+
+#include "bench/catalogue/method.hpp"
+
+namespace hmax::python {
+
+/// A run to t_end with fixed steps h, or with tolerances where there is no h; `every` is the output interval [s].
+RunSpec spec_of(double t_end, std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
+                std::optional<double> every);
+
+/// A run of a problem that calls no Python, as the class Run of the package has it.
+/// @throws InputError  as check()
+pybind11::dict run_problem(const std::string& method, Problem problem, const RunSpec& spec);
+
+}  // namespace hmax::python

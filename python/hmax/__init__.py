@@ -1,0 +1,25 @@
+"""Which integrator, and how large a step: time step limits of your own matrices, steps and bodies.
+
+numpy arrays and scipy.sparse matrices go in and come out. Input that is wrong is a ValueError that says what to do.
+"""
+
+from ._answer import Answer
+from ._core import __version__
+from ._probe import probe
+from ._runs import Run, integrate
+from ._stability import Limit, Modes, largest_stable_step, limits, methods, modes, region
+
+__all__ = [
+    "Answer",
+    "Limit",
+    "Modes",
+    "Run",
+    "__version__",
+    "integrate",
+    "largest_stable_step",
+    "limits",
+    "methods",
+    "modes",
+    "probe",
+    "region",
+]

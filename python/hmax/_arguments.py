@@ -1,0 +1,90 @@
+"""What users give, as the extension module takes it."""
+
+from __future__ import annotations
+
+from typing import Any, Optional, Tuple
+
+import numpy as np
+import scipy.sparse as sparse
+
+Matrix = Any  #: a dense array, or a sparse matrix of scipy
+
+
+def matrix(name: str, given: Matrix) -> Any:
+    """A dense float array, or a sparse float matrix by columns; what is both already is not copied.
+
+    Shapes and entries are checked where the matrix is used.
+
+    Raises ValueError for what holds no real numbers, and for damaged sparse matrices.
+    """
+    if sparse.issparse(given):
+        _require_real(name, given.dtype)
+        columns = sparse.csc_matrix(given, dtype=float)
+        try:
+            columns.check_format(full_check=True)
+        except (ValueError, TypeError) as error:
+            raise ValueError(f"{name} is a damaged sparse matrix ({error}); make it again") from None
+        if not columns.has_canonical_format:
+            columns = columns.copy()
+            columns.sum_duplicates()
+        return columns
+    dense = _array(name, given)
+    if dense.ndim != 2:
+        raise ValueError(f"{name} has {dense.ndim} dimensions but must have two; give a square matrix")
+    return np.asarray(dense, dtype=float)
+
+
+def masses(given: Matrix) -> Any:
+    """The same of a mass: a matrix, or a vector of one mass for each degree of freedom."""
+    if sparse.issparse(given) or np.ndim(given) != 1:
+        return matrix("M", given)
+    return np.asarray(_array("M", given), dtype=float)
+
+
+def vector(name: str, given: Any) -> Any:
+    """A float array of one dimension."""
+    numbers = _array(name, given)
+    if numbers.ndim != 1:
+        raise ValueError(f"{name} has {numbers.ndim} dimensions but must have one; give one number for each unknown")
+    return np.asarray(numbers, dtype=float)
+
+
+def structure(K: Optional[Matrix], M: Optional[Matrix], C: Optional[Matrix]) -> Tuple[Any, Any, Any]:
+    """K, M and C of M q'' + C q' + K q = 0."""
+    if K is None or M is None:
+        missing = "K" if K is None else "M"
+        raise ValueError(f"{missing} is missing; give the stiffness K and the mass M, or the Jacobian J of y' = J y")
+    return matrix("K", K), masses(M), None if C is None else matrix("C", C)
+
+
+def count(name: str, given: Any, least: int = 1) -> int:
+    """A whole number of at least `least`."""
+    if isinstance(given, bool) or int(given) != given or given < least:
+        raise ValueError(f"{name} is {given} but must be a whole number of at least {least}")
+    return min(int(given), 2**62)
+
+
+def number(name: str, given: Any) -> Optional[float]:
+    """A float; None stays."""
+    if given is None:
+        return None
+    try:
+        return float(given)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {given!r} but must be a number") from None
+
+
+def _array(name: str, given: Any) -> Any:
+    try:
+        array = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        raise ValueError(f"{name} is no array of numbers; give rows of one length") from None
+    _require_real(name, array.dtype)
+    return array
+
+
+def _require_real(name: str, dtype: Any) -> None:
+    if dtype.kind == "c":
+        raise ValueError(f"{name} is complex but must be real; give its real part, if it is the model's")
+    if dtype.kind not in "biuf":
+        raise ValueError(f"{name} holds {dtype} and no real numbers; give an array of floats")

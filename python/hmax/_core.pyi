@@ -1,0 +1,31 @@
+from typing import Any, Dict, List, Tuple
+
+__version__: str
+
+def methods() -> List[Dict[str, Any]]: ...
+def limits(method: str) -> Dict[str, Any]: ...
+def region(method: str, cells: int) -> Dict[str, Any]: ...
+def limit_of_structure(method: str, K: Any, M: Any, C: Any, verify: bool) -> Dict[str, Any]: ...
+def limit_of_jacobian(method: str, J: Any, verify: bool) -> Dict[str, Any]: ...
+def modes(K: Any, M: Any, C: Any, count: int, fastest: bool) -> Tuple[Any, Any, Any]: ...
+def run_function(
+    method: str, rhs: Any, jacobian: Any, y0: Any, t_end: Any, h: Any, rtol: Any, atol: Any, every: Any
+) -> Dict[str, Any]: ...
+def run_structure(
+    method: str, K: Any, M: Any, C: Any, y0: Any, t_end: Any, h: Any, rtol: Any, atol: Any, every: Any
+) -> Dict[str, Any]: ...
+def probe(
+    step: Any,
+    save: Any,
+    restore: Any,
+    y0: Any,
+    in_place: bool,
+    name: str,
+    single: bool,
+    quaternions: Any,
+    scales: Any,
+    h0: float,
+    h1: float,
+    motion: Any,
+    verify: bool,
+) -> Dict[str, Any]: ...

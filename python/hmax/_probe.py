@@ -1,0 +1,100 @@
+"""The largest stable step of a step function of one's own."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Optional, Sequence
+
+import numpy as np
+
+from . import _core
+from ._answer import Answer, answer
+from ._arguments import number, vector
+from ._runs import finite
+
+
+def probe(
+    step: Callable[[Any, float], Any],
+    y0: Any,
+    h0: float,
+    h1: float,
+    save: Optional[Callable[[], Any]] = None,
+    restore: Optional[Callable[[Any], None]] = None,
+    motion: Optional[float] = None,
+    verify: bool = True,
+    quaternions: Sequence[int] = (),
+    scales: Any = None,
+    name: str = "step",
+) -> Answer:
+    """The largest stable step of a step function or an engine, from the Jacobian of its step and from running it.
+
+    `step(y, h)` advances the state y, shape (n), by h [s]. Either it returns the next state. What the engine keeps beside y, if
+    anything, is then what `save` returns and `restore` takes, objects of any kind. Or it advances an engine in place and returns
+    None. The state is then what `save` returns and `restore` takes, an array of shape (n) that holds everything the next step
+    depends on, and y0 may be None.
+
+    Parameters
+    ----------
+    step : as above
+    y0 : the state to look at, shape (n), best an equilibrium; None: the state that the engine has now
+    h0, h1 : the smallest and the largest step size to look at [s]
+    save, restore : as above
+    motion : follow the motion of this length [s] instead of the one state
+    verify : also run the engine on both sides of the limit
+    quaternions : first index of each four numbers of the state that are a unit quaternion
+    scales : sizes of noticeable changes of the state, shape (n)
+    name : of the engine, for `model`
+
+    A state of numpy.float32 says that steps are computed in single precision.
+
+    Returns the keys of `hmax probe --json`: `h_max` and `observed` [s] (inf: no growth up to h1; None: not found), `gap`, `state`
+    ("equilibrium", "initial" or "motion"), `rows` by h, `moving`, `dim`, `steps`, `status`.
+
+    Exceptions of step, save and restore are raised as they are. Raises ValueError for other input that is wrong.
+
+    >>> import hmax
+    >>> import numpy as np
+    >>> def symplectic_euler(y, h):  # x'' = -100 x: stable up to h = 2 / 10
+    ...     v = y[1] - h * 100 * y[0]
+    ...     return np.array([y[0] + h * v, v])
+    >>> found = hmax.probe(symplectic_euler, [0, 0], h0=0.01, h1=1)
+    >>> print(f"{found.h_max:.3f} s, runs show {found.observed:.3f} s")
+    0.200 s, runs show 0.200 s
+    """
+    for function, what in ((step, "step"), (save, "save"), (restore, "restore")):
+        if not callable(function) and not (function is None and what != "step"):
+            raise ValueError(f"{what} is {function!r} but must be a function")
+    if (save is None) != (restore is None):
+        raise ValueError("save and restore belong together; give both, or none of them")
+    if y0 is None and save is None:
+        raise ValueError("y0 is missing; give the state, or save and restore of an engine that keeps it")
+    if number("h0", h0) is None or number("h1", h1) is None:
+        raise ValueError("give the step sizes to look at, such as h0=1e-4 and h1=0.1")
+    start = np.asarray(save() if y0 is None else y0)
+    y = vector("y0" if y0 is not None else "what save returns", start)
+    finite("y0", y)
+    if len(y) == 0:
+        raise ValueError("the state has no numbers; give at least one")
+    in_place = y0 is None or _steps_in_place(step, y, float(h0), save, restore)
+    if in_place and y0 is not None:
+        restore(y.copy())
+    extent = np.empty(0) if scales is None else vector("scales", scales)
+    if scales is not None and (extent.shape != y.shape or not (np.isfinite(extent) & (extent > 0)).all()):
+        raise ValueError(f"scales must be {len(y)} positive numbers, one for each of the state")
+    return answer(
+        _core.probe(
+            step, save, restore, y, in_place, str(name), start.dtype == np.float32, [int(i) for i in quaternions], extent,
+            float(h0), float(h1), number("motion", motion), bool(verify),
+        )
+    )
+
+
+def _steps_in_place(step: Any, y: Any, h: float, save: Any, restore: Any) -> bool:
+    """Whether step returns None; the engine is left as it was."""
+    if save is None:
+        if step(y.copy(), h) is None:
+            raise ValueError("step returned None; return the next state, or give save and restore of the engine that it advances")
+        return False
+    before = save()
+    in_place = step(y.copy(), h) is None
+    restore(before)
+    return in_place
