@@ -32,7 +32,7 @@ py::dict to_dict(const StepAnswer& answer) {
   limit["bound"] = std::string(name_of(answer.bound));
   limit["omega"] = number(mode ? mode->omega : std::nullopt);
   limit["zeta"] = number(mode ? mode->zeta : std::nullopt);
-  limit["mode"] = mode ? py::cast(mode->lambda) : py::none();
+  limit["mode"] = mode ? py::cast(mode->lambda + std::complex<double>(0, 0)) : py::none();  // no -0
   limit["status"] = answer.status;
   limit["method"] = answer.method;
   limit["observed"] = number(answer.observed);

@@ -1,8 +1,33 @@
 /// The extension module hmax._core, which the Python sources of the package call.
+#include <cctype>
+#include <string>
+
 #include <pybind11/pybind11.h>
 
 #include "python/bindings/groups.hpp"
 #include "results/errors.hpp"
+
+namespace {
+
+/// A sentence with arguments for options: "give t_end in seconds" for "give --t-end in seconds".
+std::string with_arguments(const std::string& sentence) {
+  std::string text;
+  bool in_option = false;
+  for (std::size_t i = 0; i < sentence.size(); ++i) {
+    const char c = sentence[i];
+    const bool letter = std::isalnum(static_cast<unsigned char>(c)) != 0;
+    if (sentence.compare(i, 2, "--") == 0 && i + 2 < sentence.size() && std::islower(static_cast<unsigned char>(sentence[i + 2]))) {
+      in_option = true;
+      ++i;
+      continue;
+    }
+    in_option = in_option && (letter || c == '-');
+    text += in_option && c == '-' ? '_' : c;
+  }
+  return text;
+}
+
+}  // namespace
 
 PYBIND11_MODULE(_core, module) {
   namespace py = pybind11;
@@ -13,7 +38,7 @@ PYBIND11_MODULE(_core, module) {
     try {
       std::rethrow_exception(thrown);
     } catch (const hmax::InputError& error) {
-      PyErr_SetString(PyExc_ValueError, error.what());
+      PyErr_SetString(PyExc_ValueError, with_arguments(error.what()).c_str());
     }
   });
   hmax::python::add_methods(module);

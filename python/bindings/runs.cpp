@@ -29,7 +29,9 @@ class PythonSystem {
 
   [[nodiscard]] Index dim() const { return dim_; }
   void rhs(double t, const State& y, State& dydt) const {
-    dydt = call_back([&] { return vector_from((*f_)(t, to_array(y)), "what the right-hand side returns", dim_); });
+    const VectorXd values = call_back(
+        [&] { return vector_from((*f_)(t, to_array(y)), "what the right-hand side returns", dim_); });
+    dydt = values;  // in place: others may hold its address
   }
 
  protected:

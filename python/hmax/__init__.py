@@ -5,21 +5,26 @@ numpy arrays and scipy.sparse matrices go in and come out. Input that is wrong i
 
 from ._answer import Answer
 from ._core import __version__
+from ._models import Body, Mesh, advise, read_mesh
 from ._probe import probe
 from ._runs import Run, integrate
 from ._stability import Limit, Modes, largest_stable_step, limits, methods, modes, region
 
 __all__ = [
     "Answer",
+    "Body",
     "Limit",
+    "Mesh",
     "Modes",
     "Run",
     "__version__",
+    "advise",
     "integrate",
     "largest_stable_step",
     "limits",
     "methods",
     "modes",
     "probe",
+    "read_mesh",
     "region",
 ]

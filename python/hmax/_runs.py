@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 import numpy as np
 
@@ -66,13 +66,9 @@ def integrate(
     >>> print(run.outcome, run.stats["steps"], abs(run.y[-1, 0] - np.cos(2)) < 1e-9)
     reached_end 200 True
     """
-    if (h is None) == (rtol is None):
-        raise ValueError("give either h, a fixed step size, or rtol, a tolerance of adaptive steps")
-    if y0 is None or t_end is None:
-        raise ValueError(f"{'y0' if y0 is None else 't_end'} is missing; give the state at the start and the end of the run")
-    settings = [number(name, value) for name, value in (("t_end", t_end), ("h", h), ("rtol", rtol), ("atol", atol), ("every", every))]
-    if atol is None:
-        settings[3] = settings[2]
+    if y0 is None:
+        raise ValueError("y0 is missing; give the state at the start")
+    settings = run_settings(t_end, h, rtol, atol, every)
     start = vector("y0", y0)
     finite("y0", start)
     if rhs is not None:
@@ -88,6 +84,16 @@ def integrate(
     y = run.pop("y")
     both = [lumped.from_unknowns(y[:, part].T).T for part in (slice(None, n), slice(n, None))]
     return Run(y=np.concatenate(both, axis=1), **run)
+
+
+def run_settings(t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> List[Optional[float]]:
+    """The numbers that a run needs, atol that of rtol where none is given."""
+    if t_end is None:
+        raise ValueError("t_end is missing; give the end of the run in seconds")
+    if (h is None) == (rtol is None):
+        raise ValueError("give either h, a fixed step size, or rtol, a tolerance of adaptive steps")
+    given = (("t_end", t_end), ("h", h), ("rtol", rtol), ("atol", rtol if atol is None else atol), ("every", every))
+    return [number(name, value) for name, value in given]
 
 
 def finite(name: str, values: Any) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, List, Optional
 
 import numpy as np
+import scipy.sparse as sparse
 
 from . import _core
 from ._answer import Answer, answer
@@ -120,7 +121,7 @@ def largest_stable_step(
         return Limit(**_core.limit_of_structure(method_name(method), *structure(K, M, C), bool(verify)))
     if any(given is not None for given in (K, M, C)):
         raise ValueError("J is of a first-order model and K, M and C are of one of second order; give one of them")
-    return Limit(**_core.limit_of_jacobian(method_name(method), matrix("J", J), bool(verify)))
+    return Limit(**_core.limit_of_jacobian(method_name(method), sparse.csc_matrix(matrix("J", J)), bool(verify)))
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,6 @@ def test_what_numpy_holds_otherwise_is_taken_as_it_is_meant():
         wide[::2, ::2],
         GOOD.T,
         GOOD.tolist(),
-        np.matrix(GOOD),
         sparse.csr_matrix(GOOD.astype(np.int16)),
         sparse.lil_matrix(GOOD),
         sparse.csr_array(GOOD),

@@ -1,0 +1,216 @@
+"""Meshes, bodies of soft tissue, and advice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _core
+from ._answer import Answer, answer
+from ._arguments import count, number, vector
+from ._runs import Run, finite, run_settings
+from ._stability import method_name
+
+Unit = Union[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A tetrahedral mesh."""
+
+    name: str
+    """The name or the file that it was asked for by."""
+    unit: Optional[float]
+    """Metres in one unit of its file; None of meshes by name."""
+    points: Any
+    """Positions at rest [m], shape (points, 3)."""
+    tetrahedra: Any
+    """Four points each, from 0, shape (tetrahedra, 4)."""
+    regions: Any
+    """Of each tetrahedron the material that it is made of, shape (tetrahedra)."""
+
+
+def read_mesh(path: Any, unit: Optional[Unit] = None) -> Mesh:
+    """A mesh by name, such as "liver" or "ball:n=6", or from a file, as `hmax mesh` takes it.
+
+    Parameters
+    ----------
+    path : a name, or a file: Gmsh, VTK, TetGen, Medit, Vega
+    unit : of a file, which does not say it: "m", "cm", "mm" or a number of metres
+
+    The points of a file are renumbered for locality, and defects are refused.
+
+    Raises ValueError with file, line and remedy.
+
+    >>> import hmax
+    >>> mesh = hmax.read_mesh("liver")
+    >>> mesh.points.shape, mesh.tetrahedra.shape
+    ((299, 3), (1151, 4))
+    """
+    metres = _metres(unit)
+    name, points, tetrahedra, regions = _core.read_mesh(str(path), metres)
+    return Mesh(name, metres, points, tetrahedra, regions)
+
+
+class Body:
+    """Soft tissue on a mesh, M q'' = F(q, v): displacements q and velocities v of the points that are free to move.
+
+    Parameters
+    ----------
+    mesh : a Mesh, or what read_mesh() takes
+    model : "fem_green" (default), "fem_cauchy", "fem_corotational", "fem_neo_hookean" or "mass_spring"
+    material : such as "liver:male_normal"; see `hmax list materials`
+    load : such as "gravity" or "press"
+    unit : of a mesh file, as of read_mesh()
+    gravity : [m/s2], shape (3)
+    supports : sets of points that are fixed, as `--support` of the program takes them
+    parameters : others by name, such as E [Pa], nu, rho [kg/m3], alpha [1/s], beta [s]; see docs/reference/tissue.md
+
+    Raises ValueError for unknown names, and for numbers that make no body.
+
+    >>> import hmax
+    >>> body = hmax.Body("liver", "fem_corotational", E=5500, alpha=0, beta=0)
+    >>> limit = hmax.largest_stable_step("symplectic_euler", body.K(), body.M(), body.C())
+    >>> print(f"{body.dofs} unknowns, h_max = {1000 * limit.h_max:.2f} ms")
+    849 unknowns, h_max = 2.28 ms
+    """
+
+    def __init__(
+        self,
+        mesh: Union[Mesh, Any],
+        model: str = "",
+        material: str = "",
+        load: str = "",
+        unit: Optional[Unit] = None,
+        gravity: Optional[Sequence[float]] = None,
+        supports: Sequence[str] = (),
+        **parameters: float,
+    ) -> None:
+        name, metres = (mesh.name, mesh.unit) if isinstance(mesh, Mesh) else (str(mesh), _metres(unit))
+        down = None if gravity is None else vector("gravity", gravity)
+        if down is not None and len(down) != 3:
+            raise ValueError(f"gravity has {len(down)} numbers but is a vector of three, such as (0, -9.81, 0)")
+        sets = [supports] if isinstance(supports, str) else [str(each) for each in supports]
+        self._core = _core.Body(name, str(model), str(material), str(load), _values(parameters), down, sets, metres)
+
+    @property
+    def id(self) -> str:
+        """MODEL@MESH, as --problem of the program takes it."""
+        return self._core.id
+
+    @property
+    def dofs(self) -> int:
+        """Numbers of q."""
+        return self._core.dofs
+
+    @property
+    def free_points(self) -> Any:
+        """The points of the mesh that q moves, three numbers each, in its order, shape (dofs / 3)."""
+        return self._core.free_points
+
+    def K(self, q: Any = None, v: Any = None, t: float = 0) -> Any:
+        """Stiffness -dF/dq [N/m] at displacements q and velocities v, at rest by default, sparse of shape (dofs, dofs)."""
+        return self._core.K(_state(q, "q"), _state(v, "v"), float(t))
+
+    def M(self) -> Any:
+        """Lumped masses [kg], sparse of shape (dofs, dofs)."""
+        return self._core.M()
+
+    def C(self, q: Any = None, v: Any = None, t: float = 0) -> Any:
+        """Damping -dF/dv [N s/m], as K()."""
+        return self._core.C(_state(q, "q"), _state(v, "v"), float(t))
+
+    def force(self, q: Any = None, v: Any = None, t: float = 0) -> Any:
+        """F(t, q, v) [N], shape (dofs)."""
+        return self._core.force(_state(q, "q"), _state(v, "v"), float(t))
+
+    def integrate(
+        self,
+        method: str,
+        t_end: float,
+        h: Optional[float] = None,
+        rtol: Optional[float] = None,
+        atol: Optional[float] = None,
+        q0: Any = None,
+        v0: Any = None,
+        every: Optional[float] = None,
+    ) -> Run:
+        """The motion of the body, as integrate(): states are q, then v; at rest at the start by default."""
+        parts = [np.zeros(self.dofs) if given is None else vector(name, given) for name, given in (("q0", q0), ("v0", v0))]
+        for name, part in zip(("q0", "v0"), parts):
+            if len(part) != self.dofs:
+                raise ValueError(f"{name} has {len(part)} numbers but must have {self.dofs}, those of q")
+            finite(name, part)
+        settings = run_settings(t_end, h, rtol, atol, every)
+        return Run(**self._core.run(method_name(method), np.concatenate(parts), *settings))
+
+
+def advise(
+    model: Union[Body, str],
+    rate: float,
+    tolerance: Optional[float] = None,
+    budget: Optional[float] = None,
+    methods: Sequence[str] = (),
+    frames: int = 1000,
+    material: str = "",
+    y0: Optional[Sequence[float]] = None,
+    **parameters: float,
+) -> Answer:
+    """Which integrator, and how large a step, for a model and a frame rate, as `hmax advise --json`.
+
+    It takes some seconds to minutes: candidates are run and timed.
+
+    Parameters
+    ----------
+    model : a Body, or the id of a problem, a file of formulas or matrices, as --problem of the program takes them
+    rate : frames a second [Hz]
+    tolerance : largest error of the motion, relative to the largest displacement of a body, or to the range of each state; 0.01 by
+        default
+    budget : CPU time of a frame [ms]; given without tolerance, methods are ranked by error; the whole frame by default
+    methods : to choose from; by default those that simulators use
+    frames : number of frames that the best methods are timed for
+    material, y0, parameters : of a problem by id
+
+    `recommended` is a row of `rows`, or None; then `remedies` says what would help.
+
+    Raises ValueError for input that is wrong.
+
+    >>> import hmax
+    >>> advice = hmax.advise("liver_forced", rate=100, methods=["rk4"], frames=50)
+    >>> print(advice.recommended.method, advice.recommended.verdict, advice.recommended.bound)
+    rk4 recommended rate
+    """
+    hertz = _within("rate", rate, 1, 1e5)
+    allowed = 0.01 if tolerance is None else _within("tolerance", tolerance, 1e-10, 1)
+    milliseconds = None if budget is None else _within("budget", budget, 1e-6, 1e9)
+    names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
+    question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6))
+    if isinstance(model, Body):
+        if material or y0 is not None or parameters:
+            raise ValueError("a Body has its material and parameters already; give them to Body")
+        return answer(model._core.advise(*question))
+    if not isinstance(model, str):
+        raise ValueError(f"the model is {model!r} but must be a Body or the id of a problem, such as 'liver_forced'")
+    start = [] if y0 is None else vector("y0", y0).tolist()
+    return answer(_core.advise(model, str(material), _values(parameters), start, *question))
+
+
+def _state(given: Any, name: str) -> Any:
+    return None if given is None else vector(name, given)
+
+
+def _values(parameters: Mapping[str, Any]) -> Sequence[Any]:
+    return [(name, number(name, value)) for name, value in parameters.items()]
+
+
+def _within(name: str, given: Any, least: float, most: float) -> float:
+    value = number(name, given)
+    if value is None or not least <= value <= most:
+        raise ValueError(f"{name} is {given} but must lie between {least:g} and {most:g}")
+    return value
+
+
+def _metres(unit: Optional[Unit]) -> Optional[float]:
+    return None if unit is None else _core.unit_in_metres(str(unit))

@@ -1,0 +1,142 @@
+"""Meshes, bodies and advice against differences, sums and the program."""
+
+import json
+
+import hmax
+import numpy as np
+import pytest
+import scipy.sparse as sparse
+
+GMSH = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+5
+1 0 0 0
+2 10 0 0
+3 0 10 0
+4 0 0 10
+5 10 10 10
+$EndNodes
+$Elements
+2
+1 4 2 1 1 1 2 3 4
+2 4 2 1 1 2 3 4 5
+$EndElements
+"""
+
+
+def test_meshes_by_name_have_the_published_counts():
+    liver = hmax.read_mesh("liver")
+    assert liver.points.shape == (299, 3) and liver.tetrahedra.shape == (1151, 4) and liver.regions.shape == (1151,)
+    corners = liver.points[liver.tetrahedra]
+    assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
+
+
+def test_a_mesh_file_is_read_in_the_unit_that_is_told(tmp_path):
+    file = tmp_path / "two.msh"
+    file.write_text(GMSH)
+    mesh = hmax.read_mesh(file, unit="mm")
+    assert sorted(map(tuple, mesh.points.round(9))) == [
+        (0, 0, 0), (0, 0, 0.01), (0, 0.01, 0), (0.01, 0, 0), (0.01, 0.01, 0.01)
+    ]
+    assert hmax.read_mesh(file, unit=0.001).points.max() == mesh.points.max()
+    with pytest.raises(ValueError, match="unit"):
+        hmax.read_mesh(file)
+    with pytest.raises(ValueError, match="furlong"):
+        hmax.read_mesh(file, unit="furlong")
+    body = hmax.Body(mesh, "fem_green", supports=["points:1"])
+    assert body.dofs == 12
+    file.write_text(GMSH.replace("2 4 2 1 1 2 3 4 5", "2 4 2 1 1 2 3 4 99"))
+    with pytest.raises(ValueError, match="two.msh"):
+        hmax.read_mesh(file, unit="mm")
+
+
+def test_forces_are_those_of_the_stiffness_and_the_damping():
+    body = hmax.Body("phantom", "fem_neo_hookean", E=5500, nu=0.4, alpha=0.1, beta=0.01)
+    generator = np.random.default_rng(1)
+    q, v, d = (scale * generator.standard_normal(body.dofs) for scale in (1e-3, 1e-2, 1))
+    e = 1e-6
+    dq = (body.force(q + e * d, v) - body.force(q - e * d, v)) / (2 * e)
+    dv = (body.force(q, v + e * d) - body.force(q, v - e * d)) / (2 * e)
+    np.testing.assert_allclose(-(body.K(q, v) @ d), dq, rtol=1e-5, atol=1e-5 * np.abs(dq).max())
+    np.testing.assert_allclose(-(body.C(q, v) @ d), dv, rtol=1e-5, atol=1e-5 * np.abs(dv).max())
+    assert sparse.issparse(body.K()) and body.K().shape == (body.dofs, body.dofs)
+    assert len(body.free_points) == body.dofs // 3
+
+
+def test_masses_are_those_of_the_volumes():
+    # Supported points have mass too: half the body is held in none of the masses of M.
+    mesh = hmax.read_mesh("phantom")
+    body = hmax.Body(mesh, "fem_green", rho=1060)
+    corners = mesh.points[mesh.tetrahedra]
+    volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6
+    masses = np.zeros(len(mesh.points))
+    np.add.at(masses, mesh.tetrahedra.ravel(), np.repeat(1060 * volumes / 4, 4))
+    np.testing.assert_allclose(body.M().diagonal()[::3], masses[body.free_points], rtol=1e-10)
+
+
+def test_the_limit_of_a_body_is_that_of_the_program(program):
+    body = hmax.Body("phantom", "fem_corotational", E=4000, g=0)
+    limit = hmax.largest_stable_step("rk4", body.K(), body.M(), body.C())
+    told = program("stability", "predict", "--mesh", "phantom", "--model", "fem_corotational", "--set", "E=4000", "--set", "g=0", "--methods", "rk4", "--json")
+    assert limit.h_max == pytest.approx(json.loads(told.stdout)["rows"][0]["h_max"], rel=1e-9)
+
+
+def test_a_body_moves_as_its_matrices_do():
+    body = hmax.Body("phantom", "fem_cauchy", E=4000, alpha=0, beta=0, g=0)  # linear
+    v0 = np.random.default_rng(2).standard_normal(body.dofs)
+    run = body.integrate("rk4", 0.01, h=1e-4, v0=v0)
+    other = hmax.integrate("rk4", K=body.K(), M=body.M(), y0=np.concatenate([0 * v0, v0]), t_end=0.01, h=1e-4)
+    assert run.outcome == other.outcome == "reached_end"
+    np.testing.assert_allclose(run.y[-1], other.y[-1], rtol=1e-6, atol=1e-9 * np.abs(other.y[-1]).max())
+
+
+def test_advice_has_the_keys_of_the_program(program):
+    told = json.loads(
+        program("advise", "--problem", "liver_forced", "--rate", "100", "--methods", "rk4,newmark", "--frames", "50", "--json").stdout
+    )
+    found = hmax.advise("liver_forced", rate=100, methods=["rk4", "newmark"], frames=50)
+    assert list(found) == list(told)
+    for ours, theirs in zip(sorted(found.rows, key=lambda row: row.method), sorted(told["rows"], key=lambda row: row["method"])):
+        assert list(ours) == list(theirs)
+        assert ours.h_max == pytest.approx(theirs["h_max"]) if theirs["h_max"] != "unbounded" else ours.h_max == np.inf
+
+
+def test_advice_takes_a_body():
+    body = hmax.Body("phantom", "mass_spring", material="liver:male_normal")
+    found = hmax.advise(body, rate=30, methods=["symplectic_euler"], frames=20)
+    assert found.model == body.id and found.recommended.method == "symplectic_euler"
+    limit = hmax.largest_stable_step("symplectic_euler", body.K(), body.M(), body.C())
+    assert found.recommended.h < 1.5 * limit.h_max
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: hmax.Body("lver"), "did you mean 'liver'"),
+        (lambda: hmax.Body("liver", "fem_gren"), "fem_green"),
+        (lambda: hmax.Body("liver", stiffness=3), "unknown parameter 'stiffness'"),
+        (lambda: hmax.Body("liver", E="soft"), "must be a number"),
+        (lambda: hmax.Body("liver", E=np.nan), "E"),
+        (lambda: hmax.Body("liver", gravity=[1, 2]), "vector of three"),
+        (lambda: hmax.Body("liver", supports=["nowhere"]), "nowhere"),
+        (lambda: hmax.Body("liver", unit="mm"), "metres"),
+        (lambda: hmax.Body(None), "None"),
+        (lambda: hmax.Body("phantom").K(q=[1, 2]), "q has 2 numbers but must have"),
+        (lambda: hmax.Body("phantom").force(v="x"), "no real numbers"),
+        (lambda: hmax.Body("phantom").integrate("rk4", 1, h=0.1, q0=[1]), "q0 has 1 numbers"),
+        (lambda: hmax.read_mesh("no.msh", unit="mm"), "no.msh"),
+        (lambda: hmax.advise("liver_forced", rate=0), "rate is 0"),
+        (lambda: hmax.advise("liver_forced", rate=None), "rate is None"),
+        (lambda: hmax.advise("liver_forced", rate=100, tolerance=2), "tolerance is 2"),
+        (lambda: hmax.advise("liver_forced", rate=100, methods=["rk44"]), "rk4"),
+        (lambda: hmax.advise("liver_forcd", rate=100), "liver_forced"),
+        (lambda: hmax.advise(3, rate=100), "must be a Body"),
+        (lambda: hmax.advise("liver_forced", rate=100, k9=3), "k9"),
+        (lambda: hmax.advise("liver_forced", rate=100, frames=0), "frames"),
+    ],
+)
+def test_wrong_input_is_told(call, words):
+    with pytest.raises(ValueError, match=words):
+        call()
