@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 
 class Answer(Dict[str, Any]):
@@ -18,10 +18,19 @@ class Answer(Dict[str, Any]):
             raise AttributeError(f"the answer has no {name!r}; it has {', '.join(self)}") from None
 
 
-def answer(document: Any) -> Any:
+def answer(document: Dict[str, Any]) -> Answer:
     """The same document with Answer for dict."""
-    if isinstance(document, dict):
-        return Answer((key, answer(value)) for key, value in document.items())
-    if isinstance(document, list):
-        return [answer(value) for value in document]
-    return document
+    return Answer((key, _converted(value)) for key, value in document.items())
+
+
+def answers(documents: List[Dict[str, Any]]) -> List[Answer]:
+    """The same of a list of documents."""
+    return [answer(document) for document in documents]
+
+
+def _converted(value: Any) -> Any:
+    if isinstance(value, dict):
+        return answer(value)
+    if isinstance(value, list):
+        return [_converted(each) for each in value]
+    return value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
@@ -98,12 +98,12 @@ class Body:
     @property
     def id(self) -> str:
         """MODEL@MESH, as --problem of the program takes it."""
-        return self._core.id
+        return str(self._core.id)
 
     @property
     def dofs(self) -> int:
         """Numbers of q."""
-        return self._core.dofs
+        return int(self._core.dofs)
 
     @property
     def free_points(self) -> Any:
@@ -171,7 +171,7 @@ def advise(
     budget : CPU time of a frame [ms]; given without tolerance, methods are ranked by error; the whole frame by default
     methods : to choose from; by default those that simulators use
     frames : number of frames that the best methods are timed for
-    material, y0, parameters : of a problem by id
+    material, y0, parameters : of a problem by id, as of `hmax list problems`
 
     `recommended` is a row of `rows`, or None; then `remedies` says what would help.
 

@@ -69,13 +69,13 @@ def probe(
         raise ValueError("y0 is missing; give the state, or save and restore of an engine that keeps it")
     if number("h0", h0) is None or number("h1", h1) is None:
         raise ValueError("give the step sizes to look at, such as h0=1e-4 and h1=0.1")
-    start = np.asarray(save() if y0 is None else y0)
+    start = np.asarray(save() if y0 is None and save else y0)
     y = vector("y0" if y0 is not None else "what save returns", start)
     finite("y0", y)
     if len(y) == 0:
         raise ValueError("the state has no numbers; give at least one")
     in_place = y0 is None or _steps_in_place(step, y, float(h0), save, restore)
-    if in_place and y0 is not None:
+    if in_place and y0 is not None and restore:
         restore(y.copy())
     extent = np.empty(0) if scales is None else vector("scales", scales)
     if scales is not None and (extent.shape != y.shape or not (np.isfinite(extent) & (extent > 0)).all()):

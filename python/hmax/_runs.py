@@ -51,7 +51,7 @@ def integrate(
     rhs : function of t [s] and y, shape (n), that returns y', shape (n)
     y0 : state at t = 0, shape (n); of K and M the displacements, then the velocities, shape (2 n)
     t_end : end of the run [s]
-    h : fixed step size [s]; or
+    h : fixed step size [s]; without it steps are adaptive
     rtol, atol : tolerances of adaptive steps; atol is rtol by default
     jacobian : function of t and y that returns d rhs / d y, shape (n, n), dense or of scipy.sparse; by default implicit methods
         take differences
@@ -104,6 +104,5 @@ def finite(name: str, values: Any) -> None:
 
 
 def _as_matrices(jacobian: Optional[Callable[[float, Any], Matrix]]) -> Optional[Callable[[float, Any], Any]]:
-    if jacobian is None:
-        return None
-    return lambda t, y: matrix("the Jacobian", jacobian(t, y))
+    given = jacobian
+    return None if given is None else lambda t, y: matrix("the Jacobian", given(t, y))

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from . import _core
-from ._answer import Answer, answer
+from ._answer import Answer, answer, answers
 from ._arguments import Matrix, count as whole, matrix, structure
 from ._masses import with_lumped_masses
 
@@ -24,7 +24,7 @@ def methods() -> List[Answer]:
     >>> [method.id for method in hmax.methods() if method.family == "rosenbrock" and method.order == 2]
     ['rosenbrock_23']
     """
-    return answer(_core.methods())
+    return answers(_core.methods())
 
 
 def limits(method: str) -> Answer:
@@ -88,6 +88,7 @@ class Limit:
     status: str
     """What else is to be said; often empty."""
     method: str
+    """Its name in the catalogue."""
     observed: Optional[float] = None
     """The limit that runs show [s], with verify=True; None where none was shown."""
 
