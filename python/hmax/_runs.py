@@ -104,5 +104,11 @@ def finite(name: str, values: Any) -> None:
 
 
 def _as_matrices(jacobian: Optional[Callable[[float, Any], Matrix]]) -> Optional[Callable[[float, Any], Any]]:
-    given = jacobian
-    return None if given is None else lambda t, y: matrix("the Jacobian", given(t, y))
+    if jacobian is None:
+        return None
+    own = jacobian
+
+    def at(t: float, y: Any) -> Any:
+        return matrix("the Jacobian", own(t, y))
+
+    return at
