@@ -12,7 +12,8 @@ Remaking remaking(const std::string& id, const ProblemSettings& settings) {
   make.with = [id, settings](const std::vector<std::pair<std::string, double>>& values) {
     ProblemSettings changed = settings;
     for (const auto& value : values) {
-      std::erase_if(changed.parameters, [&](const auto& parameter) { return parameter.first == value.first; });
+      std::erase_if(changed.parameters,
+                    [&](const auto& parameter) { return parameter.first == value.first; });
       changed.parameters.push_back(value);
     }
     return make_problem(id, changed);

@@ -7,7 +7,8 @@
 
 namespace hmax {
 
-/// How the problem of make_problem(id, settings) is made again: with other parameters and, of a body, on other meshes.
+/// How the problem of make_problem(id, settings) is made again: with other parameters and, of a body, on
+/// other meshes.
 Remaking remaking(const std::string& id, const ProblemSettings& settings);
 
 }  // namespace hmax

@@ -46,7 +46,8 @@ Json limits_json(const Formula& formula, const StabilityLimits& limits) {
   return document;
 }
 
-Json region_json(const std::string& method, const PlaneWindow& window, const std::vector<RegionCurve>& curves) {
+Json region_json(const std::string& method, const PlaneWindow& window,
+                 const std::vector<RegionCurve>& curves) {
   Json list = Json::array(), about = Json::array();
   for (const RegionCurve& curve : curves) {
     Json points = Json::array();

@@ -70,18 +70,20 @@ py::object to_python(const nlohmann::ordered_json& document) {
   return py::str(document.get<std::string>());
 }
 
-py::array_t<double> to_array(const Eigen::VectorXd& values) { return py::array_t<double>(values.size(), values.data()); }
+py::array_t<double> to_array(const Eigen::VectorXd& values) {
+  return py::array_t<double>(values.size(), values.data());
+}
 
 Eigen::VectorXd vector_from(const py::handle& given, std::string_view what, Eigen::Index size) {
   const py::array array = py::array::ensure(given);
   if (!array || std::string_view("biuf").find(array.dtype().kind()) == std::string_view::npos)
     throw std::invalid_argument(fmt::format("{} holds no real numbers; give an array of floats", what));
   if (array.ndim() != 1)
-    throw std::invalid_argument(
-        fmt::format("{} has {} dimensions but must have one; give one number for each unknown", what, array.ndim()));
+    throw std::invalid_argument(fmt::format(
+        "{} has {} dimensions but must have one; give one number for each unknown", what, array.ndim()));
   if (size >= 0 && array.size() != size)
-    throw std::invalid_argument(fmt::format("{} has {} numbers but must have {}; give one number for each unknown", what,
-                                            array.size(), size));
+    throw std::invalid_argument(fmt::format(
+        "{} has {} numbers but must have {}; give one number for each unknown", what, array.size(), size));
   const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
   if (!numbers) throw py::error_already_set();
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), numbers.size());

@@ -5,6 +5,8 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -12,8 +14,6 @@
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
 
 #include "core/parallel_for.hpp"
 
@@ -36,12 +36,14 @@ namespace detail {
 /// Starts `task` on a thread of its own. The end of the process waits for no thread.
 void start(std::function<void()> task);
 /// Waits without the GIL until `is_ready`, which waits a moment itself.
-/// @throws py::error_already_set  KeyboardInterrupt, or what another handler of a signal raises; `stop` is set then
+/// @throws py::error_already_set  KeyboardInterrupt, or what another handler of a signal raises; `stop` is
+/// set then
 void wait(const std::function<bool()>& is_ready, Stop& stop);
 }  // namespace detail
 
-/// The result of work(stop), which runs on another thread while this one waits for it and for signals. For what calls no
-/// Python. Work that was interrupted and does not look at `stop` goes on by itself: it must own what it reads.
+/// The result of work(stop), which runs on another thread while this one waits for it and for signals. For
+/// what calls no Python. Work that was interrupted and does not look at `stop` goes on by itself: it must own
+/// what it reads.
 /// @throws what `work` throws, and as detail::wait()
 template <class Work>
 auto in_background(Work work) {
@@ -51,11 +53,13 @@ auto in_background(Work work) {
       [work = std::move(work), stop]() mutable { return work(static_cast<const Stop&>(*stop)); });
   std::future<Result> result = task->get_future();
   detail::start([task] { (*task)(); });
-  detail::wait([&] { return result.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready; }, *stop);
+  detail::wait([&] { return result.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready; },
+               *stop);
   return result.get();
 }
 
-/// The result of work() on this thread, without the GIL. For what calls Python back: all calls come from this thread.
+/// The result of work() on this thread, without the GIL. For what calls Python back: all calls come from this
+/// thread.
 template <class Work>
 auto with_callbacks(const Work& work) {
   const OneThread alone;

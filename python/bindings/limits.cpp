@@ -1,10 +1,10 @@
 /// The largest stable step and the modes of matrices.
 #include <cmath>
-
-#include <fmt/format.h>
 #include <pybind11/complex.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
+
+#include <fmt/format.h>
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "bench/limits/largest_stable_step.hpp"
@@ -41,24 +41,28 @@ py::dict to_dict(const StepAnswer& answer) {
 
 py::dict limit_of_structure(const std::string& method, StructureMatrix K, StructureMatrix M,
                             std::optional<StructureMatrix> C, bool verify) {
-  return to_dict(in_background([=, K = std::move(K), M = std::move(M), C = std::move(C)](const Stop&) mutable {
-    const bool damped = C.has_value();
-    return hmax::detail::step_of_structure(
-        method, hmax::detail::structure_system(std::move(K), std::move(M), damped ? std::move(*C) : StructureMatrix(), damped),
-        {.verify = verify});
-  }));
+  return to_dict(
+      in_background([=, K = std::move(K), M = std::move(M), C = std::move(C)](const Stop&) mutable {
+        const bool damped = C.has_value();
+        return hmax::detail::step_of_structure(
+            method,
+            hmax::detail::structure_system(std::move(K), std::move(M),
+                                           damped ? std::move(*C) : StructureMatrix(), damped),
+            {.verify = verify});
+      }));
 }
 
 /// @throws std::invalid_argument  for a matrix that is not square or not finite
 void check_jacobian(const Sparse& J) {
   if (J.rows() != J.cols() || J.rows() == 0)
-    throw std::invalid_argument(
-        fmt::format("J has the shape {} x {} but must be square, a row and a column for each state", J.rows(), J.cols()));
+    throw std::invalid_argument(fmt::format(
+        "J has the shape {} x {} but must be square, a row and a column for each state", J.rows(), J.cols()));
   for (Index j = 0; j < J.cols(); ++j)
     for (Sparse::InnerIterator entry(J, j); entry; ++entry)
       if (!std::isfinite(entry.value()))
-        throw std::invalid_argument(fmt::format("J has {} at row {}, column {} (counted from 1); every entry must be finite",
-                                                entry.value(), entry.row() + 1, j + 1));
+        throw std::invalid_argument(
+            fmt::format("J has {} at row {}, column {} (counted from 1); every entry must be finite",
+                        entry.value(), entry.row() + 1, j + 1));
 }
 
 py::dict limit_of_jacobian(const std::string& method, Sparse J, bool verify) {
@@ -79,11 +83,14 @@ Modes modes_of(const AnySystem& structure, Index count, bool fastest) {
   const LinearModel model = linearise(structure, 0, VectorXd::Zero(structure.dim()));
   const MechanicalPart& part = *model.mechanical;
   if (!part.symmetric)
-    throw InputError("K and C are not both symmetric, so there are no modes of free motion; largest_stable_step takes such "
-                     "matrices");
-  const ExtremeStiffnesses found = fastest ? largest_stiffnesses(part, count) : smallest_stiffnesses(part, count);
+    throw InputError(
+        "K and C are not both symmetric, so there are no modes of free motion; largest_stable_step takes such "
+        "matrices");
+  const ExtremeStiffnesses found =
+      fastest ? largest_stiffnesses(part, count) : smallest_stiffnesses(part, count);
   if (!found.converged)
-    throw InputError(fmt::format("the modes of {} unknowns did not converge; ask for fewer", structure.dofs()));
+    throw InputError(
+        fmt::format("the modes of {} unknowns did not converge; ask for fewer", structure.dofs()));
   Modes modes{VectorXd(count), VectorXd::Zero(count), found.shapes};
   for (Index i = 0; i < count; ++i) {
     const VectorXd u = found.shapes.col(i);
@@ -94,11 +101,12 @@ Modes modes_of(const AnySystem& structure, Index count, bool fastest) {
   return modes;
 }
 
-py::tuple modes(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C, Index count, bool fastest) {
+py::tuple modes(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C, Index count,
+                bool fastest) {
   Modes found = in_background([=, K = std::move(K), M = std::move(M), C = std::move(C)](const Stop&) mutable {
     const bool damped = C.has_value();
-    const AnySystem structure =
-        hmax::detail::structure_system(std::move(K), std::move(M), damped ? std::move(*C) : StructureMatrix(), damped);
+    const AnySystem structure = hmax::detail::structure_system(
+        std::move(K), std::move(M), damped ? std::move(*C) : StructureMatrix(), damped);
     return modes_of(structure, std::min(count, structure.dofs()), fastest);
   });
   return py::make_tuple(std::move(found.omega), std::move(found.zeta), std::move(found.shapes));

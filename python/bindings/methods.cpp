@@ -30,12 +30,14 @@ Json region_of(const std::string& name, int cells) {
 }  // namespace
 
 void add_methods(py::module_& module) {
-  module.def("methods", [] { return to_python(in_background([](const Stop&) { return rows_of_methods(); })); });
+  module.def("methods",
+             [] { return to_python(in_background([](const Stop&) { return rows_of_methods(); })); });
   module.def("limits", [](std::string method) {
     return to_python(in_background([method = std::move(method)](const Stop&) { return limits_of(method); }));
   });
   module.def("region", [](std::string method, int cells) {
-    return to_python(in_background([method = std::move(method), cells](const Stop&) { return region_of(method, cells); }));
+    return to_python(
+        in_background([method = std::move(method), cells](const Stop&) { return region_of(method, cells); }));
   });
 }
 

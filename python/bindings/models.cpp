@@ -2,10 +2,10 @@
 #include <array>
 #include <cmath>
 #include <optional>
-
-#include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
+
+#include <fmt/format.h>
 
 #include "bench/advice/advise.hpp"
 #include "bench/advice/remaking.hpp"
@@ -45,10 +45,10 @@ struct Body {
   [[nodiscard]] const TissueBody& tissue() const { return *problem.body; }
 };
 
-std::shared_ptr<Body> make_body(const std::string& mesh, const std::string& model, const std::string& material,
-                                const std::string& load, const Values& parameters,
-                                const std::optional<std::array<double, 3>>& gravity, const std::vector<std::string>& supports,
-                                std::optional<double> unit) {
+std::shared_ptr<Body> make_body(const std::string& mesh, const std::string& model,
+                                const std::string& material, const std::string& load,
+                                const Values& parameters, const std::optional<std::array<double, 3>>& gravity,
+                                const std::vector<std::string>& supports, std::optional<double> unit) {
   Recipe recipe{tissue_id(model, mesh, load),
                 {.material = material, .parameters = parameters, .y0 = {}, .unit = unit}};
   for (std::size_t i = 0; gravity && i < gravity->size(); ++i)
@@ -77,19 +77,22 @@ Result at_state(const Body& body, const py::object& q, const py::object& v, doub
 }
 
 Sparse stiffness(const Body& body, const py::object& q, const py::object& v, double t) {
-  return at_state<Sparse>(body, q, v, t, [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
-                                            Sparse& K) { tissue.stiffness(at, x, y, K); });
+  return at_state<Sparse>(body, q, v, t,
+                          [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
+                             Sparse& K) { tissue.stiffness(at, x, y, K); });
 }
 Sparse damping(const Body& body, const py::object& q, const py::object& v, double t) {
-  return at_state<Sparse>(body, q, v, t, [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
-                                            Sparse& C) { tissue.damping(at, x, y, C); });
+  return at_state<Sparse>(body, q, v, t,
+                          [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
+                             Sparse& C) { tissue.damping(at, x, y, C); });
 }
 VectorXd force(const Body& body, const py::object& q, const py::object& v, double t) {
-  return at_state<VectorXd>(body, q, v, t, [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y,
-                                              VectorXd& f) {
-    f.resize(tissue.dofs());
-    tissue.force(at, x, y, f);
-  });
+  return at_state<VectorXd>(
+      body, q, v, t,
+      [](const TissueBody& tissue, double at, const VectorXd& x, const VectorXd& y, VectorXd& f) {
+        f.resize(tissue.dofs());
+        tissue.force(at, x, y, f);
+      });
 }
 Sparse mass(const Body& body) {
   Sparse M(body.tissue().dofs(), body.tissue().dofs());
@@ -97,8 +100,9 @@ Sparse mass(const Body& body) {
   return M;
 }
 
-py::dict run_body(const Body& body, const std::string& method, VectorXd y0, double t_end, std::optional<double> h,
-                  std::optional<double> rtol, std::optional<double> atol, std::optional<double> every) {
+py::dict run_body(const Body& body, const std::string& method, VectorXd y0, double t_end,
+                  std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
+                  std::optional<double> every) {
   Problem problem = body.problem;
   problem.y0 = std::move(y0);
   return run_problem(method, std::move(problem), spec_of(t_end, h, rtol, atol, every));
@@ -117,8 +121,9 @@ py::tuple read_mesh(const std::string& text, std::optional<double> unit) {
   return py::make_tuple(loaded.name, points, tetrahedra, regions);
 }
 
-AdviceQuestion question_of(const Problem& problem, double rate, double tolerance, std::optional<double> budget_ms,
-                           bool least_error, const std::vector<std::string>& names, std::size_t frames) {
+AdviceQuestion question_of(const Problem& problem, double rate, double tolerance,
+                           std::optional<double> budget_ms, bool least_error,
+                           const std::vector<std::string>& names, std::size_t frames) {
   AdviceQuestion question;
   question.rate = rate;
   question.tolerance = tolerance;
@@ -152,21 +157,22 @@ py::object advise_on(const Recipe& recipe, const Asked& asked) {
   return to_python(in_background([=](const Stop& stop) {
     const Problem problem = recipe.make();
     return advice_of(problem,
-                     question_of(problem, asked.rate, asked.tolerance, asked.budget_ms, asked.least_error, asked.methods,
-                                 asked.frames),
+                     question_of(problem, asked.rate, asked.tolerance, asked.budget_ms, asked.least_error,
+                                 asked.methods, asked.frames),
                      remaking(recipe.id, recipe.settings), stop);
   }));
 }
 
 py::object advise_named(const std::string& id, const std::string& material, const Values& parameters,
-                        const std::vector<double>& y0, double rate, double tolerance, std::optional<double> budget_ms,
-                        bool least_error, std::vector<std::string> methods, std::size_t frames) {
+                        const std::vector<double>& y0, double rate, double tolerance,
+                        std::optional<double> budget_ms, bool least_error, std::vector<std::string> methods,
+                        std::size_t frames) {
   return advise_on({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
                    {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
 }
 
-py::object advise_body(const Body& body, double rate, double tolerance, std::optional<double> budget_ms, bool least_error,
-                       std::vector<std::string> methods, std::size_t frames) {
+py::object advise_body(const Body& body, double rate, double tolerance, std::optional<double> budget_ms,
+                       bool least_error, std::vector<std::string> methods, std::size_t frames) {
   return advise_on(body.recipe, {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
 }
 

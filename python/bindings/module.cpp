@@ -1,8 +1,7 @@
 /// The extension module hmax._core, which the Python sources of the package call.
 #include <cctype>
-#include <string>
-
 #include <pybind11/pybind11.h>
+#include <string>
 
 #include "python/bindings/groups.hpp"
 #include "results/errors.hpp"
@@ -16,7 +15,8 @@ std::string with_arguments(const std::string& sentence) {
   for (std::size_t i = 0; i < sentence.size(); ++i) {
     const char c = sentence[i];
     const bool letter = std::isalnum(static_cast<unsigned char>(c)) != 0;
-    if (sentence.compare(i, 2, "--") == 0 && i + 2 < sentence.size() && std::islower(static_cast<unsigned char>(sentence[i + 2]))) {
+    if (sentence.compare(i, 2, "--") == 0 && i + 2 < sentence.size() &&
+        std::islower(static_cast<unsigned char>(sentence[i + 2]))) {
       in_option = true;
       ++i;
       continue;

@@ -1,7 +1,6 @@
 /// The largest stable step of a step function written in Python.
 #include <array>
 #include <optional>
-
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
@@ -18,8 +17,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// An engine behind Python functions, in this process. Its functions are called with the GIL.
-///   step(y, h)     returns the next state, or None of an engine in place, whose state is then what save() returns
-///   save()         all of an engine in place; else what is hidden beside the state, of any kind
+///   step(y, h)     returns the next state, or None of an engine in place, whose state is then what save()
+///   returns save()         all of an engine in place; else what is hidden beside the state, of any kind
 ///   restore(that)
 class PythonStepper final : public ForeignStepper {
  public:
@@ -78,7 +77,8 @@ class PythonStepper final : public ForeignStepper {
       return;
     }
     if (!next.is_none())
-      throw std::invalid_argument("step returned a state, but returned None before; return one of them always");
+      throw std::invalid_argument(
+          "step returned a state, but returned None before; return one of them always");
     y_ = vector_from(functions_.save(), "what save returns", dim());
   }
 
@@ -88,15 +88,20 @@ class PythonStepper final : public ForeignStepper {
   std::array<Slot, 3> slots_;
 };
 
-py::object probe(const py::object& step, const py::object& save, const py::object& restore, VectorXd y0, bool in_place,
-                 const std::string& name, bool single, std::vector<Index> quaternions, VectorXd scales, double h0, double h1,
-                 std::optional<double> motion, bool verify) {
+py::object probe(const py::object& step, const py::object& save, const py::object& restore, VectorXd y0,
+                 bool in_place, const std::string& name, bool single, std::vector<Index> quaternions,
+                 VectorXd scales, double h0, double h1, std::optional<double> motion, bool verify) {
   PythonStepper engine({step, save, restore},
-                       {.name = name, .in_place = in_place, .single = single, .quaternions = std::move(quaternions),
+                       {.name = name,
+                        .in_place = in_place,
+                        .single = single,
+                        .quaternions = std::move(quaternions),
                         .scales = std::move(scales)},
                        std::move(y0));
-  const ProbeSettings settings{.h0 = h0, .h1 = h1, .motion = motion, .observe = verify,
-                               .watch = [](double, std::string_view) { call_back([] {}); }};
+  const ProbeSettings settings{
+      .h0 = h0, .h1 = h1, .motion = motion, .observe = verify, .watch = [](double, std::string_view) {
+        call_back([] {});
+      }};
   return to_python(with_callbacks([&] { return probe_json(probe_steps(engine, settings)); }));
 }
 

@@ -1,16 +1,17 @@
 /// Integration of a right-hand side that is a Python function, and of matrices.
+#include "python/bindings/runs.hpp"
+
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
+
+#include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
 #include "problems/linear_structure.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
-#include "python/bindings/runs.hpp"
 
 namespace hmax::python {
 
@@ -20,7 +21,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// y' = f(t, y) of a Python function. Nobody may destroy a copy without the GIL, so that copies share one object.
+/// y' = f(t, y) of a Python function. Nobody may destroy a copy without the GIL, so that copies share one
+/// object.
 class PythonSystem {
  public:
   using State = VectorXd;
@@ -47,7 +49,8 @@ class PythonSystem {
   Index dim_;
 };
 
-/// The same with its Jacobian, a function that returns a dense array or a sparse matrix by columns, as the package has it.
+/// The same with its Jacobian, a function that returns a dense array or a sparse matrix by columns, as the
+/// package has it.
 class PythonSystemWithJacobian : public PythonSystem {
  public:
   using Jacobian = std::variant<Eigen::MatrixXd, Sparse>;
@@ -59,10 +62,12 @@ class PythonSystemWithJacobian : public PythonSystem {
     call_back([&] {
       const py::object returned = (*jacobian_)(t, to_array(y));
       J = returned.cast<Jacobian>();
-      const auto [rows, columns] = std::visit([](const auto& held) { return std::pair(held.rows(), held.cols()); }, J);
+      const auto [rows, columns] =
+          std::visit([](const auto& held) { return std::pair(held.rows(), held.cols()); }, J);
       if (rows != dim() || columns != dim())
-        throw std::invalid_argument(fmt::format("what the Jacobian returns has the shape {} x {} but must have {} x {}", rows,
-                                                columns, dim(), dim()));
+        throw std::invalid_argument(
+            fmt::format("what the Jacobian returns has the shape {} x {} but must have {} x {}", rows,
+                        columns, dim(), dim()));
     });
   }
 
@@ -96,7 +101,8 @@ Problem problem_of(AnySystem system, VectorXd y0, std::string id, double t_end) 
 }
 
 /// @param watch  called now and then; may throw
-Finished run(const Method& method, const Problem& problem, const RunSpec& spec, const std::function<void()>& watch) {
+Finished run(const Method& method, const Problem& problem, const RunSpec& spec,
+             const std::function<void()>& watch) {
   check(spec, method, problem);
   Finished finished;
   finished.record = method.bind(problem).run(spec, [&](double t, const Eigen::Ref<const VectorXd>& y) {
@@ -111,9 +117,12 @@ py::dict to_dict(const Finished& finished, Index dim) {
   const RunRecord& record = finished.record;
   const auto rows = static_cast<py::ssize_t>(finished.points.t.size());
   py::dict stats, run;
-  for (const auto& [name, value] : {std::pair("steps", record.stats.steps), {"rejected", record.stats.rejected},
-                                    {"rhs", record.stats.rhs}, {"jacobian", record.stats.jacobian},
-                                    {"factorisations", record.stats.factorisations}, {"newton", record.stats.newton}})
+  for (const auto& [name, value] : {std::pair("steps", record.stats.steps),
+                                    {"rejected", record.stats.rejected},
+                                    {"rhs", record.stats.rhs},
+                                    {"jacobian", record.stats.jacobian},
+                                    {"factorisations", record.stats.factorisations},
+                                    {"newton", record.stats.newton}})
     stats[name] = value;
   run["outcome"] = std::string(to_string(record.outcome));
   run["t"] = py::array_t<double>(rows, finished.points.t.data());
@@ -123,9 +132,9 @@ py::dict to_dict(const Finished& finished, Index dim) {
   return run;
 }
 
-py::dict run_function(const std::string& name, const py::object& f, const py::object& jacobian, const VectorXd& y0,
-                      double t_end, std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
-                      std::optional<double> every) {
+py::dict run_function(const std::string& name, const py::object& f, const py::object& jacobian,
+                      const VectorXd& y0, double t_end, std::optional<double> h, std::optional<double> rtol,
+                      std::optional<double> atol, std::optional<double> every) {
   const Method method = find_method(name);
   const Problem problem =
       problem_of(jacobian.is_none() ? AnySystem(PythonSystem(f, y0.size()))
@@ -141,16 +150,18 @@ AnySystem structure_of(StructureMatrix K, StructureMatrix M, std::optional<Struc
   AnySystem system = hmax::detail::structure_system(std::move(K), std::move(M),
                                                     damped ? std::move(*C) : StructureMatrix(), damped);
   if (system.dim() != size)
-    throw std::invalid_argument(fmt::format("y0 has {} numbers but must have {}: the displacements, then the velocities",
-                                            size, system.dim()));
+    throw std::invalid_argument(fmt::format(
+        "y0 has {} numbers but must have {}: the displacements, then the velocities", size, system.dim()));
   return system;
 }
 
-py::dict run_structure(const std::string& method, StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C,
-                       const VectorXd& y0, double t_end, std::optional<double> h, std::optional<double> rtol,
-                       std::optional<double> atol, std::optional<double> every) {
+py::dict run_structure(const std::string& method, StructureMatrix K, StructureMatrix M,
+                       std::optional<StructureMatrix> C, const VectorXd& y0, double t_end,
+                       std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
+                       std::optional<double> every) {
   return run_problem(method,
-                     problem_of(structure_of(std::move(K), std::move(M), std::move(C), y0.size()), y0, "the structure", t_end),
+                     problem_of(structure_of(std::move(K), std::move(M), std::move(C), y0.size()), y0,
+                                "the structure", t_end),
                      spec_of(t_end, h, rtol, atol, every));
 }
 
@@ -158,7 +169,8 @@ py::dict run_structure(const std::string& method, StructureMatrix K, StructureMa
 
 RunSpec spec_of(double t_end, std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
                 std::optional<double> every) {
-  RunSpec spec{.t_end = t_end, .adaptive = !h, .h = h.value_or(0), .rtol = rtol.value_or(0), .atol = atol.value_or(0)};
+  RunSpec spec{
+      .t_end = t_end, .adaptive = !h, .h = h.value_or(0), .rtol = rtol.value_or(0), .atol = atol.value_or(0)};
   spec.every = every.value_or(0);
   return spec;
 }

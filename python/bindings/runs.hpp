@@ -2,15 +2,15 @@
 #pragma once
 
 #include <optional>
-#include <string>
-
 #include <pybind11/pybind11.h>
+#include <string>
 
 #include "bench/catalogue/method.hpp"
 
 namespace hmax::python {
 
-/// A run to t_end with fixed steps h, or with tolerances where there is no h; `every` is the output interval [s].
+/// A run to t_end with fixed steps h, or with tolerances where there is no h; `every` is the output interval
+/// [s].
 RunSpec spec_of(double t_end, std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
                 std::optional<double> every);
 
