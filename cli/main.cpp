@@ -134,6 +134,7 @@ Exit run(int argc, char** argv) {
   add_reproduce(app, console);
   add_export(app, console);
   add_compare(app, console);
+  add_merge(app, console);
   add_report(app, console);
   add_doctor(app, console);
   add_completion(app, console);

@@ -1,4 +1,4 @@
-/// hmax export and hmax compare: measured rows out of their stores.
+/// hmax export, hmax compare and hmax merge: measured rows out of their stores, and into one.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -16,6 +16,7 @@
 #include "results/limits/advice_exports.hpp"
 #include "results/limits/compare_limits.hpp"
 #include "results/limits/limit_exports.hpp"
+#include "results/merge.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
 
@@ -209,6 +210,42 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
   for (const std::string& remark : found.remarks) console.print(remark + "\n");
 }
 
+void merge(const std::string& out, const std::vector<std::string>& inputs, Console& console) {
+  const auto& interrupted = interrupt_flag();
+  // A wrong name is found before anything is written.
+  std::vector<std::filesystem::path> files;
+  for (const std::string& input : inputs) files.push_back(open_store(input).file());
+  Store store = Store::open_or_create(store_path(out));
+  Merger merger(store);
+  {
+    Progress progress(console, "merge");
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (interrupted) throw Interrupted{};
+      progress.update(static_cast<double>(i) / static_cast<double>(files.size()), files[i].filename().string());
+      merger.add(files[i]);
+    }
+  }
+  const MergeSummary& summary = merger.summary();
+  if (!summary.conflicts.empty()) console.exit_code = Exit::failed;
+  if (console.json) {
+    Json conflicts = Json::array();
+    for (const MergeConflict& each : summary.conflicts)
+      conflicts.push_back({{"row", each.name}, {"input", each.file.string()}, {"changes", each.changes}});
+    return console.print_json(Json{{"store", store.file().string()},
+                                   {"inputs", files.size()},
+                                   {"rows", store.size()},
+                                   {"added", summary.added},
+                                   {"doubled", summary.doubled},
+                                   {"conflicts", conflicts}});
+  }
+  console.print(fmt::format("{} stores in {}: {} rows added, {} were there already\n", files.size(),
+                            store.file().string(), summary.added, summary.doubled));
+  if (summary.conflicts.empty()) return;
+  console.print(fmt::format("{} conflicts, the first result is kept:\n", summary.conflicts.size()));
+  for (const MergeConflict& each : summary.conflicts)
+    console.print(fmt::format("  {} of {}: {}\n", each.name, each.file.string(), fmt::join(each.changes, "; ")));
+}
+
 }  // namespace
 
 void add_export(CLI::App& app, Console& console) {
@@ -255,6 +292,27 @@ void add_compare(CLI::App& app, Console& console) {
       ->type_name("");
   command.add_flag("--all", options->all, "Also show the rows without a difference");
   command.callback([options, &console] { compare_stores(options->a, options->b, options->all, console); });
+}
+
+void add_merge(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "merge",
+      "Put several stores into one, such as those of the shards of a sweep; exit 1 if two differ in more than time",
+      {"hmax merge whole shard_1 shard_2 shard_3", "hmax merge whole.sqlite shards/*.sqlite"});
+  struct Options {
+    std::string out;
+    std::vector<std::string> inputs;
+  };
+  auto options = std::make_shared<Options>();
+  command
+      .add_option("OUT", options->out,
+                  "Store to write or to add to: a name under results/runs, or a file that ends in .sqlite")
+      ->required()
+      ->type_name("");
+  command.add_option("IN", options->inputs, "Stores to read: their files, or names under results/runs")
+      ->required()
+      ->type_name("");
+  command.callback([options, &console] { merge(options->out, options->inputs, console); });
 }
 
 }  // namespace hmax

@@ -36,38 +36,6 @@ bool timed(const Row& row) {
          std::all_of(row.cpu_s.begin(), row.cpu_s.end(), [](double x) { return x > 0 && std::isfinite(x); });
 }
 
-/// What differs between two runs of the same key although nothing in it depends on the clock.
-std::vector<std::string> changes_between(const Row& a, const Row& b) {
-  std::vector<std::string> changes;
-  const auto add = [&](const char* name, const std::string& before, const std::string& after) {
-    changes.push_back(fmt::format("{}: {} -> {}", name, before, after));
-  };
-  if (a.outcome != b.outcome) add("outcome", a.outcome, b.outcome);
-  const auto exact = [&](const char* name, std::int64_t before, std::int64_t after) {
-    if (before != after) add(name, std::to_string(before), std::to_string(after));
-  };
-  exact("steps", a.steps, b.steps);
-  exact("rejected", a.rejected, b.rejected);
-  exact("rhs", a.rhs, b.rhs);
-  const auto nearly = [&](const char* name, double before, double after, double slack) {
-    if (std::isnan(before) && std::isnan(after)) return;
-    if (before == after) return;
-    const double allowed = 1e-6 * std::max(std::abs(before), std::abs(after)) + slack;
-    if (!std::isfinite(allowed) || !(std::abs(before - after) <= allowed))
-      add(name, to_text(before), to_text(after));
-  };
-  double slack = 0;
-  for (const double error : {a.reference_error, b.reference_error}) slack += std::isfinite(error) ? error : 0;
-  nearly("t_reached", a.t_reached, b.t_reached, 0);
-  nearly("error_end", a.error_end, b.error_end, slack);
-  nearly("error_global", a.error_global, b.error_global, slack);
-  // Rows of an earlier hmax have none.
-  if (!std::isnan(a.error_l2) && !std::isnan(b.error_l2)) nearly("error_l2", a.error_l2, b.error_l2, slack);
-  if (timed(a) != timed(b))
-    add("CPU time", timed(a) ? "measured" : "missing", timed(b) ? "measured" : "missing");
-  return changes;
-}
-
 /// Relative standard error of the median of normal samples, their spread read off the quartiles:
 ///   se = 1.2533 sigma / sqrt(n),   sigma = (q3 - q1) / 1.349
 double standard_error_of_median(const std::vector<double>& samples) {
@@ -222,6 +190,37 @@ double mann_whitney_p(std::span<const double> a, std::span<const double> b) {
   if (!(sigma > 0)) return 1;
   const double z = std::max(0.0, n * m / 2 - smaller - 0.5) / sigma;
   return std::erfc(z / std::sqrt(2.0));
+}
+
+std::vector<std::string> changes_between(const Row& a, const Row& b) {
+  std::vector<std::string> changes;
+  const auto add = [&](const char* name, const std::string& before, const std::string& after) {
+    changes.push_back(fmt::format("{}: {} -> {}", name, before, after));
+  };
+  if (a.outcome != b.outcome) add("outcome", a.outcome, b.outcome);
+  const auto exact = [&](const char* name, std::int64_t before, std::int64_t after) {
+    if (before != after) add(name, std::to_string(before), std::to_string(after));
+  };
+  exact("steps", a.steps, b.steps);
+  exact("rejected", a.rejected, b.rejected);
+  exact("rhs", a.rhs, b.rhs);
+  const auto nearly = [&](const char* name, double before, double after, double slack) {
+    if (std::isnan(before) && std::isnan(after)) return;
+    if (before == after) return;
+    const double allowed = 1e-6 * std::max(std::abs(before), std::abs(after)) + slack;
+    if (!std::isfinite(allowed) || !(std::abs(before - after) <= allowed))
+      add(name, to_text(before), to_text(after));
+  };
+  double slack = 0;
+  for (const double error : {a.reference_error, b.reference_error}) slack += std::isfinite(error) ? error : 0;
+  nearly("t_reached", a.t_reached, b.t_reached, 0);
+  nearly("error_end", a.error_end, b.error_end, slack);
+  nearly("error_global", a.error_global, b.error_global, slack);
+  // Rows of an earlier hmax have none.
+  if (!std::isnan(a.error_l2) && !std::isnan(b.error_l2)) nearly("error_l2", a.error_l2, b.error_l2, slack);
+  if (timed(a) != timed(b))
+    add("CPU time", timed(a) ? "measured" : "missing", timed(b) ? "measured" : "missing");
+  return changes;
 }
 
 Comparison compare(std::span<const Row> a, std::span<const Row> b, const CompareOptions& options) {

@@ -74,6 +74,10 @@ struct Comparison {
 /// in 1 to 3.
 Comparison compare(std::span<const Row> a, std::span<const Row> b, const CompareOptions& options = {});
 
+/// What differs between two runs of the same key although nothing in it depends on the clock, "steps: 1000 -> 1001":
+/// steps, rejected steps, rhs and outcome exactly, the rest as compare() does.
+std::vector<std::string> changes_between(const Row& a, const Row& b);
+
 /// Two-sided p-value of the Mann-Whitney U test: exact for up to 20 values a side without ties, else by the
 /// normal approximation with continuity and tie corrections. 1 when a side is empty.
 double mann_whitney_p(std::span<const double> a, std::span<const double> b);

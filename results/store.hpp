@@ -53,8 +53,9 @@ class Store {
   ~Store();
 
   /// Rows inserted from now on belong to this session.
+  /// @param started  when it began, as Session::started; empty: now
   /// @returns its id, larger than those of all sessions before
-  std::int64_t begin_session(const Fingerprint& fingerprint);
+  std::int64_t begin_session(const Fingerprint& fingerprint, std::string_view started = {});
 
   /// All of `rows` or, when this throws, none of them; Row::session is not read, the session begun last is
   /// stored.
@@ -103,6 +104,8 @@ class Store {
 
   /// Sets or replaces a remark about the store as a whole, such as the sweep it was made by.
   void note(std::string_view key, std::string_view value);
+  /// Removes a remark; nothing happens where there is none.
+  void forget_note(std::string_view key);
   std::map<std::string, std::string> notes() const;
 
   const std::filesystem::path& file() const;

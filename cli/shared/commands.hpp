@@ -30,6 +30,7 @@ void add_mesh(CLI::App& app, Console& console);
 void add_reproduce(CLI::App& app, Console& console);
 void add_export(CLI::App& app, Console& console);
 void add_compare(CLI::App& app, Console& console);
+void add_merge(CLI::App& app, Console& console);
 void add_report(CLI::App& app, Console& console);
 void add_doctor(CLI::App& app, Console& console);  // and info
 void add_completion(CLI::App& app, Console& console);

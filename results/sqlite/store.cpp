@@ -388,13 +388,14 @@ Store::~Store() = default;
 Store Store::open_or_create(const fs::path& file) { return Store(Impl::open(file, true)); }
 Store Store::open_existing(const fs::path& file) { return Store(Impl::open(file, false)); }
 
-std::int64_t Store::begin_session(const Fingerprint& fingerprint) {
+std::int64_t Store::begin_session(const Fingerprint& fingerprint, std::string_view started) {
   return reporting(impl_->file, [&] {
     sqlite::Transaction transaction(impl_->db());
-    Statement add(
-        impl_->db(),
-        "INSERT INTO sessions (started, fingerprint) VALUES (strftime('%Y-%m-%dT%H:%M:%SZ', 'now'), ?)");
-    add.bind(0, to_json(fingerprint));
+    Statement add(impl_->db(),
+                  "INSERT INTO sessions (started, fingerprint) "
+                  "VALUES (coalesce(nullif(?, ''), strftime('%Y-%m-%dT%H:%M:%SZ', 'now')), ?)");
+    add.bind(0, started);
+    add.bind(1, to_json(fingerprint));
     add.run();
     const std::int64_t session = sqlite3_last_insert_rowid(impl_->db());
     const std::int64_t watermark = sqlite::integer(impl_->db(), "SELECT coalesce(max(id), 0) FROM rows");
@@ -472,6 +473,14 @@ void Store::note(std::string_view key, std::string_view value) {
     set.bind(0, key);
     set.bind(1, value);
     set.run();
+  });
+}
+
+void Store::forget_note(std::string_view key) {
+  reporting(impl_->file, [&] {
+    Statement remove(impl_->db(), "DELETE FROM notes WHERE key = ?");
+    remove.bind(0, key);
+    remove.run();
   });
 }
 

@@ -1,0 +1,181 @@
+#include "results/merge.hpp"
+
+#include <array>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "results/compare.hpp"
+#include "results/errors.hpp"
+#include "results/exports.hpp"
+#include "results/limits/advice_columns.hpp"
+#include "results/limits/compare_limits.hpp"
+#include "results/limits/limit_columns.hpp"
+#include "results/limits/limit_exports.hpp"
+#include "results/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const RowKey& key) {
+  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", key.problem, key.material, key.parameters, key.y0,
+                     key.method, key.mode, key.control, to_text(key.h), to_text(key.rtol), to_text(key.atol),
+                     to_text(key.t_end));
+}
+
+std::string text_of(const OperatingPointKey& key) {
+  std::string text = to_text(key.t_end);
+  for (const auto& column : point_key_texts) text += "\n" + key.*column.member;
+  return text;
+}
+
+std::string text_of(const AdviceKey& key) {
+  std::string text;
+  for (const auto& column : advice_key_texts) text += key.*column.member + "\n";
+  for (const auto& column : advice_key_numbers) text += to_text(key.*column.member) + "\n";
+  return text;
+}
+
+/// What one session of an input has that is new.
+struct Additions {
+  std::vector<Row> rows;
+  std::vector<std::pair<OperatingPointKey, std::vector<LimitRow>>> limits;
+  std::vector<std::pair<AdviceKey, std::vector<AdviceRecord>>> advice;
+};
+
+/// Appends to the last group where it has the same key: rows come ordered by their keys.
+template <class Key, class Member>
+void append(std::vector<std::pair<Key, std::vector<Member>>>& groups, const Key& key, Member member) {
+  if (groups.empty() || !(groups.back().first == key)) groups.emplace_back(key, std::vector<Member>{});
+  groups.back().second.push_back(std::move(member));
+}
+
+}  // namespace
+
+struct Merger::Parts {
+  Store& out;
+  MergeSummary summary;
+  std::map<std::string, Row> rows;
+  std::map<std::string, LimitRow> limits;
+  std::set<std::string> advice;
+  std::optional<std::map<std::string, std::string>> notes;  ///< those that all stores so far have
+  std::map<std::int64_t, Additions> additions;              ///< of the input at hand, by its sessions
+
+  explicit Parts(Store& store) : out(store) {
+    for (Row& row : out.rows()) rows.emplace(text_of(row.key), std::move(row));
+    for (LimitRow& limit : out.limits()) limits.emplace(text_of(limit.point) + "\n" + limit.method, std::move(limit));
+    for (const AdviceRecord& record : out.advice()) advice.insert(text_of(record.key));
+    if (!(rows.empty() && limits.empty() && advice.empty())) notes = out.notes();
+  }
+
+  /// Counts what is there already.
+  void meet(std::string name, const fs::path& file, std::vector<std::string> changes) {
+    if (changes.empty())
+      ++summary.doubled;
+    else
+      summary.conflicts.push_back({std::move(name), file, std::move(changes)});
+  }
+
+  void take_rows(const Store& in) {
+    for (Row& row : in.rows()) {
+      const auto [known, is_new] = rows.try_emplace(text_of(row.key), row);
+      if (is_new)
+        additions[row.session].rows.push_back(std::move(row));
+      else
+        meet(benchmark_name(row.key), in.file(), changes_between(known->second, row));
+    }
+  }
+
+  void take_limits(const Store& in) {
+    for (LimitRow& limit : in.limits()) {
+      const auto [known, is_new] = limits.try_emplace(text_of(limit.point) + "\n" + limit.method, limit);
+      if (is_new) {
+        const OperatingPointKey point = limit.point;
+        append(additions[limit.session].limits, point, std::move(limit));
+        continue;
+      }
+      const LimitComparison both = compare_limits({&known->second, 1}, {&limit, 1});
+      meet(limit_name(limit), in.file(), both.changed.empty() ? std::vector<std::string>{} : both.changed.front().changes);
+    }
+  }
+
+  /// An answer comes whole or not at all: its rows were judged against one another.
+  void take_advice(const Store& in) {
+    std::set<std::string> found;
+    for (AdviceRecord& record : in.advice()) {
+      std::string key = text_of(record.key);
+      if (advice.contains(key)) {
+        ++summary.doubled;
+        continue;
+      }
+      found.insert(std::move(key));
+      const AdviceKey question = record.key;
+      append(additions[record.session].advice, question, std::move(record));
+    }
+    advice.merge(found);
+  }
+
+  void write(const Store& in) {
+    std::map<std::string, std::string> scenes;
+    for (AdviceScene& scene : in.scenes()) scenes.emplace(text_of(scene.key), std::move(scene.scene));
+    for (const Session& session : in.sessions()) {
+      const auto found = additions.find(session.id);
+      if (found == additions.end()) continue;
+      const Additions& added = found->second;
+      out.begin_session(session.fingerprint, session.started);
+      out.insert(added.rows);
+      summary.added += static_cast<std::int64_t>(added.rows.size());
+      for (const auto& [point, of_point] : added.limits) {
+        out.insert_limits(in.operating_point(point).value(), of_point);
+        summary.added += static_cast<std::int64_t>(of_point.size());
+      }
+      for (const auto& [question, answer] : added.advice) {
+        out.insert_advice(question, answer, scenes[text_of(question)]);
+        summary.added += static_cast<std::int64_t>(answer.size());
+      }
+    }
+    additions.clear();
+  }
+
+  /// Keeps the notes that all have.
+  void take_notes(const Store& in) {
+    const auto own = in.notes();
+    if (!notes) {
+      notes = own;
+      for (const auto& [key, value] : own) out.note(key, value);
+      return;
+    }
+    std::erase_if(*notes, [&](const auto& note) {
+      const auto same = own.find(note.first);
+      if (same != own.end() && same->second == note.second) return false;
+      out.forget_note(note.first);
+      return true;
+    });
+  }
+};
+
+Merger::Merger(Store& out) : parts_(std::make_unique<Parts>(out)) {}
+Merger::~Merger() = default;
+
+void Merger::add(const fs::path& file) {
+  if (std::error_code error; fs::equivalent(file, parts_->out.file(), error))
+    throw InputError(
+        fmt::format("'{}' is the output of the merge and cannot be an input; remove it from the inputs", file.string()));
+  const Store in = Store::open_existing(file);
+  // Notes first: a store must not say that it is of one sweep while it holds rows of another.
+  parts_->take_notes(in);
+  parts_->take_rows(in);
+  parts_->take_limits(in);
+  parts_->take_advice(in);
+  parts_->write(in);
+}
+
+const MergeSummary& Merger::summary() const { return parts_->summary; }
+
+}  // namespace hmax
