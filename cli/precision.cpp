@@ -14,6 +14,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/shard_option.hpp"
 #include "cli/shared/temporary_folder.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
@@ -28,7 +29,7 @@ using Json = nlohmann::ordered_json;
 
 struct PrecisionOptions {
   ProblemChoice problem;
-  std::string methods, rtol, h, control, repeats, store, output;
+  std::string methods, rtol, h, control, repeats, shard, store, output;
   std::string error;
   std::optional<double> t_end, atol_over_rtol, budget;
 };
@@ -141,13 +142,29 @@ std::vector<Row> useful(std::vector<Row> rows, ErrorOf which, double size) {
   return rows;
 }
 
+SweepPlan plan_of(const PrecisionOptions& options) {
+  const std::optional<Shard> shard = shard_from(options.shard);
+  if (shard && options.store.empty())
+    throw InputError("--shard measures a part, whose rows would be lost; add --store FILE.sqlite");
+  SweepPlan plan = plan_sweep(precision_sweep(spec_of(options)));
+  return shard ? shard_of(std::move(plan), *shard) : plan;
+}
+
+/// A shard without rows, of more shards than blocks: its store is made all the same, so that a merge finds it.
+void say_empty(const PrecisionOptions& options, const SweepPlan& plan, Console& console) {
+  open_sweep_store(plan, options.store, true);
+  if (console.json) return console.print_json(Json::array());
+  console.print(fmt::format("shard {} has nothing to measure; {} is empty\n", options.shard, options.store));
+}
+
 void precision(const PrecisionOptions& options, Console& console) {
   const auto& interrupted = interrupt_flag();
   if (!options.output.empty())
     check_figure_files(options.output, "precision");
   else
     refuse_style_without_figure("--output FOLDER");
-  const SweepPlan plan = plan_sweep(precision_sweep(spec_of(options)));
+  const SweepPlan plan = plan_of(options);
+  if (plan.blocks.empty()) return say_empty(options, plan, console);
   const TemporaryFolder temporary;
   Store store = open_sweep_store(
       plan,
@@ -225,6 +242,7 @@ void add_precision(CLI::App& app, Console& console) {
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   text("--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
+  add_shard(command, options->shard);
   text("--store", options->store, "Keep the rows in this store, a file that ends in .sqlite", "FILE");
   text("--output", options->output, "Draw the figure precision.svg, .png and .pdf into this folder",
        "FOLDER");

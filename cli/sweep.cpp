@@ -12,6 +12,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/shard_option.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"
@@ -25,7 +26,7 @@ using Json = nlohmann::ordered_json;
 
 struct SweepOptions {
   std::string file, problems, materials, methods, tableaux, h, rtol, readings, control, y0, repeats,
-      max_steps, out, output;
+      max_steps, shard, out, output;
   MeshOptions body;
   MatrixOptions own;
   std::vector<std::string> set;
@@ -78,9 +79,11 @@ SweepRequest flags_of(const SweepOptions& options) {
   return request;
 }
 
-/// The store of a sweep, named after its file where nobody names it.
-std::filesystem::path sweep_store_path(const SweepRequest& request, const std::string& sweep_file) {
-  const std::string plain = sweep_file.empty() ? "sweep" : std::filesystem::path(sweep_file).stem().string();
+/// The store of a sweep, named after its file and its shard where nobody names it.
+std::filesystem::path sweep_store_path(const SweepRequest& request, const std::string& sweep_file,
+                                       const std::optional<Shard>& shard) {
+  std::string plain = sweep_file.empty() ? "sweep" : std::filesystem::path(sweep_file).stem().string();
+  if (shard) plain += fmt::format("_{}_of_{}", shard->index, shard->count);
   return store_path(request.out.value_or(plain));
 }
 
@@ -254,8 +257,9 @@ void sweep(const SweepOptions& options, Console& console) {
   const SweepRequest request = options.file.empty() ? flags : merged(read_sweep(options.file), flags);
   // From here on Ctrl-C waits for the row at hand, also while the references are computed.
   const auto& interrupted = interrupt_flag();
-  const SweepPlan plan = plan_sweep(spec_from(request));
-  const std::filesystem::path file = sweep_store_path(request, options.file);
+  const std::optional<Shard> shard = shard_from(options.shard);
+  const SweepPlan plan = shard ? shard_of(plan_sweep(spec_from(request)), *shard) : plan_sweep(spec_from(request));
+  const std::filesystem::path file = sweep_store_path(request, options.file, shard);
   if (options.publish) require_publishable_build();
   if (options.output.empty())
     refuse_style_without_figure("--output FOLDER");
@@ -273,7 +277,8 @@ void sweep(const SweepOptions& options, Console& console) {
   }
   for (const std::string& warning : summary.warnings) console.remark(warning);
   std::vector<std::string> figures;
-  if (!options.output.empty() && !summary.interrupted) figures = draw_sweep(plan, store, options.output, console);
+  // A shard may have no row.
+  if (!options.output.empty() && !summary.interrupted && summary.rows > 0) figures = draw_sweep(plan, store, options.output, console);
   if (console.json) {
     console.print_json(Json{{"store", file.string()},
                             {"rows", summary.rows},
@@ -338,6 +343,7 @@ void add_sweep(CLI::App& app, Console& console) {
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   text("--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
+  add_shard(command, options->shard);
   text("--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
   text(
       "--out", options->out,

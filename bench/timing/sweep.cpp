@@ -143,7 +143,6 @@ class Sweeper {
   void time(const SweepBlock& block, std::vector<Candidate>& candidates);
   const Reference& reference(const SweepBlock& block);
   void begin_session();
-  double cost(const SweepBlock& block, const std::vector<std::size_t>& methods) const;
   void tell(const SweepBlock& block, double share) const;
   /// The share of the cost that is done.
   /// @param here  share of the block at hand
@@ -182,20 +181,6 @@ const Reference& Sweeper::reference(const SweepBlock& block) {
     reference_of_ = block.problem;
   }
   return *reference_;
-}
-
-/// Expected CPU time of a block [s], good enough to tell how long a sweep still takes: a stage of a small
-/// system and a point of output are taken at 15 ns, a tolerance at one sample.
-double Sweeper::cost(const SweepBlock& block, const std::vector<std::size_t>& methods) const {
-  constexpr double per_stage = 15e-9, per_point = 15e-9;
-  double total = 0;
-  for (const std::size_t m : methods) {
-    double run = 0;
-    if (block.mode == "fixed") run = block.run.t_end / block.run.h * plan_.methods[m].stages * per_stage;
-    if (block.mode == "sampled") run = block.run.t_end / block.run.every * per_point;
-    total += std::max(run, plan_.spec.min_sample_s) * (plan_.spec.repeats + 2);
-  }
-  return total;
 }
 
 /// @param share  of the block at hand that is done
@@ -357,13 +342,13 @@ SweepSummary Sweeper::run() {
     std::vector<std::size_t> methods = missing(block);
     summary_.skipped += static_cast<std::int64_t>(block.methods.size() - methods.size());
     if (methods.empty()) continue;
-    cost_total_ += cost(block, methods);
+    cost_total_ += expected_cost(plan_, block, methods);
     work.emplace_back(&block, std::move(methods));
   }
   if (!work.empty()) begin_session();
   try {
     for (const auto& [block, methods] : work) {
-      cost_here_ = cost(*block, methods);
+      cost_here_ = expected_cost(plan_, *block, methods);
       measure(*block, methods);
       cost_done_ += cost_here_;
       cost_here_ = 0;

@@ -74,6 +74,22 @@ struct SweepPlan {
   [[nodiscard]] std::int64_t rows() const;
 };
 
+/// Expected CPU time of some methods of a block [s], good enough to divide a sweep and to tell how long it still
+/// takes: 15 ns for a stage or a point of output of two numbers, and at least one sample each.
+double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::vector<std::size_t>& methods);
+
+/// One of `count` parts of a sweep, for programs that run beside each other.
+struct Shard {
+  int index = 1;  ///< from 1 to count
+  int count = 1;
+};
+
+/// The blocks of one shard: a stretch of the plan of about one part in `count` of the expected cost, so that a shard needs
+/// the references of few problems. Every block is in one shard; where blocks are few some shards are empty. `canonical`
+/// stays that of the whole sweep: stores of shards can be merged and resumed as one.
+/// @throws InputError  unless 1 <= index <= count
+SweepPlan shard_of(SweepPlan plan, Shard shard);
+
 /// Key of the row of one method in one block.
 RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t method);
 

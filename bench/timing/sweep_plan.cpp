@@ -228,6 +228,37 @@ std::int64_t SweepPlan::rows() const {
   return rows;
 }
 
+double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::vector<std::size_t>& methods) {
+  // Of two numbers, a stage or a point; sparse models grow with their numbers.
+  const double each = 15e-9 * std::max(1.0, static_cast<double>(plan.problems[block.problem].y0.size()) / 2);
+  double total = 0;
+  for (const std::size_t m : methods) {
+    double run = 0;
+    if (block.mode == "fixed") run = block.run.t_end / block.run.h * plan.methods[m].stages * each;
+    if (block.mode == "sampled") run = block.run.t_end / block.run.every * each;
+    total += std::max(run, plan.spec.min_sample_s) * (plan.spec.repeats + 2);
+  }
+  return total;
+}
+
+SweepPlan shard_of(SweepPlan plan, Shard shard) {
+  if (shard.index < 1 || shard.index > shard.count)
+    throw InputError(fmt::format("shard {} of {} does not exist; shards count from 1 to {}", shard.index, shard.count,
+                                 std::max(1, shard.count)));
+  double total = 0, before = 0;
+  for (const SweepBlock& block : plan.blocks) total += expected_cost(plan, block, block.methods);
+  std::vector<SweepBlock> own;
+  for (const SweepBlock& block : plan.blocks) {
+    const double cost = expected_cost(plan, block, block.methods);
+    // The shard in whose stretch of the cost the middle of the block lies.
+    const double middle = (before + cost / 2) / total;
+    if (std::min(shard.count, 1 + static_cast<int>(middle * shard.count)) == shard.index) own.push_back(block);
+    before += cost;
+  }
+  plan.blocks = std::move(own);
+  return plan;
+}
+
 RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t method) {
   const Problem& problem = plan.problems[block.problem];
   const RunSpec& run = block.run;

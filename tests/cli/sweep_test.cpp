@@ -50,6 +50,51 @@ TEST(SweepCommand, DrawsAFigureForEachProblem) {
   expect_refused(shell.hmax(std::string(quick) + " --style slide"), "--output");
 }
 
+TEST(SweepCommand, MeasuresInShardsWhichMergeIntoOneStore) {
+  const Shell shell;
+  const std::string whole = "sweep --methods rk4,ode45 --h 0.2,0.1,0.05 --t-end 10";
+  const Told told = shell.line("for i in 1 2 3; do hmax " + whole + " --shard $i/3 --json || exit 9; done >&2 && hmax merge whole " +
+                               "sweep_1_of_3 sweep_2_of_3 results/runs/sweep_3_of_3.sqlite --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.json()["store"], "results/runs/whole.sqlite");
+  EXPECT_EQ(told.json()["inputs"], 3);
+  EXPECT_EQ(told.json()["rows"], 9);
+  EXPECT_EQ(told.json()["added"], 9);
+  EXPECT_EQ(told.json()["doubled"], 0);
+  EXPECT_TRUE(told.json()["conflicts"].empty());
+  EXPECT_EQ(shell.hmax(whole + " --out whole --resume --json").json()["skipped"], 9);
+  EXPECT_EQ(shell.hmax("merge whole sweep_1_of_3").exit_code, 0);
+  // More shards than blocks: some have nothing to do.
+  for (const char* shard : {"1/40", "40/40"}) {
+    const Told one = shell.hmax(whole + " --out few --resume --shard " + shard);
+    EXPECT_EQ(one.exit_code, 0) << one.err;
+  }
+  expect_refused(shell.hmax(whole + " --shard 0/3"), "--shard");
+  expect_refused(shell.hmax(whole + " --shard 4/3"), "count from 1");
+  expect_refused(shell.hmax(whole + " --shard 3"), "I/N");
+  expect_refused(shell.hmax(whole + " --shard a/b"), "--shard");
+  expect_refused(shell.hmax("merge whole absent"), "absent");
+  expect_refused(shell.hmax("merge whole whole"), "output of the merge");
+  expect_refused(shell.hmax("precision --methods rk4 --h 0.1 --shard 1/2"), "--store");
+}
+
+TEST(PrecisionCommand, MeasuresInShardsAndAnswersFromTheMergedStore) {
+  const Shell shell;
+  const std::string whole = "precision --methods rk4,ode45 --h 0.1,0.05 --rtol 1e-4,1e-6 --t-end 5 --json --store ";
+  for (int i = 1; i <= 3; ++i) {
+    const std::string number = std::to_string(i);
+    const Told told = shell.hmax(whole + number + ".sqlite --shard " + number + "/3");
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+  }
+  ASSERT_EQ(shell.hmax("merge all.sqlite 1.sqlite 2.sqlite 3.sqlite").exit_code, 0);
+  const Told merged = shell.hmax(whole + "all.sqlite"), serial = shell.hmax(whole + "serial.sqlite");
+  ASSERT_EQ(merged.json().size(), 4U);
+  ASSERT_EQ(serial.json().size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i)
+    for (const char* key : {"method", "rtol", "h", "error_global", "rhs"})
+      EXPECT_EQ(merged.json()[i][key], serial.json()[i][key]) << key;
+}
+
 TEST(SweepCommand, ResumesTheSameSweepOnly) {
   const Shell shell;
   ASSERT_EQ(shell.hmax(quick).exit_code, 0);

@@ -17,6 +17,8 @@
 #include <sqlite3.h>
 
 #include "results/errors.hpp"
+#include "results/exports.hpp"
+#include "results/merge.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -352,6 +354,98 @@ TEST(Sweep, KilledAtRandomMomentsAndResumedItLosesNoRowAndDoublesNone) {
     for (const std::size_t m : block.methods) expected.insert(identity(row_key(plan, block, m)));
   for (const Row& r : store.rows()) EXPECT_TRUE(found.insert(identity(r.key)).second);
   EXPECT_EQ(found, expected);
+}
+
+/// All that a row says but its times and its session.
+Row without_times(Row row) {
+  row.cpu_s.clear();
+  row.runs_per_sample = row.session = 0;
+  return row;
+}
+
+void expect_same_rows(const std::vector<Row>& a, const std::vector<Row>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  std::vector<Row> x, y;
+  std::ranges::transform(a, std::back_inserter(x), without_times);
+  std::ranges::transform(b, std::back_inserter(y), without_times);
+  EXPECT_EQ(rows_to_jsonl(x), rows_to_jsonl(y));
+}
+
+TEST(Shards, ShareTheBlocksAndTheExpectedTime) {
+  SweepSpec spec = quick();
+  spec.h = {1, 0.5, 0.4, 0.25, 0.2, 0.125, 0.1, 0.05, 0.04, 0.02};
+  const SweepPlan plan = plan_sweep(spec);
+  const auto cost = [](const SweepPlan& of) {
+    double total = 0;
+    for (const SweepBlock& block : of.blocks) total += expected_cost(of, block, block.methods);
+    return total;
+  };
+  double largest_block = 0;
+  for (const SweepBlock& block : plan.blocks)
+    largest_block = std::max(largest_block, expected_cost(plan, block, block.methods));
+  for (const int count : {1, 2, 3, 7, 100}) {
+    std::int64_t rows = 0;
+    for (int i = 1; i <= count; ++i) {
+      const SweepPlan shard = shard_of(plan, {i, count});
+      EXPECT_EQ(shard.canonical, plan.canonical);
+      rows += shard.rows();
+      EXPECT_LE(cost(shard), cost(plan) / count + largest_block) << i << " of " << count;
+    }
+    EXPECT_EQ(rows, plan.rows()) << count;
+  }
+  EXPECT_THROW(shard_of(plan, {0, 3}), InputError);
+  EXPECT_THROW(shard_of(plan, {4, 3}), InputError);
+}
+
+TEST(Shards, KilledResumedAndMergedHaveTheRowsOfASerialRun) {
+  const Scratch scratch;
+  SweepSpec spec = quick();
+  spec.h = {1, 0.5, 0.4, 0.25, 0.2, 0.125, 0.1};
+  spec.min_sample_s = 2e-4;
+  const SweepPlan plan = plan_sweep(spec);
+  constexpr int count = 4;
+  const auto file = [&](int i) { return scratch / ("shard_" + std::to_string(i) + ".sqlite"); };
+  const auto start = [&](int i) {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    int code = 0;
+    try {
+      const SweepPlan shard = shard_of(plan, {i, count});
+      Store store = open_sweep_store(shard, file(i), true);
+      run_sweep(shard, store);
+    } catch (const std::exception& error) {
+      fprintf(stderr, "child: %s\n", error.what());
+      code = 1;
+    }
+    _exit(code);
+  };
+  std::mt19937 random(5);
+  int interrupted = 0;
+  for (int kill_number = 0; kill_number < 12; ++kill_number) {
+    const pid_t child = start(1 + static_cast<int>(random() % count));
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 30'000));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    interrupted += WIFSIGNALED(status);
+  }
+  EXPECT_GE(interrupted, 4);
+  Store merged = Store::open_or_create(scratch / "merged.sqlite");
+  Merger merger(merged);
+  for (int i = 1; i <= count; ++i) {
+    int status = 0;
+    waitpid(start(i), &status, 0);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    merger.add(file(i));
+  }
+  EXPECT_EQ(merger.summary().added, plan.rows());
+  EXPECT_EQ(merger.summary().doubled, 0);
+  Store serial = open_sweep_store(plan, scratch / "serial.sqlite", false);
+  run_sweep(plan, serial);
+  expect_same_rows(merged.rows(), serial.rows());
+  // The merged store is that of the whole sweep.
+  Store again = open_sweep_store(plan, scratch / "merged.sqlite", true);
+  EXPECT_EQ(run_sweep(plan, again).measured, 0);
 }
 
 TEST(SweepStore, IsNotTakenForAnotherSweep) {
