@@ -11,24 +11,25 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/mass_matrix.hpp"
 #include "integrators/system.hpp"
 
 namespace hmax {
 
 /// The Jacobian of M q'' = F(t, q, v) in its parts, all of n rows:
 ///   J = ( 0, I; -M^-1 K, -M^-1 C ),   K = -dF/dq,   C = -dF/dv.
-/// M is lumped, so M^-1 divides each row by m_i. Units for tissue: m [kg], K [N/m], C [N s/m].
+/// Of a lumped M, M^-1 divides each row by m_i. Units for tissue: M [kg], K [N/m], C [N s/m].
 template <class RealT>
 struct MechanicalJacobian {
   using Real = RealT;
   using Scalar = RealT;
   using Sparse = Eigen::SparseMatrix<Real>;
-  Eigen::Vector<Real, Eigen::Dynamic> mass;  ///< the diagonal of M, shape (n)
-  Sparse stiffness, damping;                 ///< K and C, shape (n, n)
+  MassMatrix<Real> mass;      ///< M, shape (n, n)
+  Sparse stiffness, damping;  ///< K and C, shape (n, n)
 
   /// Exchanges memory; no copies.
   void swap(MechanicalJacobian& other) {
-    mass.swap(other.mass);
+    std::swap(mass, other.mass);
     stiffness.swap(other.stiffness);
     damping.swap(other.damping);
   }
@@ -42,10 +43,10 @@ template <class ScalarT>
 struct ShiftedMechanical {
   using Scalar = ScalarT;
   using Real = typename Eigen::NumTraits<Scalar>::Real;
-  Scalar s{};                                ///< the shift, h gamma of a stage [s]
-  Eigen::Vector<Real, Eigen::Dynamic> mass;  ///< shape (n)
-  Eigen::SparseMatrix<Real> stiffness;       ///< K, shape (n, n)
-  Eigen::SparseMatrix<Scalar> reduced;       ///< M + s C + s^2 K, shape (n, n)
+  Scalar s{};                           ///< the shift, h gamma of a stage [s]
+  MassMatrix<Real> mass;                ///< M, shape (n, n)
+  Eigen::SparseMatrix<Real> stiffness;  ///< K, shape (n, n)
+  Eigen::SparseMatrix<Scalar> reduced;  ///< M + s C + s^2 K, shape (n, n)
 };
 
 namespace detail {
@@ -96,6 +97,37 @@ void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar
                *to = A.innerIndexPtr() + A.outerIndexPtr()[j + 1];
     values[std::lower_bound(from, to, j) - A.innerIndexPtr()] += m[j];
   }
+}
+
+/// A = M + c C + k K for a sparse M, shape (n, n). M is added in place where A has entries wherever M has.
+template <class Real, class Scalar>
+void set_sparse_combination(const Eigen::SparseMatrix<double>& M, Scalar c, const Eigen::SparseMatrix<Real>& C,
+                            Scalar k, const Eigen::SparseMatrix<Real>& K, Eigen::SparseMatrix<Scalar>& A) {
+  const Eigen::Vector<Real, Eigen::Dynamic> none = Eigen::Vector<Real, Eigen::Dynamic>::Zero(M.cols());
+  set_sparse_combination<Real, Scalar>(none, c, C, k, K, A);
+  bool holds_all = true;
+  for (Eigen::Index j = 0; j < A.cols() && holds_all; ++j) {
+    const int *at = A.innerIndexPtr() + A.outerIndexPtr()[j], *const end = A.innerIndexPtr() + A.outerIndexPtr()[j + 1];
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(M, j); entry && holds_all; ++entry) {
+      at = std::lower_bound(at, end, static_cast<int>(entry.row()));
+      holds_all = at != end && *at == entry.row();
+      if (holds_all) A.valuePtr()[at - A.innerIndexPtr()] += static_cast<Scalar>(static_cast<Real>(entry.value()));
+    }
+  }
+  if (holds_all) return;
+  A = Eigen::SparseMatrix<Scalar>(M.template cast<Scalar>()) + c * C.template cast<Scalar>() +
+      k * K.template cast<Scalar>();
+  A.makeCompressed();
+}
+
+/// A = M + c C + k K of a diagonal or a sparse M.
+template <class Real, class Scalar>
+void set_sparse_combination(const MassMatrix<Real>& M, Scalar c, const Eigen::SparseMatrix<Real>& C, Scalar k,
+                            const Eigen::SparseMatrix<Real>& K, Eigen::SparseMatrix<Scalar>& A) {
+  if (M.is_diagonal())
+    set_sparse_combination<Real, Scalar>(M.diagonal(), c, C, k, K, A);
+  else
+    set_sparse_combination<Real, Scalar>(M.coupled()->matrix(), c, C, k, K, A);
 }
 
 /// A = I - s J, as (s, M, K, M + s C + s^2 K).

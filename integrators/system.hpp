@@ -72,7 +72,8 @@ concept TimeDifferentiableSystem = System<S> &&
 };
 
 /// A mechanical system M q'' = F(t, q, v) behind its packed first-order form y = (q, v), dim() = 2 dofs().
-/// `mass` is the lumped M, shape (dofs), kg; `force` writes F, shape (dofs), N; `stiffness` writes
+/// `mass` is the lumped M, shape (dofs), kg; a system whose M may couple unknowns has the verb `mass_matrix` too
+/// (core/mass_matrix.hpp), and `mass` then throws where it does; `force` writes F, shape (dofs), N; `stiffness` writes
 /// K = -dF/dq and `damping` C = -dF/dv, shape (dofs, dofs), of type DofMatrix (dense, sparse or a variant of
 /// both, as for Jacobians).
 template <class S>

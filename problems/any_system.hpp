@@ -9,6 +9,8 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/mass_matrix.hpp"
+
 namespace hmax {
 
 /// A system of any dimension with every verb a problem of the house may have; which ones it really has, it
@@ -50,7 +52,9 @@ class BasicAnySystem {
   /// 0 when the system is of first order only.
   [[nodiscard]] Eigen::Index dofs() const { return self_->dofs(); }
   [[nodiscard]] bool has_sparse_matrices() const { return self_->has_sparse_matrices(); }
-  [[nodiscard]] Dofs mass() const { return self_->mass(); }
+  /// @throws std::invalid_argument  where M couples unknowns
+  [[nodiscard]] Dofs mass() const { return mass_matrix().lumped(); }
+  [[nodiscard]] MassMatrix<Real> mass_matrix() const { return self_->mass_matrix(); }
   void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const { self_->force(t, q, v, f); }
   void stiffness(Real t, const Dofs& q, const Dofs& v, DofMatrix& K) const { self_->stiffness(t, q, v, K); }
   void damping(Real t, const Dofs& q, const Dofs& v, DofMatrix& C) const { self_->damping(t, q, v, C); }
@@ -86,7 +90,7 @@ class BasicAnySystem {
     virtual void offset(State&) const = 0;
     virtual Eigen::Index dofs() const = 0;
     virtual bool has_sparse_matrices() const = 0;
-    virtual Dofs mass() const = 0;
+    virtual MassMatrix<Real> mass_matrix() const = 0;
     virtual void force(Real, const Dofs&, const Dofs&, Dofs&) const = 0;
     virtual void stiffness(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
     virtual void damping(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
@@ -248,9 +252,9 @@ class BasicAnySystem {
       else
         return false;
     }
-    Dofs mass() const override {
+    MassMatrix<Real> mass_matrix() const override {
       if constexpr (second_order)
-        return system_.mass().template cast<Real>();
+        return mass_of(system_).template cast<Real>();
       else
         return {};
     }

@@ -77,14 +77,19 @@ VectorXd lumped_masses(const StructureMatrix& M) {
   return std::visit([](const auto& held) { return VectorXd(held.diagonal()); }, M);
 }
 
-/// M = L L^T.
+MassMatrix<double> coupled_masses(const StructureMatrix& M) {
+  const auto* const sparse = std::get_if<Sparse>(&M);
+  return MassMatrix<double>(
+      std::make_shared<const CoupledMass>(sparse != nullptr ? *sparse : Sparse(std::get<MatrixXd>(M).sparseView())));
+}
+
+/// M = L L^T of a dense structure.
 Eigen::LLT<MatrixXd> factor_of(const StructureMatrix& M) {
   const Index n = rows_of(M);
   if (n > most_coupled_masses)
     throw std::invalid_argument("M couples degrees of freedom and has " + std::to_string(n) +
-                                " rows; such a mass matrix is taken up to " +
-                                std::to_string(most_coupled_masses) +
-                                " rows, so give lumped masses, for example the sums of its rows");
+                                " rows; with dense matrices such a mass is taken up to " +
+                                std::to_string(most_coupled_masses) + " rows, so give sparse K, M and C");
   const MatrixXd full = dense_of(M);
   if (!((full - full.transpose()).cwiseAbs().maxCoeff() <= 1e-10 * full.cwiseAbs().maxCoeff()))
     throw std::invalid_argument("M is not symmetric; give a symmetric mass matrix, or a vector of masses");
@@ -107,17 +112,18 @@ MatrixXd scaled_by(const Eigen::LLT<MatrixXd>& factor, const StructureMatrix& A)
   return scaled;
 }
 
-/// Methods add masses to K and C in place, which takes a stored diagonal; of damped structures K and C have one
+/// Methods add M to K and C in place, which takes stored entries where M has some; of damped structures K and C have one
 /// pattern, so that no step looks for it.
-void share_pattern(Sparse& K, Sparse& C, bool damped) {
+void share_pattern(Sparse& K, Sparse& C, const MassMatrix<double>& M, bool damped) {
   Sparse zero(K.rows(), K.rows());
   zero.setIdentity();
+  if (!M.is_diagonal()) zero = M.coupled()->matrix();
   zero *= 0.0;
   const Sparse pattern = damped ? Sparse(0.0 * K + 0.0 * C + zero) : zero;
   C = Sparse(C + pattern);
   K = Sparse(K + (damped ? pattern : zero));
 }
-void share_pattern(MatrixXd&, MatrixXd&, bool) {}
+void share_pattern(MatrixXd&, MatrixXd&, const MassMatrix<double>&, bool) {}
 
 template <class Matrix>
 bool has_entries(const Matrix& matrix) {
@@ -129,20 +135,20 @@ bool has_entries(const Matrix& matrix) {
 }  // namespace
 
 template <class MatrixT>
-LinearStructure<MatrixT>::LinearStructure(MatrixT K, VectorXd mass, MatrixT C) {
+LinearStructure<MatrixT>::LinearStructure(MatrixT K, MassMatrix<double> mass, MatrixT C) {
   if (K.rows() == 0)
     throw std::invalid_argument("K has no rows; a structure has at least one degree of freedom");
   if (K.rows() != K.cols())
     throw std::invalid_argument("K has the shape " + shape_of(K.rows(), K.cols()) +
                                 " but must be square, a row and a column for each degree of freedom");
   require_whole(K, "K", K.rows());
-  require_masses(mass, K.rows());
+  require_masses(mass.diagonal(), K.rows());
   require_whole(C, "C", K.rows());
   auto parts = std::make_shared<Parts>();
   parts->damped = has_entries(C);
-  share_pattern(K, C, parts->damped);
+  share_pattern(K, C, mass, parts->damped);
   parts->K.swap(K);
-  parts->mass.swap(mass);
+  std::swap(parts->mass, mass);
   parts->C.swap(C);
   parts_ = std::move(parts);
 }
@@ -150,19 +156,36 @@ LinearStructure<MatrixT>::LinearStructure(MatrixT K, VectorXd mass, MatrixT C) {
 template <class MatrixT>
 void LinearStructure<MatrixT>::jacobian(double, const State&, Jacobian& J) const {
   const Index n = dofs();
-  const VectorXd& mass = parts_->mass;
+  const MatrixT &K = parts_->K, &C = parts_->C;
+  if (!parts_->mass.is_diagonal()) {
+    if (n > most_coupled_masses)
+      throw std::invalid_argument("the mass matrix couples " + std::to_string(n) +
+                                  " degrees of freedom, and the Jacobian of such a structure is written up to " +
+                                  std::to_string(most_coupled_masses) +
+                                  "; take a method that uses stiffness and damping themselves, or lump the mass matrix");
+    MatrixXd full = MatrixXd::Zero(2 * n, 2 * n);
+    full.topRightCorner(n, n).setIdentity();
+    full.bottomLeftCorner(n, n) = -parts_->mass.solve(MatrixXd(K));
+    full.bottomRightCorner(n, n) = -parts_->mass.solve(MatrixXd(C));
+    if constexpr (std::is_same_v<MatrixT, MatrixXd>)
+      J = std::move(full);
+    else
+      J = full.sparseView(0, -1);  // zeros as well: one pattern at all times
+    return;
+  }
+  const VectorXd& mass = parts_->mass.diagonal();
   // (0, I; -M^-1 K, -M^-1 C).
   const auto write = [&](const auto& add) {
     for (Index i = 0; i < n; ++i) add(i, n + i, 1);
-    each_entry(parts_->K, [&](Index i, Index j, double value) { add(n + i, j, -value / mass[i]); });
-    each_entry(parts_->C, [&](Index i, Index j, double value) { add(n + i, n + j, -value / mass[i]); });
+    each_entry(K, [&](Index i, Index j, double value) { add(n + i, j, -value / mass[i]); });
+    each_entry(C, [&](Index i, Index j, double value) { add(n + i, n + j, -value / mass[i]); });
   };
   if constexpr (std::is_same_v<MatrixT, MatrixXd>) {
     J.setZero(2 * n, 2 * n);
     write([&](Index i, Index j, double value) { J(i, j) = value; });
   } else {
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(n + parts_->K.nonZeros() + parts_->C.nonZeros()));
+    entries.reserve(static_cast<std::size_t>(n + K.nonZeros() + C.nonZeros()));
     write([&](Index i, Index j, double value) {
       entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
     });
@@ -179,18 +202,20 @@ namespace detail {
 AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix C, bool damped) {
   const Index n = rows_of(K);
   if (!damped) C = Sparse(n, n);
+  auto *const sparse_K = std::get_if<Sparse>(&K), *const sparse_C = std::get_if<Sparse>(&C);
+  const bool sparse = sparse_K != nullptr && sparse_C != nullptr;
   VectorXd mass = lumped_masses(M);
   if (mass.size() == 0 && rows_of(M) > 0) {
     // Shapes are told of the matrices as they were given.
     for (const auto& [matrix, name] : {std::pair{&K, "K"}, {&M, "M"}, {&C, "C"}})
       std::visit([&, name = name](const auto& held) { require_whole(held, name, n); }, *matrix);
+    if (sparse)
+      return AnySystem(LinearStructure<Sparse>(std::move(*sparse_K), coupled_masses(M), std::move(*sparse_C)));
     const Eigen::LLT<MatrixXd> factor = factor_of(M);
     return AnySystem(
         LinearStructure<MatrixXd>(scaled_by(factor, K), VectorXd::Ones(n), scaled_by(factor, C)));
   }
-  auto* const sparse_K = std::get_if<Sparse>(&K);
-  auto* const sparse_C = std::get_if<Sparse>(&C);
-  if (sparse_K != nullptr && sparse_C != nullptr)
+  if (sparse)
     return AnySystem(LinearStructure<Sparse>(std::move(*sparse_K), std::move(mass), std::move(*sparse_C)));
   return AnySystem(LinearStructure<MatrixXd>(dense_of(K), std::move(mass), dense_of(C)));
 }

@@ -9,12 +9,13 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/mass_matrix.hpp"
 #include "core/size_limits.hpp"
 #include "problems/any_system.hpp"
 
 namespace hmax {
 
-/// A linear structure with lumped masses, y = (q, v), shape (2 n). Copies share the matrices.
+/// A linear structure, y = (q, v), shape (2 n). Copies share the matrices.
 /// @tparam MatrixT  Eigen::MatrixXd or Eigen::SparseMatrix<double>
 template <class MatrixT>
 class LinearStructure {
@@ -26,11 +27,11 @@ class LinearStructure {
   static constexpr bool autonomous = true;
 
   /// @param K     stiffness, shape (n, n) [N/m]
-  /// @param mass  the diagonal of M, shape (n) [kg], all positive
+  /// @param mass  the diagonal of M, shape (n) [kg], all positive; or for a sparse K an M that couples unknowns
   /// @param C     damping, shape (n, n) [N s/m]
   /// @throws std::invalid_argument  for other shapes, numbers that are not finite, masses that are not
   /// positive, and matrices of which only one triangle is stored
-  LinearStructure(MatrixT K, Eigen::VectorXd mass, MatrixT C);
+  LinearStructure(MatrixT K, MassMatrix<double> mass, MatrixT C);
 
   [[nodiscard]] Eigen::Index dofs() const { return parts_->mass.size(); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
@@ -39,10 +40,17 @@ class LinearStructure {
     dydt.head(n) = y.tail(n);
     dydt.tail(n).noalias() = parts_->K * y.head(n);
     if (parts_->damped) dydt.tail(n).noalias() += parts_->C * y.tail(n);
-    dydt.tail(n).array() /= -parts_->mass.array();
+    if (parts_->mass.is_diagonal())
+      dydt.tail(n).array() /= -parts_->mass.diagonal().array();
+    else
+      dydt.tail(n) = -parts_->mass.solve(dydt.tail(n));
   }
+  /// Of an M that couples unknowns M^-1 K is full.
+  /// @throws std::invalid_argument  for such an M of more than most_coupled_masses rows
   void jacobian(double, const State&, Jacobian& J) const;
-  [[nodiscard]] Dofs mass() const { return parts_->mass; }
+  /// @throws std::invalid_argument  where M couples unknowns
+  [[nodiscard]] Dofs mass() const { return parts_->mass.lumped(); }
+  [[nodiscard]] const MassMatrix<double>& mass_matrix() const { return parts_->mass; }
   void force(double /*t*/, const Dofs& q, const Dofs& v, Dofs& f) const {
     f.noalias() = parts_->K * q;
     if (parts_->damped) f.noalias() += parts_->C * v;
@@ -54,7 +62,7 @@ class LinearStructure {
  private:
   struct Parts {
     MatrixT K;
-    Eigen::VectorXd mass;
+    MassMatrix<double> mass;
     MatrixT C;
     bool damped = false;
   };
@@ -105,10 +113,10 @@ AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix
 
 /// The system M q'' + C q' + K q = 0, y = (q, v), of any Eigen matrices, dense or sparse.
 /// @param K  stiffness, shape (n, n) [N/m]
-/// @param M  masses [kg]: a vector of n, or a matrix of shape (n, n). One that couples degrees of freedom
-///           (a consistent mass matrix M = L L^T, of at most most_coupled_masses rows) leaves its eigenvalues
-///           and therefore every limit as they are: the states are then L^T q and L^T v, with unit masses.
-///           Only a method that takes the diagonal of C apart (central_difference) takes that of L^-1 C L^-T.
+/// @param M  masses [kg]: a vector of n, or a matrix of shape (n, n), which may couple degrees of freedom as a
+///           consistent mass matrix does. For dense matrices, of at most most_coupled_masses rows, the states are
+///           then L^T q and L^T v with M = L L^T, which leaves the eigenvalues and every limit as they are. For
+///           sparse K and C of any size they are q and v.
 /// @param C  damping, shape (n, n) [N s/m]
 /// @throws std::invalid_argument  for other shapes, numbers that are not finite, masses that are not
 /// positive, mass matrices that are not symmetric, and matrices of which only one triangle is stored

@@ -27,33 +27,35 @@ std::vector<double> places(double low, double high, int samples) {
 
 }  // namespace
 
-// Least squares for c x = alpha x + beta k x of one x in general position, then the residual for that x
+// Least squares for c x = alpha s x + beta k x of one x in general position, then the residual for that x
 // and two more. Costs three products with K and C.
 std::optional<std::array<double, 2>> rayleigh_coefficients(const MechanicalPart& part) {
   if (!part.symmetric) return std::nullopt;
   const Index n = part.mass.size();
-  const VectorXd inverse_root = part.mass.cwiseSqrt().cwiseInverse();
+  // k, c and s are K, C and M with D^-1/2 on both sides, D = diag(M): of lumped masses s x = x.
+  const VectorXd inverse_root = part.mass.diagonal().cwiseSqrt().cwiseInverse();
   const auto scaled = [&](const AnyMatrix& A, const VectorXd& x) {
     VectorXd y(n);
     std::visit([&](const auto& held) { y.noalias() = held * inverse_root.cwiseProduct(x); }, A);
     return VectorXd(y.cwiseProduct(inverse_root));
   };
-  // (x, k x) (alpha, beta) = c x of one vector in general position; another one says whether that holds.
+  // (s x, k x) (alpha, beta) = c x of one vector in general position; another one says whether that holds.
   constexpr Index probes = 3;
   const VectorXd numbers = start_vector(probes * n);
   double alpha = 0, beta = 0;
   for (Index probe = 0; probe < probes; ++probe) {
     const VectorXd x = numbers.segment(probe * n, n), kx = scaled(part.K, x), cx = scaled(part.C, x);
+    const VectorXd sx = part.mass.is_diagonal() ? x : scaled(part.mass.coupled()->matrix(), x);
     if (probe == 0) {
-      // The part of k x across x determines beta, the part along x then alpha.
-      const double mean = x.dot(kx) / x.squaredNorm();
-      const VectorXd across = kx - mean * x;
+      // The part of k x across s x determines beta, the part along s x then alpha.
+      const double mean = sx.dot(kx) / sx.squaredNorm();
+      const VectorXd across = kx - mean * sx;
       beta = across.norm() > 1e-14 * kx.norm() ? across.dot(cx) / across.squaredNorm() : 0;
-      alpha = x.dot(cx) / x.squaredNorm() - beta * mean;
+      alpha = sx.dot(cx) / sx.squaredNorm() - beta * mean;
       // An alpha of rounding is none: at kappa = 0 it would make damping of nothing.
-      if (std::abs(alpha) * x.norm() <= 1e-13 * cx.norm()) alpha = 0;
+      if (std::abs(alpha) * sx.norm() <= 1e-13 * cx.norm()) alpha = 0;
     }
-    if ((cx - beta * kx - alpha * x).norm() > 1e-11 * cx.norm()) return std::nullopt;
+    if ((cx - beta * kx - alpha * sx).norm() > 1e-11 * cx.norm()) return std::nullopt;
   }
   return std::array<double, 2>{alpha, beta};
 }

@@ -172,7 +172,7 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
     if (std::abs(next - h) <= 1e-10 * h) {
       if (!least.converged) return std::nullopt;
       return limit_of_shape(map, next, {.kappa = kappa, .gamma = gamma}, 0,
-                            scaled.inverse_root.cwiseProduct(x), true);
+                            scaled.mass.root_solve(x), true);
     }
     h = next;
     if (!std::isfinite(h)) return std::nullopt;
@@ -183,10 +183,10 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
 CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)
     : map_(without_zeros(map)),
       n_(part.mass.size()),
-      root_(part.mass.cwiseSqrt().cwiseInverse()),
+      mass_(part.mass),
       symmetric_(part.symmetric) {
-  k_ = root_.asDiagonal() * dense(part.K) * root_.asDiagonal();
-  c_ = root_.asDiagonal() * dense(part.C) * root_.asDiagonal();
+  k_ = mass_scaled(part.mass, part.K);
+  c_ = mass_scaled(part.mass, part.C);
   // Symmetric to the last bit.
   if (symmetric_) {
     k_ = ((k_ + k_.transpose()) / 2).eval();
@@ -247,7 +247,7 @@ CoupledLimit CoupledMotion::leaves_with(double h, const VectorXcd& x, bool prove
   Index largest = 0;
   x.cwiseAbs().maxCoeff(&largest);
   return limit_of_shape(map_, h, {.kappa = of_shape(k_), .gamma = of_shape(c_)}, of_shape(d_),
-                        root_.cwiseProduct((x / x[largest]).real()), proved);
+                        mass_.root_solve(VectorXd((x / x[largest]).real())), proved);
 }
 
 CoupledLimit CoupledMotion::with_shape(double h, Complex zeta, bool proved) const {

@@ -87,7 +87,7 @@ class CoupledMotion {
 
   MotionMap map_;         ///< without common roots at zero
   Eigen::Index n_ = 0;    ///< degrees of freedom
-  Eigen::VectorXd root_;  ///< M^-1/2
+  MassMatrix<double> mass_;
   Matrix k_, c_, d_;      ///< M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
   bool symmetric_ = true;
   double rate_ = 0;      ///< what h is measured by [1/s]

@@ -13,9 +13,10 @@
 #include <Spectra/MatOp/SparseGenMatProd.h>
 #endif
 
-#include "analysis/spectrum/block_product.hpp"
+#include "analysis/spectrum/davidson.hpp"
 #include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
+#include "analysis/spectrum/scaled_matrices.hpp"
 #include "analysis/spectrum/spectrum.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/panel_factor.hpp"
@@ -77,15 +78,15 @@ void trim(LargestEigenvalues& result, Index count) {
   result.vectors.conservativeResize(Eigen::NoChange, static_cast<Index>(result.lambda.size()));
 }
 
-/// M^-1/2 K M^-1/2, and what turns its eigenvectors into shapes.
-/// k is symmetric and similar to M^-1 K: its eigenvectors u give the shapes M^-1/2 u, which are
-/// orthonormal in M. Holds a reference to a sparse K, so the part must outlive it.
+/// k = R^-T K R^-1 with M = R^T R, and what turns its eigenvectors into shapes.
+/// k is symmetric and similar to M^-1 K: its eigenvectors u give the shapes R^-1 u, which are orthonormal in M.
+/// Holds references, so the part must outlive it.
 class Scaled {
  public:
-  VectorXd inverse_root;  ///< the diagonal of M^-1/2, shape (n) [kg^-1/2]
+  const MassMatrix<double>& mass;
 
   /// @throws std::invalid_argument  unless K is symmetric
-  explicit Scaled(const MechanicalPart& part) : inverse_root(part.mass.cwiseSqrt().cwiseInverse()) {
+  explicit Scaled(const MechanicalPart& part) : mass(part.mass), part_(part) {
     if (!part.symmetric)
       throw std::invalid_argument(
           "extreme stiffnesses need a symmetric K; take the eigenvalues of the Jacobian");
@@ -99,17 +100,43 @@ class Scaled {
   Scaled(const Scaled&) = delete;
   Scaled& operator=(const Scaled&) = delete;
 
-  [[nodiscard]] Index size() const { return inverse_root.size(); }
-  /// A copy, which products do without.
-  [[nodiscard]] Sparse matrix() const {
-    Sparse k = inverse_root.asDiagonal() * *K_ * inverse_root.asDiagonal();
-    k.makeCompressed();
-    return k;
+  [[nodiscard]] Index size() const { return mass.size(); }
+  [[nodiscard]] MatrixXd matrix() const { return mass_scaled(mass, part_.K); }
+  /// A matrix that is similar to k - shift I but for a positive definite factor on both sides, of which L D L^T is
+  /// made: k - shift I itself, or K - shift M where M couples.
+  [[nodiscard]] Sparse shifted(double shift) const {
+    // One triangle decides, so that the factored matrix is exactly symmetric.
+    Sparse result;
+    if (mass.is_diagonal()) {
+      const VectorXd inverse_root = mass.diagonal().cwiseSqrt().cwiseInverse();
+      Sparse identity(size(), size());
+      identity.setIdentity();
+      const Sparse k = inverse_root.asDiagonal() * *K_ * inverse_root.asDiagonal();
+      result = k.selfadjointView<Eigen::Lower>();
+      result -= shift * identity;
+    } else {
+      result = K_->selfadjointView<Eigen::Lower>();
+      result -= shift * mass.coupled()->matrix();
+    }
+    result.makeCompressed();
+    return result;
+  }
+  /// y = (k - shift I)^-1 x from the factor of shifted(): R (K - shift M)^-1 R^T where M couples.
+  void solve(PanelFactor<double>& factor, const VectorXd& x, VectorXd& y) const {
+    y = x;
+    if (mass.is_diagonal()) return factor.solve(y);
+    mass.coupled()->root_solve(y);
+    y = mass.times(y);
+    factor.solve(y);
+    y = mass.times(y);
+    mass.coupled()->transposed_root_solve(y);
   }
   /// k for products, in blocks where K has them.
-  [[nodiscard]] SymmetricProduct product() const { return {*K_, inverse_root}; }
-  /// max_j sum_i |k_ij|, an upper bound of |kappa| [1/s^2].
+  [[nodiscard]] MassScaledProduct product() const { return {part_.K, mass}; }
+  /// An upper bound of |kappa| [1/s^2]: max_j sum_i |k_ij| where M is diagonal, else that with diag(M) over the least
+  /// eigenvalue of diag(M)^-1 M.
   [[nodiscard]] double gershgorin() const {
+    const VectorXd inverse_root = mass.diagonal().cwiseSqrt().cwiseInverse();
     double largest = 0;
     for (Index j = 0; j < K_->cols(); ++j) {
       double sum = 0;
@@ -117,10 +144,11 @@ class Scaled {
         sum += std::abs(entry.value()) * inverse_root[entry.row()];
       largest = std::max(largest, sum * inverse_root[j]);
     }
-    return largest;
+    return mass.is_diagonal() ? largest : largest / mass.coupled()->least_share();
   }
 
  private:
+  const MechanicalPart& part_;
   // Holds a dense K as a sparse matrix; unused otherwise.
   Sparse own_;
   const Sparse* K_ = nullptr;
@@ -128,7 +156,7 @@ class Scaled {
 
 /// All eigenvalues, then the `count` largest or those nearest to zero.
 ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool largest) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{MatrixXd(scaled.matrix())};
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{scaled.matrix()};
   const Index n = scaled.size();
   ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, count)};
   std::vector<Index> order(static_cast<std::size_t>(n));
@@ -142,7 +170,7 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
   for (Index i = 0; i < count; ++i) {
     const Index from = order[static_cast<std::size_t>(i)];
     result.kappa.push_back(kappa[from]);
-    result.shapes.col(i) = scaled.inverse_root.cwiseProduct(solver.eigenvectors().col(from));
+    result.shapes.col(i) = scaled.mass.root_solve(solver.eigenvectors().col(from));
   }
   return result;
 }
@@ -155,27 +183,18 @@ ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool lar
 /// the bound
 ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double shift) {
   const Index n = scaled.size();
-  // One triangle decides, so that the factored matrix is exactly symmetric.
-  Sparse shifted = scaled.matrix().selfadjointView<Eigen::Lower>();
-  Sparse identity(n, n);
-  identity.setIdentity();
-  shifted -= shift * identity;
-  shifted.makeCompressed();
+  const Sparse shifted = scaled.shifted(shift);
   PanelFactor<double> factor;
   factor.analyse(shifted);
   ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, 0), .converged = false};
   if (!factor.factor(shifted)) return result;
   result.negative = std::ranges::count_if(factor.pivots(), [](double pivot) { return pivot < 0; });
-  // y = (k - shift I)^-1 x by two triangular solves.
-  const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) {
-    y = x;
-    factor.solve(y);
-  };
+  const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) { scaled.solve(factor, x, y); };
   const LanczosPairs pairs = first_eigenpairs(inverse, n, count, Rank::largest_modulus, tolerance);
-  const SymmetricProduct product = scaled.product();
+  const MassScaledProduct product = scaled.product();
   VectorXd image(n);
   result.converged = pairs.converged;
-  result.shapes = scaled.inverse_root.asDiagonal() * pairs.vectors;
+  result.shapes = scaled.mass.root_solve(pairs.vectors);
   for (Index i = 0; i < pairs.vectors.cols(); ++i) {
     const VectorXd u = pairs.vectors.col(i);
     // What the factor gave is held against the matrix itself.
@@ -187,7 +206,7 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   return result;
 }
 
-/// The largest by products alone; where these do not converge, by a factor of k - (1 + 1e-8) bound I, which
+/// The largest by products alone, of an M that couples by Davidson's method; where these do not converge, by a factor of k - (1 + 1e-8) bound I, which
 /// is negative definite by Gershgorin's theorem. Beyond most_factored unknowns no such factor is tried. The
 /// smallest always by a factor of k + 1e-8 bound I.
 ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest, bool with_shapes) {
@@ -195,7 +214,12 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
   const Index n = scaled.size();
   // Outside the spectrum by more than rounding: the shifted matrix stays regular.
   if (!largest) return nearest_stiffnesses(scaled, count, -outside * bound);
-  const SymmetricProduct rows = scaled.product();
+  const MassScaledProduct rows = scaled.product();
+  if (!scaled.mass.is_diagonal()) {
+    const PencilPairs pairs = largest_pencil_eigenpairs(
+        [&](const VectorXd& x, VectorXd& y) { rows.unscaled()(x, y); }, *scaled.mass.coupled(), count, tolerance);
+    return {.kappa = pairs.values, .shapes = pairs.vectors, .converged = pairs.converged};
+  }
   const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
   ExtremeStiffnesses result;
   if (count == 1) {
@@ -205,11 +229,11 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
                                                 .most_products = n > most_factored ? 5000 : 600,
                                                 .with_vector = with_shapes});
     result = {.kappa = {pair.value}, .shapes = {}, .converged = pair.converged};
-    if (with_shapes) result.shapes = scaled.inverse_root.cwiseProduct(pair.vector);
+    if (with_shapes) result.shapes = scaled.mass.root_solve(pair.vector);
   } else {
     const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, tolerance);
     result = {.kappa = pairs.values,
-              .shapes = scaled.inverse_root.asDiagonal() * pairs.vectors,
+              .shapes = scaled.mass.root_solve(pairs.vectors),
               .converged = pairs.converged};
   }
   return result.converged || n > most_factored ? result

@@ -33,9 +33,9 @@ void require_masses(const VectorXd& mass) {
 /// How an entry acts in a product.
 enum class As { itself, transposed, modulus };
 
-/// M^-1/2 A M^-1/2 x, with the transpose or the moduli of A; no matrix is copied.
-VectorXd mass_scaled(const AnyMatrix& A, const VectorXd& inverse_root, const VectorXd& x, As as) {
-  // M^-1/2 (A (M^-1/2 x)).
+/// D^-1/2 A D^-1/2 x with D = diag(M), with the transpose or the moduli of A; no matrix is copied.
+VectorXd scaled_product(const AnyMatrix& A, const VectorXd& inverse_root, const VectorXd& x, As as) {
+  // D^-1/2 (A (D^-1/2 x)).
   const VectorXd scaled = inverse_root.cwiseProduct(x);
   VectorXd product = VectorXd::Zero(x.size());
   each_entry(A, [&](Index i, Index j, double value) {
@@ -51,8 +51,13 @@ VectorXd mass_scaled(const AnyMatrix& A, const VectorXd& inverse_root, const Vec
 /// large mesh would take many times its memory.
 void classify_damping(double relative, MechanicalPart& part) {
   constexpr Index probes = 3;
-  const VectorXd root = part.mass.cwiseSqrt().cwiseInverse();
+  const VectorXd root = part.mass.diagonal().cwiseSqrt().cwiseInverse();
   const Index n = part.mass.size();
+  // x -> D^1/2 M^-1 D^1/2 x, which of lumped masses is x.
+  const auto between = [&](const VectorXd& x) -> VectorXd {
+    if (part.mass.is_diagonal()) return x;
+    return part.mass.solve(x.cwiseQuotient(root)).cwiseQuotient(root);
+  };
   // Three vectors with components in (-1/2, 1/2), the same in every run.
   const VectorXd numbers = start_vector(probes * n);
   // Beside what rounding of the terms of a product may be.
@@ -62,8 +67,8 @@ void classify_damping(double relative, MechanicalPart& part) {
   bool damped = false, commute = true;
   for (Index probe = 0; probe < probes; ++probe) {
     const VectorXd x = numbers.segment(probe * n, n), moduli = x.cwiseAbs();
-    const auto k = [&](const VectorXd& v, As as = As::itself) { return mass_scaled(part.K, root, v, as); };
-    const auto c = [&](const VectorXd& v, As as = As::itself) { return mass_scaled(part.C, root, v, as); };
+    const auto k = [&](const VectorXd& v, As as = As::itself) { return scaled_product(part.K, root, v, as); };
+    const auto c = [&](const VectorXd& v, As as = As::itself) { return scaled_product(part.C, root, v, as); };
     const VectorXd kx = k(x), cx = c(x), size_c = c(moduli, As::modulus);
     damped = damped || size_c.maxCoeff() > 0;
     // |(k - k^T) x| beside | |k| |x| |, what the terms were before they cancelled.
@@ -71,7 +76,7 @@ void classify_damping(double relative, MechanicalPart& part) {
                      vanishes(cx - c(x, As::transposed), size_c);
     if (!damped || !part.symmetric) break;
     // |(k c - c k) x| beside | |k| |c| |x| |.
-    commute = commute && vanishes(k(cx) - c(kx), k(size_c, As::modulus));
+    commute = commute && vanishes(k(between(cx)) - c(between(kx)), k(size_c, As::modulus));
   }
   // Without symmetry nothing is proportional.
   part.damping = !damped                     ? Damping::none
@@ -105,6 +110,16 @@ std::string_view name_of(Damping damping) {
   return "general";
 }
 
+MatrixXd mass_scaled(const MassMatrix<double>& M, const AnyMatrix& A) {
+  if (M.is_diagonal()) {
+    const VectorXd inverse_root = M.diagonal().cwiseSqrt().cwiseInverse();
+    return inverse_root.asDiagonal() * dense(A) * inverse_root.asDiagonal();
+  }
+  // (R^-T (R^-T A)^T)^T
+  const MatrixXd half = M.transposed_root_solve(dense(A)).transpose();
+  return M.transposed_root_solve(half).transpose();
+}
+
 MatrixXd dense(const AnyMatrix& matrix) {
   if (const auto* full = std::get_if<MatrixXd>(&matrix)) return *full;
   return MatrixXd(std::get<Sparse>(matrix));
@@ -115,7 +130,8 @@ double relative_distance(const LinearModel& A, const LinearModel& B) {
   if (!A.mechanical || !B.mechanical) return relative_distance(A.J(), B.J());
   // Of (0, I; -M^-1 K, -M^-1 C).
   const MechanicalPart &a = *A.mechanical, &b = *B.mechanical;
-  const VectorXd inverse = a.mass.cwiseInverse();
+  // Both have one M; of one that couples its diagonal tells the sizes.
+  const VectorXd inverse = a.mass.diagonal().cwiseInverse();
   double difference = 0, size = static_cast<double>(a.mass.size());
   for (const auto& [from, to] : {std::pair{&a.K, &b.K}, std::pair{&a.C, &b.C}}) {
     std::visit(
@@ -139,7 +155,7 @@ double relative_distance(const AnyMatrix& A, const AnyMatrix& B) {
   return Sparse(std::get<Sparse>(A) - std::get<Sparse>(B)).norm() / std::get<Sparse>(A).norm();
 }
 
-MechanicalPart mechanical_part(VectorXd mass, AnyMatrix K, AnyMatrix C, double relative) {
+MechanicalPart mechanical_part(MassMatrix<double> mass, AnyMatrix K, AnyMatrix C, double relative) {
   MechanicalPart part{.mass = std::move(mass), .K = detail::taken(K), .C = detail::taken(C)};
   classify(part, relative);
   return part;
@@ -148,7 +164,7 @@ MechanicalPart mechanical_part(VectorXd mass, AnyMatrix K, AnyMatrix C, double r
 // Checks masses and entries, then symmetry and damping; a single degree of freedom is decided by its c
 // alone.
 void classify(MechanicalPart& part, double relative) {
-  require_masses(part.mass);
+  require_masses(part.mass.diagonal());
   for (const auto& [matrix, name] : {std::pair{&part.K, "stiffness"}, {&part.C, "damping"}})
     each_entry(*matrix, [&](Index i, Index j, double value) {
       if (!std::isfinite(value))
@@ -202,22 +218,22 @@ void require_finite_state(double t, const VectorXd& y) {
                       i + 1, to_text(y[i])));
 }
 
-std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const VectorXd& mass) {
+std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const MassMatrix<double>& mass) {
   const Index n = mass.size();
+  const Sparse M = mass.matrix();
   if (const auto* full = std::get_if<MatrixXd>(&J))
-    return {MatrixXd(-(mass.asDiagonal() * full->bottomLeftCorner(n, n))),
-            MatrixXd(-(mass.asDiagonal() * full->bottomRightCorner(n, n)))};
+    return {MatrixXd(-(M * full->bottomLeftCorner(n, n))), MatrixXd(-(M * full->bottomRightCorner(n, n)))};
   std::vector<Eigen::Triplet<double>> stiffness, damping;
   each_entry(J, [&](Index i, Index j, double value) {
     if (i < n) return;
     auto& block = j < n ? stiffness : damping;
     // K = -M J_vq, C = -M J_vv from the lower half; the upper half is (0, I).
-    block.emplace_back(static_cast<int>(i - n), static_cast<int>(j % n), -mass[i - n] * value);
+    block.emplace_back(static_cast<int>(i - n), static_cast<int>(j % n), -value);
   });
   Sparse K(n, n), C(n, n);
   K.setFromTriplets(stiffness.begin(), stiffness.end());
   C.setFromTriplets(damping.begin(), damping.end());
-  return {K, C};
+  return {Sparse(M * K), Sparse(M * C)};
 }
 
 }  // namespace detail

@@ -14,6 +14,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/mass_matrix.hpp"
 #include "integrators/implicit/jacobian.hpp"
 #include "integrators/system.hpp"
 
@@ -43,9 +44,9 @@ std::string_view name_of(Damping damping);
 /// With y = (q, v) its Jacobian is (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
 // NOLINTNEXTLINE(bugprone-exception-escape): Eigen 3.4 copies sparse matrices that are moved
 struct MechanicalPart {
-  Eigen::VectorXd mass;  ///< the diagonal of M, shape (n) [kg], all positive
-  AnyMatrix K;           ///< -dF/dq, shape (n, n) [N/m]
-  AnyMatrix C;           ///< -dF/dv, shape (n, n) [N s/m]
+  MassMatrix<double> mass;  ///< M, shape (n, n) [kg], positive definite; a vector of n where it is diagonal
+  AnyMatrix K;              ///< -dF/dq, shape (n, n) [N/m]
+  AnyMatrix C;              ///< -dF/dv, shape (n, n) [N s/m]
   Damping damping = Damping::none;
   bool symmetric = true;  ///< K and C are, to what they are known to: no follower, no gyroscopic forces
 
@@ -71,6 +72,11 @@ struct LinearModel {
 /// to states of one system.
 double relative_distance(const LinearModel& A, const LinearModel& B);
 
+/// R^-T A R^-1 with M = R^T R, of lumped masses M^-1/2 A M^-1/2: similar to M^-1 A, and symmetric where A is.
+/// @return  shape (n, n)
+/// @cost    8 n^2 bytes
+Eigen::MatrixXd mass_scaled(const MassMatrix<double>& M, const AnyMatrix& A);
+
 /// The matrix as a dense one; a copy.
 /// @cost  8 n^2 bytes
 Eigen::MatrixXd dense(const AnyMatrix& matrix);
@@ -82,11 +88,11 @@ inline bool is_sparse(const AnyMatrix& matrix) { return matrix.index() == 1; }
 double relative_distance(const AnyMatrix& A, const AnyMatrix& B);
 
 /// Classifies damping and symmetry of the matrices.
-/// Symmetric: K = K^T, C = C^T. Proportional: k c = c k with k = M^-1/2 K M^-1/2, c alike; then one basis
-/// makes both diagonal [caughey1965classical]. Both are tested on three vectors.
+/// Symmetric: K = K^T, C = C^T. Proportional: K M^-1 C = C M^-1 K; then one basis makes both diagonal
+/// [caughey1965classical]. Both are tested on three vectors.
 /// @param relative  what counts as rounding beside the sizes of the terms: 1e-10 where matrices are analytic
 /// @throws InputError  when a mass is not positive and finite, or an entry of K or C is not finite
-MechanicalPart mechanical_part(Eigen::VectorXd mass, AnyMatrix K, AnyMatrix C, double relative = 1e-10);
+MechanicalPart mechanical_part(MassMatrix<double> mass, AnyMatrix K, AnyMatrix C, double relative = 1e-10);
 /// The same of matrices that are in the part already.
 void classify(MechanicalPart& part, double relative = 1e-10);
 
@@ -98,7 +104,7 @@ void require_finite_state(double t, const Eigen::VectorXd& y);
 
 /// K and C of J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
 /// The lower blocks times -M, dense or sparse as J is.
-std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const Eigen::VectorXd& mass);
+std::pair<AnyMatrix, AnyMatrix> stiffness_and_damping_of(const AnyMatrix& J, const MassMatrix<double>& mass);
 
 /// Takes what `from` holds: Eigen 3.4 has no moves of sparse matrices, and copies of those of meshes are
 /// long.
@@ -243,7 +249,7 @@ void mechanical_of_code(const S& system, real_of<typename S::State> at, const ty
   using DofMatrix = typename S::DofMatrix;
   const Eigen::Index n = dofs_of(system);
   const typename S::Dofs q = y.head(n), v = y.tail(n);
-  part.mass = typename S::Dofs(system.mass()).template cast<double>();
+  part.mass = mass_of(system).template cast<double>();
   // Systems that write an AnyMatrix write into the part itself; others into a matrix of their own type.
   const auto make = [&](AnyMatrix& made, const auto& write) {
     if constexpr (std::is_same_v<DofMatrix, AnyMatrix>) {
@@ -302,7 +308,7 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
     model.J = [J] { return J; };
     if constexpr (SecondOrderSystem<S>)
       if (detail::dofs_of(system) > 0) {
-        Eigen::VectorXd mass = typename S::Dofs(system.mass()).template cast<double>();
+        auto mass = MassMatrix<double>(mass_of(system).template cast<double>());
         auto [K, C] = detail::stiffness_and_damping_of(J, mass);
         // Differences know about 8 digits of the largest entries.
         model.mechanical = mechanical_part(std::move(mass), std::move(K), std::move(C), 1e-6);

@@ -13,8 +13,8 @@ ModalMotion::ModalMotion(const MechanicalPart& part, const Eigen::VectorXd& forc
   const Eigen::Index n = part.mass.size();
   // S^-1 = S^T M: amplitudes are S^T M q, loads S^T f.
   const Eigen::VectorXd load = shapes_.transpose() * force;
-  const Eigen::VectorXd q = shapes_.transpose() * part.mass.cwiseProduct(y0.head(n));
-  const Eigen::VectorXd v = shapes_.transpose() * part.mass.cwiseProduct(y0.tail(n));
+  const Eigen::VectorXd q = shapes_.transpose() * part.mass.times(Eigen::VectorXd(y0.head(n)));
+  const Eigen::VectorXd v = shapes_.transpose() * part.mass.times(Eigen::VectorXd(y0.tail(n)));
   amplitudes_.reserve(modes.modes.size());
   // a_i'' + gamma_i a_i' + kappa_i a_i = s_i^T f.
   for (Eigen::Index i = 0; i < n; ++i) {

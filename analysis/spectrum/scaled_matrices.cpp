@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analysis/spectrum/davidson.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 
 namespace hmax {
@@ -10,14 +11,20 @@ namespace {
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// A dense matrix is stored as a sparse one without its zeros.
-SymmetricProduct product_of(const AnyMatrix& A, const VectorXd& scale) {
+/// Scaled by diagonal masses; one that couples is left to each product.
+SymmetricProduct product_of(const AnyMatrix& A, const MassMatrix<double>& M) {
+  const VectorXd scale = M.is_diagonal() ? VectorXd(M.diagonal().cwiseSqrt().cwiseInverse()) : VectorXd::Ones(M.size());
   if (is_sparse(A)) return {std::get<Sparse>(A), scale};
   return {Sparse(std::get<Eigen::MatrixXd>(A).sparseView()), scale};
 }
 
 /// An eigenvalue lies within the residual of the Ritz value; the Ritz value is below the largest.
-double largest(const SymmetricProduct& A) {
+double largest(const MassScaledProduct& A, const MassMatrix<double>& M) {
+  if (!M.is_diagonal()) {
+    const PencilPairs pairs = largest_pencil_eigenpairs(
+        [&](const VectorXd& x, VectorXd& y) { A.unscaled()(x, y); }, *M.coupled(), 1, 1e-6, 2000);
+    return pairs.values.front() + pairs.residual;
+  }
   const LanczosPair pair =
       largest_eigenpair([&](const VectorXd& x, VectorXd& y) { A(x, y); }, A.rows(), {.with_vector = false});
   return pair.value + pair.residual;
@@ -25,12 +32,21 @@ double largest(const SymmetricProduct& A) {
 
 }  // namespace
 
-ScaledMatrices::ScaledMatrices(const MechanicalPart& part)
-    : inverse_root(part.mass.cwiseSqrt().cwiseInverse()),
-      k(product_of(part.K, inverse_root)),
-      c(product_of(part.C, inverse_root)) {}
+MassScaledProduct::MassScaledProduct(const AnyMatrix& A, const MassMatrix<double>& M) : M_(M), A_(product_of(A, M)) {}
 
-double ScaledMatrices::largest_k() const { return largest(k); }
-double ScaledMatrices::largest_c() const { return largest(c); }
+void MassScaledProduct::apply(const double* x, double* y) const {
+  if (M_.is_diagonal()) return A_.apply(x, y);
+  VectorXd shape = Eigen::Map<const VectorXd>(x, rows()), force(rows());
+  M_.coupled()->root_solve(shape);
+  A_(shape, force);
+  M_.coupled()->transposed_root_solve(force);
+  std::copy_n(force.data(), rows(), y);
+}
+
+ScaledMatrices::ScaledMatrices(const MechanicalPart& part)
+    : mass(part.mass), k(part.K, part.mass), c(part.C, part.mass) {}
+
+double ScaledMatrices::largest_k() const { return largest(k, mass); }
+double ScaledMatrices::largest_c() const { return largest(c, mass); }
 
 }  // namespace hmax

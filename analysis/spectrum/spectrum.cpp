@@ -50,21 +50,17 @@ void require_convergence(Eigen::ComputationInfo info) {
         "of similar size");
 }
 
-/// A mechanical part as dense matrices of one unit: k = M^-1/2 K M^-1/2 [1/s^2], c = M^-1/2 C M^-1/2 [1/s].
+/// A mechanical part as dense matrices of one unit: k = R^-T K R^-1 [1/s^2], c = R^-T C R^-1 [1/s], M = R^T R.
 /// Similar to M^-1 K and M^-1 C, and symmetric where K and C are.
 struct MassScaled {
-  VectorXd inverse_root;  ///< of the masses
-  MatrixXd k, c;          ///< shape (n, n) each
+  MatrixXd k, c;  ///< shape (n, n) each
 
   explicit MassScaled(const MechanicalPart& part)
-      : inverse_root(part.mass.cwiseSqrt().cwiseInverse()),
-        k(inverse_root.asDiagonal() * dense(part.K) * inverse_root.asDiagonal()),
-        c(inverse_root.asDiagonal() * dense(part.C) * inverse_root.asDiagonal()) {}
+      : k(mass_scaled(part.mass, part.K)), c(mass_scaled(part.mass, part.C)) {}
 };
 
-/// B = (0, s I; -k / s, -c) acts on (s M^1/2 q, M^1/2 v).
+/// B = (0, s I; -k / s, -c) acts on (s R q, R v), M = R^T R.
 struct Companion {
-  VectorXd inverse_root;
   double s = 1;  ///< a typical omega [rad/s]
   MatrixXd B;    ///< shape (2 n, 2 n) [1/s]
 
@@ -72,7 +68,6 @@ struct Companion {
   explicit Companion(const MechanicalPart& part) {
     const MassScaled scaled(part);
     const Index n = scaled.k.rows();
-    inverse_root = scaled.inverse_root;
     // The root mean square of the eigenvalues of a symmetric k: s = sqrt of it is a typical omega.
     const double size = scaled.k.norm() / std::sqrt(static_cast<double>(n));
     if (size > 0) s = std::sqrt(size);
@@ -127,7 +122,7 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
   for (Index i = 0; i < n; ++i) {
     const MechanicalMode& mode = modal.modes[static_cast<std::size_t>(i)];
     const auto lambda = eigenvalues_of(mode);
-    const VectorXd shape = modal.shapes.col(i), dual = part.mass.cwiseProduct(shape);
+    const VectorXd shape = modal.shapes.col(i), dual = part.mass.times(shape);
     for (const Index k : {Index(0), Index(1)}) {
       const Complex own = lambda[static_cast<std::size_t>(k)],
                     other = lambda[static_cast<std::size_t>(1 - k)];
@@ -158,9 +153,10 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
   return result;
 }
 
-/// The eigenvectors of A, where x = scale y are the coordinates that A acts on.
+/// The eigenvectors of A, where x = T y are the coordinates that A acts on.
 /// condition = sigma_1 / sigma_n of the eigenvectors of A, each of length 1, by singular values.
-Eigenvectors general_eigenvectors(const MatrixXd& A, const VectorXd& scale) {
+/// @param to, back  T and its inverse, shape (n, n)
+Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const MatrixXd& back) {
   const Index n = A.rows();
   Eigen::EigenSolver<MatrixXd> solver(A, true);
   require_convergence(solver.info());
@@ -181,13 +177,13 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const VectorXd& scale) {
   const VectorXd singular = Eigen::BDCSVD<MatrixXcd>(scaled).singularValues();
   const double least = singular[n - 1];
   result.condition = least > 0 ? singular[0] / least : infinity;
-  // A x = lambda x with x = scale y: y = x / scale, made to length 1 again; rows of V^-1 alike.
-  result.right = scale.cwiseInverse().asDiagonal() * scaled;
-  // right = D scaled L^-1 with D = 1 / scale and the lengths L, so its inverse is L scaled^-1 D^-1.
+  // A x = lambda x with x = T y: y = T^-1 x, made to length 1 again; rows of V^-1 alike.
+  result.right = back * scaled;
+  // right = T^-1 scaled L^-1 with the lengths L, so its inverse is L scaled^-1 T.
   const VectorXd lengths = result.right.colwise().norm();
   result.right = result.right * lengths.cwiseInverse().asDiagonal();
   if (result.condition <= defective_condition)
-    result.left = lengths.asDiagonal() * scaled.inverse() * scale.asDiagonal();
+    result.left = lengths.asDiagonal() * MatrixXcd(scaled.inverse() * to);
   complete(result);
   return result;
 }
@@ -265,7 +261,7 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   result.modes.resize(static_cast<std::size_t>(n));
   if (n == 1) {
     result.modes[0] = {scaled.k(0, 0), scaled.c(0, 0)};
-    if (with_shapes) result.shapes = scaled.inverse_root;
+    if (with_shapes) result.shapes = part.mass.root_solve(MatrixXd::Ones(1, 1));
     return result;
   }
 
@@ -284,7 +280,7 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   if (rayleigh) {
     for (Index i = 0; i < n; ++i)
       result.modes[static_cast<std::size_t>(i)] = {kappa[i], rayleigh->first + rayleigh->second * kappa[i]};
-    if (with_shapes) result.shapes = scaled.inverse_root.asDiagonal() * solver.eigenvectors();
+    if (with_shapes) result.shapes = part.mass.root_solve(solver.eigenvectors());
     return result;
   }
 
@@ -301,7 +297,7 @@ MechanicalModes mechanical_modes(const MechanicalPart& part, bool with_shapes) {
   const MatrixXd cu = scaled.c * u;
   for (Index i = 0; i < n; ++i)
     result.modes[static_cast<std::size_t>(i)] = {kappa[i], u.col(i).dot(cu.col(i))};
-  if (with_shapes) result.shapes = scaled.inverse_root.asDiagonal() * u;
+  if (with_shapes) result.shapes = part.mass.root_solve(u);
   return result;
 }
 
@@ -343,16 +339,24 @@ Spectrum spectrum_of(const LinearModel& model) {
   return spectrum;
 }
 
-// Coordinates x = scale y: (s M^1/2 q, M^1/2 v) for the companion form.
+// Coordinates x = T y: (s R q, R v) for the companion form.
 Eigenvectors eigenvectors_of(const LinearModel& model) {
   require_dense_size(model.y.size());
-  if (!model.mechanical) return general_eigenvectors(dense(model.J()), VectorXd::Ones(model.y.size()));
+  if (!model.mechanical) {
+    const MatrixXd same = MatrixXd::Identity(model.y.size(), model.y.size());
+    return general_eigenvectors(dense(model.J()), same, same);
+  }
   if (model.mechanical->decouples()) return decoupled_eigenvectors(*model.mechanical);
   const Companion companion(*model.mechanical);
-  const VectorXd root = companion.inverse_root.cwiseInverse();
-  VectorXd scale(2 * root.size());
-  scale << companion.s * root, root;
-  return general_eigenvectors(companion.B, scale);
+  const MassMatrix<double>& M = model.mechanical->mass;
+  const Index n = M.size();
+  const MatrixXd same = MatrixXd::Identity(n, n), root = M.root_times(same), inverse_root = M.root_solve(same);
+  MatrixXd to = MatrixXd::Zero(2 * n, 2 * n), back = to;
+  to.topLeftCorner(n, n) = companion.s * root;
+  to.bottomRightCorner(n, n) = root;
+  back.topLeftCorner(n, n) = inverse_root / companion.s;
+  back.bottomRightCorner(n, n) = inverse_root;
+  return general_eigenvectors(companion.B, to, back);
 }
 
 }  // namespace hmax

@@ -8,6 +8,7 @@
 
 #include <Eigen/SparseCore>
 
+#include "analysis/spectrum/davidson.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 #include "core/parallel_for.hpp"
@@ -76,6 +77,16 @@ DampingRange damping_range(const MechanicalPart& part) {
                  b = std::sin(tangents[i] * std::numbers::pi / 180) / kappa;
     VectorXd damped(scaled.size());
     // Shifted by one: near the origin lie many modes, which are not told apart.
+    if (const CoupledMass* M = scaled.mass.coupled(); M != nullptr) {
+      const PencilPairs pairs = largest_pencil_eigenpairs(
+          [&](const VectorXd& x, VectorXd& y) {
+            scaled.k.unscaled()(x, y);
+            scaled.c.unscaled()(x, damped);
+            y = M->matrix() * x + b * y + a * damped;
+          },
+          *M, 1, 1e-3, 300);
+      return Tangent{a, b, pairs.values.front() + pairs.residual - 1};
+    }
     const LanczosPair pair = largest_eigenpair(
         [&](const VectorXd& x, VectorXd& y) {
           scaled.k(x, y);
@@ -92,7 +103,8 @@ DampingRange damping_range(const MechanicalPart& part) {
 
 double least_damping_per_stiffness(const MechanicalPart& part) {
   if (!is_sparse(part.K) || !is_sparse(part.C)) return 0;
-  const VectorXd root = part.mass.cwiseSqrt().cwiseInverse();
+  // Whether C - rho K is definite does not depend on M, whose diagonal makes sizes alike.
+  const VectorXd root = part.mass.diagonal().cwiseSqrt().cwiseInverse();
   const Sparse k = root.asDiagonal() * std::get<Sparse>(part.K) * root.asDiagonal(),
                c = root.asDiagonal() * std::get<Sparse>(part.C) * root.asDiagonal();
   Sparse difference = c - 0.5 * k;

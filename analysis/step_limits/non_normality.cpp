@@ -290,16 +290,16 @@ KreissConstant kreiss_constant_of_step(const MatrixXd& A) {
 
 EnergyCoordinates energy_coordinates(const MechanicalPart& part) {
   const Index n = part.mass.size();
-  const VectorXd root = part.mass.cwiseSqrt();
-  const MatrixXd k = root.cwiseInverse().asDiagonal() * dense(part.K) * root.cwiseInverse().asDiagonal();
+  const MatrixXd k = mass_scaled(part.mass, part.K);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver((k + k.transpose()) / 2);
   const VectorXd sizes = solver.eigenvalues().cwiseAbs();
   const double least = sizes.maxCoeff() > 0 ? 1e-12 * sizes.maxCoeff() : 1;
   const VectorXd w = sizes.cwiseMax(least).cwiseSqrt();
   const MatrixXd& u = solver.eigenvectors();
   EnergyCoordinates result{MatrixXd::Zero(2 * n, 2 * n), MatrixXd::Zero(2 * n, 2 * n)};
-  const MatrixXd velocities = u.transpose() * root.asDiagonal();
-  const MatrixXd back = root.cwiseInverse().asDiagonal() * u;
+  // u^T R and R^-1 u with M = R^T R; u is orthogonal.
+  const MatrixXd velocities = u.transpose() * part.mass.root_times(MatrixXd(MatrixXd::Identity(n, n)));
+  const MatrixXd back = part.mass.root_solve(u);
   result.to.topLeftCorner(n, n) = w.asDiagonal() * velocities;
   result.to.bottomRightCorner(n, n) = velocities;
   result.from.topLeftCorner(n, n) = back * w.cwiseInverse().asDiagonal();

@@ -7,19 +7,26 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
-#include "analysis/spectrum/block_product.hpp"
+#include "analysis/spectrum/davidson.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/lanczos.hpp"
+#include "analysis/spectrum/scaled_matrices.hpp"
 
 namespace hmax {
 namespace {
 
 /// The least eigenvalue of K u = kappa M u: of those that iteration finds, the least, which none is above.
 double least_stiffness(const MechanicalPart& part, double kappa_max, Eigen::Index most_products) {
-  const Eigen::SparseMatrix<double> K =
-      is_sparse(part.K) ? std::get<Eigen::SparseMatrix<double>>(part.K)
-                        : Eigen::SparseMatrix<double>(std::get<Eigen::MatrixXd>(part.K).sparseView());
-  const SymmetricProduct product(K, part.mass.cwiseSqrt().cwiseInverse());
+  const MassScaledProduct product(part.K, part.mass);
+  if (!part.mass.is_diagonal()) {
+    const PencilPairs pairs = largest_pencil_eigenpairs(
+        [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+          product.unscaled()(x, y);
+          y = kappa_max * part.mass.times(x) - y;
+        },
+        *part.mass.coupled(), 1, 1e-8, most_products);
+    return kappa_max - pairs.values.front();
+  }
   const LanczosPair pair = largest_eigenpair(
       [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
         product(x, y);

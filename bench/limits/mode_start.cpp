@@ -51,7 +51,7 @@ Distance energy_from(const VectorXd& rest, const MechanicalPart& part) {
     const Eigen::Index n = mass.size();
     d = y - rest;
     std::visit([&](const auto& held) { Kq.noalias() = held * d.head(n); }, K);
-    const double twice = d.head(n).dot(Kq) + d.tail(n).dot(mass.cwiseProduct(d.tail(n)));
+    const double twice = d.head(n).dot(Kq) + d.tail(n).dot(mass.times(VectorXd(d.tail(n))));
     return std::isfinite(twice) ? std::sqrt(std::max(twice, 0.0)) : std::numeric_limits<double>::infinity();
   };
 }
@@ -62,10 +62,10 @@ ModeStart energy_start(const MechanicalPart& part, const VectorXd& rest, const V
                        const VectorXd& v) {
   ModeStart start{.displacement = VectorXd(2 * q.size()), .distance = energy_from(rest, part)};
   start.displacement << q, v;
-  const VectorXd noise = start_vector(q.size()).cwiseQuotient(part.mass.cwiseSqrt());
+  const VectorXd noise = part.mass.root_solve(start_vector(q.size()));
   const double size = start.distance(rest + start.displacement);
   start.displacement.tail(q.size()) +=
-      0.01 * size / std::sqrt(noise.dot(part.mass.cwiseProduct(noise))) * noise;
+      0.01 * size / std::sqrt(noise.dot(part.mass.times(noise))) * noise;
   start.displacement.normalize();
   start.mode_alone = true;
   return start;
@@ -84,7 +84,8 @@ VectorXcd shape_near(const MechanicalPart& part, Complex lambda) {
   const Complex beside = lambda * (1 + 1e-9);
   Eigen::SparseMatrix<Complex> Q =
       std::get<Sparse>(part.K).cast<Complex>() + beside * std::get<Sparse>(part.C).cast<Complex>();
-  Q.diagonal() += beside * beside * part.mass.cast<Complex>();
+  Q += Eigen::SparseMatrix<Complex>(beside * beside * part.mass.matrix().cast<Complex>());
+  Q.makeCompressed();
   SparseSolver<Complex> solver;
   VectorXcd u = start_vector(part.mass.size()).cast<Complex>();
   if (!solver.factor(Q)) return u;
@@ -108,7 +109,7 @@ StructureMode structure_mode(const Linearised& near, Complex wanted) {
 /// |u^T ((lambda M + C) q + M v)|: for symmetric M, C, K that row is the left eigenvector of the mode, so
 /// that no other takes part.
 Distance amplitude_from(const VectorXd& rest, const MechanicalPart& part, const StructureMode& mode) {
-  const VectorXcd of_velocity = part.mass.cwiseProduct(mode.shape);
+  const VectorXcd of_velocity = part.mass.times(mode.shape);
   const VectorXcd of_position = mode.lambda * of_velocity + std::get<Sparse>(part.C) * mode.shape;
   return [rest, of_position, of_velocity, d = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
     const Eigen::Index n = of_position.size();
@@ -162,7 +163,7 @@ ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, con
 }
 
 Distance motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape, double h) {
-  return [rest, row = VectorXd(part.mass.cwiseProduct(shape)), h](const Eigen::Ref<const VectorXd>& y) {
+  return [rest, row = VectorXd(part.mass.times(shape)), h](const Eigen::Ref<const VectorXd>& y) {
     const Eigen::Index n = row.size();
     return std::hypot(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
   };

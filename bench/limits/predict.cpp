@@ -23,6 +23,11 @@ std::string obstacle(const Method& method, const LinearModel& model) {
   if (method.needs_second_order && !model.mechanical)
     return "the method steps positions and velocities, which the problem does not have";
   if (method.needs_split && !model.J_stiff) return "the problem declares no stiff part";
+  const std::optional<MotionMap>& motion = method.amplification->motion;
+  if (motion && !motion->lumped.empty() && model.mechanical && !model.mechanical->mass.is_diagonal() &&
+      model.mechanical->damping != Damping::none)
+    return "the method solves for the diagonal of the damping alone, which takes lumped masses; take explicit_newmark, "
+           "which solves for all of it, or lump the mass matrix";
   return {};
 }
 

@@ -142,9 +142,8 @@ std::vector<std::string> state_names(const MatrixModel& model) {
     add("y");
     return names;
   }
-  // With a mass that couples unknowns the states are L^T q and L^T v.
-  add(model.facts.coupled_mass ? "Lq" : "q");
-  add(model.facts.coupled_mass ? "Lv" : "v");
+  add("q");
+  add("v");
   return names;
 }
 
@@ -154,7 +153,7 @@ MechanicalPart part_of(const AnySystem& system) {
   AnySystem::DofMatrix K, C;
   system.stiffness(0, zero, zero, K);
   system.damping(0, zero, zero, C);
-  return mechanical_part(system.mass(), std::move(K), std::move(C));
+  return mechanical_part(system.mass_matrix(), std::move(K), std::move(C));
 }
 
 /// The exact motion, from all modes, computed when it is first asked for.
@@ -313,7 +312,7 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
                   .y0 = {},
                   .t_end = default_end(*model),
                   .system = system_of(*model, alpha, beta)};
-  problem.y0 = states_of(*model, start);
+  problem.y0 = start;
   if (!model->is_first_order()) problem.parameters = {{"alpha", alpha}, {"beta", beta}};
   for (const auto& [name, value] : problem.parameters)
     if (value == 0) problem.idle.push_back(name);

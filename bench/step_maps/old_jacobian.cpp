@@ -51,19 +51,20 @@ struct Structure : FirstOrder<Sparse> {
   using DofMatrix = Sparse;
 
   struct Matrices {
-    VectorXd mass;
+    MassMatrix<double> mass;
     Sparse K, C;
     Sparse K_stiff, C_stiff;  // empty where there is no stiff part, or one that is no structure
   };
   std::shared_ptr<const Matrices> matrices;
 
   [[nodiscard]] Index dofs() const { return matrices->mass.size(); }
-  [[nodiscard]] const Dofs& mass() const { return matrices->mass; }
+  [[nodiscard]] const Dofs& mass() const { return matrices->mass.lumped(); }
+  [[nodiscard]] const MassMatrix<double>& mass_matrix() const { return matrices->mass; }
   void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
     State y(2 * q.size()), dydt(2 * q.size());
     y << q, v;
     rhs(t, y, dydt);
-    f = mass().cwiseProduct(dydt.tail(q.size()));
+    f = matrices->mass.times(dydt.tail(q.size()));
   }
   void stiffness(double, const Dofs&, const Dofs&, DofMatrix& K) const { K = matrices->K; }
   void damping(double, const Dofs&, const Dofs&, DofMatrix& C) const { C = matrices->C; }
@@ -140,18 +141,18 @@ AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool aut
 RightHandSide linear_part(const LinearModel& model) {
   if (!is_sparse_structure(model)) return product_with(model.J());
   struct Matrices {
-    VectorXd inverse_mass;
+    MassMatrix<double> mass;
     Sparse K, C;
   };
   const MechanicalPart& part = *model.mechanical;
   const auto held = std::make_shared<const Matrices>(
-      Matrices{part.mass.cwiseInverse(), std::get<Sparse>(part.K), std::get<Sparse>(part.C)});
+      Matrices{part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C)});
   return [held](double, const VectorXd& y, VectorXd& dydt) {
-    const Index n = held->inverse_mass.size();
+    const Index n = held->mass.size();
     dydt.head(n) = y.tail(n);
     dydt.tail(n).noalias() = -(held->K * y.head(n));
     dydt.tail(n).noalias() -= held->C * y.tail(n);
-    dydt.tail(n).array() *= held->inverse_mass.array();
+    dydt.tail(n) = held->mass.solve(dydt.tail(n));
   };
 }
 

@@ -68,7 +68,7 @@ LinearOperator energy_product(const LinearModel& model) {
     const Eigen::Index n = part->mass.size();
     VectorXd weighted(2 * n);
     std::visit([&](const auto& K) { weighted.head(n).noalias() = K * y.head(n); }, part->K);
-    weighted.tail(n) = part->mass.cwiseProduct(y.tail(n));
+    weighted.tail(n) = part->mass.times(VectorXd(y.tail(n)));
     return weighted;
   };
 }

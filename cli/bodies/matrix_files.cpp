@@ -35,7 +35,7 @@ Sparse sparse(const AnyMatrix& matrix) {
 std::vector<Written> matrices_of(const LinearModel& model) {
   if (!model.mechanical) return {{"jacobian", {}, sparse(model.J())}};
   const MechanicalPart& part = *model.mechanical;
-  std::vector<Written> files{{"stiffness", {}, sparse(part.K)}, {"mass", {}, Sparse(part.mass.asDiagonal())}};
+  std::vector<Written> files{{"stiffness", {}, sparse(part.K)}, {"mass", {}, part.mass.matrix()}};
   if (part.damping != Damping::none) files.push_back({"damping", {}, sparse(part.C)});
   return files;
 }

@@ -31,7 +31,7 @@ std::vector<MatrixMode> modes_of(const MechanicalPart& part, const ExtremeStiffn
   for (std::size_t i = 0; i < found.kappa.size(); ++i) {
     const Eigen::VectorXd u = found.shapes.col(static_cast<Eigen::Index>(i));
     const Eigen::VectorXd Cu = std::visit([&](const auto& C) -> Eigen::VectorXd { return C * u; }, part.C);
-    const Eigen::VectorXd shares = part.mass.cwiseProduct(u.cwiseAbs2());
+    const Eigen::VectorXd shares = u.cwiseProduct(part.mass.times(u));
     MatrixMode mode{.kappa = found.kappa[i],
                     .omega = std::sqrt(std::max(found.kappa[i], 0.0)),
                     .zeta = 0,
@@ -61,12 +61,7 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
     throw InputError(fmt::format("the modes of {} unknowns did not converge; ask for fewer", part.mass.size()));
   const std::vector<MatrixMode> modes = modes_of(part, found);
   const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
-  // With a mass that couples them the unknowns of the analysis are not those of the files.
-  const auto unknown_of = [&](const MatrixMode& mode) {
-    return model->facts.coupled_mass
-               ? std::string("-")
-               : model->name_of(model->unknowns[static_cast<std::size_t>(mode.unknown)]);
-  };
+  const auto row_of = [&](const MatrixMode& mode) { return model->unknowns[static_cast<std::size_t>(mode.unknown)]; };
   if (console.json) {
     Json list = Json::array();
     for (const MatrixMode& mode : modes)
@@ -75,9 +70,7 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
                       {"frequency", mode.frequency()},
                       {"zeta", mode.zeta},
                       {"moving_unknowns", mode.moving},
-                      {"unknown", model->facts.coupled_mass
-                                      ? Json()
-                                      : Json(model->unknowns[static_cast<std::size_t>(mode.unknown)] + 1)},
+                      {"unknown", row_of(mode) + 1},
                       {"unknown_share", mode.share}});
     return console.print_json({{"problem", problem.id},
                                {"dofs", part.mass.size()},
@@ -89,7 +82,7 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
   for (std::size_t i = 0; i < modes.size(); ++i)
     table.add({std::to_string(i + 1), short_number(modes[i].frequency()), short_number(modes[i].omega),
                short_number(modes[i].zeta, 4), short_number(modes[i].moving, 3),
-               fmt::format("{} with {} %", unknown_of(modes[i]), short_number(100 * modes[i].share, 3))});
+               fmt::format("{} with {} %", model->name_of(row_of(modes[i])), short_number(100 * modes[i].share, 3))});
   console.print(fmt::format("{}\n{}\n\n{}", problem.id, problem.note, table.text(console)));
 }
 

@@ -49,7 +49,7 @@ Eigen::MatrixXd on_points(const TissueBody& body, const Eigen::VectorXd& shape) 
 /// The largest K_ii / m_i [1/s^2].
 double stiffest_point(const MechanicalPart& part) {
   const Eigen::VectorXd diagonal = std::get<Eigen::SparseMatrix<double>>(part.K).diagonal();
-  return diagonal.cwiseQuotient(part.mass).cwiseAbs().maxCoeff();
+  return diagonal.cwiseQuotient(part.mass.diagonal()).cwiseAbs().maxCoeff();
 }
 
 /// Throws unless the shapes that are asked for can be written.

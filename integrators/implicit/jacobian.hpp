@@ -198,7 +198,7 @@ class JacobianSource {
     using Parts = MechanicalJacobian<Real>;
     const Eigen::Index n = system.dofs();
     Parts& parts = as<Parts>(J);
-    if (parts.mass.size() != n) parts.mass = system.mass();
+    if (parts.mass.size() != n) parts.mass = mass_of(system);
     positions_ = y.head(n);
     velocities_ = y.tail(n);
     // The matrix lends its memory to a variant and takes it back, so that patterns are kept.

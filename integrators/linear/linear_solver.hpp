@@ -78,11 +78,11 @@ void set_shifted(const Matrix& J, Scalar s, with_scalar<Matrix, Scalar>& A) {
   }
 }
 
-/// A = diag(m) + c C + k K: the matrix of a second-order method, with m the lumped masses, shape (n). C, K
-/// and A have shape (n, n); of variants, C must hold the same alternative as K.
+/// A = M + c C + k K: the matrix of a second-order method, with m the lumped masses, shape (n), or a sparse M for
+/// sparse C and K. C, K and A have shape (n, n); of variants, C must hold the same alternative as K.
 /// @throws std::bad_variant_access  where it does not
-template <class Vector, class Matrix, class Real>
-void set_combination(const Vector& m, Real c, const Matrix& C, Real k, const Matrix& K, Matrix& A) {
+template <class Mass, class Matrix, class Real>
+void set_combination(const Mass& m, Real c, const Matrix& C, Real k, const Matrix& K, Matrix& A) {
   if constexpr (detail::is_variant<Matrix>) {
     std::visit(
         [&]<class Alternative>(const Alternative& held) {
@@ -93,7 +93,10 @@ void set_combination(const Vector& m, Real c, const Matrix& C, Real k, const Mat
     set_sparse_combination<Real, typename Matrix::Scalar>(m, c, C, k, K, A);
   } else {
     A = c * C + k * K;
-    A.diagonal() += m;
+    if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Mass>, Mass>)
+      A += Matrix(m.template cast<typename Matrix::Scalar>());
+    else
+      A.diagonal() += m;
   }
 }
 
@@ -356,7 +359,10 @@ class LinearSolver<ShiftedMechanical<Scalar>> {
     else
       velocity_.noalias() = stiffness_ * moved_;
     // M d - s K b
-    velocity_ = mass_.template cast<Scalar>().cwiseProduct(x.tail(n)) - s_ * velocity_;
+    if (mass_.is_diagonal())
+      velocity_ = mass_.diagonal().template cast<Scalar>().cwiseProduct(x.tail(n)) - s_ * velocity_;
+    else
+      velocity_ = mass_.times(Vector(x.tail(n))) - s_ * velocity_;
     const int iterations = solver_.solve(velocity_);
     x.tail(n) = velocity_;
     // q = b + s v
@@ -366,8 +372,8 @@ class LinearSolver<ShiftedMechanical<Scalar>> {
 
  private:
   Scalar s_{};
-  /// M and K of the last factor(), shapes (n) and (n, n).
-  Eigen::Vector<typename Eigen::NumTraits<Scalar>::Real, Eigen::Dynamic> mass_;
+  /// M and K of the last factor(), shape (n, n).
+  MassMatrix<typename Eigen::NumTraits<Scalar>::Real> mass_;
   Eigen::SparseMatrix<typename Eigen::NumTraits<Scalar>::Real> stiffness_;
   BlockStructure<3> blocks_;  ///< of K, if that is made of them
   bool in_space_ = false;     ///< K is made of blocks

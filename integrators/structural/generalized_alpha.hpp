@@ -121,12 +121,15 @@ class GeneralizedAlpha {
   template <SecondOrderSystem Sys>
   void init(const Sys& system, Real t, const State& y) {
     const Eigen::Index n = system.dofs();
-    mass_ = system.mass();
+    take_mass(system);
     q_ = y.head(n);
     v_ = y.tail(n);
     force_ = a_new_ = a_ = mass_;
     system.force(t, q_, v_, a_);
-    a_ = a_.cwiseQuotient(mass_);
+    if (couples())
+      a_ = M_.solve(a_);
+    else
+      a_ = a_.cwiseQuotient(mass_);
     if constexpr (!detail::is_variant<MatrixT>) {
       K_.resize(n, n);
       C_.resize(n, n);
@@ -224,6 +227,22 @@ class GeneralizedAlpha {
     v_ = y.tail(n);
   }
 
+  /// Few unknowns, of a number that the compiler knows, have masses of their own.
+  static constexpr bool may_couple = DofsT::SizeAtCompileTime == Eigen::Dynamic;
+
+  /// Whether M couples unknowns.
+  [[nodiscard]] bool couples() const { return may_couple && !M_.is_diagonal(); }
+
+  template <SecondOrderSystem Sys>
+  void take_mass(const Sys& system) {
+    if constexpr (may_couple) {
+      M_ = mass_of(system);
+      mass_ = M_.diagonal();
+    } else {
+      mass_ = system.mass();
+    }
+  }
+
   /// K and C at (t, q_, v_). K has no part in a method whose positions do not depend on a_new.
   template <SecondOrderSystem Sys>
   void linearise(const Sys& system, Real t, MatrixT& K, MatrixT& C) const {
@@ -250,7 +269,11 @@ class GeneralizedAlpha {
   }
   bool factor(Real h, const MatrixT& K, const MatrixT& C) {
     const Real share = (1 - alpha_f_) / (1 - alpha_m_);
-    set_combination(mass_, share * gamma_ * h, C, share * beta_ * h * h, K, A_);
+    const Real c = share * gamma_ * h, k = share * beta_ * h * h;
+    if (couples())
+      set_combination(M_.coupled()->matrix(), c, C, k, K, A_);
+    else
+      set_combination(mass_, c, C, k, K, A_);
     ++work_.factorisations;
     return solver_.factor(A_);
   }
@@ -288,9 +311,12 @@ class GeneralizedAlpha {
       }
       // A d = (F - M ((1 - alpha_m) a_new + alpha_m a)) / (1 - alpha_m)
       system.force(t_f, q_, v_, force_);
-      detail::for_each_dof(y, [&](Eigen::Index i) {
-        force_[i] = force_[i] * share - mass_[i] * (a_new_[i] + alpha_m_ * share * a_[i]);
-      });
+      if (couples())
+        force_ = force_ * share - M_.times(DofsT(a_new_ + alpha_m_ * share * a_));
+      else
+        detail::for_each_dof(y, [&](Eigen::Index i) {
+          force_[i] = force_[i] * share - mass_[i] * (a_new_[i] + alpha_m_ * share * a_[i]);
+        });
       work_.linear_iterations += solver_.solve(force_);
       a_new_ += force_;
       update_candidate(y, h, y_new);
@@ -355,6 +381,7 @@ class GeneralizedAlpha {
   int iterations_ = 0;                                             ///< limit of the user; 0: none
   DofsT mass_ = blank_state<DofsT>(), a_ = mass_, a_new_ = mass_;  ///< shape (n)
   DofsT q_ = mass_, v_ = mass_, force_ = mass_;                    ///< at one iterate, shape (n)
+  MassMatrix<Real> M_;                                             ///< M, where it may couple unknowns; else empty
   MatrixT K_ = blank_matrix<MatrixT>(), C_ = K_, K_full_ = K_,
           C_full_ = K_;  // shape (n, n): of the last renewal,
                          // and at the iterates of Newton's method

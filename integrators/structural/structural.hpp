@@ -3,9 +3,11 @@
 #pragma once
 
 #include <algorithm>
+#include <stdexcept>
 #include <type_traits>
 #include <variant>
 
+#include "core/mass_matrix.hpp"
 #include "integrators/hermite.hpp"
 #include "integrators/linear/linear_solver.hpp"
 #include "integrators/state.hpp"
@@ -231,14 +233,21 @@ class KickDriftKick {
 
  private:
   /// damping_[i] = D_i / m_i, D = diag(C) at the start of the run.
+  /// @throws std::invalid_argument  for a damped system whose masses are not lumped
   template <SecondOrderSystem Sys>
   void lump_damping(const Sys& system, Real t, const State& y) {
     const Eigen::Index n = system.dofs();
-    const typename Sys::Dofs q = y.head(n), v = y.tail(n), m = system.mass();
+    const typename Sys::Dofs q = y.head(n), v = y.tail(n);
     typename Sys::DofMatrix C;
     if constexpr (!detail::is_variant<typename Sys::DofMatrix>) C.resize(n, n);
     system.damping(t, q, v, C);
     const auto lump = [&](const auto& matrix) {
+      if constexpr (requires { system.mass_matrix(); })
+        if (!system.mass_matrix().is_diagonal() && matrix.norm() > 0)
+          throw std::invalid_argument(
+              "central_difference solves for the diagonal of the damping alone, which takes lumped masses; take "
+              "explicit_newmark, which solves for all of it, or lump the mass matrix");
+      const typename Sys::Dofs m = mass_of(system).diagonal();
       for (Eigen::Index i = 0; i < n; ++i) damping_[i] = matrix.coeff(i, i) / m[i];
     };
     if constexpr (detail::is_variant<typename Sys::DofMatrix>)

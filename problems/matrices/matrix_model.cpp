@@ -7,9 +7,6 @@
 #include <random>
 #include <stdexcept>
 
-#include <Eigen/Cholesky>
-
-#include "core/size_limits.hpp"
 #include "problems/digits.hpp"
 #include "problems/linear_structure.hpp"
 #include "problems/matrices/condensation.hpp"
@@ -23,7 +20,6 @@ namespace hmax {
 namespace {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -392,6 +388,15 @@ VectorXd start_of_file(const MatrixModel& model) {
   return start_from(model, values, file.name);
 }
 
+/// Of an M that couples unknowns.
+std::shared_ptr<const CoupledMass> coupled_mass(const MatrixModel& model) {
+  try {
+    return std::make_shared<const CoupledMass>(model.M);
+  } catch (const std::invalid_argument& error) {
+    fail(model.files.mass, error.what());
+  }
+}
+
 /// The names that CalculiX and hmax write beside a stiffness, in a file .dof.
 std::vector<std::string> names_beside(const std::string& stiffness) {
   std::filesystem::path file(stiffness);
@@ -399,8 +404,6 @@ std::vector<std::string> names_beside(const std::string& stiffness) {
   if (!std::filesystem::is_regular_file(file.replace_extension(".dof"), error)) return {};
   return read_unknown_names(file);
 }
-
-Eigen::LLT<MatrixXd> factor_of(const Sparse& M) { return Eigen::LLT<MatrixXd>(MatrixXd(M)); }
 
 }  // namespace
 
@@ -417,6 +420,7 @@ MatrixModel read_matrix_model(const MatrixFiles& files) {
     read_first_order(model);
   else
     read_structure(model);
+  if (model.facts.coupled_mass) model.coupled = coupled_mass(model);
   if (!files.initial.empty()) {
     model.start = start_of_file(model);
   } else {
@@ -455,25 +459,9 @@ AnySystem system_of(const MatrixModel& model, double alpha, double beta) {
   Sparse C(n, n);
   if (model.facts.damped) C = model.C;
   if (beta != 0) C += Sparse(beta * model.K);
-  if (alpha != 0) C += Sparse(alpha * (model.facts.coupled_mass ? model.M : diagonal_matrix(model.mass)));
-  if (model.facts.coupled_mass) {
-    if (n > most_coupled_masses)
-      fail(model.files.mass, "the mass matrix couples unknowns and has " + std::to_string(n) +
-                                 " rows; such a matrix is taken up to " + std::to_string(most_coupled_masses) +
-                                 " rows, so write mass=lumped:" + model.files.mass +
-                                 ", which takes the sums of its rows");
-    return linear_structure(model.K, model.M, C);
-  }
-  return AnySystem(LinearStructure<Sparse>(model.K, model.mass, std::move(C)));
-}
-
-VectorXd states_of(const MatrixModel& model, const VectorXd& start) {
-  if (!model.facts.coupled_mass) return start;
-  const Eigen::LLT<MatrixXd> factor = factor_of(model.M);
-  const Index n = model.size();
-  VectorXd states(2 * n);
-  states << factor.matrixU() * start.head(n), factor.matrixU() * start.tail(n);
-  return states;
+  const MassMatrix<double> M = model.coupled ? MassMatrix<double>(model.coupled) : MassMatrix<double>(model.mass);
+  if (alpha != 0) C += Sparse(alpha * M.matrix());
+  return AnySystem(LinearStructure<Sparse>(model.K, M, std::move(C)));
 }
 
 }  // namespace hmax

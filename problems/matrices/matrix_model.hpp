@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/coupled_mass.hpp"
 #include "problems/any_system.hpp"
 #include "problems/matrices/constraint_rows.hpp"
 #include "problems/matrices/varying_structure.hpp"
@@ -53,6 +54,7 @@ struct MatrixModel {
   Eigen::VectorXd start;             ///< y(0): (q, q') of shape (2 n), or of first order y of shape (n)
   std::vector<Eigen::Index> unknowns;  ///< the row in the files of each unknown, counted from 0
   std::vector<std::string> names;      ///< of the rows of the files, "12.3"; empty where no file tells them
+  std::shared_ptr<const CoupledMass> coupled = {};  ///< M with what it takes to divide by it; null where it is diagonal
 
   [[nodiscard]] bool is_first_order() const { return !files.jacobian.empty(); }
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(unknowns.size()); }
@@ -74,10 +76,7 @@ MatrixModel frozen(MatrixModel model, double t);
 /// @throws std::invalid_argument  for another shape; `what` names the values
 Eigen::VectorXd start_from(const MatrixModel& model, const Eigen::VectorXd& values, const std::string& what);
 
-/// The model as a system, with Rayleigh damping alpha M + beta K [1/s], [s] in addition to C. Where M couples
-/// unknowns, M = L L^T, the states are L^T q and L^T q' (problems/linear_structure.hpp).
+/// The model as a system, with Rayleigh damping alpha M + beta K [1/s], [s] in addition to C.
 AnySystem system_of(const MatrixModel& model, double alpha, double beta);
-/// A start in these states, shape (dim).
-Eigen::VectorXd states_of(const MatrixModel& model, const Eigen::VectorXd& start);
 
 }  // namespace hmax

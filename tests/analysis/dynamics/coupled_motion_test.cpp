@@ -56,7 +56,7 @@ MechanicalPart random_part(Eigen::Index n, unsigned seed, double damping) {
 
 TEST(CoupledMotion, OfAModelThatDecouplesHasTheRootsAndTheLimitOfItsModes) {
   MechanicalPart part = random_part(5, 1, 0);
-  const MatrixXd K = dense(part.K), M = part.mass.asDiagonal();
+  const MatrixXd K = dense(part.K), M = part.mass.diagonal().asDiagonal();
   part = mechanical_part(part.mass, K, MatrixXd(0.02 * M + 0.01 * K));
   ASSERT_TRUE(part.decouples());
   const std::vector<MechanicalMode> modes = mechanical_modes(part).modes;

@@ -51,7 +51,7 @@ TEST(ExtremeEigenvalues, OfTheSpringChainAreThoseOfItsClosedForm) {
     const auto& K = std::get<Sparse>(part.K);
     for (const auto* found : {&largest, &smallest})
       for (Index i = 0; i < 3; ++i) {
-        const VectorXd u = found->shapes.col(i), Mu = part.mass.cwiseProduct(u);
+        const VectorXd u = found->shapes.col(i), Mu = part.mass.times(u);
         EXPECT_NEAR(u.dot(Mu), 1, 1e-10);
         EXPECT_LT((K * u - found->kappa[static_cast<std::size_t>(i)] * Mu).norm(), 1e-8 * p.k * u.norm());
       }

@@ -52,8 +52,8 @@ std::vector<Complex> all_of(const MechanicalPart& part) {
   const Index n = part.mass.size();
   MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
   A.topRightCorner(n, n).setIdentity();
-  A.bottomLeftCorner(n, n) = -(part.mass.cwiseInverse().asDiagonal() * dense(part.K));
-  A.bottomRightCorner(n, n) = -(part.mass.cwiseInverse().asDiagonal() * dense(part.C));
+  A.bottomLeftCorner(n, n) = -(part.mass.diagonal().cwiseInverse().asDiagonal() * dense(part.K));
+  A.bottomRightCorner(n, n) = -(part.mass.diagonal().cwiseInverse().asDiagonal() * dense(part.C));
   const Eigen::VectorXcd values = Eigen::EigenSolver<MatrixXd>(A, false).eigenvalues();
   std::vector<Complex> lambda(values.begin(), values.end());
   std::ranges::sort(lambda, std::ranges::greater{}, [](Complex l) { return std::abs(l); });

@@ -15,6 +15,15 @@ using Eigen::VectorXd;
 
 using Matrices = MatrixFolder;
 
+/// Eigenvalues of M^-1 K, rising.
+VectorXd stiffnesses(const AnySystem& system) {
+  const VectorXd zero = VectorXd::Zero(system.dofs());
+  AnySystem::DofMatrix K;
+  system.stiffness(0, zero, zero, K);
+  const MatrixXd full = K.index() == 0 ? std::get<0>(K) : MatrixXd(std::get<1>(K));
+  return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(full, MatrixXd(system.mass_matrix().matrix())).eigenvalues();
+}
+
 TEST_F(Matrices, MakeTheStructureWithRayleighDamping) {
   const MatrixModel model = read_matrix_model(files(chain(3), 2 * MatrixXd::Identity(3, 3)));
   EXPECT_EQ(model.facts.mass, 6);
@@ -42,10 +51,13 @@ TEST_F(Matrices, ACoupledMassHasTheModesOfThePencilAndTheStartOfTheUser) {
   EXPECT_TRUE(model.facts.coupled_mass);
   const VectorXd expected = Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(chain(3), M).eigenvalues();
   EXPECT_NEAR((stiffnesses(system_of(model, 0, 0)) - expected).norm(), 0, 1e-13);
-  // |L^T q|^2 = q^T M q.
   const VectorXd q = VectorXd::LinSpaced(3, 1, 2);
-  const VectorXd start = states_of(model, start_from(model, q, "q"));
-  EXPECT_NEAR(start.head(3).squaredNorm(), q.dot(M * q), 1e-13);
+  EXPECT_EQ(start_from(model, q, "q").head(3), q);
+  // Rayleigh damping takes the whole of M.
+  AnySystem::DofMatrix C;
+  system_of(model, 0.5, 0).damping(0, q, q, C);
+  EXPECT_EQ(MatrixXd(std::get<1>(C)), MatrixXd(0.5 * M));
+  expect_refusal(files(chain(3), MatrixXd{{2, 3, 0}, {3, 2, 0}, {0, 0, 1}}), "M.mtx: the mass matrix M is not positive definite");
 }
 
 TEST_F(Matrices, UnknownsWithoutMassAreCondensed) {

@@ -1,0 +1,136 @@
+#include "analysis/spectrum/davidson.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/spectrum/eigen_solvers.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Vectors before a restart, and those that it keeps.
+constexpr Index most_vectors = 20, kept_vectors = 8;
+
+/// A space of vectors that are orthonormal in M, with their images.
+class Space {
+ public:
+  Space(const SymmetricOperator& A, const CoupledMass& M, Index count)
+      : A_(A),
+        M_(M),
+        most_(std::min(most_vectors, M.size())),
+        V_(M.size(), most_),
+        MV_(M.size(), most_),
+        AV_(M.size(), most_),
+        found_(M.size(), count),
+        M_found_(M.size(), count),
+        image_(M.size()) {}
+
+  [[nodiscard]] bool is_full() const { return size_ == most_; }
+  [[nodiscard]] Index found() const { return found_count_; }
+  [[nodiscard]] MatrixXd vectors() const { return found_.leftCols(found_count_); }
+
+  /// Adds the part of t that is new.
+  /// @returns false where there is none but rounding
+  bool add(VectorXd t) {
+    for (int time = 0; time < 3; ++time) {
+      image_.noalias() = M_.matrix() * t;
+      const double length = std::sqrt(std::max(t.dot(image_), 0.0));
+      if (!(length > 0) || !std::isfinite(length)) return false;
+      t /= length;
+      // Classical Gram and Schmidt in the product of M, until it takes away no more than rounding.
+      const VectorXd h = MV_.leftCols(size_).transpose() * t, g = M_found_.leftCols(found_count_).transpose() * t;
+      if (time > 0 && h.norm() + g.norm() < 1e-12) break;
+      if (time == 2) return false;
+      t -= V_.leftCols(size_) * h + found_.leftCols(found_count_) * g;
+    }
+    V_.col(size_) = t;
+    MV_.col(size_).noalias() = M_.matrix() * t;
+    A_(t, image_);
+    AV_.col(size_) = image_;
+    ++size_;
+    return true;
+  }
+
+  /// u, kappa and r = A u - kappa M u of the largest Ritz value; the Ritz vectors are kept for restart() and lock().
+  double ritz(VectorXd& u, VectorXd& r) {
+    MatrixXd H = V_.leftCols(size_).transpose() * AV_.leftCols(size_);
+    H = ((H + H.transpose()) / 2).eval();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(H);
+    ritz_ = solver.eigenvectors().rowwise().reverse();
+    const double kappa = solver.eigenvalues()[size_ - 1];
+    const VectorXd s = ritz_.col(0);
+    u.noalias() = V_.leftCols(size_) * s;
+    r.noalias() = AV_.leftCols(size_) * s - kappa * (MV_.leftCols(size_) * s);
+    return kappa;
+  }
+
+  /// Keeps the first Ritz vectors alone.
+  void restart() { take(0, std::min(kept_vectors, size_)); }
+  /// Takes the first Ritz vector out of the space for good.
+  void lock() {
+    found_.col(found_count_).noalias() = V_.leftCols(size_) * ritz_.col(0);
+    M_found_.col(found_count_).noalias() = M_.matrix() * found_.col(found_count_);
+    ++found_count_;
+    take(1, std::min(kept_vectors, size_ - 1));
+  }
+
+ private:
+  void take(Index first, Index count) {
+    const MatrixXd S = ritz_.middleCols(first, count);
+    for (MatrixXd* vectors : {&V_, &MV_, &AV_}) vectors->leftCols(count) = (vectors->leftCols(size_) * S).eval();
+    size_ = count;
+  }
+
+  const SymmetricOperator& A_;
+  const CoupledMass& M_;
+  Index most_, size_ = 0, found_count_ = 0;
+  MatrixXd V_, MV_, AV_, found_, M_found_, ritz_;
+  VectorXd image_;
+};
+
+}  // namespace
+
+PencilPairs largest_pencil_eigenpairs(const SymmetricOperator& A, const CoupledMass& M, Index count, double tolerance,
+                                      Index most_products) {
+  const Index n = M.size();
+  Space space(A, M, count);
+  PencilPairs result;
+  const VectorXd inverse = M.diagonal().cwiseInverse();
+  VectorXd u(n), r(n), numbers = start_vector(n * 2);
+  Index starts = 0;
+  // A start that is new: further copies of a multiple eigenvalue are in no space of the first.
+  const auto start = [&] {
+    const VectorXd from = numbers.segment(starts % n, n).cwiseProduct(inverse.cwiseSqrt());
+    ++starts;
+    return space.add(from);
+  };
+  start();
+  double kappa = 0;
+  for (; result.products < most_products; ++result.products) {
+    kappa = space.ritz(u, r);
+    // |r| in the norm of M^-1 is at most that of D^-1 over the least eigenvalue of D^-1 M.
+    result.residual = std::sqrt(r.dot(inverse.cwiseProduct(r)) / M.least_share());
+    if (result.residual <= tolerance * std::abs(kappa)) {
+      space.lock();
+      result.values.push_back(kappa);
+      if (space.found() == count) break;
+      if (!start()) break;
+      continue;
+    }
+    if (space.is_full()) space.restart();
+    if (!space.add(inverse.cwiseProduct(r)) && !start()) break;
+  }
+  result.converged = space.found() == count;
+  result.vectors = space.vectors();
+  if (result.values.empty()) {
+    result.values.push_back(kappa);
+    result.vectors = u;
+  }
+  return result;
+}
+
+}  // namespace hmax
