@@ -11,6 +11,7 @@
 #include "bench/documents/probe_json.hpp"
 #include "bench/plugin/plugin_sources.hpp"
 #include "bench/plugin/plugin_stepper.hpp"
+#include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -97,8 +98,6 @@ void probe(const ProbeOptions& options, Console& console) {
   if (options.plugin.empty())
     throw InputError("give the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
   if (!options.h0 || !options.h1) throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
-  if (options.patience && !(*options.patience > 0))
-    throw InputError(fmt::format("--patience {} is not positive; give seconds", to_text(*options.patience)));
   const std::atomic<bool>& interrupted = interrupt_flag();
   const auto leave = [&] {
     if (interrupted) throw Interrupted{};
@@ -133,7 +132,7 @@ void add_probe(CLI::App& app, Console& console) {
   add_number(command, "--h1", options->h1, "The largest step size [s]");
   add_number(command, "--motion", options->motion,
              "Growth of neighbours along the motion of this length [s], instead of one step at the start");
-  add_number(command, "--patience", options->patience, "Time that one call of the plugin may take [s]; 10 by default");
+  add_patience(command, options->patience);
   command.add_flag("--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
   command.add_option("--example", options->example, "Write the header and two examples into this folder, and end")
       ->type_name("FOLDER");

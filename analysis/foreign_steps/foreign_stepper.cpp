@@ -90,4 +90,20 @@ Eigen::VectorXd StateCoordinates::scales(const Eigen::VectorXd& of_state) const 
   return scale;
 }
 
+Eigen::SparseMatrix<double> StateCoordinates::pattern(const Eigen::SparseMatrix<double>& of_state) const {
+  // Every coordinate of a quaternion stands for its four numbers.
+  std::vector<std::vector<Eigen::Index>> coordinates(static_cast<std::size_t>(of_state.cols()));
+  for (Eigen::Index k = 0; k < size_; ++k)
+    for (Eigen::Index i = 0; i < (turns_[static_cast<std::size_t>(k)] ? 4 : 1); ++i)
+      coordinates[static_cast<std::size_t>(component(k) + i)].push_back(k);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index j = 0; j < of_state.cols(); ++j)
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(of_state, j); entry; ++entry)
+      for (const Eigen::Index row : coordinates[static_cast<std::size_t>(entry.row())])
+        for (const Eigen::Index column : coordinates[static_cast<std::size_t>(j)]) entries.emplace_back(row, column, 1);
+  Eigen::SparseMatrix<double> found(size_, size_);
+  found.setFromTriplets(entries.begin(), entries.end());
+  return found;
+}
+
 }  // namespace hmax

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 namespace hmax {
 
@@ -26,6 +27,9 @@ class ForeignStepper {
   [[nodiscard]] virtual std::vector<Eigen::Index> quaternions() const { return {}; }
   /// Sizes of noticeable changes of the state, shape (dim); empty where they are not known.
   [[nodiscard]] virtual Eigen::VectorXd scales() const { return {}; }
+  /// An entry (i, j) where number i after a step depends on number j before it, shape (dim, dim); values do not matter. Empty
+  /// where it is not known.
+  [[nodiscard]] virtual Eigen::SparseMatrix<double> pattern() const { return {}; }
 
   virtual Eigen::VectorXd state() = 0;
   virtual void set_state(const Eigen::VectorXd& y) = 0;
@@ -54,6 +58,8 @@ class StateCoordinates {
   [[nodiscard]] Eigen::VectorXd of(const Eigen::VectorXd& y, const Eigen::VectorXd& z) const;
   /// Numbers of the state as coordinates: those of a quaternion have its largest.
   [[nodiscard]] Eigen::VectorXd scales(const Eigen::VectorXd& of_state) const;
+  /// The pattern of a step in coordinates, shape (size, size). @param of_state  as ForeignStepper::pattern(), not empty
+  [[nodiscard]] Eigen::SparseMatrix<double> pattern(const Eigen::SparseMatrix<double>& of_state) const;
   /// Index in the state of a coordinate; of a quaternion its first one.
   [[nodiscard]] Eigen::Index component(Eigen::Index coordinate) const { return owner_[static_cast<std::size_t>(coordinate)]; }
 

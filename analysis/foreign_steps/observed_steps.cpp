@@ -78,7 +78,7 @@ bool run_grows(ForeignStepper& engine, const StateCoordinates& coordinates, cons
   const double early = largest(0, std::max<std::ptrdiff_t>(1, count / 16));
   const double second = largest(count / 4, std::max(count / 4 + 1, count / 2)), last = largest(3 * count / 4, count);
   // What grew in the first quarter already may have come to an end of its own, such as a limit cycle.
-  return last > 4 * second || last > 1e4 * early;
+  return last > 4 * second || last > run.most * early;
 }
 
 double growth_of_run(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot, double h,

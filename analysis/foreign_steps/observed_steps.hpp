@@ -14,6 +14,7 @@ struct GrowthRun {
   std::int64_t steps = 2000;
   double amplitude = 1e-6;  ///< of the disturbance, in units of scales
   double bound = 0.1;       ///< the run ends at a distance beyond it
+  double most = 1e4;  ///< from the beginning to the end of a run: more is growth, though it has come to an end
   bool follow = false;      ///< the state moves: the distance is that of a run without the disturbance
   std::function<void()> watch = {};
 };

@@ -13,6 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -43,8 +44,16 @@ VectorXd StepDerivative::difference(const VectorXd& v, double increment) const {
   return (image(1) - image(-1)).cwiseQuotient(2 * increment * scale_);
 }
 
+// A number that is not moved by many units of its last place is not moved by what was asked for.
+double StepDerivative::least_increment() const {
+  const double rounding = engine_->is_single_precision() ? std::numeric_limits<float>::epsilon()
+                                                         : std::numeric_limits<double>::epsilon();
+  return 30 * rounding * coordinates_->scales(y_.cwiseAbs()).cwiseQuotient(scale_).maxCoeff();
+}
+
 // From large increments, where the step may not be linear, to small ones, where rounding is all: the pair that agrees best.
 void StepDerivative::choose_increment() {
+  const double least = least_increment();
   constexpr int levels = 17, directions = 3;
   constexpr double largest = 0.5;
   std::array<double, levels> disagreement{};
@@ -55,6 +64,10 @@ void StepDerivative::choose_increment() {
     VectorXd before;
     double increment = largest;
     for (std::size_t level = 0; level < levels; ++level, increment *= shrink) {
+      if (level > 1 && increment < least) {
+        disagreement[level] = infinity;
+        continue;
+      }
       const VectorXd now = difference(v, increment);
       const double change = level > 0 ? (now - before).norm() / v.norm() : infinity;
       disagreement[level] = std::max(disagreement[level], std::isfinite(change) ? change : infinity);
@@ -69,21 +82,64 @@ void StepDerivative::choose_increment() {
   error_ = std::max(disagreement[best], 4 * rounding * size[best]);
 }
 
+bool StepDerivative::is_linear() const {
+  const VectorXd v = direction(scale_.size(), 3), w = direction(scale_.size(), 4), both = v + w;
+  const VectorXd sum = difference(v, increment_) + difference(w, increment_);
+  const double off = (difference(both, increment_) - sum).norm();
+  return off <= 30 * error_ * both.norm() || off <= 0.05 * (sum - both).norm();
+}
+
 VectorXd StepDerivative::product(const VectorXd& v) const {
   const double largest = v.cwiseAbs().maxCoeff();
   if (!(largest > 0)) return VectorXd::Zero(v.size());
   return largest * difference(v / largest, increment_);
 }
 
-MatrixXd StepDerivative::matrix(const std::function<void(double share)>& watch) const {
-  return matrix_at(increment_, watch);
+MatrixXd StepDerivative::matrix(StepPattern& pattern, const std::function<void(double share)>& watch) const {
+  MatrixXd J = matrix_at(increment_, watch);
+  pattern.learn(J);
+  return J;
 }
 
-MatrixXd StepDerivative::confirmed_matrix(const std::function<void(double share)>& watch) const {
-  const MatrixXd J = matrix_at(increment_, watch), other = matrix_at(3 * increment_, watch);
+std::optional<SparseMatrix> StepDerivative::grouped_matrix(StepPattern& pattern,
+                                                           const std::function<void(double share)>& watch) {
+  SparseMatrix J = grouped_at(increment_, pattern, watch);
+  const VectorXd v = direction(scale_.size(), 5), off = (J * v - difference(v, increment_)) / v.norm();
+  if (!(off.norm() <= 10 * error_)) {
+    Index worst = 0;
+    off.cwiseAbs().maxCoeff(&worst);
+    pattern.refuse(worst);
+    return std::nullopt;
+  }
+  error_ = std::max(error_, off.norm());
+  return J;
+}
+
+MatrixXd StepDerivative::confirmed_matrix(StepPattern& pattern, const std::function<void(double share)>& watch) {
+  MatrixXd J;
+  if (pattern.pays())
+    if (const std::optional<SparseMatrix> grouped = grouped_matrix(pattern, watch)) J = *grouped;
+  if (J.size() == 0) J = matrix(pattern, watch);
+  const MatrixXd other =
+      pattern.pays() ? MatrixXd(grouped_at(3 * increment_, pattern, watch)) : matrix_at(3 * increment_, watch);
   // On the diagonal what is left of 1 counts.
   const MatrixXd one = MatrixXd::Identity(J.rows(), J.cols());
   return one + ((J - other).array().abs() < 0.3 * (J - one).array().abs()).select(J - one, 0);
+}
+
+SparseMatrix StepDerivative::grouped_at(double increment, const StepPattern& pattern,
+                                        const std::function<void(double share)>& watch) const {
+  SparseMatrix J = pattern.entries();
+  VectorXd v(J.cols());
+  for (std::size_t k = 0; k < pattern.groups().size(); ++k) {
+    v.setZero();
+    for (const Index j : pattern.groups()[k]) v[j] = 1;
+    const VectorXd column = difference(v, increment);
+    for (const Index j : pattern.groups()[k])
+      for (SparseMatrix::InnerIterator entry(J, j); entry; ++entry) entry.valueRef() = column[entry.row()];
+    if (watch && k % 16 == 0) watch(static_cast<double>(k) / static_cast<double>(pattern.groups().size()));
+  }
+  return J;
 }
 
 MatrixXd StepDerivative::matrix_at(double increment, const std::function<void(double share)>& watch) const {

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include "analysis/foreign_steps/foreign_stepper.hpp"
+#include "analysis/foreign_steps/step_pattern.hpp"
 
 namespace hmax {
 
@@ -26,17 +30,28 @@ class StepDerivative {
   /// directions, not less than rounding.
   [[nodiscard]] double error() const { return error_; }
 
+  /// Whether the changes of two disturbances together are the sum of their changes, beyond error() and to a twentieth: no
+  /// matrix tells what such a step does, as one with bounded impulses, however small the disturbances are.
+  [[nodiscard]] bool is_linear() const;
+
   /// J v. @param v  shape (coordinates.size())
   [[nodiscard]] Eigen::VectorXd product(const Eigen::VectorXd& v) const;
-  /// J, shape (coordinates.size(), coordinates.size()); two steps a column.
+  /// J, shape (coordinates.size(), coordinates.size()); two steps a column. The pattern is learned from it.
   /// @param watch  called with the share that is done; may throw
-  [[nodiscard]] Eigen::MatrixXd matrix(const std::function<void(double share)>& watch = {}) const;
-  /// J without the entries that another increment does not confirm to a third: four steps a column.
-  [[nodiscard]] Eigen::MatrixXd confirmed_matrix(const std::function<void(double share)>& watch = {}) const;
+  [[nodiscard]] Eigen::MatrixXd matrix(StepPattern& pattern, const std::function<void(double share)>& watch = {}) const;
+  /// J by a pattern that pays, two steps a group, if it makes of a random direction what a difference does, to ten times
+  /// error(), which then is at least what is left. Nothing where it does not: the pattern is refused.
+  [[nodiscard]] std::optional<Eigen::SparseMatrix<double>> grouped_matrix(StepPattern& pattern,
+                                                                          const std::function<void(double share)>& watch = {});
+  /// J without the entries that another increment does not confirm to a third.
+  [[nodiscard]] Eigen::MatrixXd confirmed_matrix(StepPattern& pattern, const std::function<void(double share)>& watch = {});
 
  private:
   [[nodiscard]] Eigen::MatrixXd matrix_at(double increment, const std::function<void(double share)>& watch) const;
+  [[nodiscard]] Eigen::SparseMatrix<double> grouped_at(double increment, const StepPattern& pattern,
+                                                       const std::function<void(double share)>& watch) const;
   [[nodiscard]] Eigen::VectorXd difference(const Eigen::VectorXd& v, double increment) const;
+  [[nodiscard]] double least_increment() const;
   void choose_increment();
 
   ForeignStepper* engine_;

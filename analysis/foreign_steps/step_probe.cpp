@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include <Eigen/QR>
+
 #include "analysis/foreign_steps/hidden_state.hpp"
 #include "analysis/foreign_steps/observed_steps.hpp"
 #include "analysis/foreign_steps/step_derivative.hpp"
@@ -20,7 +22,7 @@ using Eigen::VectorXd;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int home = 0, work = 1;
+constexpr int home = 0, work = 1, rest = 2;
 /// A motion that grows by less than this factor more than at h0 is no growth of the steps.
 const double least_growth = std::log(10.0);
 
@@ -34,19 +36,31 @@ class Probe {
 
  private:
   void look_at_start();
-  void balance();
+  bool only_trembles(double moved);
+  void judge_start();
+  VectorXd balanced(const VectorXd& unbalanced, double h);
+  void choose_scales(double h);
+  void check_smoothness();
   void find_limit();
+  double distance_of_step(const VectorXd& y, double h);
+  VectorXd rest_at(double h);
   StepSpectrum at(double h);
   StepSpectrum along_motion(double h);
   void bisect(double low, double high);
   void explain_growth_at_least();
   void check_rest_at_limit();
+  void check_pattern();
   void name_growing_numbers();
   void observe();
   bool runs_grow(double h);
   std::int64_t observed_steps();
   void bracket(double low, double high, bool low_known);
 
+  /// Between two states, in units of scales.
+  [[nodiscard]] double distance(const VectorXd& a, const VectorXd& b) const {
+    return coordinates_.of(a, b).cwiseQuotient(scale_).cwiseAbs().maxCoeff();
+  }
+  [[nodiscard]] double rest_tolerance() const { return is_single() ? 1e-6 : 1e-9; }
   [[nodiscard]] bool is_single() const { return engine_.is_single_precision(); }
   void tell(double share, std::string_view detail) const {
     if (settings_.watch) settings_.watch(share, detail);
@@ -63,8 +77,11 @@ class Probe {
   const ProbeSettings& settings_;
   StateCoordinates coordinates_;
   VectorXd start_, scale_;
+  VectorXd rest_;  // at the step size that was last looked at
+  StepPattern pattern_;
   ProbedLimit found_;
   double base_growth_ = 0, base_run_ = nan;
+  bool is_linear_ = true;
   double share_ = 0;
   std::string detail_ = "steps";
 };
@@ -76,44 +93,106 @@ void Probe::look_at_start() {
     while (std::isfinite(start_[bad])) ++bad;
     throw InputError("number " + std::to_string(bad) + " of the state at the start is not finite");
   }
+  rest_ = start_;
   engine_.save(home);
   for (const Index first : engine_.quaternions())
     if (std::abs(start_.segment<4>(first).norm() - 1) > 1e-3)
       throw InputError("the quaternion at number " + std::to_string(first) + " of the state has length " +
                        rounded_text(start_.segment<4>(first).norm(), 3) + " instead of 1");
   scale_ = coordinates_.scales(engine_.scales().size() > 0 ? engine_.scales() : scales_of(start_));
-  const VectorXd next = engine_.after(home, start_, settings_.h0, 1);
-  if (!next.allFinite()) throw InputError("a step of h0 from the start is not finite; take a smaller --h0");
-  Index most = 0;
-  const double moved = coordinates_.of(start_, next).cwiseQuotient(scale_).cwiseAbs().maxCoeff(&most);
-  if (settings_.motion) {
-    found_.state = ProbedState::motion;
-  } else if (moved <= (is_single() ? 1e-5 : 1e-9)) {
-    found_.state = ProbedState::equilibrium;
-  } else {
-    const Index i = coordinates_.component(most);
-    found_.status.push_back("the state is no equilibrium, a step of h0 changes its number " + std::to_string(i) + " by " +
-                            rounded_text(next[i] - start_[i], 2) +
-                            ": h_max is that of this state; --motion T follows the motion");
-  }
+  if (const Eigen::SparseMatrix<double> declared = engine_.pattern(); declared.size() > 0)
+    pattern_ = StepPattern(coordinates_.pattern(declared));
+  if (!engine_.after(home, start_, settings_.h0, 1).allFinite())
+    throw InputError("a step of h0 from the start is not finite; take a smaller --h0");
+  if (settings_.motion) found_.state = ProbedState::motion;
   const std::vector<std::string> remarks =
       examine_hidden_state(engine_, coordinates_, scale_, home, start_, settings_.h0)
           .remarks(is_single() ? 1e-4 : 1e-8, engine_.has_hidden_state());
   found_.status.insert(found_.status.end(), remarks.begin(), remarks.end());
 }
 
-void Probe::balance() {
-  const StepDerivative derivative(engine_, coordinates_, scale_, home, start_, settings_.h0);
+/// Whether a hundred steps go hardly farther than one: what a solver leaves, or the end of an oscillation.
+bool Probe::only_trembles(double moved) {
+  if (moved > (is_single() ? 1e-2 : 1e-6)) return false;
+  const VectorXd later = engine_.after(home, start_, settings_.h0, 100);
+  return later.allFinite() && distance(start_, later) <= 3 * moved;
+}
+
+void Probe::judge_start() {
+  if (settings_.motion) return;
+  const VectorXd next = engine_.after(home, start_, settings_.h0, 1);
+  const double moved = distance(start_, next);
+  found_.state = ProbedState::equilibrium;
+  if (moved <= (is_single() ? 1e-5 : 1e-9) || only_trembles(moved)) return;
+  // Engines whose solvers end early rest elsewhere at each step size, perhaps near.
+  rest_ = rest_at(settings_.h0);
+  if (rest_ != start_ && distance(start_, rest_) < 0.1) return;
+  rest_ = start_;
+  found_.state = ProbedState::initial;
+  Index most = 0;
+  coordinates_.of(start_, next).cwiseQuotient(scale_).cwiseAbs().maxCoeff(&most);
+  const Index i = coordinates_.component(most);
+  found_.status.push_back("the state is no equilibrium, a step of h0 changes its number " + std::to_string(i) + " by " +
+                          rounded_text(next[i] - start_[i], 2) +
+                          ": h_max is that of this state; --motion T follows the motion");
+}
+
+/// The same scales in balance: of like size in positions and velocities, from what a step of size h makes of them.
+VectorXd Probe::balanced(const VectorXd& unbalanced, double h) {
+  StepDerivative derivative(engine_, coordinates_, unbalanced, home, start_, h);
+  if (!derivative.is_finite() || !std::isfinite(derivative.error())) return unbalanced;
   const VectorXd factors =
       coordinates_.size() > settings_.spectrum.matrix_to
           ? balancing_factors([&](const VectorXd& v) { return derivative.product(v); }, coordinates_.size())
           : balancing_factors(
-                derivative.confirmed_matrix([this](double share) { tell(0.02 * share, "first differences"); }));
-  scale_ = scale_.cwiseProduct(factors);
-  const double error = StepDerivative(engine_, coordinates_, scale_, home, start_, settings_.h0).error();
-  if (error > 0.01)
-    found_.status.push_back("differences of the step at two increments differ by " + rounded_text(error, 2) +
+                derivative.confirmed_matrix(pattern_, [this](double share) { tell(share_ + 0.02 * share, "first differences"); }));
+  if (!factors.allFinite()) return unbalanced;
+  VectorXd scale = unbalanced.cwiseProduct(factors.cwiseMax(1e-8));
+  if (!is_single()) return scale;
+  // In float numbers are moved by a good part of their size, or hardly at all.
+  const VectorXd size = coordinates_.scales(start_.cwiseAbs());
+  std::vector<double> parts;
+  for (Index k = 0; k < scale.size(); ++k)
+    if (size[k] > 0.01 * size.maxCoeff()) parts.push_back(scale[k] / size[k]);
+  if (parts.empty()) return scale;
+  const auto middle = parts.begin() + static_cast<std::ptrdiff_t>(parts.size() / 2);
+  std::ranges::nth_element(parts, middle);
+  return (scale / *middle).cwiseMax(0.01 * size);
+}
+
+void Probe::choose_scales(double h) {
+  const VectorXd unbalanced = coordinates_.scales(engine_.scales().size() > 0 ? engine_.scales() : scales_of(start_));
+  const VectorXd before = scale_;
+  scale_ = balanced(unbalanced, h);
+  if (!is_single()) return;
+  // In float a velocity of what seems its size moves a position by less than the last place. The scales with the least error.
+  const VectorXd size = coordinates_.scales(start_.cwiseAbs());
+  const double largest = size.maxCoeff();
+  double least = StepDerivative(engine_, coordinates_, scale_, home, start_, h).error();
+  for (const double more : {1.0, 30.0, 1000.0}) {
+    VectorXd tried = unbalanced;
+    for (Index k = 0; k < tried.size(); ++k)
+      if (size[k] < 0.01 * largest) tried[k] *= more;
+    tried = more > 1 ? balanced(tried, h) : before;
+    const StepDerivative derivative(engine_, coordinates_, tried, home, start_, h);
+    if (!derivative.is_finite() || !(derivative.error() < least)) continue;
+    least = derivative.error();
+    scale_ = tried;
+  }
+}
+
+/// Whether a step near the limit has a derivative that tells what it does.
+void Probe::check_smoothness() {
+  if (found_.state == ProbedState::motion) return;
+  const double h = std::isfinite(found_.h_max) ? 0.9 * found_.h_max : settings_.h0;
+  const StepDerivative derivative(engine_, coordinates_, scale_, home, rest_, h);
+  if (!derivative.is_finite()) return;
+  if (derivative.error() > 0.01)
+    found_.status.push_back("differences of the step at two increments differ by " + rounded_text(derivative.error(), 2) +
                             ": the step is not smooth at this state, as at a contact that opens");
+  else if (!(is_linear_ = derivative.is_linear()))
+    found_.status.push_back("the changes of two small disturbances do not add up: the step is not smooth at this state, as with "
+                            "impulses that are bounded; h_max says nothing, trust observed");
 }
 
 StepSpectrum Probe::along_motion(double h) {
@@ -133,10 +212,45 @@ StepSpectrum Probe::along_motion(double h) {
   return row;
 }
 
+/// How far a step of size h moves y, in units of scales.
+double Probe::distance_of_step(const VectorXd& y, double h) {
+  const VectorXd next = engine_.after(home, y, h, 1);
+  return next.allFinite() ? distance(y, next) : infinity;
+}
+
+/// Engines that make constraints softer at large steps rest elsewhere there: y = S(y) by Newton's method from the last rest,
+/// (I - J) x = S(y) - y, of least norm where motions are free.
+VectorXd Probe::rest_at(double h) {
+  VectorXd y = rest_;
+  double left = distance_of_step(y, h);
+  if (found_.state != ProbedState::equilibrium || coordinates_.size() > settings_.spectrum.eigenvalues_to) return y;
+  const Index n = coordinates_.size();
+  if (left <= (is_single() ? 1e-3 : 1e-8)) return y;
+  for (int k = 0; k < 10 && left > rest_tolerance() && std::isfinite(left); ++k) {
+    StepDerivative derivative(engine_, coordinates_, scale_, home, y, h);
+    const VectorXd step = coordinates_.of(y, derivative.next()).cwiseQuotient(scale_);
+    const std::optional<Eigen::SparseMatrix<double>> grouped =
+        pattern_.pays() ? derivative.grouped_matrix(pattern_) : std::nullopt;
+    const Eigen::MatrixXd J = grouped ? Eigen::MatrixXd(*grouped) : derivative.matrix(pattern_);
+    if (!J.allFinite()) break;
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> system;
+    const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n) - J;
+    system.setThreshold(std::max(1e-12, derivative.error() / A.norm()));
+    system.compute(A);
+    const VectorXd tried = coordinates_.at(y, VectorXd(system.solve(step)).cwiseProduct(scale_));
+    const double now = distance_of_step(tried, h);
+    if (!(now < 0.5 * left)) break;
+    y = tried;
+    left = now;
+  }
+  return left <= 1e3 * rest_tolerance() ? y : rest_;
+}
+
 StepSpectrum Probe::at(double h) {
+  if (found_.state == ProbedState::equilibrium) rest_ = rest_at(h);
   StepSpectrum row = found_.state == ProbedState::motion
                          ? along_motion(h)
-                         : spectrum_of_step(engine_, coordinates_, scale_, home, start_, h,
+                         : spectrum_of_step(engine_, coordinates_, scale_, home, rest_, h, pattern_,
                                             {.eigenvalues_to = settings_.spectrum.eigenvalues_to,
                                              .matrix_to = settings_.spectrum.matrix_to,
                                              .watch = watcher()});
@@ -181,6 +295,9 @@ void Probe::find_limit() {
     share_ = 0.02 + 0.4 * static_cast<double>(i) / count;
     detail_ = "h = " + rounded_text(h, 4) + " s";
     tell(share_, detail_);
+    // In float a short step moves positions by less than their last place.
+    if (i == 0 || is_single()) choose_scales(h);
+    if (i == 0) judge_start();
     if (at(h).grows) {
       if (low == 0) return explain_growth_at_least();
       bisect(low, h);
@@ -192,20 +309,37 @@ void Probe::find_limit() {
   found_.status.push_back("no growth up to h1");
 }
 
-/// Constraints may be softer at large steps: the state of rest is then another one.
+/// Whether what was probed is at rest at the limit, and where that is.
 void Probe::check_rest_at_limit() {
   if (found_.state != ProbedState::equilibrium || std::isnan(found_.h_max)) return;
   const double h = std::min(0.99 * found_.h_max, settings_.h1);
-  const VectorXd next = engine_.after(home, start_, h, 1);
-  if (!next.allFinite()) return;
+  const double off = distance_of_step(start_, h);
+  if (!std::isfinite(off) || off <= 1e3 * rest_tolerance()) return;
+  rest_ = rest_at(h);
+  const bool is_rest = distance_of_step(rest_, h) <= 1e3 * rest_tolerance();
+  const VectorXd other = is_rest ? rest_ : engine_.after(home, start_, h, 1);
   Index most = 0;
-  const double moved = coordinates_.of(start_, next).cwiseQuotient(scale_).cwiseAbs().maxCoeff(&most);
-  if (moved <= (is_single() ? 1e-3 : 1e-6)) return;
+  coordinates_.of(start_, other).cwiseQuotient(scale_).cwiseAbs().maxCoeff(&most);
   const Index i = coordinates_.component(most);
-  found_.state = ProbedState::initial;
-  found_.status.push_back("the state of rest depends on the step size: a step of " + rounded_text(h, 3) +
-                          " s changes its number " + std::to_string(i) + " by " + rounded_text(next[i] - start_[i], 2) +
-                          "; h_max is that of the state of rest at small steps");
+  const std::string by = rounded_text(other[i] - start_[i], 2);
+  if (!is_rest) found_.state = ProbedState::initial;
+  found_.status.push_back(
+      "the state of rest depends on the step size: " +
+      (is_rest ? "at " + rounded_text(h, 3) + " s its number " + std::to_string(i) + " is off by " + by +
+                     "; each step size is probed at its own"
+               : "a step of " + rounded_text(h, 3) + " s changes its number " + std::to_string(i) + " by " + by +
+                     "; h_max is that of the state of rest at small steps"));
+}
+
+void Probe::check_pattern() {
+  if (!pattern_.undeclared()) return;
+  const auto [row, column] = *pattern_.undeclared();
+  found_.status.push_back(
+      "the declared pattern of the step is wrong and not used: number " + std::to_string(coordinates_.component(row)) +
+      " after a step depends on " +
+      (column < 0 ? std::string("more numbers than it says")
+                  : "number " + std::to_string(coordinates_.component(column)) + " before it") +
+      "; declare these couplings, or a longer reach");
 }
 
 void Probe::name_growing_numbers() {
@@ -220,11 +354,13 @@ void Probe::name_growing_numbers() {
 
 GrowthRun Probe::growth_run(double h) const {
   // As far as the step is linear, and above its rounding.
-  const double increment = found_.rows.front().increment, amplitude = std::clamp(increment, 1e-7, is_single() ? 1e-2 : 1e-6);
+  const double increment = found_.rows.front().increment, amplitude =
+      is_single() ? std::clamp(increment / 5, 3e-5, 1e-3) : std::clamp(increment, 1e-7, 1e-6);
   GrowthRun run{.steps = found_.state == ProbedState::motion ? steps_of_motion(h) : found_.steps,
                 .amplitude = amplitude,
                 .bound = is_single() ? 100 * amplitude : 1e5 * amplitude,
-                .follow = found_.state != ProbedState::equilibrium,
+                .most = is_single() ? 30.0 : 1e4,
+                .follow = found_.state != ProbedState::equilibrium || rest_ != start_,
                 .watch = watcher()};
   return run;
 }
@@ -232,7 +368,7 @@ GrowthRun Probe::growth_run(double h) const {
 bool Probe::runs_grow(double h) {
   share_ = std::min(0.99, share_ + 0.02);
   detail_ = "runs with h = " + rounded_text(h, 5) + " s";
-  if (found_.state != ProbedState::motion) return run_grows(engine_, coordinates_, scale_, home, h, growth_run(h));
+  if (found_.state != ProbedState::motion) return run_grows(engine_, coordinates_, scale_, rest, h, growth_run(h));
   const auto growth = [&](double size) {
     return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
   };
@@ -251,7 +387,7 @@ std::int64_t Probe::observed_steps() {
   const double one = std::chrono::duration<double>(Clock::now() - begin).count() / 50;
   constexpr double least = 400;
   const double affordable = std::clamp(settings_.seconds_a_run / one, least, most);
-  if (!std::isfinite(found_.h_max)) return static_cast<std::int64_t>(std::min(affordable, 20000.0));
+  if (!is_linear_ || !std::isfinite(found_.h_max)) return static_cast<std::int64_t>(std::min(affordable, 20000.0));
   const double rate = std::log(found_.critical->spectral_radius);
   const double needed = rate > 0 ? 10 / rate : infinity;
   if (needed > affordable)
@@ -292,6 +428,9 @@ void Probe::observe() {
   share_ = std::max(share_, 0.6);
   detail_ = "runs";
   found_.steps = found_.state == ProbedState::motion ? 0 : observed_steps();
+  engine_.restore(home);
+  if (rest_ != start_) engine_.set_state(rest_);
+  engine_.save(rest);
   if (std::isinf(found_.h_max)) {
     if (!runs_grow(settings_.h1)) {
       found_.observed = infinity;
@@ -309,9 +448,10 @@ ProbedLimit Probe::run() {
   found_.model = engine_.name();
   found_.dim = engine_.dim();
   look_at_start();
-  balance();
   find_limit();
   check_rest_at_limit();
+  check_smoothness();
+  check_pattern();
   name_growing_numbers();
   if (std::ranges::any_of(found_.rows, [](const StepSpectrum& row) { return !row.resolved; }))
     found_.status.push_back("an iteration for the largest multiplier ended undecided: slow growth may be missed");

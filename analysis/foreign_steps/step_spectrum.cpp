@@ -36,8 +36,18 @@ VectorXd on_state(const VectorXd& motion, const StateCoordinates& coordinates, c
   return largest > 0 ? VectorXd(numbers / largest) : numbers;
 }
 
+/// How far a multiplier is off, |y^H (D x - J x)| / |y^H x| with differences D in the direction of its own right eigenvector x:
+/// the error of the matrix as this eigenvalue has it, where the norm of that error says too much.
+double own_error(const StepDerivative& derivative, const MatrixXd& J, const Eigen::VectorXcd& x, const Eigen::RowVectorXcd& y) {
+  const VectorXd re = x.real(), im = x.imag();
+  Eigen::VectorXcd off = (derivative.product(re) - J * re).cast<Complex>();
+  off += Complex(0, 1) * (derivative.product(im) - J * im).cast<Complex>();
+  return std::abs(Complex(y * off)) / std::abs(Complex(y * x));
+}
+
 /// All eigenvalues with their tolerances.
-void by_eigenvalues(const MatrixXd& J, double error, StepSpectrum& found, VectorXd& motion) {
+void by_eigenvalues(const MatrixXd& J, const StepDerivative& derivative, StepSpectrum& found, VectorXd& motion) {
+  const double error = derivative.error();
   const SortedEigenpairs pairs(J);
   if (pairs.values.empty()) {
     found.resolved = false;
@@ -60,6 +70,17 @@ void by_eigenvalues(const MatrixXd& J, double error, StepSpectrum& found, Vector
     }
   }
   found.grows = most > 0;
+  // Those that seem to grow but for the tolerance, by differences of their own.
+  for (std::size_t i = 0; !found.grows && i < std::min<std::size_t>(3, pairs.values.size()); ++i) {
+    const auto at = static_cast<Index>(i);
+    const double excess = std::abs(pairs.values[i]) - 1;
+    if (!(excess > 0.01)) break;
+    const double tolerance = 10 * own_error(derivative, J, pairs.vectors.col(at), left.row(at));
+    if (!(excess > tolerance)) continue;
+    found.grows = true;
+    found.tolerance = tolerance;
+    chosen = i;
+  }
   if (!found.grows) chosen = 0;
   found.multiplier = pairs.values[chosen];
   found.spectral_radius = std::abs(pairs.values.front());
@@ -107,12 +128,11 @@ class MatrixPowers {
   std::vector<MatrixXd> powers_;
 };
 
-/// Steps as products with a matrix: most engines couple neighbours alone, and entries below the error of the matrix are none.
-StepMap products_with(const MatrixXd& J, double error) {
+/// Steps as products with a matrix: most engines couple neighbours alone.
+StepMap products_with(const Eigen::SparseMatrix<double>& J) {
   const auto n = static_cast<double>(J.rows());
-  const Eigen::SparseMatrix<double> sparse = J.sparseView(1, error / n);
-  if (static_cast<double>(sparse.nonZeros()) > 0.1 * n * n) return MatrixPowers(J);
-  return repeated([sparse](const VectorXd& v) { return VectorXd(sparse * v); }, {});
+  if (static_cast<double>(J.nonZeros()) > 0.1 * n * n) return MatrixPowers(J);
+  return repeated([J](const VectorXd& v) { return VectorXd(J * v); }, {});
 }
 
 /// The largest multiplier by products.
@@ -135,32 +155,33 @@ void by_products(const StepMap& map, Index n, double error, StepSpectrum& found,
 }  // namespace
 
 StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot,
-                              const VectorXd& y, double h, const StepSpectrumSettings& settings) {
+                              const VectorXd& y, double h, StepPattern& pattern, const StepSpectrumSettings& settings) {
   const StepSpectrum broken{.h = h,
                             .spectral_radius = infinity,
                             .multiplier = infinity,
                             .grows = true,
                             .motion = VectorXd::Zero(engine.dim())};
-  const StepDerivative derivative(engine, coordinates, scale, slot, y, h);
+  StepDerivative derivative(engine, coordinates, scale, slot, y, h);
   if (!derivative.is_finite() || !std::isfinite(derivative.error())) return broken;
   const Index n = coordinates.size();
   StepSpectrum found;
   found.h = h;
   found.increment = derivative.increment();
   VectorXd motion = VectorXd::Zero(n);
-  if (n > settings.matrix_to) {
-    by_products(repeated([&](const VectorXd& v) { return derivative.product(v); }, settings.watch), n, derivative.error(),
-                found, motion);
-  } else {
-    const MatrixXd J = derivative.matrix([&](double) {
-      if (settings.watch) settings.watch();
-    });
-    if (!J.allFinite()) return broken;
-    if (n <= settings.eigenvalues_to)
-      by_eigenvalues(J, derivative.error(), found, motion);
-    else
-      by_products(products_with(J, derivative.error()), n, derivative.error(), found, motion);
-  }
+  const auto told = [&](double) {
+    if (settings.watch) settings.watch();
+  };
+  std::optional<Eigen::SparseMatrix<double>> J;
+  if (pattern.pays()) J = derivative.grouped_matrix(pattern, told);
+  // Entries below the error of the matrix are none.
+  if (!J && n <= settings.matrix_to)
+    J = derivative.matrix(pattern, told).sparseView(1, n <= settings.eigenvalues_to ? 0 : derivative.error() / static_cast<double>(n));
+  if (J && !VectorXd::Map(J->valuePtr(), J->nonZeros()).allFinite()) return broken;
+  if (J && n <= settings.eigenvalues_to)
+    by_eigenvalues(*J, derivative, found, motion);
+  else
+    by_products(J ? products_with(*J) : repeated([&](const VectorXd& v) { return derivative.product(v); }, settings.watch), n,
+                derivative.error(), found, motion);
   found.motion = on_state(motion, coordinates, scale, engine.dim());
   return found;
 }

@@ -7,13 +7,14 @@
 #include <Eigen/Core>
 
 #include "analysis/foreign_steps/foreign_stepper.hpp"
+#include "analysis/foreign_steps/step_pattern.hpp"
 
 namespace hmax {
 
 struct StepSpectrumSettings {
   Eigen::Index eigenvalues_to = 300;  ///< up to so many coordinates all eigenvalues of the matrix
   Eigen::Index matrix_to = 1000;      ///< up to so many the matrix, and its largest eigenvalue by Arnoldi iteration; above
-                                      ///< that products alone
+                                      ///< that products alone, or the matrix by a pattern
   std::function<void()> watch = {};   ///< called now and then; may throw
 };
 
@@ -34,8 +35,11 @@ struct StepSpectrum {
 /// About the state of the engine in `slot`. Each eigenvalue has a tolerance of its own, 4 |E| |x| |y| / |y^H x| with the
 /// error E of the matrix, x and y its right and left eigenvectors, but at most 4 sqrt|E|: of modulus 1 are all multipliers
 /// of undamped motions under symplectic methods, and pairs of them meet.
+/// @param pattern  of the step, in coordinates; where it pays the matrix is made by its groups at any size. It is learned
+///                 where a matrix is made without it
 StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale,
-                              int slot, const Eigen::VectorXd& y, double h, const StepSpectrumSettings& settings = {});
+                              int slot, const Eigen::VectorXd& y, double h, StepPattern& pattern,
+                              const StepSpectrumSettings& settings = {});
 
 /// ln of the factor by which `steps` steps from the state in `slot` stretch the difference of two neighbours: the product of
 /// the derivatives of the steps, applied twice to a vector, the second time to what the first one made of it.

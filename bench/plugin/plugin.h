@@ -32,8 +32,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Raised when a table changes. hmax refuses other versions than its own. */
-#define HMAX_PLUGIN_VERSION 1u
+/* Raised when a table grows. Plugins of earlier versions go on to work; hmax refuses later ones than its own. */
+#define HMAX_PLUGIN_VERSION 2u
 
 #define HMAX_OK 0
 /* Of step(): it cannot be done at this size, as a solver that does not converge. hmax counts it as divergence. */
@@ -87,6 +87,14 @@ typedef struct hmax_stepper {
   /* optional: n positive numbers, the size of a noticeable change of each number of the state. Without it hmax takes the
    * sizes of the numbers at the start. */
   int (*scales)(void* handle, double* scale);
+
+  /* optional, since version 2: which numbers of the state a step couples. hmax then differentiates many of them at once. It
+   * compares the result with a step, and says so if a coupling is missing.
+   *   group   n indices below n: numbers of one body have the same one
+   *   pairs   pairs of groups that act on each other, as by a spring; each group acts on itself
+   *   reach   how many pairs in a row a step crosses: 1 (the default) as with symplectic Euler, 4 as with RK4
+   * Called with group == NULL and pairs == NULL for the count of pairs. */
+  int (*couplings)(void* handle, size_t* count, size_t* reach, size_t* group, size_t (*pairs)[2]);
 } hmax_stepper;
 
 /* Equations of motion: y' = rhs(t, y), or with force != NULL a diagonal mass and forces,

@@ -1,6 +1,7 @@
 #include "bench/plugin/plugin_child.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -144,6 +145,7 @@ class Server {
   void create(const std::string& argument);
   void greet();
   void greet_stepper(std::vector<double>& words, PluginGreeting& greeting);
+  void greet_couplings(std::vector<double>& words, PluginGreeting& greeting);
   void greet_model(std::vector<double>& words, PluginGreeting& greeting);
 
   std::size_t handle(const PluginRequest& request);
@@ -162,6 +164,7 @@ class Server {
 
   int socket_;
   PluginStage& stage_;
+  std::uint32_t version_ = 0;
   const hmax_plugin_entry* entry_ = nullptr;
   const hmax_object* object_ = nullptr;
   const hmax_stepper* stepper_ = nullptr;
@@ -184,9 +187,10 @@ void Server::find_entry(const PluginName& plugin) {
   const hmax_plugin* table = get();
   stage_.call = PluginCall::none;
   if (!table) throw Failure{"hmax_plugin_get() of the plugin returned no table"};
-  if (table->version != HMAX_PLUGIN_VERSION)
+  version_ = table->version;
+  if (version_ < 1 || version_ > HMAX_PLUGIN_VERSION)
     throw Failure{fmt::format("the plugin has version {} of hmax/plugin.h and hmax has {}; compile it with the header of this hmax",
-                              table->version, HMAX_PLUGIN_VERSION)};
+                              version_, HMAX_PLUGIN_VERSION)};
   std::string names;
   for (std::uint32_t i = 0; i < table->count && !entry_; ++i) {
     const hmax_plugin_entry& entry = table->entries[i];
@@ -240,6 +244,35 @@ void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting)
     out_.resize(n_ * sizeof(double));
     check(PluginCall::scales, [&] { return stepper_->scales(handle_, out_.numbers()); });
     words.insert(words.end(), out_.numbers(), out_.numbers() + n_);
+  }
+  // Earlier tables end before it.
+  if (version_ >= 2 && stepper_->couplings) greet_couplings(words, greeting);
+}
+
+void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greeting) {
+  std::size_t count = 0, reach = 1;
+  check(PluginCall::couplings, [&] { return stepper_->couplings(handle_, &count, &reach, nullptr, nullptr); });
+  if (count > most_plugin_states) throw Failure{fmt::format("the plugin has {} couplings; it may have {}", count, most_plugin_states)};
+  if (reach < 1) throw Failure{"the reach of the couplings of the plugin is 0; a step crosses at least one"};
+  std::vector<std::size_t> group(n_);
+  std::vector<std::array<std::size_t, 2>> pairs(count + 1);
+  const std::size_t told = count;
+  check(PluginCall::couplings, [&] {
+    return stepper_->couplings(handle_, &count, &reach, group.data(), reinterpret_cast<std::size_t(*)[2]>(pairs.data()));
+  });
+  if (count != told) throw Failure{fmt::format("the plugin has {} couplings, then {}", told, count)};
+  pairs.resize(count);
+  const auto add = [&](std::size_t of) {
+    if (of >= n_) throw Failure{fmt::format("a group of the couplings of the plugin is {}; they are below {}", of, n_)};
+    words.push_back(static_cast<double>(of));
+  };
+  greeting.has_couplings = 1;
+  greeting.pairs = static_cast<double>(count);
+  greeting.reach = static_cast<double>(reach);
+  for (const std::size_t each : group) add(each);
+  for (const auto& [one, other] : pairs) {
+    add(one);
+    add(other);
   }
 }
 

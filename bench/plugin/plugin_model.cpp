@@ -157,6 +157,7 @@ class SecondOrder {
 }  // namespace
 
 Problem plugin_problem(PluginName plugin, PluginSettings settings) {
+  const std::string digest = plugin_digest(plugin);
   const auto link = std::make_shared<const Link>(std::move(plugin), std::move(settings));
   const PluginFacts& facts = link->facts();
   if (facts.greeting.is_stepper != 0)
@@ -176,7 +177,7 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   for (Index i = 0; i < facts.dim; ++i)
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
                                 : fmt::format("y{}", i + 1));
-  return {.id = facts.name,
+  return {.id = fmt::format("{}#{}", facts.name, digest),
           .material = {},
           .note = facts.note,
           .parameters = {},
@@ -191,10 +192,14 @@ bool is_plugin_id(std::string_view id) { return id.starts_with(id_prefix); }
 
 Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings) {
   if (!settings.material.empty()) throw InputError("a plugin has no materials; leave --material out");
-  if (!settings.parameters.empty())
-    throw InputError(fmt::format("a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT",
-                                 settings.parameters.front().first));
-  Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())));
+  PluginSettings process;
+  for (const auto& [name, value] : settings.parameters) {
+    if (name != patience_parameter)
+      throw InputError(
+          fmt::format("a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT", name));
+    process.patience = value;
+  }
+  Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())), process);
   if (settings.y0.empty()) return problem;
   if (static_cast<Index>(settings.y0.size()) != problem.y0.size())
     throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}", settings.y0.size(),

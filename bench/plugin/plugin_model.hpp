@@ -15,7 +15,11 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings = {});
 std::string plugin_id(std::string_view text);
 bool is_plugin_id(std::string_view id);
 
-/// The model of this id with an initial state of the user's.
+/// The parameter of settings that is PluginSettings::patience.
+inline constexpr std::string_view patience_parameter = "patience";
+
+/// The model of this id with an initial state of the user's. Its own id is the name of the entry and a digest of the library
+/// and the argument, as in pendulum#1a2b3c4d.
 /// @throws InputError  as plugin_problem(), for an initial state of another length, and for a material or parameters
 Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings);
 

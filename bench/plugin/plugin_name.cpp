@@ -1,7 +1,11 @@
 #include "bench/plugin/plugin_name.hpp"
 
+#include <array>
+#include <fstream>
+
 #include <fmt/format.h>
 
+#include "core/digest.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -26,6 +30,16 @@ PluginName parse_plugin(std::string_view text) {
     throw InputError(fmt::format("'{}' is no file; give the path of the shared library", file));
   plugin.file = fs::absolute(file);
   return plugin;
+}
+
+std::string plugin_digest(const PluginName& plugin) {
+  Digest digest;
+  digest.add(plugin.argument);
+  std::ifstream file(plugin.file, std::ios::binary);
+  std::array<char, 65536> bytes{};
+  while (file.read(bytes.data(), bytes.size()), file.gcount() > 0)
+    digest.add({bytes.data(), static_cast<std::size_t>(file.gcount())});
+  return digest.text().substr(0, 8);
 }
 
 }  // namespace hmax

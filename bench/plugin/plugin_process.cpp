@@ -44,6 +44,8 @@ bool has_ended(pid_t child, int milliseconds, int* status) {
 
 PluginProcess::PluginProcess(PluginName plugin, PluginSettings settings)
     : plugin_(std::move(plugin)), settings_(std::move(settings)) {
+  if (!(settings_.patience > 0))
+    throw InputError(fmt::format("--patience {} is not positive; give seconds", to_text(settings_.patience)));
   start();
   try {
     greet();
@@ -131,7 +133,7 @@ void PluginProcess::explain_end() {
 void PluginProcess::explain_hang() {
   const std::string place = where();
   end();
-  throw InputError(fmt::format("the plugin did not return within {} s {}; `hmax probe` waits longer with --patience",
+  throw InputError(fmt::format("the plugin did not return within {} s {}; --patience gives it longer",
                                to_text(settings_.patience), place));
 }
 
@@ -215,8 +217,9 @@ void PluginProcess::greet() {
   // What a plugin that writes beyond its arrays has destroyed is not read as something else.
   const double most = most_plugin_states;
   const bool whole = said.dimension >= 1 && said.dimension <= most && said.quaternions >= 0 &&
-                     4 * said.quaternions <= said.dimension;
+                     4 * said.quaternions <= said.dimension && said.pairs >= 0 && said.pairs <= most && said.reach >= 1;
   const double told = said.quaternions + (said.has_scales != 0 ? said.dimension : 0) +
+                      (said.has_couplings != 0 ? said.dimension + 2 * said.pairs : 0) +
                       (said.is_stepper == 0 ? said.dimension : 0) +
                       (said.has_force != 0 ? std::floor(said.dimension / 2) : 0);
   if (!whole || static_cast<double>(words.size() - greeting_size) != told)
@@ -238,6 +241,15 @@ void PluginProcess::greet() {
     facts_.scales = vector(facts_.dim);
     if (!facts_.scales.allFinite() || facts_.scales.minCoeff() <= 0)
       throw InputError("scales() of the plugin has numbers that are not positive");
+  }
+  const auto index = [&at] { return static_cast<Eigen::Index>(*at++); };
+  if (said.has_couplings != 0) {
+    for (Eigen::Index i = 0; i < facts_.dim; ++i) facts_.groups.push_back(index());
+    for (double i = 0; i < said.pairs; ++i) {
+      const Eigen::Index one = index();
+      facts_.couplings.emplace_back(one, index());
+    }
+    facts_.reach = said.reach;
   }
   if (said.is_stepper == 0) facts_.y0 = vector(facts_.dim);
   if (said.has_force != 0) facts_.mass = vector(facts_.dim / 2);

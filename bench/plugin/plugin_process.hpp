@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <sys/types.h>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -28,6 +29,10 @@ struct PluginFacts {
   Eigen::Index dim = 0;
   std::vector<Eigen::Index> quaternions;  ///< first index of each
   Eigen::VectorXd scales;                 ///< shape (dim), or empty
+  /// Of its couplings: the group of each number, shape (dim) or empty, pairs of groups, and how many in a row a step crosses.
+  std::vector<Eigen::Index> groups;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> couplings;
+  double reach = 1;
   Eigen::VectorXd y0, mass;               ///< of a model; mass of shape (dim / 2), or empty
 };
 

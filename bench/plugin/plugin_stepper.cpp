@@ -31,6 +31,33 @@ std::string PluginStepper::name() const {
   return plugin.argument.empty() ? process_.facts().name : fmt::format("{}:{}", process_.facts().name, plugin.argument);
 }
 
+Eigen::SparseMatrix<double> PluginStepper::pattern() const {
+  const PluginFacts& facts = process_.facts();
+  if (facts.groups.empty()) return {};
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index i = 0; i < dim(); ++i) entries.emplace_back(i, i, 1);
+  for (const auto& [one, other] : facts.couplings) {
+    entries.emplace_back(one, other, 1);
+    entries.emplace_back(other, one, 1);
+  }
+  using Sparse = Eigen::SparseMatrix<double>;
+  Sparse neighbours(dim(), dim()), members(dim(), dim());
+  neighbours.setFromTriplets(entries.begin(), entries.end(), [](double, double) { return 1.0; });
+  entries.clear();
+  for (Eigen::Index i = 0; i < dim(); ++i) entries.emplace_back(i, facts.groups[static_cast<std::size_t>(i)], 1);
+  members.setFromTriplets(entries.begin(), entries.end());
+  // What a step reaches of a group; half of all saves nothing any more.
+  const double n = static_cast<double>(dim());
+  Sparse reached = neighbours;
+  for (double crossed = 1; crossed < facts.reach; ++crossed) {
+    const Eigen::Index before = reached.nonZeros();
+    reached = Sparse(reached * neighbours).unaryExpr([](double) { return 1.0; });
+    if (reached.nonZeros() == before) break;
+    if (static_cast<double>(reached.nonZeros()) > n * n / 2) return {};
+  }
+  return members * reached * Sparse(members.transpose());
+}
+
 Eigen::VectorXd PluginStepper::state() {
   Eigen::VectorXd y(dim());
   process_.ask({.ask = PluginAsk::state}, {}, numbers_of(y));

@@ -18,6 +18,7 @@ class PluginStepper final : public ForeignStepper {
   [[nodiscard]] bool has_hidden_state() const override { return process_.facts().greeting.has_save != 0; }
   [[nodiscard]] std::vector<Eigen::Index> quaternions() const override { return process_.facts().quaternions; }
   [[nodiscard]] Eigen::VectorXd scales() const override { return process_.facts().scales; }
+  [[nodiscard]] Eigen::SparseMatrix<double> pattern() const override;
 
   Eigen::VectorXd state() override;
   void set_state(const Eigen::VectorXd& y) override;

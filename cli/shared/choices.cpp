@@ -112,6 +112,10 @@ std::vector<std::pair<std::string, double>> MatrixOptions::parameters() const {
   return parameters;
 }
 
+void add_patience(CLI::App& command, std::optional<double>& seconds) {
+  add_number(command, "--patience", seconds, "Time that one call of the plugin may take [s]; 10 by default");
+}
+
 void ProblemChoice::add_to(CLI::App& command) {
   command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
       ->type_name("ID");
@@ -121,6 +125,7 @@ void ProblemChoice::add_to(CLI::App& command) {
       .add_option("--plugin", plugin,
                   "Model of your own behind the C interface hmax/plugin.h; `hmax probe --example FOLDER` writes one")
       ->type_name("FILE.so[:NAME[:ARGUMENT]]");
+  add_patience(command, patience);
   command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all()
@@ -165,6 +170,8 @@ ProblemSettings ProblemChoice::settings() const {
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
   for (auto& parameter : own.parameters()) settings.parameters.push_back(std::move(parameter));
+  if (patience && plugin.empty()) throw InputError("--patience applies to --plugin only; remove it");
+  if (patience) settings.parameters.emplace_back(patience_parameter, *patience);
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);
   return settings;
 }

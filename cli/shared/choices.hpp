@@ -42,12 +42,16 @@ struct MatrixOptions {
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
 
-/// --problem, a mesh, matrices or a plugin; --set --alpha --beta --material --y0
+/// --patience [s], of a call of a plugin
+void add_patience(CLI::App& command, std::optional<double>& seconds);
+
+/// --problem, a mesh, matrices or a plugin; --set --alpha --beta --patience --material --y0
 struct ProblemChoice {
   std::string problem, plugin, material, y0;
   MeshOptions body;
   MatrixOptions own;
   std::vector<std::string> set;
+  std::optional<double> patience;
 
   void add_to(CLI::App& command);
   /// @throws InputError when something is missing or unknown

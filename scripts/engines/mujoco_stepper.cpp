@@ -1,5 +1,5 @@
 /// A stepper for `hmax probe`: a scene of MuJoCo, whose file is the argument. It settles for twenty seconds first.
-/// Positions are qpos, velocities qvel; hidden are the start of the solver, activations and the time.
+/// The state is qpos, qvel and the activations; hidden are the start of the solver and the time.
 #include <algorithm>
 #include <hmax/plugin.h>
 #include <mujoco/mujoco.h>
@@ -25,16 +25,18 @@ static void destroy(void* handle) {
   delete &of(handle);
 }
 static const char* error_text(void*) { return reason; }
-static int dimension(void* handle, size_t* n) { return *n = of(handle).m->nq + of(handle).m->nv, HMAX_OK; }
+static int dimension(void* handle, size_t* n) { return *n = of(handle).m->nq + of(handle).m->nv + of(handle).m->na, HMAX_OK; }
 static int get(void* handle, double* y) {
   auto& [m, d] = of(handle);
-  std::copy(d->qvel, d->qvel + m->nv, std::copy(d->qpos, d->qpos + m->nq, y));
+  y = std::copy(d->qvel, d->qvel + m->nv, std::copy(d->qpos, d->qpos + m->nq, y));
+  std::copy(d->act, d->act + m->na, y);
   return HMAX_OK;
 }
 static int set(void* handle, const double* y) {
   auto& [m, d] = of(handle);
   std::copy(y, y + m->nq, d->qpos);
   std::copy(y + m->nq, y + m->nq + m->nv, d->qvel);
+  std::copy(y + m->nq + m->nv, y + m->nq + m->nv + m->na, d->act);
   return HMAX_OK;
 }
 // MuJoCo resets what diverges, and counts it.
@@ -53,18 +55,16 @@ static int save(void* handle, void* blob) {
   auto& [m, d] = of(handle);
   auto* to = static_cast<double*>(blob);
   get(handle, to);
-  to = std::copy(d->qacc_warmstart, d->qacc_warmstart + m->nv, to + m->nq + m->nv);
-  *std::copy(d->act, d->act + m->na, to) = d->time;
+  *std::copy(d->qacc_warmstart, d->qacc_warmstart + m->nv, to + m->nq + m->nv + m->na) = d->time;
   return HMAX_OK;
 }
 static int restore(void* handle, const void* blob, size_t) {
   auto& [m, d] = of(handle);
   auto* from = static_cast<const double*>(blob);
   set(handle, from);
-  from += m->nq + m->nv;
+  from += m->nq + m->nv + m->na;
   std::copy(from, from + m->nv, d->qacc_warmstart);
-  std::copy(from + m->nv, from + m->nv + m->na, d->act);
-  d->time = from[m->nv + m->na];
+  d->time = from[m->nv];
   return HMAX_OK;
 }
 static int quaternions(void* handle, size_t* count, size_t* first) {

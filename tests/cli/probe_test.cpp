@@ -78,6 +78,19 @@ TEST(ProbeCommand, ItsExamplesAreThoseThatTheTestsRun) {
   expect_refused(shell.hmax("probe --example a"), "is there already and differs");
 }
 
+/// Whatever a plugin does, a command ends with a sentence.
+TEST(PluginOption, APluginThatGoesWrongIsAnError) {
+  const auto run = [](const std::string& argument, const std::string& more = "") {
+    return Shell().hmax("run --plugin " + tested + ":faulty" + argument + " --method rk4 --h 0.01" + more);
+  };
+  EXPECT_EQ(run("").exit_code, 0);
+  expect_refused(run(":hang:100", " --patience 0.3"), "did not return within 0.3 s in rhs(); --patience gives it longer");
+  expect_refused(run(":segv:100"), "crashed in rhs() with signal 11");
+  expect_refused(run("", " --patience 0"), "--patience 0 is not positive; give seconds");
+  EXPECT_EQ(run(":nan:100").exit_code, 1);
+  expect_refused(Shell().hmax("run --problem kepler --patience 3 --method rk4 --h 0.01"), "--patience applies to --plugin only");
+}
+
 /// A model behind the interface stands where any model stands.
 TEST(PluginOption, IsAModelForEveryCommand) {
   const Shell shell;

@@ -51,7 +51,8 @@ TEST(StepDerivative, ItsErrorIsWhatItEstimates) {
     engine.save(0);
     const StateCoordinates coordinates(2, {});
     const StepDerivative derivative(engine, coordinates, Eigen::Vector2d(1, 1), 0, engine.state(), h);
-    const double error = (derivative.matrix() - exact).norm();
+    StepPattern pattern;
+    const double error = (derivative.matrix(pattern) - exact).norm();
     EXPECT_LT(error, 10 * derivative.error()) << single;
     EXPECT_LT(error, single ? 1e-2 : 1e-6);
   }
@@ -79,14 +80,57 @@ TEST(StepSpectrum, NeutralMultipliersDoNotGrow) {
     Mapped engine(free_and_bound, VectorXd::Zero(4), single);
     engine.save(0);
     const StateCoordinates coordinates(4, {});
+    StepPattern pattern;
     for (const double h : {0.01, 0.1, 0.39}) {
       const StepSpectrum found =
-          spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), h);
+          spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), h, pattern);
       EXPECT_FALSE(found.grows) << h << " " << found.spectral_radius;
       EXPECT_NEAR(found.spectral_radius, 1, single ? 1e-2 : 1e-5);
     }
-    EXPECT_TRUE(spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), 0.401).grows);
+    EXPECT_TRUE(spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), 0.401, pattern).grows);
   }
+}
+
+TEST(StepPattern, GroupsGiveTheMatrixAndAMissingEntryIsNoticed) {
+  // A ring of 30 numbers, each moved by its neighbour before it.
+  const auto ring = +[](const VectorXd& y, double h) {
+    VectorXd next = y;
+    for (Eigen::Index i = 0; i < y.size(); ++i) next[i] += h * std::sin(y[(i + y.size() - 1) % y.size()]);
+    return next;
+  };
+  Mapped engine(ring, VectorXd::LinSpaced(30, -1, 1));
+  engine.save(0);
+  const StateCoordinates coordinates(30, {});
+  StepDerivative derivative(engine, coordinates, VectorXd::Ones(30), 0, engine.state(), 0.1);
+  StepPattern learned;
+  EXPECT_FALSE(learned.pays());
+  const MatrixXd full = derivative.matrix(learned);
+  ASSERT_TRUE(learned.pays());
+  EXPECT_EQ(learned.entries().nonZeros(), 60);
+  EXPECT_LE(learned.groups().size(), 3U);
+  const auto grouped = derivative.grouped_matrix(learned);
+  ASSERT_TRUE(grouped);
+  EXPECT_EQ((MatrixXd(*grouped) - full).norm(), 0);
+
+  Eigen::SparseMatrix<double> less = learned.entries();
+  less.prune([](Eigen::Index i, Eigen::Index j, double) { return i != 7 || j == 7; });
+  StepPattern declared(less);
+  EXPECT_FALSE(derivative.grouped_matrix(declared));
+  EXPECT_FALSE(declared.pays());
+  (void)derivative.matrix(declared);
+  ASSERT_TRUE(declared.undeclared());
+  EXPECT_EQ(*declared.undeclared(), (std::pair<Eigen::Index, Eigen::Index>(7, 6)));
+  EXPECT_FALSE(learned.undeclared());
+}
+
+TEST(StateCoordinates, APatternTakesAQuaternionAsAWhole) {
+  const StateCoordinates coordinates(6, {1});
+  Eigen::SparseMatrix<double> of_state(6, 6);
+  of_state.insert(0, 4) = 1;  // of the quaternion's last number
+  const MatrixXd pattern = coordinates.pattern(of_state);
+  ASSERT_EQ(pattern.rows(), 5);
+  EXPECT_TRUE((pattern.row(0).segment(1, 3).array() > 0).all());
+  EXPECT_EQ((pattern.array() > 0).count(), 3);
 }
 
 TEST(StateCoordinates, GoThereAndBackOnRotations) {

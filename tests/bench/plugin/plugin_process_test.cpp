@@ -70,7 +70,7 @@ TEST(Plugin, CrashesAreErrorsThatNameTheStep) {
 TEST(Plugin, HangsEndAfterTheTimeThatTheyAreGiven) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(error_of_step("crash:hang", 0.02, 0.2),
-            "the plugin did not return within 0.2 s in step(0.02); `hmax probe` waits longer with --patience");
+            "the plugin did not return within 0.2 s in step(0.02); --patience gives it longer");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   expect_no_child();
 }
@@ -103,7 +103,7 @@ TEST(Plugin, WhatCannotBeLoadedSaysWhy) {
   EXPECT_NE(error(HMAX_SOURCE_DIR "/README.md").find("the plugin cannot be loaded: "), std::string::npos);
   EXPECT_NE(error(TESTED_PLUGIN_NAMELESS).find("has no function hmax_plugin_get; see hmax/plugin.h"), std::string::npos);
   EXPECT_EQ(error(TESTED_PLUGIN_VERSION),
-            "the plugin has version 99 of hmax/plugin.h and hmax has 1; compile it with the header of this hmax");
+            "the plugin has version 99 of hmax/plugin.h and hmax has 2; compile it with the header of this hmax");
   const std::string file = TESTED_PLUGIN;
   EXPECT_EQ(error(file + ":chains").substr(0, 56), "the plugin has no entry 'chains'; it has chain, float_ch");
   EXPECT_EQ(error(file + ":neither"), "an entry of the plugin must have either a model or a stepper");
@@ -115,7 +115,7 @@ TEST(Plugin, WhatCannotBeLoadedSaysWhy) {
 
 TEST(Plugin, AModelIsAProblem) {
   const Problem problem = plugin_problem(parse_plugin(std::string(EXAMPLE_MODEL) + ":pendulum:500"));
-  EXPECT_EQ(problem.id, "pendulum");
+  EXPECT_EQ(problem.id.substr(0, 9), "pendulum#");
   EXPECT_EQ(problem.t_end, 2);
   ASSERT_TRUE(is_second_order(problem));
   const auto& system = std::get<AnySystem>(problem.system);
@@ -130,6 +130,45 @@ TEST(Plugin, AModelIsAProblem) {
   EXPECT_LT((dense - dense.transpose()).cwiseAbs().maxCoeff(), 1e-5);
   EXPECT_EQ(error_of([] { plugin_problem(tested("chain")); }),
             "'chain' of the plugin is a stepper and no model; use `hmax probe` for it");
+}
+
+TEST(Plugin, OneOfAnEarlierVersionWorksAndIsNotAskedForMore) {
+  const auto pattern = [](const char* file) { return PluginStepper(parse_plugin(std::string(file) + ":coupled:4")).pattern(); };
+  EXPECT_EQ(pattern(TESTED_PLUGIN_EARLIER).size(), 0);
+  EXPECT_EQ(pattern(TESTED_PLUGIN).rows(), 8);
+}
+
+TEST(Plugin, CouplingsAreThoseOfGroupsWithinReach) {
+  const Eigen::MatrixXd near = Eigen::MatrixXd(PluginStepper(tested("reaching:6:1")).pattern()),
+                        far = Eigen::MatrixXd(PluginStepper(tested("reaching:6:2")).pattern());
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) {
+      EXPECT_EQ(near(i, j) != 0, std::abs(i % 6 - j % 6) <= 1) << i << " " << j;
+      EXPECT_EQ(far(i, j) != 0, std::abs(i % 6 - j % 6) <= 2) << i << " " << j;
+    }
+}
+
+TEST(Plugin, ModelsOfOtherFilesOrArgumentsHaveOtherIds) {
+  const auto id = [](const std::string& text) { return plugin_problem(parse_plugin(text)).id; };
+  const std::string file = TESTED_PLUGIN, name = ":faulty";
+  EXPECT_EQ(id(file + name), id(file + name));
+  EXPECT_NE(id(file + name), id(file + name + ":nan:1000"));
+  EXPECT_NE(id(file + name), id(TESTED_PLUGIN_EARLIER + name));
+}
+
+TEST(Plugin, AModelThatHangsEndsAfterTheTimeThatItIsGiven) {
+  const auto error = [](double patience) {
+    return error_of([&] {
+      const Problem problem =
+          make_problem(plugin_id(std::string(TESTED_PLUGIN) + ":faulty:hang:3"),
+                       {.material = {}, .parameters = {{std::string(patience_parameter), patience}}, .y0 = {}});
+      Eigen::VectorXd dydt(1);
+      for (int i = 0; i < 10; ++i) std::get<AnySystem>(problem.system).rhs(0, problem.y0, dydt);
+    });
+  };
+  EXPECT_EQ(error(0.2), "the plugin did not return within 0.2 s in rhs(); --patience gives it longer");
+  EXPECT_EQ(error(-1), "--patience -1 is not positive; give seconds");
+  expect_no_child();
 }
 
 TEST(Plugin, AModelHasStepLimits) {

@@ -44,6 +44,42 @@ struct Chain : Engine {
   }
 };
 
+/// The same chain, which declares its couplings: N, or N:missing without the last one.
+struct CoupledChain : Chain<double> {
+  explicit CoupledChain(const std::string& argument)
+      : Chain(argument.substr(0, argument.find(':'))), missing(argument.ends_with(":missing")) {}
+  bool missing;
+};
+int couplings(void* handle, size_t* count, size_t* reach, size_t* group, size_t (*pairs)[2]);
+
+/// A chain by RK4, whose step reaches four masses far, from a declared reach: N:REACH.
+struct ReachingChain : Engine {
+  explicit ReachingChain(const std::string& argument)
+      : Engine(Numbers(2 * std::stoul(argument))), reach(std::stoul(argument.substr(argument.find(':') + 1))) {}
+  std::size_t reach;
+  static Numbers slope(const Numbers& y) {
+    const std::size_t n = y.size() / 2;
+    Numbers f(2 * n);
+    for (std::size_t i = 0; i < n; ++i) {
+      f[i] = y[n + i];
+      f[n + i] = 1e4 * ((i > 0 ? y[i - 1] : 0) - 2 * y[i] + (i + 1 < n ? y[i + 1] : 0));
+    }
+    return f;
+  }
+  int step(double h) override {
+    Numbers next = y, at = y;
+    for (const auto& [ahead, weight] : {std::pair(h / 2, h / 6), {h / 2, h / 3}, {h, h / 3}, {0.0, h / 6}}) {
+      const Numbers k = slope(at);
+      for (std::size_t i = 0; i < y.size(); ++i) {
+        next[i] += weight * k[i];
+        at[i] = y[i] + ahead * k[i];
+      }
+    }
+    y = next;
+    return HMAX_OK;
+  }
+};
+
 /// x'' = -2 zeta omega x' - omega^2 x by explicit Euler, omega = 10, zeta = 0.1; h_max = 2 zeta / omega = 0.02.
 struct ExplicitEuler : Engine {
   explicit ExplicitEuler(const std::string&) : Engine({0, 0}) {}
@@ -80,6 +116,43 @@ struct Stiffening : Engine {
   int step(double h) override {
     y[1] -= h * (100 * y[0] + 1e4 * y[0] * y[0] * y[0]);
     y[0] += h * y[1];
+    return HMAX_OK;
+  }
+};
+
+/// u'' = -100 u - 1e4 u^3 about 0.01 + 0.2 h, cubic about zero: the state of rest depends on the step size.
+struct Shifting : Engine {
+  explicit Shifting(const std::string&) : Engine({0.01, 0}) {}
+  int step(double h) override {
+    const double off = 0.01 + 0.2 * h;
+    const auto force = [](double x) { return 100 * x + 1e4 * x * x * x; };
+    y[1] -= h * (force(y[0]) - force(off));
+    y[0] += h * y[1];
+    return HMAX_OK;
+  }
+};
+
+/// Two oscillators, each of which the other holds back by as much as it moves: homogeneous, and not linear.
+struct Bounded : Engine {
+  explicit Bounded(const std::string&) : Engine({0, 0, 0, 0}) {}
+  int step(double h) override {
+    const double a = y[0], b = y[1];
+    y[2] -= h * 100 * std::copysign(std::min(std::abs(a), std::abs(b)), a);
+    y[3] -= h * 100 * std::copysign(std::min(std::abs(b), std::abs(a)), b);
+    y[0] += h * y[2];
+    y[1] += h * y[3];
+    return HMAX_OK;
+  }
+};
+
+/// x'' = -100 (x - 1000) in float by symplectic Euler.
+struct FarFloat : Engine {
+  explicit FarFloat(const std::string&) : Engine({1000, 0}) {}
+  int step(double h) override {
+    float x = float(y[0]), v = float(y[1]);
+    v -= float(h) * 100 * (x - 1000);
+    x += float(h) * v;
+    y = {x, v};
     return HMAX_OK;
   }
 };
@@ -190,16 +263,60 @@ int first_four(void*, size_t* count, size_t* first) {
   return HMAX_OK;
 }
 
-template <class E>
-constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_t*, size_t*) = nullptr) {
-  return {{create<E>, destroy, error_text, dimension}, flags, get, set, step, saved_size, save, restore, quaternions, nullptr};
+int couplings(void* handle, size_t* count, size_t* reach, size_t* group, size_t (*pairs)[2]) {
+  const std::size_t n = of(handle).y.size() / 2;
+  const auto* chain = dynamic_cast<CoupledChain*>(&of(handle));
+  *count = chain && chain->missing ? n - 2 : n - 1;
+  if (!group) return HMAX_OK;
+  if (const auto* reaching = dynamic_cast<ReachingChain*>(&of(handle))) *reach = reaching->reach;
+  for (std::size_t i = 0; i < 2 * n; ++i) group[i] = i % n;
+  for (std::size_t i = 0; i < *count; ++i) pairs[i][0] = i, pairs[i][1] = i + 1;
+  return HMAX_OK;
 }
+
+template <class E>
+constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_t*, size_t*) = nullptr,
+                             decltype(hmax_stepper::couplings) couplings = nullptr) {
+  return {{create<E>, destroy, error_text, dimension}, flags, get,     set,        step,     saved_size, save, restore,
+          quaternions,                                 nullptr, couplings};
+}
+
+/// y' = -10 y from 1, which goes wrong at the call that the argument names: hang:500, segv:0, nan:0. Without an argument it does not.
+struct Faulty {
+  std::string way;
+  std::size_t from = 0, calls = 0;
+};
+int create_faulty(const char* argument, void** handle) {
+  auto* faulty = new Faulty{argument};
+  *handle = faulty;
+  if (const std::size_t colon = faulty->way.find(':'); colon != std::string::npos) {
+    faulty->from = std::stoul(faulty->way.substr(colon + 1));
+    faulty->way.resize(colon);
+  }
+  return HMAX_OK;
+}
+void destroy_faulty(void* handle) { delete static_cast<Faulty*>(handle); }
+int one(void*, size_t* n) { return *n = 1, HMAX_OK; }
+int start_faulty(void*, double* y0, double* t_end) { return *y0 = 1, *t_end = 1, HMAX_OK; }
+int rhs_faulty(void* handle, double, const double* y, double* dydt) {
+  Faulty& faulty = *static_cast<Faulty*>(handle);
+  *dydt = -10 * *y;
+  if (faulty.calls++ < faulty.from) return HMAX_OK;
+  if (faulty.way == "segv") raise(SIGSEGV);
+  if (faulty.way == "nan") *dydt = std::nan("");
+  while (faulty.way == "hang") usleep(1000);
+  return HMAX_OK;
+}
+const hmax_model faulty{{create_faulty, destroy_faulty, nullptr, one}, start_faulty, rhs_faulty, nullptr, nullptr,
+                        nullptr, nullptr, nullptr};
 
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
                    explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
                    implicit_euler = table<ImplicitEuler>(), stiffening = table<Stiffening>(),
                    gimbal = table<Gimbal>(0, first_four), warm_start = table<WarmStart>(), counting = table<Counting>(),
-                   crash = table<Crash>(), start = table<Start>();
+                   crash = table<Crash>(), start = table<Start>(),
+                   coupled = table<CoupledChain>(0, nullptr, couplings), reaching = table<ReachingChain>(0, nullptr, couplings),
+                   shifting = table<Shifting>(), bounded = table<Bounded>(), far_float = table<FarFloat>(HMAX_SINGLE_PRECISION);
 
 const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain},
                                   {"float_chain", "", nullptr, &float_chain},
@@ -212,6 +329,12 @@ const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain
                                   {"counting", "", nullptr, &counting},
                                   {"crash", "", nullptr, &crash},
                                   {"start", "", nullptr, &start},
+                                  {"coupled", "", nullptr, &coupled},
+                                  {"reaching", "", nullptr, &reaching},
+                                  {"shifting", "", nullptr, &shifting},
+                                  {"bounded", "", nullptr, &bounded},
+                                  {"far_float", "", nullptr, &far_float},
+                                  {"faulty", "", &faulty, nullptr},
                                   {"neither", "", nullptr, nullptr}};
 const hmax_plugin plugin{TESTED_VERSION, sizeof entries / sizeof *entries, entries};
 
