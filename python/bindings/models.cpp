@@ -121,16 +121,23 @@ py::tuple read_mesh(const std::string& text, std::optional<double> unit) {
   return py::make_tuple(loaded.name, points, tetrahedra, regions);
 }
 
-AdviceQuestion question_of(const Problem& problem, double rate, double tolerance,
-                           std::optional<double> budget_ms, bool least_error,
-                           const std::vector<std::string>& names, std::size_t frames) {
+/// What is asked of a model.
+struct Asked {
+  double rate, tolerance;
+  std::optional<double> budget_ms;
+  bool least_error;
+  std::vector<std::string> methods;
+  std::size_t frames;
+};
+
+AdviceQuestion question_of(const Problem& problem, const Asked& asked) {
   AdviceQuestion question;
-  question.rate = rate;
-  question.tolerance = tolerance;
-  if (budget_ms) question.budget = *budget_ms / 1000;
-  question.least_error = least_error;
-  question.frames = frames;
-  question.methods = choose_methods(names.empty() ? simulator_methods() : names, {problem});
+  question.rate = asked.rate;
+  question.tolerance = asked.tolerance;
+  if (asked.budget_ms) question.budget = *asked.budget_ms / 1000;
+  question.least_error = asked.least_error;
+  question.frames = asked.frames;
+  question.methods = choose_methods(asked.methods.empty() ? simulator_methods() : asked.methods, {problem});
   return question;
 }
 
@@ -144,36 +151,40 @@ nlohmann::ordered_json advice_of(const Problem& problem, const AdviceQuestion& q
   return advice_json(problem, question, advice, false);
 }
 
-/// What is asked of a model.
-struct Asked {
-  double rate, tolerance;
-  std::optional<double> budget_ms;
-  bool least_error;
-  std::vector<std::string> methods;
-  std::size_t frames;
-};
-
-py::object advise_on(const Recipe& recipe, const Asked& asked) {
+/// @param make  what makes the problem, on the thread of the search
+/// @param again  how it is made again
+py::object advise_on(std::function<Problem()> make, std::function<Remaking()> again, const Asked& asked) {
   return to_python(in_background([=](const Stop& stop) {
-    const Problem problem = recipe.make();
-    return advice_of(problem,
-                     question_of(problem, asked.rate, asked.tolerance, asked.budget_ms, asked.least_error,
-                                 asked.methods, asked.frames),
-                     remaking(recipe.id, recipe.settings), stop);
+    const Problem problem = make();
+    return advice_of(problem, question_of(problem, asked), again(), stop);
   }));
+}
+
+py::object advise_recipe(const Recipe& recipe, const Asked& asked) {
+  return advise_on([recipe] { return recipe.make(); },
+                   [recipe] { return remaking(recipe.id, recipe.settings); }, asked);
 }
 
 py::object advise_named(const std::string& id, const std::string& material, const Values& parameters,
                         const std::vector<double>& y0, double rate, double tolerance,
                         std::optional<double> budget_ms, bool least_error, std::vector<std::string> methods,
                         std::size_t frames) {
-  return advise_on({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
+  return advise_recipe({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
+                       {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
+}
+
+py::object advise_structure(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C,
+                            VectorXd y0, double t_end, double rate, double tolerance,
+                            std::optional<double> budget_ms, bool least_error,
+                            std::vector<std::string> methods, std::size_t frames) {
+  const Problem problem = structure_problem(std::move(K), std::move(M), std::move(C), std::move(y0), t_end);
+  return advise_on([problem] { return problem; }, [] { return Remaking(); },
                    {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
 }
 
 py::object advise_body(const Body& body, double rate, double tolerance, std::optional<double> budget_ms,
                        bool least_error, std::vector<std::string> methods, std::size_t frames) {
-  return advise_on(body.recipe, {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
+  return advise_recipe(body.recipe, {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
 }
 
 }  // namespace
@@ -196,6 +207,7 @@ void add_models(py::module_& module) {
   module.def("read_mesh", &read_mesh);
   module.def("unit_in_metres", &unit_in_metres);
   module.def("advise", &advise_named);
+  module.def("advise_structure", &advise_structure);
 }
 
 }  // namespace hmax::python

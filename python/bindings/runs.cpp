@@ -144,24 +144,11 @@ py::dict run_function(const std::string& name, const py::object& f, const py::ob
   return to_dict(with_callbacks([&] { return run(method, problem, spec, [] {}); }), y0.size());
 }
 
-/// The system M q'' + C q' + K q = 0 of matrices, with states of `size` numbers.
-AnySystem structure_of(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C, Index size) {
-  const bool damped = C.has_value();
-  AnySystem system = hmax::detail::structure_system(std::move(K), std::move(M),
-                                                    damped ? std::move(*C) : StructureMatrix(), damped);
-  if (system.dim() != size)
-    throw std::invalid_argument(fmt::format(
-        "y0 has {} numbers but must have {}: the displacements, then the velocities", size, system.dim()));
-  return system;
-}
-
 py::dict run_structure(const std::string& method, StructureMatrix K, StructureMatrix M,
-                       std::optional<StructureMatrix> C, const VectorXd& y0, double t_end,
-                       std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
-                       std::optional<double> every) {
+                       std::optional<StructureMatrix> C, VectorXd y0, double t_end, std::optional<double> h,
+                       std::optional<double> rtol, std::optional<double> atol, std::optional<double> every) {
   return run_problem(method,
-                     problem_of(structure_of(std::move(K), std::move(M), std::move(C), y0.size()), y0,
-                                "the structure", t_end),
+                     structure_problem(std::move(K), std::move(M), std::move(C), std::move(y0), t_end),
                      spec_of(t_end, h, rtol, atol, every));
 }
 
@@ -173,6 +160,18 @@ RunSpec spec_of(double t_end, std::optional<double> h, std::optional<double> rto
       .t_end = t_end, .adaptive = !h, .h = h.value_or(0), .rtol = rtol.value_or(0), .atol = atol.value_or(0)};
   spec.every = every.value_or(0);
   return spec;
+}
+
+Problem structure_problem(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C, VectorXd y0,
+                          double t_end) {
+  const bool damped = C.has_value();
+  AnySystem system = hmax::detail::structure_system(std::move(K), std::move(M),
+                                                    damped ? std::move(*C) : StructureMatrix(), damped);
+  if (system.dim() != y0.size())
+    throw std::invalid_argument(
+        fmt::format("y0 has {} numbers but must have {}: the displacements, then the velocities", y0.size(),
+                    system.dim()));
+  return problem_of(std::move(system), std::move(y0), "the structure", t_end);
 }
 
 py::dict run_problem(const std::string& method, Problem problem, const RunSpec& spec) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bench/catalogue/method.hpp"
+#include "problems/linear_structure.hpp"
 
 namespace hmax::python {
 
@@ -13,6 +14,11 @@ namespace hmax::python {
 /// [s].
 RunSpec spec_of(double t_end, std::optional<double> h, std::optional<double> rtol, std::optional<double> atol,
                 std::optional<double> every);
+
+/// The problem M q'' + C q' + K q = 0 from y0 = (q, v).
+/// @throws std::invalid_argument  as linear_structure(), and for a start of another size
+Problem structure_problem(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C,
+                          Eigen::VectorXd y0, double t_end);
 
 /// A run of a problem that calls no Python, as the class Run of the package has it.
 /// @throws InputError  as check()

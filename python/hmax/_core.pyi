@@ -43,6 +43,19 @@ def advise(
     methods: List[str],
     frames: int,
 ) -> Dict[str, Any]: ...
+def advise_structure(
+    K: Any,
+    M: Any,
+    C: Any,
+    y0: Any,
+    t_end: float,
+    rate: float,
+    tolerance: float,
+    budget: Any,
+    least_error: bool,
+    methods: List[str],
+    frames: int,
+) -> Dict[str, Any]: ...
 
 class Body:
     id: str

@@ -9,7 +9,8 @@ import numpy as np
 
 from . import _core
 from ._answer import Answer, answer
-from ._arguments import count, number, vector
+from ._arguments import Matrix, count, number, structure, vector
+from ._masses import with_lumped_masses
 from ._runs import Run, finite, run_settings
 from ._stability import method_name
 
@@ -148,14 +149,18 @@ class Body:
 
 
 def advise(
-    model: Union[Body, str],
-    rate: float,
+    model: Union[Body, str, None] = None,
+    rate: Optional[float] = None,
     tolerance: Optional[float] = None,
     budget: Optional[float] = None,
     methods: Sequence[str] = (),
     frames: int = 1000,
     material: str = "",
     y0: Optional[Sequence[float]] = None,
+    K: Optional[Matrix] = None,
+    M: Optional[Matrix] = None,
+    C: Optional[Matrix] = None,
+    t_end: float = 1,
     **parameters: float,
 ) -> Answer:
     """Which integrator, and how large a step, for a model and a frame rate, as `hmax advise --json`.
@@ -164,7 +169,7 @@ def advise(
 
     Parameters
     ----------
-    model : a Body, or the id of a problem, a file of formulas or matrices, as --problem of the program takes them
+    model : a Body, or what --problem of the program takes: the id of a problem, or a file of formulas
     rate : frames a second [Hz]
     tolerance : largest error of the motion, relative to the largest displacement of a body, or to the range of each state; 0.01 by
         default
@@ -172,6 +177,8 @@ def advise(
     methods : to choose from; by default those that simulators use
     frames : number of frames that the best methods are timed for
     material, y0, parameters : of a problem by id, as of `hmax list problems`
+    K, M, C : as of largest_stable_step(), instead of a model; their motion is that from y0 to t_end [s]
+    t_end : as above
 
     `recommended` is a row of `rows`, or None; then `remedies` says what would help.
 
@@ -187,6 +194,10 @@ def advise(
     milliseconds = None if budget is None else _within("budget", budget, 1e-6, 1e9)
     names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
     question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6))
+    if model is None:
+        return _advise_matrices(structure(K, M, C), y0, _within("t_end", t_end, 1e-9, 1e9), question)
+    if K is not None or M is not None or C is not None:
+        raise ValueError("a model and matrices are both given; give one of them")
     if isinstance(model, Body):
         if material or y0 is not None or parameters:
             raise ValueError("a Body has its material and parameters already; give them to Body")
@@ -195,6 +206,19 @@ def advise(
         raise ValueError(f"the model is {model!r} but must be a Body or the id of a problem, such as 'liver_forced'")
     start = [] if y0 is None else vector("y0", y0).tolist()
     return answer(_core.advise(model, str(material), _values(parameters), start, *question))
+
+
+def _advise_matrices(matrices: Any, y0: Any, t_end: float, question: Any) -> Answer:
+    lumped = with_lumped_masses(*matrices)
+    if y0 is None:
+        raise ValueError("y0 is missing; give the displacements and velocities that the motion begins with")
+    start = vector("y0", y0)
+    finite("y0", start)
+    n = lumped.K.shape[0]
+    if len(start) != 2 * n:
+        raise ValueError(f"y0 has {len(start)} numbers but must have {2 * n}: the displacements, then the velocities")
+    unknowns = np.concatenate([lumped.to_unknowns(start[:n]), lumped.to_unknowns(start[n:])])
+    return answer(_core.advise_structure(lumped.K, lumped.M, lumped.C, unknowns, t_end, *question))
 
 
 def _state(given: Any, name: str) -> Any:

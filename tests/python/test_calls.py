@@ -41,7 +41,7 @@ def test_an_interrupt_ends_a_long_call_within_a_second(name):
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         LONG_CALLS[name]()
-    assert time.monotonic() - begin < 0.7 + 2  # a second, and one more for machines that are busy
+    assert time.monotonic() - begin < 0.7 + 3  # a second, and more for machines that are busy
     timer.join()
 
 

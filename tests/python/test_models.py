@@ -6,6 +6,7 @@ import hmax
 import numpy as np
 import pytest
 import scipy.sparse as sparse
+from conftest import spring_chain
 
 GMSH = """$MeshFormat
 2.2 0 8
@@ -111,6 +112,15 @@ def test_advice_takes_a_body():
     assert found.recommended.h < 1.5 * limit.h_max
 
 
+def test_advice_takes_matrices():
+    K, m, omega = spring_chain(6)
+    found = hmax.advise(K=K, M=m, C=1e-3 * K, y0=[0.01] * 6 + [0] * 6, t_end=1, rate=100, methods=["rk4"], frames=20)
+    (row,) = found.rows
+    damped = hmax.largest_stable_step("rk4", K, m, 1e-3 * K).h_max
+    assert row.h_max == pytest.approx(damped, rel=1e-6)
+    assert row.verdict == "recommended" and row.h < damped
+
+
 @pytest.mark.parametrize(
     "call, words",
     [
@@ -133,6 +143,10 @@ def test_advice_takes_a_body():
         (lambda: hmax.advise("liver_forced", rate=100, methods=["rk44"]), "rk4"),
         (lambda: hmax.advise("liver_forcd", rate=100), "liver_forced"),
         (lambda: hmax.advise(3, rate=100), "must be a Body"),
+        (lambda: hmax.advise(rate=100), "K is missing"),
+        (lambda: hmax.advise(K=[[1.0]], M=[1.0], rate=100), "y0 is missing"),
+        (lambda: hmax.advise(K=[[1.0]], M=[1.0], y0=[1.0], rate=100), "1 numbers but must have 2"),
+        (lambda: hmax.advise("liver_forced", K=[[1.0]], rate=100), "both given"),
         (lambda: hmax.advise("liver_forced", rate=100, k9=3), "k9"),
         (lambda: hmax.advise("liver_forced", rate=100, frames=0), "frames"),
     ],
