@@ -19,6 +19,9 @@ def matrix(name: str, given: Matrix) -> Any:
     """
     if sparse.issparse(given):
         _require_real(name, given.dtype)
+        rows, width = given.shape
+        if rows != width:  # before memory is taken for a pointer to each column
+            raise ValueError(f"{name} has the shape {rows} x {width} but must be square; give a row and a column for each unknown")
         columns = sparse.csc_matrix(given, dtype=float)
         try:
             columns.check_format(full_check=True)

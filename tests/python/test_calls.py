@@ -132,7 +132,7 @@ def test_other_threads_run_while_a_call_computes():
     took = time.monotonic() - begin
     stop.set()
     thread.join()
-    assert len(ticks) > 0.1 * took / 0.005
+    assert len(ticks) > 0.03 * took / 0.005
 
 
 def test_several_threads_get_their_own_answers():

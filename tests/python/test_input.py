@@ -22,6 +22,7 @@ def limit(**given):
         ({"method": "rk44"}, "rk4"),
         ({"method": 4}, "must be a name"),
         ({"K": GOOD[:, :1]}, "shape 2 x 1 but must be square"),
+        ({"K": sparse.csr_matrix((3, 10**9))}, "shape 3 x 1000000000 but must be square"),
         ({"K": np.ones((3, 3))}, "2 masses, but K has 3 rows"),
         ({"K": [[1.0, np.nan], [np.nan, 1.0]]}, "row 2, column 1"),
         ({"K": sparse.csr_matrix(np.array([[1.0, np.inf], [np.inf, 1.0]]))}, "inf"),
@@ -85,6 +86,9 @@ def test_what_numpy_holds_otherwise_is_taken_as_it_is_meant():
         repeated,
     ):
         assert limit(K=K).h_max == pytest.approx(expected, rel=1e-12)
+    wide_indices = sparse.csc_matrix(GOOD)
+    wide_indices.indices, wide_indices.indptr = (part.astype(np.int64) for part in (wide_indices.indices, wide_indices.indptr))
+    assert limit(K=wide_indices).h_max == pytest.approx(expected, rel=1e-12)
     unsorted = sparse.csc_matrix((np.array([-100.0, 200.0, -100.0, 100.0]), [1, 0, 0, 1], [0, 2, 4]), shape=(2, 2))
     assert limit(K=unsorted).h_max == pytest.approx(expected, rel=1e-12)
     assert unsorted.indices.tolist() == [1, 0, 0, 1]  # what is given is not changed

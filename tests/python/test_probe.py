@@ -102,6 +102,27 @@ def test_single_precision_is_told_by_the_state():
     assert found.h_max == pytest.approx(0.2, rel=1e-2)
 
 
+def test_quaternions_are_told_apart_from_numbers():
+    def step(y, h):  # a spring, and a rotation that stays what it is
+        v = y[1] - h * 100 * y[0]
+        return np.concatenate([[y[0] + h * v, v], y[2:] / np.linalg.norm(y[2:])])
+
+    found = hmax.probe(step, [0, 0, 0.6, 0, 0.8, 0], 1e-2, 1, quaternions=[2], verify=False)
+    assert found.h_max == pytest.approx(0.2, rel=1e-3)
+    with pytest.raises(ValueError, match="length 2 instead of 1"):
+        hmax.probe(step, [0, 0, 2, 0, 0, 0], 1e-2, 1, quaternions=[2])
+
+
+def test_growth_is_followed_along_a_motion():
+    # x'' = -x^3 has no limit of its own at rest; along a motion symplectic Euler fails where h omega of the motion is near 2.
+    def step(y, h):
+        v = y[1] - h * y[0] ** 3
+        return np.array([y[0] + h * v, v])
+
+    found = hmax.probe(step, [1.0, 0.0], 1e-2, 0.1, motion=20.0, verify=False)
+    assert found.state == "motion" and found.h_max == math.inf
+
+
 def test_the_keys_are_those_of_the_program(program):
     library = os.environ.get("HMAX_PLUGIN", "")
     if not os.path.exists(library):
