@@ -271,7 +271,7 @@ Index krylov_dimension(Index n, Index count) { return std::min(n, std::max<Index
 
 /// Restarted Arnoldi iteration on D^-1 J D, whose eigenvalues are those of J. One value more than asked
 /// for, so that trim() sees a conjugate.
-LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
+LargestEigenvalues krylov_largest(const Sparse& J, Index count, Index restarts) {
   const VectorXd d = balance(J);
   const Sparse balanced = d.cwiseInverse().asDiagonal() * J * d.asDiagonal();
   Spectra::SparseGenMatProd<double> product(balanced);
@@ -279,7 +279,7 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
                                                                    krylov_dimension(J.rows(), count + 1));
   const VectorXd start = start_vector(J.rows());
   solver.init(start.data());
-  solver.compute(Spectra::SortRule::LargestMagn, 2000, tolerance, Spectra::SortRule::LargestMagn);
+  solver.compute(Spectra::SortRule::LargestMagn, restarts, tolerance, Spectra::SortRule::LargestMagn);
   const bool converged = solver.info() == Spectra::CompInfo::Successful;
   const Eigen::VectorXcd lambda = solver.eigenvalues();
   LargestEigenvalues result{.lambda = {lambda.begin(), lambda.end()},
@@ -292,7 +292,7 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count) {
 
 #else
 
-LargestEigenvalues krylov_largest(const Sparse& J, Index count) { return dense_largest(MatrixXd(J), count); }
+LargestEigenvalues krylov_largest(const Sparse& J, Index count, Index /*restarts*/) { return dense_largest(MatrixXd(J), count); }
 
 #endif
 
@@ -318,9 +318,9 @@ bool has_krylov() {
 }
 
 // A matrix without entries has no Krylov space: it goes to the dense method too.
-LargestEigenvalues largest_eigenvalues(const Sparse& J, Index count, Index dense_to) {
+LargestEigenvalues largest_eigenvalues(const Sparse& J, Index count, Index dense_to, Index restarts) {
   const bool by_dense = goes_dense(J.rows(), count, dense_to) || J.nonZeros() == 0;
-  LargestEigenvalues result = by_dense ? dense_largest(MatrixXd(J), count) : krylov_largest(J, count);
+  LargestEigenvalues result = by_dense ? dense_largest(MatrixXd(J), count) : krylov_largest(J, count, restarts);
   trim(result, count);
   return result;
 }

@@ -29,12 +29,14 @@ struct LargestEigenvalues {
 /// The `count` eigenvalues of J of largest modulus, by implicitly restarted Arnoldi iteration from a fixed
 /// start [sorensen1992implicit]; residuals are at most 1e-10 of the eigenvalue.
 /// J is balanced by a diagonal of powers of two first; the subspace has at least 60 and 2 (count + 1) + 20
-/// vectors; at most 2000 restarts.
+/// vectors.
 /// @param J         shape (n, n)
 /// @param dense_to  up to this n all eigenvalues are computed
+/// @param restarts  at most
 /// @throws InputError  when count is not in [1, n], or n is too large for a build without Krylov methods
 LargestEigenvalues largest_eigenvalues(const Eigen::SparseMatrix<double>& J, Eigen::Index count,
-                                       Eigen::Index dense_to = small_enough_for_dense);
+                                       Eigen::Index dense_to = small_enough_for_dense,
+                                       Eigen::Index restarts = 2000);
 
 /// Eigenvalues of K u = kappa M u from one end of the spectrum, and their shapes.
 /// omega = sqrt(kappa) is the natural frequency [rad/s] of an undamped mode.

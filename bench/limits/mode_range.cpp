@@ -65,11 +65,12 @@ bool set_largest(const LinearModel& model, ModeSet& modes) {
   if (model.y.size() <= most_dense_rows || !has_krylov()) return false;
   const AnyMatrix J = model.J();
   if (!is_sparse(J)) return false;
-  LargestEigenvalues largest = largest_eigenvalues(std::get<Eigen::SparseMatrix<double>>(J), 4);
+  constexpr Eigen::Index few_restarts = 40;  // at 100,000 unknowns seconds
+  LargestEigenvalues largest = largest_eigenvalues(std::get<Eigen::SparseMatrix<double>>(J), 4, small_enough_for_dense, few_restarts);
   if (!largest.converged)
     throw InputError(
-        fmt::format("the largest eigenvalues of {} states did not converge, as the matrices are not symmetric; `hmax run` "
-                    "with --method and --h shows whether a step holds",
+        fmt::format("the largest eigenvalues of {} states lie so close together that they did not converge, and all of "
+                    "them are too many; `hmax run` with --method and --h shows whether a step holds",
                     model.y.size()));
   modes.range = std::make_shared<ModeRange>();
   modes.range->open = true;

@@ -291,6 +291,11 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
         "explicit_newmark, which solves for all of it, fewer degrees of freedom, or alpha in place of beta";
   else if (modes.curve)
     predict_on_curve(row, method, point, modes);
+  else if (modes.range && modes.range->open && motion && point.model.mechanical)
+    row.note = fmt::format(
+        "the matrices are not symmetric, so that the steps of this method couple all of {} modes, which are too many; `hmax "
+        "run` with --method and --h shows whether a step holds",
+        point.model.y.size());
   else if (modes.range && modes.range->open)
     predict_from_largest(row, method, point, modes);
   else if (motion && couples_modes(*motion, *point.model.mechanical))

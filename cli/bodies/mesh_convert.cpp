@@ -211,7 +211,7 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
   add_unit(convert_command, *options);
   convert_command.add_flag("--fix", options->fix, "Reorient inverted tetrahedra");
   convert_command.add_flag("--renumber", options->renumber, "Renumber points and tetrahedra, so that neighbours have similar numbers");
-  convert_command.add_option("--model", options->model, "Model of a scene or of matrices; fem_corotational of a scene and mass_spring of matrices by default")
+  convert_command.add_option("--model", options->model, "Model of a scene or of matrices; fem_corotational of scenes, fem_green of matrices by default")
       ->type_name("ID");
   convert_command.add_option("--material", options->material, "Tissue of a scene or of matrices, like liver:male_normal")
       ->type_name("ID");

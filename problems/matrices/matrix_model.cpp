@@ -235,6 +235,20 @@ bool has_entries(const Sparse& A) {
   return found;
 }
 
+/// @throws std::invalid_argument  where condensation or elimination has left the range of double
+void require_finite(const Structure& structure) {
+  const auto check = [](const Sparse& A) {
+    each_entry(A, [](Index i, Index j, double value) {
+      if (!std::isfinite(value))
+        throw std::invalid_argument("without massless unknowns and multipliers row " + std::to_string(i + 1) + ", column " +
+                                    std::to_string(j + 1) + " of the matrices is " + shortest_digits(value) +
+                                    "; check the sizes of the numbers");
+    });
+  };
+  for (const MatrixSeries* series : {&structure.K, &structure.C}) std::ranges::for_each(series->at, check);
+  check(structure.M);
+}
+
 /// Sets K and C to those of the time t.
 void set_matrices_at(double t, MatrixModel& model) {
   model.varying->combine(t, 1, 0, 0, model.mass, model.K);
@@ -244,6 +258,7 @@ void set_matrices_at(double t, MatrixModel& model) {
 /// Puts the matrices into the model.
 void settle(MatrixModel& model, Structure structure) {
   MatrixFacts& facts = model.facts;
+  require_finite(structure);
   each_entry(structure.M, [&](Index i, Index j, double value) { facts.coupled_mass = facts.coupled_mass || (i != j && value != 0); });
   facts.symmetric_K = settle_symmetry(structure.K);
   facts.symmetric_C = settle_symmetry(structure.C);

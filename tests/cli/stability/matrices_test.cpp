@@ -51,8 +51,8 @@ TEST(MatricesOfAUser, ExportedFromAMeshTheyHaveTheLimitsOfItsBody) {
   const Shell shell;
   // Every kind of element and of damping; free, and held.
   for (const std::string body :
-       {"--model fem_corotational --set beta=1e-4", "--model fem_neo_hookean --set alpha=2 --support 0,0.01,-1,1,-1,1",
-        "--model mass_spring --set damper=0.1", "--model fem_green --gravity 0,0,-0.1 --support 0,0.01,-1,1,-1,1"}) {
+       {"--model fem_corotational --set beta=1e-4", "--model fem_neo_hookean --set alpha=2 --support=-1,0.001,-1,1,-1,1",
+        "--model mass_spring --set damper=0.1", "--model fem_green --gravity 0,0,-0.1 --support=-1,0.001,-1,1,-1,1"}) {
     SCOPED_TRACE(body);
     const Told told = shell.hmax("mesh convert cube:n=2 --json --force --matrices out " + body);
     ASSERT_EQ(told.exit_code, 0) << told.err;
@@ -65,7 +65,7 @@ TEST(MatricesOfAUser, ExportedFromAMeshTheyHaveTheLimitsOfItsBody) {
     for (std::size_t i = 0; i < of_body.size(); ++i) {
       const json &x = of_body[i].at("h_max"), &y = of_files[i].at("h_max");
       if (x.is_number())
-        EXPECT_NEAR(y.get<double>() / x.get<double>(), 1, 1e-10) << of_body[i];
+        EXPECT_NEAR(y.get<double>(), x.get<double>(), 1e-10 * x.get<double>()) << of_body[i];
       else
         EXPECT_EQ(x, y) << of_body[i] << of_files[i];
     }
@@ -124,7 +124,8 @@ TEST(MatricesOfAUser, OfFreeBodiesAreVerifiedBesideTheirRigidMotions) {
         "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 100\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n");
   for (const json& row : rows_of(shell, chain + " --verify", "rk4,symplectic_euler,newmark")) {
     EXPECT_EQ(row.at("agrees"), true) << row;
-    if (row.at("h_max").is_number()) EXPECT_LT(std::abs(row.at("gap").get<double>()), 1e-3) << row;
+    if (!row.at("h_max").is_number()) continue;
+    EXPECT_LT(std::abs(row.at("gap").get<double>()), 1e-3) << row;
   }
 }
 
