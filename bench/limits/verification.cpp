@@ -361,8 +361,10 @@ Rates rates_of(const Prediction& row, bool has_free_motions) {
 
 /// Takes out of a displacement from rest, and of its velocity, the rigid motions that supports leave: these
 /// go on in proportion to time, which is no instability.
-void take_out_free_motions(const Eigen::MatrixXd& motions, const Eigen::VectorXd& mass, Eigen::VectorXd& y) {
-  const auto without = [&](auto part) { part -= motions * (motions.transpose() * mass.cwiseProduct(part)); };
+void take_out_free_motions(const Eigen::MatrixXd& motions, const MassMatrix<double>& mass, Eigen::VectorXd& y) {
+  const auto without = [&](auto part) {
+    part -= motions * (motions.transpose() * mass.times(Eigen::VectorXd(part)));
+  };
   without(y.head(mass.size()));
   without(y.tail(mass.size()));
 }
