@@ -369,17 +369,18 @@ void take_out_free_motions(const Eigen::MatrixXd& motions, const MassMatrix<doub
   without(y.tail(mass.size()));
 }
 
-/// The motions that small matrices of a user leave without stiffness, with columns orthonormal in M; of larger ones a
-/// run starts from a mode alone, beside which these are not seen.
+/// The motions that matrices of a user leave without stiffness, as many as a body in space has, with columns
+/// orthonormal in M; of large ones none, as they take a factor.
 Eigen::MatrixXd free_motions_of_matrices(const Linearised& near) {
   const auto& part = near.point.model.mechanical;
-  if (near.point.kind != StateKind::matrices || !part || !part->symmetric || part->mass.size() > most_dense_start) return {};
-  const ExtremeStiffnesses all = smallest_stiffnesses(*part, part->mass.size());
+  if (near.point.kind != StateKind::matrices || !part || !part->symmetric || part->mass.size() > most_dense_modes) return {};
+  constexpr Eigen::Index rigid = 6;
+  const ExtremeStiffnesses all = smallest_stiffnesses(*part, std::min(part->mass.size(), rigid));
   double largest = 0;
-  for (const double kappa : all.kappa) largest = std::max(largest, std::abs(kappa));
+  for (const Complex lambda : near.modes.spectrum.lambda) largest = std::max(largest, std::norm(lambda));
   Eigen::MatrixXd motions(part->mass.size(), 0);
   for (std::size_t i = 0; i < all.kappa.size(); ++i) {
-    if (std::abs(all.kappa[i]) > 1e-12 * largest) continue;
+    if (std::abs(all.kappa[i]) > 1e-10 * largest) continue;
     motions.conservativeResize(Eigen::NoChange, motions.cols() + 1);
     motions.rightCols(1) = all.shapes.col(static_cast<Eigen::Index>(i));
   }

@@ -79,7 +79,7 @@ TEST_F(DamagedModels, TheWholeOneHasAllKindsOfRows) {
 }
 
 TEST_F(DamagedModels, WithAWrongByteAnywhereAreRefusedOrFinite) {
-  for (const char byte : {'0', '5', '9', '-', '.', ' ', '\n', 'e', '\xff'})
+  for (const char byte : {'0', '9', '-', '\n', 'e'})
     for (const auto& [name, text] : {std::pair("K.mtx", stiffness_), {"M.mtx", mass_}, {"C.mtx", damping_}, {"K.txt", series_}})
       damage(name, text, [byte](std::string& damaged, std::size_t i) { damaged[i] = byte; });
 }
