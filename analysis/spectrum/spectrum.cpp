@@ -89,7 +89,9 @@ std::optional<std::pair<double, double>> rayleigh_coefficients(const MatrixXd& k
   const double square = deviation.squaredNorm();
   const double beta = square > 0 ? deviation.cwiseProduct(c).sum() / square : 0;
   if ((c - mean_c * identity - beta * deviation).norm() > 1e-13 * c.norm()) return std::nullopt;
-  return std::pair(mean_c - beta * mean_k, beta);
+  const double alpha = mean_c - beta * mean_k;
+  // Without mass damping rounding is left, and its sign would be that of growth of a free body.
+  return std::pair(std::abs(alpha) <= 1e-13 * std::abs(mean_c) ? 0.0 : alpha, beta);
 }
 
 /// Within the columns of u from `first`, `count` many, that share an eigenvalue of k: the eigenvectors of c.

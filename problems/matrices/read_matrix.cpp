@@ -63,6 +63,11 @@ std::string known_and_not_read(std::string_view bytes) {
   if (bytes.starts_with("\x93NUMPY")) return std::string("the file is an array of NumPy") + remedy;
   if (bytes.starts_with("MATLAB")) return std::string("the file is one of MATLAB") + remedy;
   if (bytes.starts_with("\x89HDF")) return std::string("the file is HDF5") + remedy;
+  if (bytes.starts_with("Mat Object") || bytes.starts_with("%Mat Object") || bytes.starts_with("Vec Object"))
+    return "the file is the text of a PETSc object; view the object with a binary viewer";
+  if (bytes.starts_with("*"))
+    return "the file is a deck or a substructure of Abaqus or CalculiX; write .sti and .mas with *FREQUENCY, "
+           "SOLVER=MATRIXSTORAGE, or Matrix Market";
   return {};
 }
 

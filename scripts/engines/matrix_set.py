@@ -9,7 +9,7 @@ A set is a folder with matrix files and `set.json`:
     options                   further options of hmax, such as ["--beta", "1e-4"]
     own                       [{"what", "method", "value", "unit"}]: what the program says itself. Methods are those of
                               hmax, for limits [s], or "lowest" for the lowest frequencies [rad/s] in rising order
-    scale                     seconds per unit of time of the program
+    refused                   words of the error where hmax is to refuse the set; none by default
 """
 import json
 import pathlib
@@ -20,7 +20,7 @@ import numpy
 
 def save(folder, **facts):
     """Writes set.json of the folder."""
-    facts = {"words": [], "options": [], "own": []} | facts
+    facts = {"words": [], "options": [], "own": [], "refused": ""} | facts
     (pathlib.Path(folder) / "set.json").write_text(json.dumps(facts, indent=1) + "\n")
 
 

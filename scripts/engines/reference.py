@@ -37,7 +37,7 @@ def matrix(file):
 
 
 def structure(folder, matrices):
-    """K, M and C (None without) as sparse matrices without their massless rows."""
+    """K, M and C (None without) as sparse matrices without their massless rows and multipliers."""
     lumped = matrices["mass"].startswith("lumped:")
     K, M = matrix(folder / matrices["stiffness"]), matrix(folder / matrices["mass"].removeprefix("lumped:"))
     C = matrix(folder / matrices["damping"]) if "damping" in matrices else None
@@ -46,6 +46,9 @@ def structure(folder, matrices):
     empty = M.diagonal() == 0
     if empty.any():
         u, m = numpy.flatnonzero(~empty), numpy.flatnonzero(empty)
+        if abs(K[m][:, m]).sum() == 0:  # multipliers: the motions that G q = 0 leaves
+            Z = scipy.linalg.null_space(K[m][:, u].toarray())
+            return tuple(scipy.sparse.csr_matrix(Z.T @ A[u][:, u].toarray() @ Z) for A in (K, M)) + (None,)
         solved = scipy.sparse.linalg.splu(K[m][:, m].tocsc()).solve(K[m][:, u].toarray())
         K = scipy.sparse.csr_matrix(K[u][:, u] - K[u][:, m] @ solved)
         M, C = M[u][:, u], None if C is None else C[u][:, u]
@@ -125,5 +128,5 @@ def damped(K, M, C):
     low, high = 0.5 / abs(rates).max(), 4 / abs(rates).max()
     while high - low > 1e-6 * high:
         middle = (low + high) / 2
-        low, high = (low, middle) if symplectic(middle) > 1 + 1e-5 else (middle, high)
+        low, high = (low, middle) if symplectic(middle) > 1 + 1e-9 else (middle, high)
     return {"rk4": first_unstable(rk4_radius(rates), 0.5 / abs(rates).max(), 4 / abs(rates).max()), "symplectic_euler": low}

@@ -187,6 +187,21 @@ TEST(Spectrum, RayleighDampingGivesEachModeAlphaPlusBetaKappa) {
   }
 }
 
+TEST(Spectrum, RigidMotionsOfABodyDampedInItsStrainAloneAreUndamped) {
+  // A free chain of unequal springs and masses, whose numbers are no sums of powers of two.
+  constexpr Index n = 12;
+  MatrixXd K = MatrixXd::Zero(n, n);
+  for (Index i = 0; i + 1 < n; ++i) {
+    const double k = 1000.0 / 3 / static_cast<double>(i + 1);
+    K.block(i, i, 2, 2) += (MatrixXd(2, 2) << k, -k, -k, k).finished();
+  }
+  const VectorXd mass = VectorXd::LinSpaced(n, 0.1, 0.7);
+  for (const double beta : {1e-3, 1.0 / 7, 2.3e-5}) {
+    const MechanicalPart part = mechanical_part(mass, K, MatrixXd(beta * K));
+    EXPECT_EQ(mechanical_modes(part).modes.front().gamma, 0) << beta;
+  }
+}
+
 TEST(Spectrum, ProportionalDampingNeedNotBeRayleighs) {
   // C = delta K M^-1 K: gamma = delta kappa^2 [caughey1965classical].
   const Index n = 9;

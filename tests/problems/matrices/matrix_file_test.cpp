@@ -78,6 +78,9 @@ TEST(MatrixFiles, AreRefusedWithLineAndRemedy) {
   expect_refusal("1 1 3\n", "neither Matrix Market");
   expect_refusal("\x1f\x8b\x08", "unpack it with gunzip");
   expect_refusal(std::string("PK\x03\x04"), "scipy.io.mmwrite");
+  expect_refusal("Mat Object: 1 MPI process\n  type: seqaij\nrow 0: (0, 1.)\n", "view the object with a binary viewer");
+  expect_refusal("%Mat Object: 1 MPI process\n", "view the object with a binary viewer", "K.m");
+  expect_refusal("**\n** GENERATION OF SUBSTRUCTURE\n*USER ELEMENT,NODES=         75,LINEAR\n", "SOLVER=MATRIXSTORAGE");
   expect_refusal("", "the file is empty");
   expect_refusal("1 1 3\n1 2\n", "job.sti, line 2: the line has 2 words", "job.sti");
 }
