@@ -62,9 +62,16 @@ def structure(K: Optional[Matrix], M: Optional[Matrix], C: Optional[Matrix]) -> 
 
 def count(name: str, given: Any, least: int = 1) -> int:
     """A whole number of at least `least`."""
-    if isinstance(given, bool) or int(given) != given or given < least:
-        raise ValueError(f"{name} is {given} but must be a whole number of at least {least}")
-    return min(int(given), 2**62)
+    if isinstance(given, (int, float, np.number)) and given >= least and given == np.floor(given) and np.isfinite(float(given)):
+        return min(int(given), 2**62)
+    raise ValueError(f"{name} is {given!r} but must be a whole number of at least {least}")
+
+
+def function(name: str, given: Any) -> Any:
+    """What can be called; None stays."""
+    if given is None or callable(given):
+        return given
+    raise ValueError(f"{name} is {given!r} but must be a function")
 
 
 def number(name: str, given: Any) -> Optional[float]:

@@ -93,6 +93,8 @@ class Body:
         down = None if gravity is None else vector("gravity", gravity)
         if down is not None and len(down) != 3:
             raise ValueError(f"gravity has {len(down)} numbers but is a vector of three, such as (0, -9.81, 0)")
+        if not isinstance(supports, (str, list, tuple)):
+            raise ValueError(f"supports is {supports!r} but must be a list of sets of points, such as ['surface:30']")
         sets = [supports] if isinstance(supports, str) else [str(each) for each in supports]
         self._core = _core.Body(name, str(model), str(material), str(load), _values(parameters), down, sets, metres)
 
@@ -226,6 +228,9 @@ def _state(given: Any, name: str) -> Any:
 
 
 def _values(parameters: Mapping[str, Any]) -> Sequence[Any]:
+    for name, value in parameters.items():
+        if value is None:
+            raise ValueError(f"{name} is None but must be a number; leave it out for its default")
     return [(name, number(name, value)) for name, value in parameters.items()]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from ._answer import Answer, answer
-from ._arguments import number, vector
+from ._arguments import count, function, number, vector
 from ._runs import finite
 
 
@@ -39,7 +39,7 @@ def probe(
     h0, h1 : the smallest and the largest step size to look at [s]
     save, restore : as above
     motion : follow the motion of this length [s] instead of the one state
-    verify : also run the engine on both sides of the limit
+    verify : also run the engine on both sides of the limit, some ten runs of up to 2 s
     quaternions : first index of each four numbers of the state that are a unit quaternion
     scales : sizes of noticeable changes of the state, shape (n)
     name : of the engine, for `model`
@@ -60,9 +60,10 @@ def probe(
     >>> print(f"{found.h_max:.3f} s, runs show {found.observed:.3f} s")
     0.200 s, runs show 0.200 s
     """
-    for function, what in ((step, "step"), (save, "save"), (restore, "restore")):
-        if not callable(function) and not (function is None and what != "step"):
-            raise ValueError(f"{what} is {function!r} but must be a function")
+    for what, given in (("step", step), ("save", save), ("restore", restore)):
+        function(what, given)
+    if step is None:
+        raise ValueError("step is missing; give a function of the state and the step size")
     if (save is None) != (restore is None):
         raise ValueError("save and restore belong together; give both, or none of them")
     if y0 is None and save is None:
@@ -82,7 +83,7 @@ def probe(
         raise ValueError(f"scales must be {len(y)} positive numbers, one for each of the state")
     return answer(
         _core.probe(
-            step, save, restore, y, in_place, str(name), start.dtype == np.float32, [int(i) for i in quaternions], extent,
+            step, save, restore, y, in_place, str(name), start.dtype == np.float32, [count("an index of quaternions", i, 0) for i in np.ravel(quaternions)], extent,
             float(h0), float(h1), number("motion", motion), bool(verify),
         )
     )

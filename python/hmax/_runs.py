@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Optional
 import numpy as np
 
 from . import _core
-from ._arguments import Matrix, matrix, number, structure, vector
+from ._arguments import Matrix, function, matrix, number, structure, vector
 from ._masses import with_lumped_masses
 from ._stability import method_name
 
@@ -74,7 +74,7 @@ def integrate(
     if rhs is not None:
         if K is not None or M is not None or C is not None:
             raise ValueError("rhs and matrices are both given; give one of them")
-        return Run(**_core.run_function(method_name(method), rhs, _as_matrices(jacobian), start, *settings))
+        return Run(**_core.run_function(method_name(method), function("rhs", rhs), _as_matrices(function("jacobian", jacobian)), start, *settings))
     lumped = with_lumped_masses(*structure(K, M, C))
     n = lumped.K.shape[0]
     if len(start) != 2 * n:

@@ -103,7 +103,7 @@ def test_names_and_counts_are_checked():
         hmax.region("rk4", cells=1)
     with pytest.raises(ValueError, match="4000 at most"):
         hmax.region("rk4", cells=10**9)
-    for count in (0, -3, 1.5):
+    for count in (0, -3, 1.5, None, np.inf, np.nan, [2], 1j, "6"):
         with pytest.raises(ValueError, match="count"):
             hmax.modes(GOOD, MASSES, count=count)
     with pytest.raises(ValueError, match="not both symmetric"):

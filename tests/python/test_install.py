@@ -5,10 +5,12 @@ import hashlib
 import importlib.util
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import zipfile
 
+import hmax
 import pytest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
@@ -35,6 +37,15 @@ def test_the_installed_package_is_imported(build, tmp_path):
     package = next(tmp_path.rglob("hmax/__init__.py"))
     assert (package.parent / "py.typed").exists() and not package.is_symlink()
     assert imported_from(package.parent.parent) == [str(package), "stability"]
+
+
+def test_the_module_offers_its_functions_to_nobody():
+    # A sin or exp of its own that others could see would take the place of theirs, and theirs of its own.
+    if not shutil.which("nm"):
+        pytest.skip("nm is not installed")
+    told = subprocess.run(["nm", "-D", "--defined-only", "-P", hmax._core.__file__], check=True, capture_output=True, text=True)
+    names = {line.split()[0] for line in told.stdout.splitlines()}
+    assert {name for name in names if not name.startswith("_Z")} == {"PyInit__core"}
 
 
 @pytest.fixture(scope="module")

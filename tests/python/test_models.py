@@ -93,6 +93,15 @@ def test_a_body_moves_as_its_matrices_do():
     np.testing.assert_allclose(run.y[-1], other.y[-1], rtol=1e-6, atol=1e-9 * np.abs(other.y[-1]).max())
 
 
+def test_a_run_has_the_bits_of_the_program(program):
+    body = hmax.Body("phantom", "fem_neo_hookean", load="press")
+    told = program("run", "--mesh", "phantom", "--model", "fem_neo_hookean", "--load", "press", "--method", "rk4",
+                   "--h", "0.0005", "--t-end", "0.02", "--full", "--json")
+    run = body.integrate("rk4", 0.02, h=0.0005)
+    assert run.y[-1].any()
+    assert run.y[-1].tolist() == json.loads(told.stdout)["y"]
+
+
 def test_advice_has_the_keys_of_the_program(program):
     told = json.loads(
         program("advise", "--problem", "liver_forced", "--rate", "100", "--methods", "rk4,newmark", "--frames", "50", "--json").stdout
@@ -129,6 +138,8 @@ def test_advice_takes_matrices():
         (lambda: hmax.Body("liver", stiffness=3), "unknown parameter 'stiffness'"),
         (lambda: hmax.Body("liver", E="soft"), "must be a number"),
         (lambda: hmax.Body("liver", E=np.nan), "E"),
+        (lambda: hmax.Body("liver", E=None), "E is None"),
+        (lambda: hmax.Body("liver", supports=3), "supports is 3"),
         (lambda: hmax.Body("liver", gravity=[1, 2]), "vector of three"),
         (lambda: hmax.Body("liver", supports=["nowhere"]), "nowhere"),
         (lambda: hmax.Body("liver", unit="mm"), "metres"),

@@ -151,6 +151,8 @@ def test_the_keys_are_those_of_the_program(program):
         ({"save": lambda: 0}, "belong together"),
         ({"scales": [1.0]}, "2 positive numbers"),
         ({"scales": [1.0, -1.0]}, "2 positive numbers"),
+        ({"quaternions": ["a"]}, "an index of quaternions"),
+        ({"step": None}, "step is missing"),
         ({"quaternions": [0]}, "quaternions"),
     ],
 )

@@ -105,6 +105,8 @@ def test_a_run_that_diverges_says_so():
         ({"every": -1}, "the output interval"),
         ({"K": np.eye(1)}, "both given"),
         ({"rhs": lambda t, y: [1.0, 2.0]}, "has 2 numbers but must have 1"),
+        ({"rhs": [1.0]}, "rhs is .* but must be a function"),
+        ({"jacobian": 3}, "jacobian is 3 but must be a function"),
         ({"rhs": lambda t, y: None}, "no real numbers"),
         ({"rhs": lambda t, y: [1j]}, "no real numbers"),
         ({"rhs": lambda t, y: [[1.0]]}, "2 dimensions"),
