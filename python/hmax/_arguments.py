@@ -21,7 +21,7 @@ def matrix(name: str, given: Matrix) -> Any:
         _require_real(name, given.dtype)
         rows, width = given.shape
         if rows != width:  # before memory is taken for a pointer to each column
-            raise ValueError(f"{name} has the shape {rows} x {width} but must be square; give a row and a column for each unknown")
+            raise ValueError(f"{name} has the shape {rows} x {width} but must be square")
         columns = sparse.csc_matrix(given, dtype=float)
         try:
             columns.check_format(full_check=True)

@@ -81,19 +81,17 @@ def probe(
     extent = np.empty(0) if scales is None else vector("scales", scales)
     if scales is not None and (extent.shape != y.shape or not (np.isfinite(extent) & (extent > 0)).all()):
         raise ValueError(f"scales must be {len(y)} positive numbers, one for each of the state")
-    return answer(
-        _core.probe(
-            step, save, restore, y, in_place, str(name), start.dtype == np.float32, [count("an index of quaternions", i, 0) for i in np.ravel(quaternions)], extent,
-            float(h0), float(h1), number("motion", motion), bool(verify),
-        )
-    )
+    indices = [count("an index of quaternions", index, 0) for index in np.ravel(quaternions)]
+    single = start.dtype == np.float32
+    engine = (step, save, restore, y, in_place, str(name), single, indices, extent)
+    return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify)))
 
 
 def _steps_in_place(step: Any, y: Any, h: float, save: Any, restore: Any) -> bool:
     """Whether step returns None; the engine is left as it was."""
     if save is None:
         if step(y.copy(), h) is None:
-            raise ValueError("step returned None; return the next state, or give save and restore of the engine that it advances")
+            raise ValueError("step returned None; return the next state, or give save and restore of its engine")
         return False
     before = save()
     in_place = step(y.copy(), h) is None

@@ -71,9 +71,9 @@ HEAD = """# Python
 docstrings.
 
 Arrays are of numpy, sparse matrices of scipy.sparse; dense arrays of other types are converted. Input that is wrong raises `ValueError`.
-Calls release the GIL; functions that are given are called from the calling thread. After Ctrl-C a call returns at once; a computation
-of eigenvalues may go on in the background until it ends. In Python, muParser and SUNDIALS take elementary functions from libm, the rest of
-hmax its own.
+Calls release the GIL; functions that are given are called from the calling thread. After Ctrl-C a call returns at once; what it
+computes between two outputs, such as eigenvalues, may go on in the background until the next one. In Python, muParser and SUNDIALS
+take elementary functions from libm, the rest of hmax its own.
 
 """
 
