@@ -56,6 +56,10 @@ class Probe {
   std::int64_t observed_steps();
   void bracket(double low, double high, bool low_known);
 
+  /// Sizes of numbers at the start.
+  [[nodiscard]] VectorXd plain_scale() const {
+    return coordinates_.scales(engine_.scales().size() > 0 ? engine_.scales() : scales_of(start_));
+  }
   /// Between two states, in units of scales.
   [[nodiscard]] double distance(const VectorXd& a, const VectorXd& b) const {
     return coordinates_.of(a, b).cwiseQuotient(scale_).cwiseAbs().maxCoeff();
@@ -99,7 +103,7 @@ void Probe::look_at_start() {
     if (std::abs(start_.segment<4>(first).norm() - 1) > 1e-3)
       throw InputError("the quaternion at number " + std::to_string(first) + " of the state has length " +
                        rounded_text(start_.segment<4>(first).norm(), 3) + " instead of 1");
-  scale_ = coordinates_.scales(engine_.scales().size() > 0 ? engine_.scales() : scales_of(start_));
+  scale_ = plain_scale();
   if (const Eigen::SparseMatrix<double> declared = engine_.pattern(); declared.size() > 0)
     pattern_ = StepPattern(coordinates_.pattern(declared));
   if (!engine_.after(home, start_, settings_.h0, 1).allFinite())
@@ -126,7 +130,8 @@ void Probe::judge_start() {
   if (moved <= (is_single() ? 1e-5 : 1e-9) || only_trembles(moved)) return;
   // Engines whose solvers end early rest elsewhere at each step size, perhaps near.
   rest_ = rest_at(settings_.h0);
-  if (rest_ != start_ && distance(start_, rest_) < 0.1) return;
+  const VectorXd away = coordinates_.of(start_, rest_).cwiseQuotient(plain_scale());
+  if (rest_ != start_ && away.cwiseAbs().maxCoeff() < 0.1) return;
   rest_ = start_;
   found_.state = ProbedState::initial;
   Index most = 0;
@@ -161,7 +166,7 @@ VectorXd Probe::balanced(const VectorXd& unbalanced, double h) {
 }
 
 void Probe::choose_scales(double h) {
-  const VectorXd unbalanced = coordinates_.scales(engine_.scales().size() > 0 ? engine_.scales() : scales_of(start_));
+  const VectorXd unbalanced = plain_scale();
   const VectorXd before = scale_;
   scale_ = balanced(unbalanced, h);
   if (!is_single()) return;
@@ -368,6 +373,12 @@ GrowthRun Probe::growth_run(double h) const {
 bool Probe::runs_grow(double h) {
   share_ = std::min(0.99, share_ + 0.02);
   detail_ = "runs with h = " + rounded_text(h, 5) + " s";
+  if (found_.state == ProbedState::equilibrium && rest_ != start_) {
+    rest_ = rest_at(h);
+    engine_.restore(home);
+    engine_.set_state(rest_);
+    engine_.save(rest);
+  }
   if (found_.state != ProbedState::motion) return run_grows(engine_, coordinates_, scale_, rest, h, growth_run(h));
   const auto growth = [&](double size) {
     return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
@@ -429,7 +440,6 @@ void Probe::observe() {
   detail_ = "runs";
   found_.steps = found_.state == ProbedState::motion ? 0 : observed_steps();
   engine_.restore(home);
-  if (rest_ != start_) engine_.set_state(rest_);
   engine_.save(rest);
   if (std::isinf(found_.h_max)) {
     if (!runs_grow(settings_.h1)) {
