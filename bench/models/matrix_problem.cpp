@@ -367,10 +367,6 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
     remarks.push_back(
         "the stiffness is not symmetric, so the model has no energy and may grow by itself; check the file if a "
         "symmetric one is expected");
-  if (model->varying)
-    remarks.emplace_back(
-        "the matrices change with time: every limit is that of matrices that stay as they are at one time; changes that "
-        "are as fast as the motion may amplify it at any step size (parametric resonance), which only runs show");
   if (facts.damped && !facts.symmetric_C)
     remarks.push_back("the damping is not symmetric, as that of gyroscopic forces is; check the file if a symmetric one is "
                       "expected");

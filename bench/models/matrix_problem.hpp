@@ -46,8 +46,8 @@ std::vector<double> times_of_matrices(const Problem& problem);
 /// The problem with its matrices as they are at the time t [s]; others as they are.
 Problem with_frozen_matrices(const Problem& problem, double t);
 
-/// What a user should know of the matrices of a problem: constraint rows, asymmetry, modes that grow, change
-/// with time; empty for other problems.
+/// What a user should know of the matrices of a problem: constraint rows, asymmetry, modes that grow; empty for
+/// other problems.
 std::vector<std::string> matrix_remarks(const Problem& problem);
 
 /// How many modes of K move without stiffness, and how many have a negative one.

@@ -131,7 +131,9 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
     if (!times_of_matrices(problem).empty())
       words += fmt::format(
           "the matrices change with time: h_max holds for those of t = 0 s; \"least along\" is the smallest limit of those "
-          "given up to t = {} s\n",
+          "given up to t = {} s\n"
+          "each limit is that of matrices that stay as they are; changes as fast as the motion may amplify it at any step "
+          "size (parametric resonance)\n",
           short_number(question.end_of(problem)));
     return words;
   }
