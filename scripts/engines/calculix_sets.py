@@ -96,7 +96,7 @@ SETS = {
     "ccx_profile_b32r": example("uprofile", "B32R", refused=SINGULAR),
     "ccx_rigid_body": example("damper1", "C3D20 with a rigid body"),
     "ccx_springs_cpe8": example("spring4", "CPE8 and springs"),
-    "ccx_segment_c3d20r": example("segdyn", "C3D20R with ties", modes=False),
+    "ccx_segment_c3d10": example("segmenttet", "C3D10 with ties", modes=False),
     "ccx_body_c3d4": body(False),
     "ccx_body_c3d4_lumped": body(True),
 }
