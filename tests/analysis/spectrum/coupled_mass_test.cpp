@@ -59,7 +59,7 @@ VectorXd pencil(const Sparse& K, const Sparse& M) {
 }
 
 TEST(CoupledMassModes, OfALongBarHaveTheirClosedForm) {
-  constexpr Index n = 5000;
+  constexpr Index n = 1000;
   const auto [K, M] = uniform_bar(n);
   for (const Root root : roots) {
     const MechanicalPart part = part_of(K, M, Sparse(n + 1, n + 1), root);
@@ -112,7 +112,8 @@ TEST(CoupledMassModes, AreThoseOfTheDensePencil) {
 }
 
 TEST(CoupledMassModes, OfGeneralDampingAreThoseOfTheJacobian) {
-  const auto [K, M] = uneven_bar(40);
+  auto [K, M] = uneven_bar(40);
+  K.coeffRef(0, 0) += 1;  // held: a rigid motion has a double eigenvalue of one vector
   const Sparse C = bar(40, [](int e) { return e < 10 ? 0.4 : 0.01; }, [](int) { return 0.0; }).first;
   const MechanicalPart part = part_of(K, M, C);
   ASSERT_EQ(part.damping, Damping::general);
