@@ -6,15 +6,32 @@
 
 #include <fmt/format.h>
 
+#include "analysis/amplification/amplification.hpp"
 #include "core/size_limits.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
 
+namespace {
+
+/// Whether the method solves for the diagonal of the damping alone, and the masses are not lumped.
+bool lacks_lumped_masses(const Method& method, const Problem& problem) {
+  const auto* any = std::get_if<AnySystem>(&problem.system);
+  if (any == nullptr || any->dofs() == 0 || !method.amplification || !method.amplification->motion ||
+      method.amplification->motion->lumped.empty() || any->mass_matrix().is_diagonal())
+    return false;
+  const Eigen::VectorXd q = problem.y0.head(any->dofs()), v = problem.y0.tail(any->dofs());
+  AnySystem::DofMatrix C;
+  any->damping(0, q, v, C);
+  return std::visit([](const auto& held) { return held.norm() > 0; }, C);
+}
+
+}  // namespace
+
 bool suits(const Method& method, const Problem& problem) {
   return (!method.needs_second_order || is_second_order(problem)) &&
-         (!method.needs_split || has_split(problem));
+         (!method.needs_split || has_split(problem)) && !lacks_lumped_masses(method, problem);
 }
 
 std::string control_of(const Method& method, const RunSpec& spec) {
@@ -133,6 +150,11 @@ void check_structure(const Method& method, const Problem& problem) {
         "{} steps positions and velocities, which {} does not have; choose another method, or a problem like "
         "liver_forced or kepler",
         method.id, problem.id));
+  if (lacks_lumped_masses(method, problem))
+    throw InputError(
+        fmt::format("{} solves for the diagonal of the damping alone, which takes lumped masses; take explicit_newmark, "
+                    "which solves for all of it, or lump the mass matrix",
+                    method.id));
   if (method.needs_split && !has_split(problem))
     throw InputError(
         fmt::format("{} needs a problem that declares a stiff part, which {} does not; choose another "
