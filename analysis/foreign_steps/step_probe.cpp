@@ -373,12 +373,6 @@ GrowthRun Probe::growth_run(double h) const {
 bool Probe::runs_grow(double h) {
   share_ = std::min(0.99, share_ + 0.02);
   detail_ = "runs with h = " + rounded_text(h, 5) + " s";
-  if (found_.state == ProbedState::equilibrium && rest_ != start_) {
-    rest_ = rest_at(h);
-    engine_.restore(home);
-    engine_.set_state(rest_);
-    engine_.save(rest);
-  }
   if (found_.state != ProbedState::motion) return run_grows(engine_, coordinates_, scale_, rest, h, growth_run(h));
   const auto growth = [&](double size) {
     return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
@@ -440,6 +434,7 @@ void Probe::observe() {
   detail_ = "runs";
   found_.steps = found_.state == ProbedState::motion ? 0 : observed_steps();
   engine_.restore(home);
+  if (rest_ != start_) engine_.set_state(rest_);
   engine_.save(rest);
   if (std::isinf(found_.h_max)) {
     if (!runs_grow(settings_.h1)) {
