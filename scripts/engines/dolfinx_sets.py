@@ -160,7 +160,7 @@ def large(folder, mesh_file):
 
 
 def absorbing(folder, mesh_file):
-    """The end x = max is a wall of dashpots that absorbs waves [lysmer1969finite]: C does not follow from M and K."""
+    """The end x = max is a wall of dashpots that absorbs waves (Lysmer and Kuhlemeyer, 1969): C does not follow from M and K."""
     domain = box([12, 4, 4])
     V = fem.VectorFunctionSpace(domain, ("Lagrange", 1))
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
