@@ -30,6 +30,7 @@ class PythonStepper final : public ForeignStepper {
     bool in_place = false, single = false;
     std::vector<Index> quaternions;
     VectorXd scales;
+    Eigen::SparseMatrix<double> pattern;  ///< shape (dim, dim), or empty
   };
 
   PythonStepper(Functions functions, Facts facts, VectorXd y)
@@ -41,6 +42,7 @@ class PythonStepper final : public ForeignStepper {
   [[nodiscard]] bool has_hidden_state() const override { return has_hidden(); }
   [[nodiscard]] std::vector<Index> quaternions() const override { return facts_.quaternions; }
   [[nodiscard]] VectorXd scales() const override { return facts_.scales; }
+  [[nodiscard]] Eigen::SparseMatrix<double> pattern() const override { return facts_.pattern; }
 
   VectorXd state() override { return y_; }
   void set_state(const VectorXd& y) override {
@@ -90,13 +92,15 @@ class PythonStepper final : public ForeignStepper {
 
 py::object probe(const py::object& step, const py::object& save, const py::object& restore, VectorXd y0,
                  bool in_place, const std::string& name, bool single, std::vector<Index> quaternions,
-                 VectorXd scales, double h0, double h1, std::optional<double> motion, bool verify) {
+                 VectorXd scales, Eigen::SparseMatrix<double> pattern, double h0, double h1,
+                 std::optional<double> motion, bool verify) {
   PythonStepper engine({step, save, restore},
                        {.name = name,
                         .in_place = in_place,
                         .single = single,
                         .quaternions = std::move(quaternions),
-                        .scales = std::move(scales)},
+                        .scales = std::move(scales),
+                        .pattern = std::move(pattern)},
                        std::move(y0));
   const ProbeSettings settings{
       .h0 = h0, .h1 = h1, .motion = motion, .observe = verify, .watch = [](double, std::string_view) {

@@ -24,6 +24,7 @@ def probe(
     single: bool,
     quaternions: Any,
     scales: Any,
+    pattern: Any,
     h0: float,
     h1: float,
     motion: Any,

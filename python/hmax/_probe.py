@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
+import scipy.sparse as sparse
 
 from . import _core
 from ._answer import Answer, answer
-from ._arguments import count, function, number, vector
+from ._arguments import Matrix, count, function, matrix, number, vector
 from ._runs import finite
 
 
@@ -23,6 +24,7 @@ def probe(
     verify: bool = True,
     quaternions: Sequence[int] = (),
     scales: Any = None,
+    pattern: Optional[Matrix] = None,
     name: str = "step",
 ) -> Answer:
     """The largest stable step of a step function or an engine, from the Jacobian of its step and from running it.
@@ -42,6 +44,8 @@ def probe(
     verify : also run the engine on both sides of the limit, some ten runs of up to 2 s
     quaternions : first index of each four numbers of the state that are a unit quaternion
     scales : sizes of noticeable changes of the state, shape (n)
+    pattern : shape (n, n), an entry (i, j) other than zero where number i after a step depends on number j before it; of many numbers
+        it saves steps
     name : of the engine, for `model`
 
     A state of numpy.float32 says that steps are computed in single precision.
@@ -83,8 +87,18 @@ def probe(
         raise ValueError(f"scales must be {len(y)} positive numbers, one for each of the state")
     indices = [count("an index of quaternions", index, 0) for index in np.ravel(quaternions)]
     single = start.dtype == np.float32
-    engine = (step, save, restore, y, in_place, str(name), single, indices, extent)
+    engine = (step, save, restore, y, in_place, str(name), single, indices, extent, _pattern(pattern, len(y)))
     return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify)))
+
+
+def _pattern(given: Optional[Matrix], size: int) -> Any:
+    if given is None:
+        return sparse.csc_matrix((0, 0))
+    entries = sparse.csc_matrix(matrix("pattern", given))
+    if entries.shape != (size, size):
+        raise ValueError(f"pattern has the shape {entries.shape[0]} x {entries.shape[1]} but must have {size} x {size}")
+    entries.eliminate_zeros()
+    return entries
 
 
 def _steps_in_place(step: Any, y: Any, h: float, save: Any, restore: Any) -> bool:

@@ -7,6 +7,7 @@ import os
 import hmax
 import numpy as np
 import pytest
+import scipy.sparse as sparse
 from conftest import spring_chain
 
 K, MASS, OMEGA = spring_chain(4)
@@ -102,6 +103,27 @@ def test_single_precision_is_told_by_the_state():
     assert found.h_max == pytest.approx(0.2, rel=1e-2)
 
 
+def test_a_pattern_saves_steps():
+    n = 60
+    stiffness, mass, omega = spring_chain(n)
+    calls = []
+
+    def step(y, h):
+        calls.append(h)
+        v = y[n:] - h * (stiffness @ y[:n]) / mass
+        return np.concatenate([y[:n] + h * v, v])
+
+    ones, K = np.eye(n), stiffness != 0
+    pattern = np.block([[K, ones], [K, ones]])
+    limits, counts = [], []
+    for given in (None, pattern, sparse.csr_matrix(pattern.astype(float))):
+        calls.clear()
+        limits.append(hmax.probe(step, np.zeros(2 * n), 1e-3, 0.1, pattern=given, verify=False).h_max)
+        counts.append(len(calls))
+    assert limits == pytest.approx([2 / omega[-1]] * 3, rel=1e-3)
+    assert counts[1] == counts[2] < 0.3 * counts[0]
+
+
 def test_quaternions_are_told_apart_from_numbers():
     def step(y, h):  # a spring, and a rotation that stays what it is
         v = y[1] - h * 100 * y[0]
@@ -152,6 +174,8 @@ def test_the_keys_are_those_of_the_program(program):
         ({"scales": [1.0]}, "2 positive numbers"),
         ({"scales": [1.0, -1.0]}, "2 positive numbers"),
         ({"quaternions": ["a"]}, "an index of quaternions"),
+        ({"pattern": np.eye(3)}, "shape 3 x 3 but must have 2 x 2"),
+        ({"pattern": "x"}, "no real numbers"),
         ({"step": None}, "step is missing"),
         ({"quaternions": [0]}, "quaternions"),
     ],
