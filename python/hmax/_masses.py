@@ -28,6 +28,8 @@ def with_lumped_masses(K: Any, M: Any, C: Any) -> Structure:
     extension module says what is wrong with them.
     """
     unchanged = Structure(K, M, C, lambda q: q, lambda x: x)
+    if sparse.issparse(K) and sparse.issparse(M) and (C is None or sparse.issparse(C)):
+        return unchanged  # the extension module takes sparse masses that couple, at any size
     if M.ndim != 2 or M.shape[0] != M.shape[1] or M.shape[0] > MOST_COUPLED or M.shape != K.shape:
         return unchanged
     dense = _dense(M)
