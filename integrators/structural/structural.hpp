@@ -242,12 +242,16 @@ class KickDriftKick {
     if constexpr (!detail::is_variant<typename Sys::DofMatrix>) C.resize(n, n);
     system.damping(t, q, v, C);
     const auto lump = [&](const auto& matrix) {
-      if constexpr (requires { system.mass_matrix(); })
+      typename Sys::Dofs m;
+      if constexpr (requires { system.mass_matrix(); }) {
         if (!system.mass_matrix().is_diagonal() && matrix.norm() > 0)
           throw std::invalid_argument(
               "central_difference solves for the diagonal of the damping alone, which takes lumped masses; take "
               "explicit_newmark, which solves for all of it, or lump the mass matrix");
-      const typename Sys::Dofs m = mass_of(system).diagonal();
+        m = system.mass_matrix().diagonal();
+      } else {
+        m = system.mass();
+      }
       for (Eigen::Index i = 0; i < n; ++i) damping_[i] = matrix.coeff(i, i) / m[i];
     };
     if constexpr (detail::is_variant<typename Sys::DofMatrix>)

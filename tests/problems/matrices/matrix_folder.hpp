@@ -59,8 +59,8 @@ inline Eigen::VectorXd stiffnesses(const AnySystem& system) {
   AnySystem::DofMatrix K;
   system.stiffness(0, zero, zero, K);
   const Eigen::MatrixXd full = K.index() == 0 ? std::get<0>(K) : Eigen::MatrixXd(std::get<1>(K));
-  const Eigen::VectorXd scale = system.mass().cwiseSqrt().cwiseInverse();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd(scale.asDiagonal() * full * scale.asDiagonal())).eigenvalues();
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(full, Eigen::MatrixXd(system.mass_matrix().matrix()))
+      .eigenvalues();
 }
 
 }  // namespace hmax

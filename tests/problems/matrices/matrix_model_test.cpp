@@ -15,15 +15,6 @@ using Eigen::VectorXd;
 
 using Matrices = MatrixFolder;
 
-/// Eigenvalues of M^-1 K, rising.
-VectorXd stiffnesses(const AnySystem& system) {
-  const VectorXd zero = VectorXd::Zero(system.dofs());
-  AnySystem::DofMatrix K;
-  system.stiffness(0, zero, zero, K);
-  const MatrixXd full = K.index() == 0 ? std::get<0>(K) : MatrixXd(std::get<1>(K));
-  return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(full, MatrixXd(system.mass_matrix().matrix())).eigenvalues();
-}
-
 TEST_F(Matrices, MakeTheStructureWithRayleighDamping) {
   const MatrixModel model = read_matrix_model(files(chain(3), 2 * MatrixXd::Identity(3, 3)));
   EXPECT_EQ(model.facts.mass, 6);
