@@ -16,7 +16,7 @@
 #include "results/limits/advice_exports.hpp"
 #include "results/limits/compare_limits.hpp"
 #include "results/limits/limit_exports.hpp"
-#include "results/merge.hpp"
+#include "results/merge/merge_stores.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
 

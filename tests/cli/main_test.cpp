@@ -95,7 +95,7 @@ TEST(Help, EveryCommandHasItsOptionTableInTheReference) {
 
 TEST(Help, ExamplesRun) {
   // These take minutes, need a store or a plugin made before, or are not of this test.
-  const std::set<std::string> elsewhere{"sweep", "reproduce", "export", "compare", "probe"};
+  const std::set<std::string> elsewhere{"sweep", "reproduce", "export", "compare", "merge", "probe"};
   const auto group_of = [](const std::string& name) { return name.substr(0, name.find(' ')); };
   const Shell shell;
   // What the examples of report name.

@@ -121,7 +121,8 @@ def test_a_pattern_saves_steps():
         limits.append(hmax.probe(step, np.zeros(2 * n), 1e-3, 0.1, pattern=given, verify=False).h_max)
         counts.append(len(calls))
     assert limits == pytest.approx([2 / omega[-1]] * 3, rel=1e-3)
-    assert counts[1] == counts[2] < 0.3 * counts[0]
+    # Without a pattern the first matrix takes a step for each number, and tells the pattern of the others.
+    assert counts[1] == counts[2] <= counts[0] - 2 * n
 
 
 def test_quaternions_are_told_apart_from_numbers():

@@ -18,7 +18,7 @@
 
 #include "results/errors.hpp"
 #include "results/exports.hpp"
-#include "results/merge.hpp"
+#include "results/merge/merge_stores.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {

@@ -1,4 +1,4 @@
-#include "results/merge.hpp"
+#include "results/merge/merge_stores.hpp"
 
 #include <array>
 #include <optional>
