@@ -316,7 +316,11 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
     reference.ranges = reference.ranges.cwiseMax((reference.y.back() - reference.y.front()).cwiseAbs());
   }
   reference.scale = reference.ranges.maxCoeff();
-  reference.error_bound = reference.scale > 0 ? exact.error_bound / reference.scale : 0;
+  // What rounding alone moves is no motion: errors relative to it are around one at every step.
+  if (!(reference.scale > 1e-10 * motion.problem.y0.cwiseAbs().maxCoeff()))
+    throw InputError(fmt::format(
+        "{} stays at its initial state, and steps are judged by a motion; give another start with --y0", motion.problem.id));
+  reference.error_bound = exact.error_bound / reference.scale;
   return reference;
 }
 

@@ -378,6 +378,11 @@ TEST(RelativeError, IsThatOfEachStateInItsOwnRange) {
   }
 }
 
+TEST(ReferenceMotion, IsRefusedWhereNothingMoves) {
+  const Problem rests = make_problem("liver_linear", {.material = {}, .parameters = {}, .y0 = {0, 0}});
+  EXPECT_THROW(reference_motion(probing_motion(rests), 0.1, 0.01), InputError);
+}
+
 TEST(Advise, HasFramesToTimeAtLowRates) {
   const Problem problem = cube("press");
   const Advice advice = advise(problem, question(2, {"newmark"}, problem));
