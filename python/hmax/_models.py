@@ -10,7 +10,6 @@ import numpy as np
 from . import _core
 from ._answer import Answer, answer
 from ._arguments import Matrix, count, number, structure, vector
-from ._masses import with_lumped_masses
 from ._runs import Run, finite, run_settings
 from ._stability import method_name
 
@@ -211,16 +210,15 @@ def advise(
 
 
 def _advise_matrices(matrices: Any, y0: Any, t_end: float, question: Any) -> Answer:
-    lumped = with_lumped_masses(*matrices)
+    K, M, C = matrices
     if y0 is None:
         raise ValueError("y0 is missing; give the displacements and velocities that the motion begins with")
     start = vector("y0", y0)
     finite("y0", start)
-    n = lumped.K.shape[0]
+    n = K.shape[0]
     if len(start) != 2 * n:
         raise ValueError(f"y0 has {len(start)} numbers but must have {2 * n}: the displacements, then the velocities")
-    unknowns = np.concatenate([lumped.to_unknowns(start[:n]), lumped.to_unknowns(start[n:])])
-    return answer(_core.advise_structure(lumped.K, lumped.M, lumped.C, unknowns, t_end, *question))
+    return answer(_core.advise_structure(K, M, C, start, t_end, *question))
 
 
 def _state(given: Any, name: str) -> Any:

@@ -9,7 +9,6 @@ import numpy as np
 
 from . import _core
 from ._arguments import Matrix, function, matrix, number, structure, vector
-from ._masses import with_lumped_masses
 from ._stability import method_name
 
 
@@ -75,15 +74,11 @@ def integrate(
         if K is not None or M is not None or C is not None:
             raise ValueError("rhs and matrices are both given; give one of them")
         return Run(**_core.run_function(method_name(method), function("rhs", rhs), _as_matrices(function("jacobian", jacobian)), start, *settings))
-    lumped = with_lumped_masses(*structure(K, M, C))
-    n = lumped.K.shape[0]
+    K, M, C = structure(K, M, C)
+    n = K.shape[0]
     if len(start) != 2 * n:
         raise ValueError(f"y0 has {len(start)} numbers but must have {2 * n}: the displacements, then the velocities")
-    unknowns = np.concatenate([lumped.to_unknowns(start[:n]), lumped.to_unknowns(start[n:])])
-    run = _core.run_structure(method_name(method), lumped.K, lumped.M, lumped.C, unknowns, *settings)
-    y = run.pop("y")
-    both = [lumped.from_unknowns(y[:, part].T).T for part in (slice(None, n), slice(n, None))]
-    return Run(y=np.concatenate(both, axis=1), **run)
+    return Run(**_core.run_structure(method_name(method), K, M, C, start, *settings))
 
 
 def run_settings(t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> List[Optional[float]]:

@@ -11,7 +11,6 @@ import scipy.sparse as sparse
 from . import _core
 from ._answer import Answer, answer, answers
 from ._arguments import Matrix, count as whole, matrix, structure
-from ._masses import with_lumped_masses
 
 
 def methods() -> List[Answer]:
@@ -158,9 +157,7 @@ def modes(K: Matrix, M: Matrix, C: Optional[Matrix] = None, count: int = 6, fast
     >>> print(modes.omega.round(2))
     [ 61.8 161.8]
     """
-    lumped = with_lumped_masses(*structure(K, M, C))
-    omega, zeta, shapes = _core.modes(lumped.K, lumped.M, lumped.C, whole("count", count), bool(fastest))
-    return Modes(omega, zeta, lumped.from_unknowns(shapes))
+    return Modes(*_core.modes(*structure(K, M, C), whole("count", count), bool(fastest)))
 
 
 def method_name(method: Any) -> str:
