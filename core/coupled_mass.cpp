@@ -47,7 +47,8 @@ void require_symmetric(const Sparse& M) {
 
 [[noreturn]] void refuse_indefinite() {
   throw std::invalid_argument(
-      "the mass matrix M is not positive definite; every motion needs mass, so check the elements without density");
+      "the mass matrix M is not positive definite; check elements without density, and elements with too few integration "
+      "points");
 }
 
 /// Coefficients c_k of f = c_0 + c_1 T_1 + ... between a and b, to rounding: of an f with a singularity at zero they

@@ -96,7 +96,7 @@ Eigen::LLT<MatrixXd> factor_of(const StructureMatrix& M) {
   Eigen::LLT<MatrixXd> factor(full);
   if (factor.info() != Eigen::Success)
     throw std::invalid_argument(
-        "M is not positive definite; every motion needs mass, so check the elements without density");
+        "M is not positive definite; check elements without density, and elements with too few integration points");
   return factor;
 }
 
