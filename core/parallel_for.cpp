@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <limits>
 #include <new>
 #include <optional>
 #include <sched.h>
@@ -16,7 +17,7 @@ namespace hmax {
 namespace {
 
 std::atomic<std::size_t> chosen = 0;  // 0: nobody has chosen
-thread_local bool alone = false;      // the calling thread does all the work
+thread_local std::size_t most = std::numeric_limits<std::size_t>::max();  // threads of the calling thread
 
 /// The cores in the affinity mask of this process, which taskset, containers and batch systems narrow; the
 /// count of the machine where there is no mask.
@@ -37,15 +38,15 @@ std::size_t jobs() {
 
 void set_jobs(std::size_t count) { chosen = count; }
 
-OneThread::OneThread() : before_(std::exchange(alone, true)) {}
-OneThread::~OneThread() { alone = before_; }
+ThreadLimit::ThreadLimit(std::size_t count) : before_(std::exchange(most, std::min(most, count))) {}
+ThreadLimit::~ThreadLimit() { most = before_; }
 
 /// The calling thread is worker 0 and works too; `others` are joined at the end of their block, so that
 /// every piece has ended before anything is thrown.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress,
                   const std::function<bool()>& interrupted) {
-  const std::size_t workers = alone ? 1 : std::max<std::size_t>(1, std::min(jobs(), count));
+  const std::size_t workers = std::max<std::size_t>(1, std::min({jobs(), most, count}));
   std::atomic<std::size_t> next = 0, done = 0;
   /// The index of a piece that threw, and what; one slot for each worker, so that no lock is needed.
   struct Failure {

@@ -48,17 +48,23 @@ auto parallel_map(std::size_t count, const Make& make) {
   return values;
 }
 
-/// As long as this lives, parallel_for() starts no threads when the calling thread calls it: for what is
-/// timed.
-class OneThread {
+/// As long as this lives, parallel_for() uses no more threads than this when the calling thread calls it.
+class ThreadLimit {
  public:
-  OneThread();
-  ~OneThread();
-  OneThread(const OneThread&) = delete;
-  OneThread& operator=(const OneThread&) = delete;
+  /// @param count  at least 1, the calling thread
+  explicit ThreadLimit(std::size_t count);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
 
  private:
-  bool before_;
+  std::size_t before_;
+};
+
+/// The calling thread alone: for what is timed.
+class OneThread : ThreadLimit {
+ public:
+  OneThread() : ThreadLimit(1) {}
 };
 
 }  // namespace hmax

@@ -122,6 +122,27 @@ TEST(OneThread, KeepsParallelForOnTheCallingThread) {
   });
 }
 
+TEST(ThreadLimit, HoldsForTheCallingThreadAndWithinAnother) {
+  const Jobs three(3);
+  const auto greatest_worker = [] {
+    std::atomic<std::size_t> greatest = 0;
+    parallel_for(300, [&](std::size_t, std::size_t worker) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+      for (std::size_t seen = greatest; seen < worker && !greatest.compare_exchange_weak(seen, worker);) {
+      }
+    });
+    return greatest.load();
+  };
+  EXPECT_EQ(greatest_worker(), 2U);
+  {
+    const ThreadLimit two(2);
+    EXPECT_EQ(greatest_worker(), 1U);
+    const ThreadLimit more(3);
+    EXPECT_EQ(greatest_worker(), 1U);
+  }
+  EXPECT_EQ(greatest_worker(), 2U);
+}
+
 TEST(ParallelMap, KeepsTheOrder) {
   const Jobs three(3);
   const auto squares = parallel_map(100, [](std::size_t i) { return i * i; });
