@@ -349,7 +349,10 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
   // shared.
   std::vector<Problem> own(1, with_frozen_matrices(problem, near.point.model.t));
   std::vector<OperatingPoint> points;
-  while (own.size() < std::min(jobs(), methods.size())) {
+  // A model of a plugin keeps two cores busy, its process and the thread that calls it.
+  const std::size_t workers = std::max<std::size_t>(1, choices_[which].plugin.empty() ? jobs() : jobs() / 2);
+  const ThreadLimit limit(workers);
+  while (own.size() < std::min(workers, methods.size())) {
     own.push_back(problem.body ? problem : with_frozen_matrices(choices_[which].make(), near.point.model.t));
     if (!problem.body) ask(points.emplace_back(near.point), own.back());
   }
