@@ -2,21 +2,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
+#include <functional>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <sys/prctl.h>
-#include <sys/socket.h>
 #include <unistd.h>
 #include <vector>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "bench/plugin/plugin.h"
@@ -56,31 +57,9 @@ struct Slot {
   bool filled = false;
 };
 
-/// False when the other side is gone.
-bool read_all(int socket, void* to, std::size_t bytes) {
-  for (auto* at = static_cast<char*>(to); bytes > 0;) {
-    const ssize_t got = recv(socket, at, bytes, 0);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    at += got;
-    bytes -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
-
-void write_all(int socket, const void* from, std::size_t bytes) {
-  for (const auto* at = static_cast<const char*>(from); bytes > 0;) {
-    const ssize_t put = send(socket, at, bytes, MSG_NOSIGNAL);
-    if (put < 0 && errno == EINTR) continue;
-    if (put <= 0) _exit(0);
-    at += put;
-    bytes -= static_cast<std::size_t>(put);
-  }
-}
-
 class Server {
  public:
-  Server(int socket, PluginStage& stage) : socket_(socket), stage_(stage) {}
+  explicit Server(PluginPage& page) : page_(page), stage_(page.stage) {}
 
   void open(const PluginName& plugin) {
     find_entry(plugin);
@@ -90,10 +69,11 @@ class Server {
 
   /// @returns false when it is over
   bool answer() {
-    PluginRequest request;
-    if (!read_all(socket_, &request, sizeof request) || request.ask == PluginAsk::quit) return false;
-    in_.resize(std::max<std::size_t>(request.numbers, 1) * sizeof(double));
-    if (!read_all(socket_, in_.bytes(), request.numbers * sizeof(double))) return false;
+    ++turn_;
+    if (!spin_.until(page_.asked, turn_))
+      while (page_.asked.load() != turn_) page_.asked.sleep_unless(turn_, std::nullopt);
+    const PluginRequest request = page_.request;
+    if (request.ask == PluginAsk::quit) return false;
     try {
       reply(PluginReply::Kind::done, handle(request), "");
     } catch (const Diverged&) {
@@ -104,11 +84,13 @@ class Server {
     return true;
   }
 
-  void reply(PluginReply::Kind kind, std::size_t numbers, const std::string& text) {
-    const PluginReply head{.kind = kind, .padding = 0, .numbers = numbers, .characters = text.size()};
-    write_all(socket_, &head, sizeof head);
-    write_all(socket_, out_.bytes(), numbers * sizeof(double));
-    write_all(socket_, text.data(), text.size());
+  /// With the first `numbers` of out_.
+  void reply(PluginReply::Kind kind, std::size_t numbers, std::string_view text) {
+    text = text.substr(0, most_plugin_characters);
+    page_.reply = {.kind = kind, .numbers = numbers, .characters = text.size()};
+    std::copy_n(out_.numbers(), numbers, page_.numbers.begin());
+    std::memcpy(page_.numbers.data() + numbers, text.data(), text.size());
+    page_.answered.store(turn_);
   }
 
   void close() {
@@ -123,10 +105,11 @@ class Server {
 
   template <class Call>
   int enter(PluginCall call, const Call& function) {
-    stage_.call = call;
+    stage_.calls.store(++calls_, std::memory_order_relaxed);
+    stage_.call.store(call, std::memory_order_relaxed);
     try {
       const int code = function();
-      stage_.call = PluginCall::none;
+      stage_.call.store(PluginCall::none, std::memory_order_relaxed);
       return code;
     } catch (const std::exception& error) {
       throw Failure{fmt::format("{} of the plugin threw an exception: {}",
@@ -153,6 +136,14 @@ class Server {
   void steps(double h, std::uint64_t count);
   void save(std::uint32_t slot);
   void restore(std::uint32_t slot);
+  template <class Function>
+  void differentiate(double* x, std::size_t n, const Function& f);
+  /// Numbers of the request, in memory of the alignment that plugin.h promises.
+  double* received(Block& into, std::size_t first, std::size_t count) const {
+    into.resize(count * sizeof(double));
+    std::copy_n(page_.numbers.begin() + static_cast<std::ptrdiff_t>(first), count, into.numbers());
+    return into.numbers();
+  }
   void set_state(const double* y) {
     check(PluginCall::set_state, [&] { return stepper_->set_state(handle_, y); });
   }
@@ -162,8 +153,11 @@ class Server {
     return n_;
   }
 
-  int socket_;
+  PluginPage& page_;
   PluginStage& stage_;
+  std::uint32_t turn_ = 1;  ///< the greeting
+  std::uint64_t calls_ = 0;
+  Spin spin_;
   std::uint32_t version_ = 0;
   const hmax_plugin_entry* entry_ = nullptr;
   const hmax_object* object_ = nullptr;
@@ -172,7 +166,7 @@ class Server {
   void* handle_ = nullptr;
   bool created_ = false;
   std::size_t n_ = 0;
-  Block in_, out_;
+  Block in_, in_velocities_, out_, ahead_, behind_;
   std::vector<Slot> slots_;
 };
 
@@ -278,10 +272,7 @@ void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greetin
 
 void Server::greet_model(std::vector<double>& words, PluginGreeting& greeting) {
   greeting.has_rhs = model_->rhs != nullptr;
-  greeting.has_jacobian = model_->jacobian != nullptr;
   greeting.has_force = model_->force != nullptr;
-  greeting.has_stiffness = model_->force && model_->stiffness;
-  greeting.has_damping = model_->force && model_->damping;
   out_.resize(n_ * sizeof(double));
   check(PluginCall::start, [&] { return model_->start(handle_, out_.numbers(), &greeting.t_end); });
   words.insert(words.end(), out_.numbers(), out_.numbers() + n_);
@@ -304,17 +295,11 @@ void Server::greet() {
 }
 
 void Server::steps(double h, std::uint64_t count) {
-  using Clock = std::chrono::steady_clock;
-  auto told = Clock::now();
   stage_.h = h;
   for (std::uint64_t i = 0; i < count; ++i) {
     const int code = enter(PluginCall::step, [&] { return stepper_->step(handle_, h); });
     if (code == HMAX_DIVERGED) throw Diverged{};
     if (code != HMAX_OK) throw Failure{fmt::format("step({}) of the plugin failed: {}", h, reason(code))};
-    if (i + 1 < count && Clock::now() - told > std::chrono::milliseconds(100)) {
-      reply(PluginReply::Kind::alive, 0, "");
-      told = Clock::now();
-    }
   }
 }
 
@@ -345,13 +330,13 @@ std::size_t Server::handle(const PluginRequest& request) {
   if (model_) return handle_model(request);
   switch (request.ask) {
     case PluginAsk::state: return state();
-    case PluginAsk::set_state: return set_state(in_.numbers()), 0;
+    case PluginAsk::set_state: return set_state(received(in_, 0, n_)), 0;
     case PluginAsk::steps: return steps(request.h, request.count), 0;
     case PluginAsk::save: return save(request.slot), 0;
     case PluginAsk::restore: return restore(request.slot), 0;
     case PluginAsk::after:
       restore(request.slot);
-      set_state(in_.numbers());
+      set_state(received(in_, 0, n_));
       steps(request.h, request.count);
       return state();
     case PluginAsk::advance:
@@ -363,36 +348,67 @@ std::size_t Server::handle(const PluginRequest& request) {
   }
 }
 
+/// d f / d x by central differences, at increments of the cube root of rounding, into out_ of n x n. f(y) is of the numbers in
+/// x, which are as before at the end.
+template <class Function>
+void Server::differentiate(double* x, std::size_t n, const Function& f) {
+  using Eigen::Map, Eigen::VectorXd;
+  const auto size = static_cast<Eigen::Index>(n);
+  const double least = 1e-3 * std::max(1e-3, Map<const VectorXd>(x, size).cwiseAbs().maxCoeff());
+  for (Block* each : {&ahead_, &behind_}) each->resize(n * sizeof(double));
+  for (std::size_t j = 0; j < n; ++j) {
+    const double at = x[j], d = 6e-6 * std::max(std::abs(at), least);
+    x[j] = at + d;
+    f(ahead_.numbers());
+    x[j] = at - d;
+    f(behind_.numbers());
+    x[j] = at;
+    Map<VectorXd>(out_.numbers() + j * n, size) =
+        (Map<const VectorXd>(ahead_.numbers(), size) - Map<const VectorXd>(behind_.numbers(), size)) / (2 * d);
+  }
+}
+
 std::size_t Server::handle_model(const PluginRequest& request) {
-  const std::size_t m = n_ / 2;
   const double t = request.h;
-  const double *y = in_.numbers(), *v = in_.numbers() + m;
-  const auto answer = [&](PluginCall call, std::size_t numbers, const auto& function) {
-    out_.resize(numbers * sizeof(double));
-    check(call, function);
-    return numbers;
+  const bool of_rates = request.ask == PluginAsk::rhs || request.ask == PluginAsk::jacobian;
+  const std::size_t m = of_rates ? n_ : n_ / 2;
+  double *const y = received(in_, 0, m), *const v = received(in_velocities_, m, of_rates ? 0 : m);
+  const auto rhs = [&](double* to) { check(PluginCall::rhs, [&] { return model_->rhs(handle_, t, y, to); }); };
+  const auto force = [&](double* to) { check(PluginCall::force, [&] { return model_->force(handle_, t, y, v, to); }); };
+  const auto matrix = [&](PluginCall call, const auto& given, double* x, const auto& f, double sign, const auto& own) {
+    out_.resize(m * m * sizeof(double));
+    if (given) {
+      check(call, own);
+    } else {
+      differentiate(x, m, f);
+      if (sign < 0) std::transform(out_.numbers(), out_.numbers() + m * m, out_.numbers(), std::negate());
+    }
+    return m * m;
   };
+  out_.resize(m * sizeof(double));
   switch (request.ask) {
-    case PluginAsk::rhs:
-      return answer(PluginCall::rhs, n_, [&] { return model_->rhs(handle_, t, y, out_.numbers()); });
+    case PluginAsk::rhs: return rhs(out_.numbers()), m;
+    case PluginAsk::force: return force(out_.numbers()), m;
     case PluginAsk::jacobian:
-      return answer(PluginCall::jacobian, n_ * n_, [&] { return model_->jacobian(handle_, t, y, out_.numbers()); });
-    case PluginAsk::force:
-      return answer(PluginCall::force, m, [&] { return model_->force(handle_, t, y, v, out_.numbers()); });
+      return matrix(PluginCall::jacobian, model_->jacobian, y, rhs, 1,
+                    [&] { return model_->jacobian(handle_, t, y, out_.numbers()); });
     case PluginAsk::stiffness:
-      return answer(PluginCall::stiffness, m * m, [&] { return model_->stiffness(handle_, t, y, v, out_.numbers()); });
+      return matrix(PluginCall::stiffness, model_->stiffness, y, force, -1,
+                    [&] { return model_->stiffness(handle_, t, y, v, out_.numbers()); });
     case PluginAsk::damping:
-      return answer(PluginCall::damping, m * m, [&] { return model_->damping(handle_, t, y, v, out_.numbers()); });
+      return matrix(PluginCall::damping, model_->damping, v, force, -1,
+                    [&] { return model_->damping(handle_, t, y, v, out_.numbers()); });
     default: throw Failure{"a model is asked for what only steppers have"};
   }
 }
 
 /// Signals do what they do without hmax, standard output stays that of hmax, and the child ends with its parent.
-void leave_the_parent() {
+void leave_the_parent(pid_t parent) {
   for (const int each : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE})
     std::signal(each, SIG_DFL);
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(0);
   dup2(STDERR_FILENO, STDOUT_FILENO);
   // A plugin that calls exit() must not end hmax's files and threads, which this process has copies of.
   on_exit([](int code, void*) { _exit(code); }, nullptr);
@@ -400,9 +416,9 @@ void leave_the_parent() {
 
 }  // namespace
 
-void serve_plugin(int socket, PluginStage& stage, const PluginName& plugin) {
-  leave_the_parent();
-  Server server(socket, stage);
+void serve_plugin(PluginPage& page, const PluginName& plugin, pid_t parent) {
+  leave_the_parent(parent);
+  Server server(page);
   try {
     server.open(plugin);
     while (server.answer()) {

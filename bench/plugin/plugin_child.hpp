@@ -1,13 +1,16 @@
 /// The child process: it loads the plugin and does what it is asked to.
 #pragma once
 
-#include "bench/plugin/plugin_messages.hpp"
+#include <sys/types.h>
+
+#include "bench/plugin/plugin_memory.hpp"
 #include "bench/plugin/plugin_name.hpp"
 
 namespace hmax {
 
-/// Loads the plugin, answers requests of `socket` until it is closed, and ends the process.
-/// @param stage  in shared memory
-[[noreturn]] void serve_plugin(int socket, PluginStage& stage, const PluginName& plugin);
+/// Loads the plugin, answers requests until it is told to quit, and ends the process.
+/// @param page  in memory that both processes see
+/// @param parent  ends the child when it ends
+[[noreturn]] void serve_plugin(PluginPage& page, const PluginName& plugin, pid_t parent);
 
 }  // namespace hmax

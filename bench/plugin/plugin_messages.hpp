@@ -1,4 +1,4 @@
-/// What hmax and the child process with the plugin say to each other over a socket.
+/// What hmax and the child process with the plugin say to each other.
 #pragma once
 
 #include <array>
@@ -19,12 +19,6 @@ inline constexpr std::array<std::string_view, 21> plugin_call_names{
     "quaternions",   "scales",  "start",  "rhs",       "jacobian",  "mass",      "force", "stiffness", "damping", "destroy",
     "couplings"};
 
-/// What the child is doing, in memory that both processes see: it outlives a crash.
-struct PluginStage {
-  PluginCall call = PluginCall::none;
-  double h = 0;  ///< of step
-};
-
 enum class PluginAsk : std::uint32_t {
   state,      ///< -> y
   set_state,  ///< y ->
@@ -34,10 +28,10 @@ enum class PluginAsk : std::uint32_t {
   after,      ///< slot, h, count, y -> y: restore, set_state, steps, state
   advance,    ///< slot, h -> y: restore, step, save, state
   rhs,        ///< h is t; y -> dydt
-  jacobian,   ///< y -> J
+  jacobian,   ///< y -> J; this and the matrices below by differences where the plugin does not give them
   force,      ///< (q, v) -> f
-  stiffness,
-  damping,
+  stiffness,  ///< (q, v) -> K
+  damping,    ///< (q, v) -> C
   quit
 };
 
@@ -46,22 +40,21 @@ struct PluginRequest {
   std::uint32_t slot = 0;
   std::uint64_t count = 0;
   double h = 0;
-  std::uint64_t numbers = 0;  ///< doubles that follow
+  std::uint64_t numbers = 0;  ///< doubles that come with it
 };
 
 struct PluginReply {
-  /// alive: a long series of steps goes on. diverged: the step says that it cannot be done.
-  enum class Kind : std::uint32_t { done, failed, diverged, alive };
+  /// diverged: the step says that it cannot be done.
+  enum class Kind : std::uint32_t { done, failed, diverged };
   Kind kind = Kind::done;
-  std::uint32_t padding = 0;
-  std::uint64_t numbers = 0, characters = 0;  ///< that follow
+  std::uint64_t numbers = 0, characters = 0;  ///< that come with it
 };
 
 /// The first reply begins with these numbers; the quaternions, and where they are there the scales, the groups and pairs of
 /// couplings, or y0 and the mass of a model, follow.
 struct PluginGreeting {
   double is_stepper = 0, dimension = 0, single_precision = 0, has_save = 0, quaternions = 0, has_scales = 0;
-  double has_rhs = 0, has_jacobian = 0, has_force = 0, has_stiffness = 0, has_damping = 0, t_end = 0;
+  double has_rhs = 0, has_force = 0, t_end = 0;
   double has_couplings = 0, pairs = 0, reach = 1;
 };
 inline constexpr std::size_t greeting_size = sizeof(PluginGreeting) / sizeof(double);

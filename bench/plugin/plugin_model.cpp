@@ -47,22 +47,6 @@ VectorXd packed(const VectorXd& q, const VectorXd& v) {
   return y;
 }
 
-/// d f / d x by central differences, at increments of the cube root of rounding.
-template <class Function>
-MatrixXd differences(const Function& f, VectorXd x) {
-  const double least = 1e-3 * std::max(1e-3, x.cwiseAbs().maxCoeff());
-  MatrixXd J(x.size(), x.size());
-  for (Index j = 0; j < x.size(); ++j) {
-    const double at = x[j], d = 6e-6 * std::max(std::abs(at), least);
-    x[j] = at + d;
-    const VectorXd ahead = f(x);
-    x[j] = at - d;
-    J.col(j) = (ahead - f(x)) / (2 * d);
-    x[j] = at;
-  }
-  return J;
-}
-
 /// y' = rhs(t, y).
 class FirstOrder {
  public:
@@ -74,14 +58,7 @@ class FirstOrder {
   void rhs(double t, const State& y, State& dydt) const { link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt)); }
   void jacobian(double t, const State& y, Jacobian& J) const {
     J.resize(dim(), dim());
-    if (link_->facts().greeting.has_jacobian != 0) return link_->ask(PluginAsk::jacobian, t, span_of(y), span_of(J));
-    J = differences(
-        [&](const VectorXd& x) {
-          VectorXd dydt(x.size());
-          rhs(t, x, dydt);
-          return dydt;
-        },
-        y);
+    link_->ask(PluginAsk::jacobian, t, span_of(y), span_of(J));
   }
 
  private:
@@ -105,14 +82,8 @@ class SecondOrder {
     f.resize(dofs());
     link_->ask(PluginAsk::force, t, span_of(y), span_of(f));
   }
-  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
-    matrix(PluginAsk::stiffness, link_->facts().greeting.has_stiffness != 0, t, q, v, K,
-           [&](const VectorXd& x, VectorXd& f) { force(t, x, v, f); }, q);
-  }
-  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
-    matrix(PluginAsk::damping, link_->facts().greeting.has_damping != 0, t, q, v, C,
-           [&](const VectorXd& x, VectorXd& f) { force(t, q, x, f); }, v);
-  }
+  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const { matrix(PluginAsk::stiffness, t, q, v, K); }
+  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const { matrix(PluginAsk::damping, t, q, v, C); }
   void rhs(double t, const State& y, State& dydt) const {
     if (link_->facts().greeting.has_rhs != 0) return link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt));
     VectorXd f(dofs());
@@ -134,21 +105,10 @@ class SecondOrder {
   }
 
  private:
-  template <class Force>
-  void matrix(PluginAsk what, bool given, double t, const Dofs& q, const Dofs& v, DofMatrix& out, const Force& f,
-              const VectorXd& of) const {
+  void matrix(PluginAsk what, double t, const Dofs& q, const Dofs& v, DofMatrix& out) const {
     out.resize(dofs(), dofs());
-    if (given) {
-      const VectorXd y = packed(q, v);
-      return link_->ask(what, t, span_of(y), span_of(out));
-    }
-    out = -differences(
-        [&](const VectorXd& x) {
-          VectorXd value(x.size());
-          f(x, value);
-          return value;
-        },
-        of);
+    const VectorXd y = packed(q, v);
+    link_->ask(what, t, span_of(y), span_of(out));
   }
 
   std::shared_ptr<const Link> link_;

@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <sys/time.h>
 #include <sys/wait.h>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -156,19 +158,104 @@ TEST(Plugin, ModelsOfOtherFilesOrArgumentsHaveOtherIds) {
   EXPECT_NE(id(file + name), id(TESTED_PLUGIN_EARLIER + name));
 }
 
+/// What `calls` right-hand sides of a model say that goes wrong as `argument` tells it.
+std::string error_of_rhs(const std::string& argument, double patience, int calls = 10) {
+  return error_of([&] {
+    const Problem problem =
+        make_problem(plugin_id(std::string(TESTED_PLUGIN) + ":faulty:" + argument),
+                     {.material = {}, .parameters = {{std::string(patience_parameter), patience}}, .y0 = {}});
+    Eigen::VectorXd dydt(1);
+    for (int i = 0; i < calls; ++i) {
+      std::get<AnySystem>(problem.system).rhs(0, problem.y0, dydt);
+      ASSERT_EQ(dydt[0], -10);
+    }
+  });
+}
+
 TEST(Plugin, AModelThatHangsEndsAfterTheTimeThatItIsGiven) {
-  const auto error = [](double patience) {
-    return error_of([&] {
-      const Problem problem =
-          make_problem(plugin_id(std::string(TESTED_PLUGIN) + ":faulty:hang:3"),
-                       {.material = {}, .parameters = {{std::string(patience_parameter), patience}}, .y0 = {}});
-      Eigen::VectorXd dydt(1);
-      for (int i = 0; i < 10; ++i) std::get<AnySystem>(problem.system).rhs(0, problem.y0, dydt);
-    });
-  };
-  EXPECT_EQ(error(0.2), "the plugin did not return within 0.2 s in rhs(); --patience gives it longer");
-  EXPECT_EQ(error(-1), "--patience -1 is not positive; give seconds");
+  EXPECT_EQ(error_of_rhs("hang:3", 0.2), "the plugin did not return within 0.2 s in rhs(); --patience gives it longer");
+  EXPECT_EQ(error_of_rhs("slow:3", 0.2), "no error");
+  EXPECT_EQ(error_of_rhs("", -1), "--patience -1 is not positive; give seconds");
   expect_no_child();
+}
+
+TEST(Plugin, AModelThatEndsItsProcessIsAnErrorThatNamesTheCall) {
+  for (const std::string at : {"0", "3", "5000"}) {
+    EXPECT_NE(error_of_rhs("segv:" + at, 10, 6000).find("the plugin crashed in rhs() with signal 11"), std::string::npos);
+    EXPECT_NE(error_of_rhs("kill:" + at, 10, 6000).find("the plugin crashed in rhs() with signal 9"), std::string::npos);
+    EXPECT_EQ(error_of_rhs("exit:" + at, 10, 6000),
+              "the plugin ended the process in rhs() with exit code 7; a plugin returns a code instead");
+  }
+  expect_no_child();
+}
+
+TEST(Plugin, AModelThatDestroysWhatItSharesWithHmaxIsAnError) {
+  for (const std::string with : {"zeros", "ones"})
+    EXPECT_EQ(error_of_rhs(with + ":3", 10),
+              "the plugin destroyed the memory of its process; check the bounds of its arrays");
+  // While hmax reads: numbers may be wrong, but nothing is read out of bounds, and it ends.
+  EXPECT_NE(error_of([] {
+              const Problem problem = plugin_problem(tested("faulty:threads:3"), {.patience = 1});
+              Eigen::VectorXd dydt(1);
+              while (true) std::get<AnySystem>(problem.system).rhs(0, problem.y0, dydt);
+            }), "");
+  expect_no_child();
+}
+
+TEST(Plugin, AMatrixByDifferencesTakesLongerThanOneCallMay) {
+  const Problem problem = plugin_problem(tested("faulty:slow:0"), {.patience = 0.035});
+  AnySystem::Jacobian J;
+  std::get<AnySystem>(problem.system).jacobian(0, problem.y0, J);  // two calls of 20 ms
+  EXPECT_NEAR(std::get<Eigen::MatrixXd>(J)(0, 0), -10, 1e-8);
+}
+
+TEST(Plugin, DifferencesAreThoseOfTheFormulaInArraysThatAreAligned) {
+  const Problem problem = plugin_problem(tested("pendulums"));
+  const auto& system = std::get<AnySystem>(problem.system);
+  const Eigen::VectorXd q = problem.y0.head(3), v = problem.y0.tail(3);
+  AnySystem::DofMatrix K, C;
+  system.stiffness(0, q, v, K);
+  system.damping(0, q, v, C);
+  // Central differences at increments of 6e-6 of each number, and of a thousandth of the largest at least, to the last bit.
+  const auto by_differences = [](const Eigen::VectorXd& x, const auto& f) {
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, 3);
+    const double least = 1e-3 * x.cwiseAbs().maxCoeff();
+    for (int i = 0; i < 3; ++i) {
+      const double d = 6e-6 * std::max(std::abs(x[i]), least);
+      J(i, i) = -((f(i, x[i] + d) - f(i, x[i] - d)) / (2 * d));
+    }
+    return J;
+  };
+  EXPECT_EQ(std::get<Eigen::MatrixXd>(K), by_differences(q, [&](int i, double x) {
+              return -std::sin(x) - 0.1 * v[i] * std::abs(v[i]);
+            }));
+  EXPECT_EQ(std::get<Eigen::MatrixXd>(C), by_differences(v, [&](int i, double x) {
+              return -std::sin(q[i]) - 0.1 * x * std::abs(x);
+            }));
+}
+
+TEST(Plugin, AChildThatSleepsIsWoken) {
+  const Problem problem = plugin_problem(tested("faulty"));
+  Eigen::VectorXd dydt(1);
+  for (int i = 0; i < 20; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::get<AnySystem>(problem.system).rhs(0, problem.y0, dydt);
+    ASSERT_EQ(dydt[0], -10);
+  }
+}
+
+TEST(Plugin, SignalsThatInterruptAWaitChangeNothing) {
+  const struct sigaction before = [] {
+    struct sigaction counting = {}, old = {};
+    counting.sa_handler = [](int) {};
+    sigaction(SIGALRM, &counting, &old);
+    return old;
+  }();
+  const itimerval often{.it_interval = {.tv_sec = 0, .tv_usec = 500}, .it_value = {.tv_sec = 0, .tv_usec = 500}}, never{};
+  setitimer(ITIMER_REAL, &often, nullptr);
+  EXPECT_EQ(error_of_rhs("slow:0", 10), "no error");
+  setitimer(ITIMER_REAL, &never, nullptr);
+  sigaction(SIGALRM, &before, nullptr);
 }
 
 TEST(Plugin, AModelHasStepLimits) {

@@ -1,11 +1,16 @@
 /// A plugin with steppers whose limits are known, and some that go wrong in the ways that plugins do.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -281,6 +286,23 @@ constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_
           quaternions,                                 nullptr, couplings};
 }
 
+/// Writes `byte` over 64 KB of all memory that this process shares with others, from `first` on.
+void scribble(int byte, std::size_t first) {
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    unsigned long begin = 0, end = 0;
+    char access[5] = {};
+    if (std::sscanf(line.c_str(), "%lx-%lx %4s", &begin, &end, access) == 3 && std::string(access) == "rw-s")
+      std::memset(reinterpret_cast<char*>(begin) + first, byte, 65536);
+  }
+}
+/// Goes on to write beside calls.
+void scribble_on(int byte, std::size_t first) {
+  std::thread([=] {
+    while (true) scribble(byte, first);
+  }).detach();
+}
+
 /// y' = -10 y from 1, which goes wrong at the call that the argument names: hang:500, segv:0, nan:0. Without an argument it does not.
 struct Faulty {
   std::string way;
@@ -303,12 +325,35 @@ int rhs_faulty(void* handle, double, const double* y, double* dydt) {
   *dydt = -10 * *y;
   if (faulty.calls++ < faulty.from) return HMAX_OK;
   if (faulty.way == "segv") raise(SIGSEGV);
+  if (faulty.way == "kill") raise(SIGKILL);
+  if (faulty.way == "exit") std::exit(7);
+  if (faulty.way == "zeros" || faulty.way == "ones") {
+    scribble(faulty.way == "ones" ? 0xff : 0, 0);
+    pause();
+  }
+  if (faulty.way == "threads" && faulty.calls == faulty.from + 1) scribble_on(0xff, 192);
+  if (faulty.way == "slow") usleep(20000);
   if (faulty.way == "nan") *dydt = std::nan("");
   while (faulty.way == "hang") usleep(1000);
   return HMAX_OK;
 }
 const hmax_model faulty{{create_faulty, destroy_faulty, nullptr, one}, start_faulty, rhs_faulty, nullptr, nullptr,
                         nullptr, nullptr, nullptr};
+
+/// Three pendulums q'' = -sin q - 0.1 v |v|, which refuse arrays that are not aligned as plugin.h promises.
+bool aligned(const double* numbers) { return reinterpret_cast<std::uintptr_t>(numbers) % 64 == 0; }
+int six(void*, size_t* n) { return *n = 6, HMAX_OK; }
+int start_pendulums(void*, double* y0, double* t_end) {
+  for (int i = 0; i < 6; ++i) y0[i] = 0.3 * i;
+  return *t_end = 1, aligned(y0) ? HMAX_OK : 9;
+}
+int mass_of_pendulums(void*, double* mass) { return std::fill_n(mass, 3, 1.0), aligned(mass) ? HMAX_OK : 9; }
+int force_of_pendulums(void*, double, const double* q, const double* v, double* f) {
+  for (int i = 0; i < 3; ++i) f[i] = -std::sin(q[i]) - 0.1 * v[i] * std::abs(v[i]);
+  return aligned(q) && aligned(v) && aligned(f) ? HMAX_OK : 9;
+}
+const hmax_model pendulums{{create_faulty, destroy_faulty, nullptr, six}, start_pendulums, nullptr, nullptr, mass_of_pendulums,
+                           force_of_pendulums, nullptr, nullptr};
 
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
                    explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
@@ -335,6 +380,7 @@ const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain
                                   {"bounded", "", nullptr, &bounded},
                                   {"far_float", "", nullptr, &far_float},
                                   {"faulty", "", &faulty, nullptr},
+                                  {"pendulums", "", &pendulums, nullptr},
                                   {"neither", "", nullptr, nullptr}};
 const hmax_plugin plugin{TESTED_VERSION, sizeof entries / sizeof *entries, entries};
 
