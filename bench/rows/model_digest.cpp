@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <vector>
 
 #include "bench/models/matrix_problem.hpp"
@@ -38,17 +39,22 @@ std::string model_digest(const Problem& problem) {
   std::ranges::copy(times_of_matrices(problem), std::back_inserter(times));
   std::visit(
       [&]<class Sys>(const Sys& system) {
-        typename Sys::State f(problem.y0);
+        // What does not depend on time is computed once, and added at each.
+        std::map<double, std::vector<typename Sys::State>> at_all_times;
         for (const double t : times)
           for (const double size : {0.0, 1e-6, 1e-4, 1e-2, 1.0, -1.0, 10.0, -10.0}) {
-            const typename Sys::State y(moved(problem.y0, size));
-            system.rhs(t, y, f);
-            add(digest, f);
-            if constexpr (SplitSystem<Sys>)
-              if (hmax::has_split(problem)) {
-                system.rhs_stiff(t, y, f);
-                add(digest, f);
-              }
+            std::vector<typename Sys::State>& known = at_all_times[size];
+            if (known.empty() || !is_autonomous(system)) {
+              const typename Sys::State y(moved(problem.y0, size));
+              known.assign(1, y);
+              system.rhs(t, y, known.front());
+              if constexpr (SplitSystem<Sys>)
+                if (hmax::has_split(problem)) {
+                  known.push_back(y);
+                  system.rhs_stiff(t, y, known.back());
+                }
+            }
+            for (const auto& f : known) add(digest, f);
           }
       },
       problem.system);
