@@ -11,6 +11,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 
+#include "core/parallel_for.hpp"
+
 namespace hmax {
 namespace {
 
@@ -67,12 +69,11 @@ std::vector<double> chebyshev_series(double a, double b, const F& f) {
   return series;
 }
 
-/// b2 = c x + 2 T b1 - b2 with T = slope S + offset, row by row; `twice` is 2, of the last step 1.
+/// b2 = c x + 2 T b1 - b2 with T = slope S + offset, of rows from `begin` on; `twice` is 2, of the last step 1.
 template <int Width, class Product>
-void clenshaw_step(const Product& S, double c, double twice, double slope, double offset, const double* x,
-                   const double* b1, double* b2) {
-  const std::size_t rows = S.first.size() - 1;
-  for (std::size_t row = 0; row < rows; ++row) {
+void clenshaw_rows(const Product& S, double c, double twice, double slope, double offset, const double* x,
+                   const double* b1, double* b2, std::size_t begin, std::size_t end) {
+  for (std::size_t row = begin; row < end; ++row) {
     double sum[Width] = {};
     for (int k = S.first[row]; k < S.first[row + 1]; ++k) {
       const double value = S.value[static_cast<std::size_t>(k)];
@@ -82,6 +83,16 @@ void clenshaw_step(const Product& S, double c, double twice, double slope, doubl
     for (std::size_t i = Width * row; i < Width * (row + 1); ++i)
       b2[i] = c * x[i] + twice * (slope * sum[i - Width * row] + offset * b1[i]) - b2[i];
   }
+}
+
+/// The same of all rows.
+template <class Product>
+void clenshaw_step(const Product& S, double c, double twice, double slope, double offset, const VectorXd& x,
+                   const VectorXd& b1, VectorXd& b2) {
+  const auto compute = S.width == 3 ? clenshaw_rows<3, Product> : clenshaw_rows<1, Product>;
+  parallel_rows(S.first.size() - 1, S.value.size(), [&](std::size_t begin, std::size_t end) {
+    compute(S, c, twice, slope, offset, x.data(), b1.data(), b2.data(), begin, end);
+  });
 }
 
 /// Whether S is the same for three coordinates in turn and couples none of them with another.
@@ -170,8 +181,7 @@ void CoupledMass::bound_spectrum() {
   Index count = 0;
   for (double last = 0; count < most;) {
     w.setZero();
-    const auto step = S_.width == 3 ? clenshaw_step<3, Product> : clenshaw_step<1, Product>;
-    step(S_, 0, 1, 1, 0, q.data(), q.data(), w.data());
+    clenshaw_step(S_, 0, 1, 1, 0, q, q, w);
     a[count] = q.dot(w);
     w -= a[count] * q + last * before;
     last = b[count] = w.norm();
@@ -217,16 +227,24 @@ bool CoupledMass::is_accurate() const {
 // Clenshaw's recurrence: b_k = c_k x + 2 T b_k+1 - b_k+2, p x = c_0 x + T b_1 - b_2, T = (2 S - (a + b)) / (b - a).
 void CoupledMass::apply(const std::vector<double>& series, VectorXd& x) const {
   // Kept by each thread: the forces of a step allocate nothing.
-  thread_local std::vector<double> first, second;
-  first.assign(static_cast<std::size_t>(x.size()), 0.0);
-  second.assign(first.size(), 0.0);
+  thread_local VectorXd first, second;
+  first.setZero(x.size());
+  second.setZero(x.size());
   const double slope = 2 / (high_ - low_), offset = -(high_ + low_) / (high_ - low_);
-  const auto step = S_.width == 3 ? clenshaw_step<3, Product> : clenshaw_step<1, Product>;
   for (std::size_t k = series.size(); k-- > 0;) {
-    step(S_, series[k], k > 0 ? 2 : 1, slope, offset, x.data(), first.data(), second.data());
+    clenshaw_step(S_, series[k], k > 0 ? 2 : 1, slope, offset, x, first, second);
     first.swap(second);
   }
-  std::ranges::copy(first, x.data());
+  x = first;
+}
+
+// D^1/2 S D^1/2 x.
+void CoupledMass::multiply(VectorXd& x) const {
+  thread_local VectorXd scaled;
+  scaled = root_.cwiseProduct(x);
+  x.setZero();
+  clenshaw_step(S_, 0, 1, 1, 0, scaled, scaled, x);
+  x.array() *= root_.array();
 }
 
 void CoupledMass::solve(VectorXd& x) const {

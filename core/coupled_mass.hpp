@@ -41,7 +41,8 @@ class CoupledMass {
   [[nodiscard]] double least_share() const { return low_; }
   [[nodiscard]] bool has_factor() const { return factor_ != nullptr; }
 
-  /// x = M^-1 x, R^-1 x and R^-T x in place, shape (n).
+  /// x = M x, M^-1 x, R^-1 x and R^-T x in place, shape (n).
+  void multiply(Vector& x) const;
   void solve(Vector& x) const;
   void root_solve(Vector& x) const;
   void transposed_root_solve(Vector& x) const;

@@ -62,7 +62,7 @@ class MassMatrix {
   [[nodiscard]] auto times(const X& x) const {
     return by_columns(
         x, [](const auto& d, const auto& column) { return d.cwiseProduct(column).eval(); },
-        [](const CoupledMass& M, Eigen::VectorXd& v) { v = M.matrix() * v; });
+        [](const CoupledMass& M, Eigen::VectorXd& v) { M.multiply(v); });
   }
   template <class X>
   [[nodiscard]] auto solve(const X& x) const {
@@ -75,7 +75,7 @@ class MassMatrix {
     return by_columns(
         x, [](const auto& d, const auto& column) { return d.cwiseSqrt().cwiseProduct(column).eval(); },
         [](const CoupledMass& M, Eigen::VectorXd& v) {
-          v = M.matrix() * v;
+          M.multiply(v);
           M.transposed_root_solve(v);
         });
   }

@@ -1,6 +1,7 @@
 /// Independent pieces of work, shared by all cores.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -46,6 +47,19 @@ auto parallel_map(std::size_t count, const Make& make) {
   values.reserve(count);
   for (std::optional<Value>& value : made) values.push_back(std::move(*value));
   return values;
+}
+
+/// work(begin, end) for stretches that make up the rows 0 .. rows - 1 of a matrix product: one stretch unless threads
+/// have a tenth of a millisecond of work each. What a row becomes must not depend on where its stretch begins.
+/// @param entries  of the matrix, numbers or blocks
+template <class Work>
+void parallel_rows(std::size_t rows, std::size_t entries, const Work& work) {
+  constexpr std::size_t least_entries = 100'000;
+  if (entries < 2 * least_entries) return work(std::size_t{0}, rows);
+  const std::size_t parts = std::min(jobs(), entries / least_entries);
+  parallel_for(parts, [&](std::size_t part, std::size_t) {
+    work(rows * part / parts, rows * (part + 1) / parts);
+  });
 }
 
 /// As long as this lives, parallel_for() uses no more threads than this when the calling thread calls it.

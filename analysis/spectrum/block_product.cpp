@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/parallel_for.hpp"
+
 namespace hmax {
 namespace {
 
@@ -70,17 +72,24 @@ SymmetricProduct::SymmetricProduct(const Sparse& matrix, const Eigen::VectorXd& 
 
 // One pass over the values in the order in which they are stored; 2 operations for each stored number.
 void SymmetricProduct::apply(const double* in, double* out) const {
-  const double* value = values_.data();
-  if (!blocks_) {
-    for (std::size_t row = 0; row + 1 < first_.size(); ++row) {
-      double sum = 0;
-      for (int k = first_[row]; k < first_[row + 1]; ++k)
-        sum += *value++ * in[column_[static_cast<std::size_t>(k)]];
-      out[row] = sum;
-    }
-    return;
+  parallel_rows(first_.size() - 1, column_.size(), [&](std::size_t begin, std::size_t end) {
+    blocks_ ? apply_blocks(in, out, begin, end) : apply_entries(in, out, begin, end);
+  });
+}
+
+void SymmetricProduct::apply_entries(const double* in, double* out, std::size_t begin, std::size_t end) const {
+  const double* value = values_.data() + first_[begin];
+  for (std::size_t row = begin; row < end; ++row) {
+    double sum = 0;
+    for (int k = first_[row]; k < first_[row + 1]; ++k)
+      sum += *value++ * in[column_[static_cast<std::size_t>(k)]];
+    out[row] = sum;
   }
-  for (std::size_t row = 0; row + 1 < first_.size(); ++row) {
+}
+
+void SymmetricProduct::apply_blocks(const double* in, double* out, std::size_t begin, std::size_t end) const {
+  const double* value = values_.data() + 9 * static_cast<std::size_t>(first_[begin]);
+  for (std::size_t row = begin; row < end; ++row) {
     double a = 0, b = 0, c = 0;
     for (int k = first_[row]; k < first_[row + 1]; ++k, value += 9) {
       const double* from = in + column_[static_cast<std::size_t>(k)];

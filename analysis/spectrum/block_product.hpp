@@ -29,6 +29,10 @@ class SymmetricProduct {
   void apply(const double* x, double* y) const;
 
  private:
+  /// Rows, or rows of blocks, from `begin` on.
+  void apply_entries(const double* x, double* y, std::size_t begin, std::size_t end) const;
+  void apply_blocks(const double* x, double* y, std::size_t begin, std::size_t end) const;
+
   Eigen::Index n_ = 0;
   bool blocks_ = false;
   // Compressed rows: row r has the entries first_[r] .. first_[r + 1] - 1. column_ is the first column of

@@ -8,6 +8,8 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "tests/core/jobs.hpp"
+
 namespace hmax {
 namespace {
 
@@ -70,6 +72,13 @@ TEST(CoupledMass, TakesPolynomialsWhereAFactorWouldBeWork) {
   const VectorXd f = x;
   large.solve(x);
   EXPECT_LT((large.matrix() * x - f).norm(), 1e-13 * f.norm());
+  // To the last bit by any number of threads.
+  for (const std::size_t count : {1, 3}) {
+    const Jobs threads(count);
+    VectorXd again = f;
+    large.solve(again);
+    EXPECT_EQ(again, x) << count;
+  }
 }
 
 TEST(CoupledMass, RefusesWhatIsNoMass) {

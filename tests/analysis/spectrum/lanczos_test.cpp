@@ -1,7 +1,9 @@
 #include "analysis/spectrum/lanczos.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
@@ -10,6 +12,7 @@
 #include "analysis/spectrum/block_product.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/tissue/body.hpp"
+#include "tests/core/jobs.hpp"
 
 namespace hmax {
 namespace {
@@ -106,6 +109,32 @@ TEST(Lanczos, ProductsByBlocksAreThoseOfTheMatrix) {
   SymmetricProduct(ragged, scale)(x, z);
   const VectorXd expected_ragged = scale.cwiseProduct(ragged * scale.cwiseProduct(x));
   EXPECT_LT((z - expected_ragged).norm(), 1e-13 * expected.norm());
+}
+
+TEST(Lanczos, ProductsAreTheSameForAnyNumberOfThreads) {
+  // A band of blocks, and of entries: enough for several threads.
+  constexpr int points = 60'000, wide = 4;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < 3 * points; ++i)
+    for (int block = std::max(0, i / 3 - wide); block <= std::min(points - 1, i / 3 + wide); ++block)
+      for (int j = 3 * block; j < 3 * block + 3; ++j) entries.emplace_back(i, j, 1.0 / (1 + i % 7 + j % 7));
+  Eigen::SparseMatrix<double> A(3 * points, 3 * points);
+  A.setFromTriplets(entries.begin(), entries.end());
+  const VectorXd scale = VectorXd::Ones(A.rows()), x = start_vector(A.rows());
+  for (const bool has_blocks : {true, false}) {
+    if (!has_blocks) A.prune([](Index row, Index column, double) { return row + column != 1; });
+    const SymmetricProduct product(A, scale);
+    EXPECT_EQ(product.has_blocks(), has_blocks);
+    VectorXd one(x.size()), three(x.size());
+    {
+      const Jobs threads(1);
+      product(x, one);
+    }
+    const Jobs threads(3);
+    product(x, three);
+    EXPECT_EQ(one, three);
+    EXPECT_LT((one - A * x).norm(), 1e-13 * one.norm());
+  }
 }
 
 TEST(Lanczos, NeedsNoMatrixForALinearBody) {
