@@ -25,6 +25,7 @@ class Space {
         V_(M.size(), most_),
         MV_(M.size(), most_),
         AV_(M.size(), most_),
+        H_(most_, most_),
         found_(M.size(), count),
         M_found_(M.size(), count),
         image_(M.size()) {}
@@ -36,32 +37,35 @@ class Space {
   /// Adds the part of t that is new.
   /// @returns false where there is none but rounding
   bool add(VectorXd t) {
-    for (int time = 0; time < 3; ++time) {
-      image_.noalias() = M_.matrix() * t;
+    for (int time = 0;; ++time) {
+      image_ = t;
+      M_.multiply(image_);
       const double length = std::sqrt(std::max(t.dot(image_), 0.0));
       if (!(length > 0) || !std::isfinite(length)) return false;
       t /= length;
-      // Classical Gram and Schmidt in the product of M, until it takes away no more than rounding.
+      image_ /= length;
+      // Gram and Schmidt in the product of M, again where it has left so little that rounding shows.
+      if (time > 0 && length > 0.1) break;
+      if (time == 3) return false;
       const VectorXd h = MV_.leftCols(size_).transpose() * t, g = M_found_.leftCols(found_count_).transpose() * t;
-      if (time > 0 && h.norm() + g.norm() < 1e-12) break;
-      if (time == 2) return false;
       t -= V_.leftCols(size_) * h + found_.leftCols(found_count_) * g;
     }
     V_.col(size_) = t;
-    MV_.col(size_).noalias() = M_.matrix() * t;
+    MV_.col(size_) = image_;
     A_(t, image_);
     AV_.col(size_) = image_;
+    H_.col(size_).head(size_ + 1) = V_.leftCols(size_ + 1).transpose() * image_;
     ++size_;
     return true;
   }
 
   /// u, kappa and r = A u - kappa M u of the largest Ritz value; the Ritz vectors are kept for restart() and lock().
   double ritz(VectorXd& u, VectorXd& r) {
-    MatrixXd H = V_.leftCols(size_).transpose() * AV_.leftCols(size_);
-    H = ((H + H.transpose()) / 2).eval();
+    const MatrixXd H = H_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>();
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(H);
+    values_ = solver.eigenvalues().reverse();
     ritz_ = solver.eigenvectors().rowwise().reverse();
-    const double kappa = solver.eigenvalues()[size_ - 1];
+    const double kappa = values_[0];
     const VectorXd s = ritz_.col(0);
     u.noalias() = V_.leftCols(size_) * s;
     r.noalias() = AV_.leftCols(size_) * s - kappa * (MV_.leftCols(size_) * s);
@@ -73,7 +77,9 @@ class Space {
   /// Takes the first Ritz vector out of the space for good.
   void lock() {
     found_.col(found_count_).noalias() = V_.leftCols(size_) * ritz_.col(0);
-    M_found_.col(found_count_).noalias() = M_.matrix() * found_.col(found_count_);
+    image_ = found_.col(found_count_);
+    M_.multiply(image_);
+    M_found_.col(found_count_) = image_;
     ++found_count_;
     take(1, std::min(kept_vectors, size_ - 1));
   }
@@ -82,14 +88,17 @@ class Space {
   void take(Index first, Index count) {
     const MatrixXd S = ritz_.middleCols(first, count);
     for (MatrixXd* vectors : {&V_, &MV_, &AV_}) vectors->leftCols(count) = (vectors->leftCols(size_) * S).eval();
+    H_.topLeftCorner(count, count) = values_.segment(first, count).asDiagonal();
     size_ = count;
   }
 
   const SymmetricOperator& A_;
   const CoupledMass& M_;
   Index most_, size_ = 0, found_count_ = 0;
-  MatrixXd V_, MV_, AV_, found_, M_found_, ritz_;
-  VectorXd image_;
+  MatrixXd V_, MV_, AV_;
+  MatrixXd H_;  ///< V^T A V, its upper triangle
+  MatrixXd found_, M_found_, ritz_;
+  VectorXd values_, image_;
 };
 
 }  // namespace
