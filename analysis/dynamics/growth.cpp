@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
 namespace hmax {
 
 namespace {
@@ -47,6 +50,35 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
   return start > 0 && late > far_out * start ? std::max(growth, std::log(late / start)) : growth;
 }
 
+// Each equation is divided by the largest state in it, so that growth and decay weigh all alike.
+std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf& motion, std::size_t degree,
+                                           double h, std::int64_t steps) {
+  std::vector<Eigen::Vector2d> z;
+  const bool ended = run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { z.push_back(motion(y)); });
+  const bool broken = std::ranges::any_of(z, [](const auto& each) { return !each.allFinite(); });
+  if (!ended || broken || z.size() < 3 * degree) return std::numeric_limits<double>::infinity();
+  const auto p = static_cast<Eigen::Index>(degree), count = static_cast<Eigen::Index>(z.size()) - 2 * p;
+  Eigen::MatrixXd before(2 * count, p);
+  Eigen::VectorXd next(2 * count);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const auto state = [&](Eigen::Index j) { return z[static_cast<std::size_t>(p + n + j)]; };
+    double largest = std::numeric_limits<double>::min();
+    for (Eigen::Index j = 0; j <= p; ++j) largest = std::max(largest, state(j).cwiseAbs().maxCoeff());
+    for (Eigen::Index j = 0; j < p; ++j) before.block(2 * n, j, 2, 1) = state(j) / largest;
+    next.segment(2 * n, 2) = state(p) / largest;
+  }
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(1e-9);
+  const Eigen::VectorXd c = solver.compute(before).solve(-next);
+  constexpr double tolerance = 1e-6;
+  if (!((before * c + next).cwiseAbs().maxCoeff() <= tolerance)) return std::nullopt;
+  // The companion matrix of the recurrence.
+  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(p, p);
+  companion.topRightCorner(p - 1, p - 1).setIdentity();
+  companion.bottomRows(1) = -c.transpose();
+  return std::log(companion.eigenvalues().cwiseAbs().maxCoeff());
+}
+
 std::int64_t steps_to_see(const ExpectedGrowth& expected) {
   constexpr double most = most_observed_steps;
   // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
@@ -83,14 +115,19 @@ double onset_between(const Excess& excess, double low, double high, double at_lo
 
 }  // namespace
 
-// First the two sides of the prediction, with longer runs where they do not tell; then outwards by 10 % a
-// stride if both sides behave alike; last the onset between the two.
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
+  return observe_limit(
+      [&](double h, std::int64_t steps) { return observed_growth(run, distance, h, steps); }, predicted, expected);
+}
+
+// First the two sides of the prediction, with longer runs where they do not tell; then outwards by 10 % a
+// stride if both sides behave alike; last the onset between the two.
+ObservedLimit observe_limit(const GrowthAt& growth, double predicted, const ExpectedGrowth& expected) {
   const double threshold = threshold_of(expected);
   ObservedLimit limit;
   limit.steps = steps_to_see(expected);
-  const auto excess = [&](double h) { return observed_growth(run, distance, h, limit.steps) - threshold; };
+  const auto excess = [&](double h) { return growth(h, limit.steps) - threshold; };
   double low = 0.999 * predicted, high = 1.001 * predicted;
   double at_low = excess(low), at_high = excess(high);
   // A motion beside it that fades slowly hides growth, and what a first step stirs up looks like some: longer

@@ -34,6 +34,18 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise = 0);
 
+/// Two numbers that say how one motion of a linear model stands, as its displacement and its velocity.
+using MotionOf = std::function<Eigen::Vector2d(const Eigen::Ref<const Eigen::VectorXd>& y)>;
+
+/// ln of the factor by which a step of size h multiplies a motion: of the largest |zeta| of the recurrence
+///   z_(n+p) + c_(p-1) z_(n+p-1) + ... + c_0 z_n = 0,  p = degree,
+/// fitted to the states of a run. A run of a few steps tells what otherwise shows only after the beats of a motion close
+/// to its limit. Infinity when the run broke down; nothing where its states obey no such recurrence.
+/// @param degree  of the method in zeta, as many states at the start are left out
+/// @param steps   >= 4 degree
+std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf& motion, std::size_t degree,
+                                           double h, std::int64_t steps);
+
 /// No run that looks for growth is longer.
 inline constexpr std::int64_t most_observed_steps = 2'000'000;
 
@@ -78,6 +90,11 @@ std::int64_t steps_to_see(const ExpectedGrowth& expected);
 /// @return  h to expected.resolution of it; 0 or infinity where no change is found within a factor of 1000
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected);
+
+/// The growth between the quarters that observed_growth() compares, of runs of so many steps of size h.
+using GrowthAt = std::function<double(double h, std::int64_t steps)>;
+/// The same by another measure of growth.
+ObservedLimit observe_limit(const GrowthAt& growth, double predicted, const ExpectedGrowth& expected);
 
 /// The same run without motions that steps multiply by given roots, among which stands the conjugate of each
 /// that is not real: shows

@@ -162,10 +162,22 @@ ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, con
   return energy_start(part, rest, shape, 2 / h * shape);
 }
 
-Distance motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape, double h) {
+MotionOf motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape, double h) {
   return [rest, row = VectorXd(part.mass.times(shape)), h](const Eigen::Ref<const VectorXd>& y) {
     const Eigen::Index n = row.size();
-    return std::hypot(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
+    return Eigen::Vector2d(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
+  };
+}
+
+Distance distance_beside_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
+                               Distance distance) {
+  return [rest, shape, row = VectorXd(part.mass.times(shape)), distance = std::move(distance),
+          left = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
+    const Eigen::Index n = row.size();
+    left = y;
+    left.head(n) -= row.dot(y.head(n) - rest.head(n)) * shape;
+    left.tail(n) -= row.dot(y.tail(n) - rest.tail(n)) * shape;
+    return distance(left);
   };
 }
 

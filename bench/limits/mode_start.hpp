@@ -36,8 +36,12 @@ ModeStart start_from_shape(const MechanicalPart& part, const Eigen::VectorXd& re
 
 /// What a mode of shape u moves: its velocity u^T M v and what its displacement is a step of size h,
 /// u^T M q / h, which no other mode has a part in, whatever damps it.
-Distance motion_of_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
+MotionOf motion_of_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
                          const Eigen::VectorXd& shape, double h);
+
+/// The distance of everything but a mode of shape u, u^T M u = 1, from rest: of y less u (u^T M q, u^T M v).
+Distance distance_beside_shape(const MechanicalPart& part, const Eigen::VectorXd& rest, const Eigen::VectorXd& shape,
+                               Distance distance);
 
 /// The shape of a mode of a structure whose motion decouples, u^T M u = 1, shape (dofs).
 Eigen::VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 
 #include <fmt/format.h>
@@ -222,15 +223,22 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   const Growth growth = growth_of(method, row, near, i);
   Watch watch = watch_all(method, row, near, start, run, i);
   if (of_oscillation) {
-    watch.distance =
+    const MotionOf motion =
         motion_of_shape(*near.point.model.mechanical, near.point.model.y, start.shape, *row.h_max);
+    watch.distance = [motion](const Eigen::Ref<const Eigen::VectorXd>& y) {
+      const Eigen::Vector2d z = motion(y);
+      return std::hypot(z[0], z[1]);
+    };
     return watch;
   }
   watch.distance = start.amplitude;
   watch.expected.visible = 1e-5;
   watch.expected.fall = 20;
   // What a step multiplies by one number shows its growth within a few steps.
-  if (near.point.model.mechanical && is_large(*near.point.model.mechanical)) watch.expected.least = 32;
+  if (near.point.model.mechanical && is_large(*near.point.model.mechanical)) {
+    watch.expected.least = 4;
+    watch.expected.resolution = 1e-5;
+  }
   if (!growth.polynomial) return watch;
   const double h = 1.001 * *row.h_max;
   const Complex lambda = row.limiting->lambda;
@@ -258,6 +266,32 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   return watch;
 }
 
+/// The limit of a large structure by the recurrence that the mode obeys from step to step: runs of a dozen steps. Nothing
+/// where it is not seen to obey one on both sides.
+std::optional<ObservedLimit> observe_recurrence(const Method& method, const Prediction& row, const Linearised& near,
+                                                const ModeStart& start, const ShowSteps& run) {
+  if (!method.amplification->motion || start.shape.size() == 0 || !is_large(*near.point.model.mechanical))
+    return std::nullopt;
+  const std::size_t degree = method.amplification->motion->degree();
+  const double h_max = *row.h_max;
+  const MotionOf motion = motion_of_shape(*near.point.model.mechanical, near.point.model.y, start.shape, h_max);
+  const auto steps = static_cast<std::int64_t>(6 * degree);
+  std::map<double, double> known;
+  const auto per_step = [&](double h) {
+    const auto [at, is_new] = known.try_emplace(h);
+    // What obeys no recurrence is no limit of this mode.
+    if (is_new)
+      at->second = growth_of_recurrence(run, motion, degree, h, steps)
+                       .value_or(std::numeric_limits<double>::quiet_NaN());
+    return at->second;
+  };
+  if (std::isnan(per_step(0.999 * h_max)) || std::isnan(per_step(1.001 * h_max))) return std::nullopt;
+  const ExpectedGrowth expected{.above = 1, .beside = -infinity, .visible = 1e-5, .resolution = 2e-4,
+                                .least = static_cast<double>(steps)};
+  const GrowthAt growth = [&](double h, std::int64_t n) { return per_step(h) * static_cast<double>(n / 2); };
+  return observe_limit(growth, h_max, expected);
+}
+
 /// The same where the steps couple all modes, from the shape that begins to grow.
 Watch watch_coupled(const Prediction& row, const Linearised& near, const ModeStart& start,
                     const ShowSteps& run) {
@@ -270,6 +304,20 @@ Watch watch_coupled(const Prediction& row, const Linearised& near, const ModeSta
   return watch;
 }
 
+/// Whether something beside the limiting mode grows below its limit.
+bool others_grow(const Prediction& row, const Linearised& near, const ModeStart& start, const ShowSteps& run,
+                 std::int64_t steps) {
+  const MechanicalPart* part = near.point.model.mechanical ? &*near.point.model.mechanical : nullptr;
+  const double h = 0.999 * *row.h_max;
+  if (!part || !is_large(*part) || start.shape.size() == 0)
+    return observed_growth(run, start.distance, h, steps) > ExpectedGrowth{}.visible;
+  // Of a large structure as few steps as show a mode that is one percent faster, where positions and velocities are
+  // stepped, else ten. Beats of those nearest to the limit last longer, together they do not double the distance.
+  constexpr std::int64_t few = 24;
+  const Distance beside = distance_beside_shape(*part, near.point.model.y, start.shape, start.distance);
+  return observed_growth(run, beside, h, few) > std::log(2.0);
+}
+
 /// Limits are seen soonest in the amplitude of the mode that sets them, as long as no other grows below.
 ObservedLimit observe(const Method& method, const Prediction& row, const Linearised& near,
                       const ModeStart& start, const ShowSteps& run) {
@@ -280,12 +328,11 @@ ObservedLimit observe(const Method& method, const Prediction& row, const Lineari
   const auto at = std::ranges::min_element(
       row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - row.limiting->lambda); });
   const auto i = static_cast<std::size_t>(at - row.modes.begin());
-  if (const auto mode = watch_mode(method, row, near, start, run, i)) {
-    const ObservedLimit limit = observe_limit(mode->run, mode->distance, *row.h_max, mode->expected);
-    const bool others_grow =
-        observed_growth(run, start.distance, 0.999 * *row.h_max, limit.steps) > ExpectedGrowth{}.visible;
-    if (!others_grow) return limit;
-  }
+  std::optional<ObservedLimit> of_mode = observe_recurrence(method, row, near, start, run);
+  if (!of_mode)
+    if (const auto mode = watch_mode(method, row, near, start, run, i))
+      of_mode = observe_limit(mode->run, mode->distance, *row.h_max, mode->expected);
+  if (of_mode && !others_grow(row, near, start, run, of_mode->steps)) return *of_mode;
   const Watch all = watch_all(method, row, near, start, run, i);
   return observe_limit(all.run, all.distance, *row.h_max, all.expected);
 }
@@ -494,8 +541,8 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   if (free_rigid.cols() > 0) take_out_free_motions(free_rigid, near.point.model.mechanical->mass, start.displacement);
   // Where a mode is watched alone little is seen that is not its own.
   const double most_change = start.mode_alone ? 1e-7 : 1e-4;
-  const double size =
-      is_linear(problem) ? 1 : small_displacement(problem, near, start.displacement, most_change);
+  const bool linear = is_linear(problem) || near.point.kind == StateKind::matrices;
+  const double size = linear ? 1 : small_displacement(problem, near, start.displacement, most_change);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
   Finding finding = row.bound == Bound::stability

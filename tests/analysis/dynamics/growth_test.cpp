@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -98,6 +99,50 @@ TEST(WithoutRoots, LeavesWhatStepsMultiplyByAnotherRoot) {
       filtered(0.1, 100, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { left.push_back(y[0] - 7); }));
   ASSERT_EQ(left.size(), 101U);
   for (std::size_t n = 1; n < left.size(); ++n) EXPECT_NEAR(left[n] / left[n - 1], -1.01, 1e-7) << n;
+}
+
+/// What symplectic Euler makes of q'' = -q and, as little of it as rounding leaves, of q'' = -9 q.
+bool symplectic_steps(double h, std::int64_t steps,
+                      const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& show) {
+  Eigen::VectorXd y(4);
+  y << 1, 1e-14, 0.3, 1e-14;
+  for (std::int64_t n = 0; n <= steps; ++n) {
+    show(y);
+    y.tail(2) -= h * Eigen::Vector2d(1, 9).cwiseProduct(y.head(2));
+    y.head(2) += h * y.tail(2);
+  }
+  return true;
+}
+const MotionOf first_of_two = [](const Eigen::Ref<const Eigen::VectorXd>& y) {
+  return Eigen::Vector2d(y[0], y[2]);
+};
+
+TEST(GrowthOfRecurrence, TellsBothSidesOfALimitInADozenSteps) {
+  // zeta^2 - (2 - h^2) zeta + 1.
+  for (const double h : {0.5, 1.99, 1.9999}) {
+    const auto growth = growth_of_recurrence(symplectic_steps, first_of_two, 2, h, 12);
+    ASSERT_TRUE(growth) << h;
+    EXPECT_NEAR(*growth, 0, 1e-9) << h;
+  }
+  for (const double h : {2.0001, 2.01, 2.5}) {
+    const auto growth = growth_of_recurrence(symplectic_steps, first_of_two, 2, h, 12);
+    ASSERT_TRUE(growth) << h;
+    EXPECT_NEAR(*growth, 2 * std::acosh(h / 2), 1e-6) << h;
+  }
+  // A degree too many leaves a root that nothing is seen of.
+  EXPECT_NEAR(growth_of_recurrence(symplectic_steps, first_of_two, 3, 2.01, 18).value(), 2 * std::acosh(1.005), 1e-6);
+}
+
+TEST(GrowthOfRecurrence, SaysNothingOfWhatObeysNone) {
+  const MotionOf both = [](const Eigen::Ref<const Eigen::VectorXd>& y) {
+    return Eigen::Vector2d(y[0] + 1e13 * y[1], y[2]);
+  };
+  EXPECT_FALSE(growth_of_recurrence(symplectic_steps, both, 2, 0.5, 12));
+  const ShowSteps stops = [](double h, std::int64_t, const auto& show) {
+    symplectic_steps(h, 5, show);
+    return false;
+  };
+  EXPECT_TRUE(std::isinf(growth_of_recurrence(stops, first_of_two, 2, 0.5, 12).value()));
 }
 
 TEST(ObservedLimit, IsFoundWhereGrowthIsSlowAndAlone) {

@@ -260,5 +260,27 @@ TEST(MeshLimits, OfLargeMeshesNeedNoDenseMatrix) {
   EXPECT_NEAR(*row.h_max, 2 / std::sqrt(near.modes.curve->kappa_max), 0.01 * *row.h_max);
 }
 
+/// Beyond most_cheaply_factored degrees of freedom a step takes long: a few of them tell.
+TEST(MeshLimits, OfLargeMeshesAreObservedInAFewSteps) {
+  const auto body = [](double E) { return mesh_problem("fem_cauchy@cube:n=19", {{"E", E}}); };
+  const Problem problem = body(5000);
+  ASSERT_GT(problem.body->dofs(), most_cheaply_factored);
+  const Linearised near = linearised(problem);
+  for (const char* name : {"symplectic_euler", "stormer_verlet", "rk4", "bogacki_shampine_32"}) {
+    const Method method = find_method(name);
+    Prediction row = predict(method, near);
+    const Prediction predicted = row;
+    verify(row, method, problem, near);
+    ASSERT_TRUE(row.observed) << name << ' ' << row.note;
+    EXPECT_TRUE(row.observed->agrees) << name << ' ' << row.note;
+    EXPECT_LE(std::abs(row.observed->gap), 3e-4) << name;
+    EXPECT_LE(row.observed->steps, 24) << name;
+    row = predicted;
+    verify(row, method, body(5000 * 1.02), near);
+    ASSERT_TRUE(row.observed) << name;
+    EXPECT_TRUE(row.observed->contradicts()) << name;
+  }
+}
+
 }  // namespace
 }  // namespace hmax
