@@ -50,7 +50,8 @@ print(f"observed    {limit.observed:.8f} s, in runs of the method")
 # %%
 start = np.concatenate([np.exp(-0.1 * (np.arange(n) - 25.0) ** 2) * 0.01, np.zeros(n)])
 for factor in [0.99, 1.01]:
-    run = hmax.integrate("rk4", K=K, M=M, y0=start, t_end=5, h=factor * limit.h_max)
+    h = factor * limit.h_max
+    run = hmax.integrate("rk4", K=K, M=M, y0=start, t_end=h * round(5 / h), h=h)
     q, v = run.y[:, :n], run.y[:, n:]
     energy = 0.5 * m * (v**2).sum(axis=1) + 0.5 * np.einsum("ti,ti->t", q, (K @ q.T).T)
     plt.semilogy(run.t, energy / energy[0], label=f"h = {factor} h_max")
