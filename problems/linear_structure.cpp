@@ -154,10 +154,9 @@ LinearStructure<MatrixT>::LinearStructure(MatrixT K, MassMatrix<double> mass, Ma
 }
 
 template <class MatrixT>
-void LinearStructure<MatrixT>::jacobian(double, const State&, Jacobian& J) const {
-  const Index n = dofs();
-  const MatrixT &K = parts_->K, &C = parts_->C;
-  if (!parts_->mass.is_diagonal()) {
+void first_order_matrix(const MatrixT& K, const MassMatrix<double>& M, const MatrixT& C, MatrixT& J) {
+  const Index n = M.size();
+  if (!M.is_diagonal()) {
     if (n > most_coupled_masses)
       throw std::invalid_argument("the mass matrix couples " + std::to_string(n) +
                                   " degrees of freedom, and the Jacobian of such a structure is written up to " +
@@ -165,16 +164,15 @@ void LinearStructure<MatrixT>::jacobian(double, const State&, Jacobian& J) const
                                   "; take a method that uses stiffness and damping themselves, or lump the mass matrix");
     MatrixXd full = MatrixXd::Zero(2 * n, 2 * n);
     full.topRightCorner(n, n).setIdentity();
-    full.bottomLeftCorner(n, n) = -parts_->mass.solve(MatrixXd(K));
-    full.bottomRightCorner(n, n) = -parts_->mass.solve(MatrixXd(C));
+    full.bottomLeftCorner(n, n) = -M.solve(MatrixXd(K));
+    full.bottomRightCorner(n, n) = -M.solve(MatrixXd(C));
     if constexpr (std::is_same_v<MatrixT, MatrixXd>)
       J = std::move(full);
     else
       J = full.sparseView(0, -1);  // zeros as well: one pattern at all times
     return;
   }
-  const VectorXd& mass = parts_->mass.diagonal();
-  // (0, I; -M^-1 K, -M^-1 C).
+  const VectorXd& mass = M.diagonal();
   const auto write = [&](const auto& add) {
     for (Index i = 0; i < n; ++i) add(i, n + i, 1);
     each_entry(K, [&](Index i, Index j, double value) { add(n + i, j, -value / mass[i]); });
@@ -194,6 +192,8 @@ void LinearStructure<MatrixT>::jacobian(double, const State&, Jacobian& J) const
   }
 }
 
+template void first_order_matrix(const MatrixXd&, const MassMatrix<double>&, const MatrixXd&, MatrixXd&);
+template void first_order_matrix(const Sparse&, const MassMatrix<double>&, const Sparse&, Sparse&);
 template class LinearStructure<MatrixXd>;
 template class LinearStructure<Sparse>;
 

@@ -15,6 +15,13 @@
 
 namespace hmax {
 
+/// J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n), of a structure as a first-order system. Of an M that couples unknowns
+/// M^-1 K is full.
+/// @tparam MatrixT  Eigen::MatrixXd or Eigen::SparseMatrix<double>
+/// @throws std::invalid_argument  for such an M of more than most_coupled_masses rows
+template <class MatrixT>
+void first_order_matrix(const MatrixT& K, const MassMatrix<double>& M, const MatrixT& C, MatrixT& J);
+
 /// A linear structure, y = (q, v), shape (2 n). Copies share the matrices.
 /// @tparam MatrixT  Eigen::MatrixXd or Eigen::SparseMatrix<double>
 template <class MatrixT>
@@ -45,9 +52,10 @@ class LinearStructure {
     else
       dydt.tail(n) = -parts_->mass.solve(dydt.tail(n));
   }
-  /// Of an M that couples unknowns M^-1 K is full.
-  /// @throws std::invalid_argument  for such an M of more than most_coupled_masses rows
-  void jacobian(double, const State&, Jacobian& J) const;
+  /// @throws std::invalid_argument  as first_order_matrix
+  void jacobian(double, const State&, Jacobian& J) const {
+    first_order_matrix(parts_->K, parts_->mass, parts_->C, J);
+  }
   /// @throws std::invalid_argument  where M couples unknowns
   [[nodiscard]] Dofs mass() const { return parts_->mass.lumped(); }
   [[nodiscard]] const MassMatrix<double>& mass_matrix() const { return parts_->mass; }

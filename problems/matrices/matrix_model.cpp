@@ -251,8 +251,8 @@ void require_finite(const Structure& structure) {
 
 /// Sets K and C to those of the time t.
 void set_matrices_at(double t, MatrixModel& model) {
-  model.varying->combine(t, 1, 0, 0, model.mass, model.K);
-  if (model.facts.damped) model.varying->combine(t, 0, 1, 0, model.mass, model.C);
+  model.varying->combine(t, 1, 0, 0, model.K);
+  if (model.facts.damped) model.varying->combine(t, 0, 1, 0, model.C);
 }
 
 /// Puts the matrices into the model.
@@ -273,11 +273,9 @@ void settle(MatrixModel& model, Structure structure) {
     model.K.swap(structure.K.at.front());
     return;
   }
-  if (facts.coupled_mass)
-    fail(model.files.mass, "the mass matrix couples unknowns, and matrices that change with time take one mass for each; "
-                           "write mass=lumped:" + model.files.mass + ", which takes the sums of its rows");
   if (!facts.damped) structure.C = {};
-  model.varying = std::make_shared<const VaryingMatrices>(std::move(structure.K), std::move(structure.C));
+  model.varying = std::make_shared<const VaryingMatrices>(std::move(structure.K), std::move(structure.C),
+                                                          facts.coupled_mass ? model.M : structure.M);
   set_matrices_at(0, model);
 }
 
@@ -468,13 +466,13 @@ MatrixModel frozen(MatrixModel model, double t) {
 }
 
 AnySystem system_of(const MatrixModel& model, double alpha, double beta) {
-  if (model.varying) return AnySystem(VaryingStructure(model.varying, model.mass, alpha, beta));
   if (model.is_first_order()) return AnySystem(LinearFirstOrder{model.J});
+  const MassMatrix<double> M = model.coupled ? MassMatrix<double>(model.coupled) : MassMatrix<double>(model.mass);
+  if (model.varying) return AnySystem(VaryingStructure(model.varying, M, alpha, beta));
   const Index n = model.size();
   Sparse C(n, n);
   if (model.facts.damped) C = model.C;
   if (beta != 0) C += Sparse(beta * model.K);
-  const MassMatrix<double> M = model.coupled ? MassMatrix<double>(model.coupled) : MassMatrix<double>(model.mass);
   if (alpha != 0) C += Sparse(alpha * M.matrix());
   return AnySystem(LinearStructure<Sparse>(model.K, M, std::move(C)));
 }

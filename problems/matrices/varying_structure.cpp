@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "problems/matrix_entries.hpp"
+#include "problems/linear_structure.hpp"
 
 namespace hmax {
 namespace {
@@ -25,10 +25,10 @@ Sparse zeros_of(const Sparse& A) { return 0.0 * A; }
 
 }  // namespace
 
-VaryingMatrices::VaryingMatrices(MatrixSeries K, MatrixSeries C) {
+VaryingMatrices::VaryingMatrices(MatrixSeries K, MatrixSeries C, const Sparse& M) {
   pattern_.resize(K.at.front().rows(), K.at.front().cols());
   pattern_.setIdentity();
-  pattern_ *= 0.0;
+  pattern_ = Sparse(zeros_of(pattern_) + zeros_of(M));
   for (const MatrixSeries* series : {&K, &C})
     for (const Sparse& A : series->at) pattern_ = Sparse(pattern_ + zeros_of(A));
   pattern_.makeCompressed();
@@ -36,13 +36,18 @@ VaryingMatrices::VaryingMatrices(MatrixSeries K, MatrixSeries C) {
   std::ranges::set_union(K.varies() ? K.t : none, C.varies() ? C.t : none, std::back_inserter(times_));
   K_ = on_pattern(std::move(K));
   C_ = on_pattern(std::move(C));
+  M_ = on_pattern(M);
+}
+
+VectorXd VaryingMatrices::on_pattern(const Sparse& A) const {
+  const Sparse spread = pattern_ + A;
+  return spread.coeffs();
 }
 
 VaryingMatrices::Numbers VaryingMatrices::on_pattern(MatrixSeries series) const {
   Numbers numbers{.t = std::move(series.t), .values = {}};
   for (Sparse& A : series.at) {
-    const Sparse spread = pattern_ + A;
-    numbers.values.emplace_back(spread.coeffs());
+    numbers.values.push_back(on_pattern(A));
     A = Sparse();
   }
   return numbers;
@@ -87,64 +92,58 @@ void VaryingMatrices::subtract_force_rates(double t, double beta, const ConstVec
   subtract(rate_of(K_, t), rate_of(C_, t), beta, q, v, f);
 }
 
-void VaryingMatrices::combine(double t, double k, double c, double m, const VectorXd& mass, Sparse& A) const {
+void VaryingMatrices::combine(double t, double k, double c, double m, Sparse& A) const {
   if (A.rows() != pattern_.rows() || A.nonZeros() != pattern_.nonZeros()) A = pattern_;
   const Part K = value_of(K_, t), C = value_of(C_, t);
-  const int* const begin = pattern_.outerIndexPtr();
-  const int* const row = pattern_.innerIndexPtr();
-  for (Index j = 0; j < pattern_.cols(); ++j)
-    for (Index i = begin[j]; i < begin[j + 1]; ++i)
-      A.valuePtr()[i] = k * K(i) + c * C(i) + (row[i] == j ? m * mass[j] : 0);
+  for (Index i = 0; i < M_.size(); ++i) A.valuePtr()[i] = k * K(i) + c * C(i) + m * M_[i];
 }
 
-VaryingStructure::VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, VectorXd mass, double alpha,
-                                   double beta)
+VaryingStructure::VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, MassMatrix<double> mass,
+                                   double alpha, double beta)
     : matrices_(std::move(matrices)), mass_(std::move(mass)), alpha_(alpha), beta_(beta) {}
+
+void VaryingStructure::divide_by_mass(Eigen::Ref<VectorXd> f) const {
+  if (mass_.is_diagonal())
+    f.array() /= mass_.diagonal().array();
+  else
+    f = mass_.solve(f);
+}
 
 void VaryingStructure::rhs(double t, const State& y, State& dydt) const {
   const Index n = dofs();
   dydt.head(n) = y.tail(n);
-  dydt.tail(n) = -alpha_ * mass_.cwiseProduct(y.tail(n));
+  dydt.tail(n).setZero();
   matrices_->subtract_forces(t, beta_, y.head(n), y.tail(n), dydt.tail(n));
-  dydt.tail(n).array() /= mass_.array();
+  divide_by_mass(dydt.tail(n));
+  dydt.tail(n) -= alpha_ * y.tail(n);
 }
 
 void VaryingStructure::time_derivative(double t, const State& y, State& dfdt) const {
   const Index n = dofs();
   dfdt.setZero();
   matrices_->subtract_force_rates(t, beta_, y.head(n), y.tail(n), dfdt.tail(n));
-  dfdt.tail(n).array() /= mass_.array();
+  divide_by_mass(dfdt.tail(n));
 }
 
-// (0, I; -M^-1 K, -M^-1 C).
 void VaryingStructure::jacobian(double t, const State& /*y*/, Jacobian& J) const {
-  const Index n = dofs();
   Sparse K, C;
-  matrices_->combine(t, 1, 0, 0, mass_, K);
-  matrices_->combine(t, beta_, 1, alpha_, mass_, C);
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(n + K.nonZeros() + C.nonZeros()));
-  const auto add = [&](Index i, Index j, double value) {
-    entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
-  };
-  for (Index i = 0; i < n; ++i) add(i, n + i, 1);
-  each_entry(K, [&](Index i, Index j, double value) { add(n + i, j, -value / mass_[i]); });
-  each_entry(C, [&](Index i, Index j, double value) { add(n + i, n + j, -value / mass_[i]); });
-  J.resize(2 * n, 2 * n);
-  J.setFromTriplets(entries.begin(), entries.end());
+  matrices_->combine(t, 1, 0, 0, K);
+  matrices_->combine(t, beta_, 1, alpha_, C);
+  first_order_matrix(K, mass_, C, J);
 }
 
 void VaryingStructure::force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
-  f = -alpha_ * mass_.cwiseProduct(v);
+  f.setZero();
+  if (alpha_ != 0) f = -alpha_ * mass_.times(v);
   matrices_->subtract_forces(t, beta_, q, v, f);
 }
 
 void VaryingStructure::stiffness(double t, const Dofs&, const Dofs&, DofMatrix& K) const {
-  matrices_->combine(t, 1, 0, 0, mass_, K);
+  matrices_->combine(t, 1, 0, 0, K);
 }
 
 void VaryingStructure::damping(double t, const Dofs&, const Dofs&, DofMatrix& C) const {
-  matrices_->combine(t, beta_, 1, alpha_, mass_, C);
+  matrices_->combine(t, beta_, 1, alpha_, C);
 }
 
 }  // namespace hmax

@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/mass_matrix.hpp"
+
 namespace hmax {
 
 /// A matrix at several times, rising; one time: it does not change.
@@ -17,12 +19,13 @@ struct MatrixSeries {
   [[nodiscard]] bool varies() const { return t.size() > 1; }
 };
 
-/// K(t) and C(t), linear between the given times, and before and after all of them the nearest. Their numbers
-/// stand on one pattern, which also holds the diagonal.
+/// K(t) and C(t), linear between the given times, and before and after all of them the nearest. Their numbers and
+/// those of M stand on one pattern, which also holds the diagonal.
 class VaryingMatrices {
  public:
   /// @param C  empty without damping
-  VaryingMatrices(MatrixSeries K, MatrixSeries C);
+  /// @param M  of all times, of the shape of K
+  VaryingMatrices(MatrixSeries K, MatrixSeries C, const Eigen::SparseMatrix<double>& M);
 
   /// The times of both, rising [s].
   [[nodiscard]] const std::vector<double>& times() const { return times_; }
@@ -34,9 +37,8 @@ class VaryingMatrices {
   /// The same with dK/dt and dC/dt, at a given time those behind it.
   void subtract_force_rates(double t, double beta, const Eigen::Ref<const Eigen::VectorXd>& q,
                             const Eigen::Ref<const Eigen::VectorXd>& v, Eigen::Ref<Eigen::VectorXd> f) const;
-  /// A = k K(t) + c C(t) + m diag(mass), on the one pattern.
-  void combine(double t, double k, double c, double m, const Eigen::VectorXd& mass,
-               Eigen::SparseMatrix<double>& A) const;
+  /// A = k K(t) + c C(t) + m M, on the one pattern.
+  void combine(double t, double k, double c, double m, Eigen::SparseMatrix<double>& A) const;
 
  private:
   struct Numbers {
@@ -53,15 +55,17 @@ class VaryingMatrices {
   static Part rate_of(const Numbers& numbers, double t);
   void subtract(const Part& K, const Part& C, double beta, const Eigen::Ref<const Eigen::VectorXd>& q,
                 const Eigen::Ref<const Eigen::VectorXd>& v, Eigen::Ref<Eigen::VectorXd> f) const;
+  [[nodiscard]] Eigen::VectorXd on_pattern(const Eigen::SparseMatrix<double>& A) const;
   [[nodiscard]] Numbers on_pattern(MatrixSeries series) const;
 
   Eigen::SparseMatrix<double> pattern_;
   Numbers K_, C_;
+  Eigen::VectorXd M_;  ///< on the pattern
   std::vector<double> times_;
 };
 
-/// The structure of such matrices, lumped masses and Rayleigh damping alpha M + beta K(t), y = (q, v), shape
-/// (2 n). Copies share the matrices.
+/// The structure of such matrices with Rayleigh damping alpha M + beta K(t), y = (q, v), shape (2 n). Copies share the
+/// matrices.
 class VaryingStructure {
  public:
   using State = Eigen::VectorXd;
@@ -69,24 +73,30 @@ class VaryingStructure {
   using DofMatrix = Eigen::SparseMatrix<double>;
   using Jacobian = Eigen::SparseMatrix<double>;
 
-  /// @param mass   the diagonal of M, shape (n) [kg], all positive
+  /// @param mass   the M of the matrices, shape (n, n) [kg]
   /// @param alpha  [1/s]
   /// @param beta   [s]
-  VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, Eigen::VectorXd mass, double alpha, double beta);
+  VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, MassMatrix<double> mass, double alpha, double beta);
 
   [[nodiscard]] Eigen::Index dofs() const { return mass_.size(); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
   void rhs(double t, const State& y, State& dydt) const;
+  /// @throws std::invalid_argument  as first_order_matrix
   void jacobian(double t, const State& y, Jacobian& J) const;
   void time_derivative(double t, const State& y, State& dfdt) const;
-  [[nodiscard]] Dofs mass() const { return mass_; }
+  /// @throws std::invalid_argument  where M couples unknowns
+  [[nodiscard]] Dofs mass() const { return mass_.lumped(); }
+  [[nodiscard]] const MassMatrix<double>& mass_matrix() const { return mass_; }
   void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const;
   void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const;
   void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const;
 
  private:
+  /// f = M^-1 f.
+  void divide_by_mass(Eigen::Ref<Eigen::VectorXd> f) const;
+
   std::shared_ptr<const VaryingMatrices> matrices_;
-  Eigen::VectorXd mass_;
+  MassMatrix<double> mass_;
   double alpha_, beta_;
 };
 

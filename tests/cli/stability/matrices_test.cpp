@@ -102,6 +102,26 @@ TEST(MatricesOfAUser, ThatChangeWithTimeHaveTheLeastLimitOfAllTimes) {
   EXPECT_EQ(shell.hmax("advise --json --rate 100 --frames 20 --methods rk4,newmark " + series).exit_code, 0);
 }
 
+TEST(MatricesOfAUser, ThatChangeWithTimeMayHaveACoupledMass) {
+  const Shell shell;
+  write_chain(shell);
+  // Consistent masses of a bar.
+  write(shell, "M.mtx",
+        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 0.6\n2 1 0.15\n2 2 0.6\n3 2 0.15\n3 3 0.3\n");
+  write(shell, "stiffer.mtx",
+        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 800\n2 1 -400\n2 2 800\n3 2 -400\n3 3 400\n");
+  write(shell, "K.txt", "0 K.mtx\n1 stiffer.mtx\n2 K.mtx\n");
+  const json still = rows_of(shell, chain, "rk4,newmark");
+  const json rows = rows_of(shell, "--matrices stiffness=series:K.txt,mass=M.mtx --verify", "rk4,newmark");
+  const double start = rows[0].at("h_max").get<double>();
+  EXPECT_NEAR(start / still[0].at("h_max").get<double>(), 1, 1e-12);
+  EXPECT_LT(std::abs(rows[0].at("gap").get<double>()), 1e-3);
+  EXPECT_NEAR(rows[0].at("along").at("h_min").get<double>() / start, 0.5, 1e-12);
+  EXPECT_GT(rows[0].at("observed_from_start").get<double>(), 0.5 * start);
+  EXPECT_LT(rows[0].at("observed_from_start").get<double>(), start);
+  EXPECT_EQ(rows[1].at("h_max"), still[1].at("h_max"));
+}
+
 TEST(MatricesOfAUser, WithLagrangeMultipliersHaveLimitsThatRunsShow) {
   const Shell shell;
   write_chain(shell);

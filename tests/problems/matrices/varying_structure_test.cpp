@@ -1,10 +1,17 @@
 #include "problems/matrices/varying_structure.hpp"
 
+#include <Eigen/Dense>
+
+#include "integrators/explicit/explicit_rk.hpp"
+#include "integrators/explicit/tableaux.hpp"
+#include "integrators/integrate.hpp"
+#include "integrators/structural/generalized_alpha.hpp"
 #include "tests/problems/matrices/matrix_folder.hpp"
 
 namespace hmax {
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -79,6 +86,73 @@ TEST_F(MatricesInTime, HaveTheTimeDerivativeOfDifferences) {
   }
 }
 
+TEST_F(MatricesInTime, MayHaveAMassThatCouplesUnknowns) {
+  // M has places that no K has.
+  const Index n = 4;
+  MatrixXd M = 2 * MatrixXd::Identity(n, n);
+  M(0, 3) = M(3, 0) = 0.5;
+  M(1, 2) = M(2, 1) = -0.25;
+  write("K0.mtx", chain(n));
+  write("K1.mtx", 3 * chain(n));
+  MatrixFiles given = files(chain(n), M);
+  given.stiffness = write("K.txt", "0 K0.mtx\n2 K1.mtx\n");
+  given.stiffness_series = true;
+  const double alpha = 0.1, beta = 0.2, t = 0.5;
+  const AnySystem system = system_of(read_matrix_model(given), alpha, beta);
+  EXPECT_EQ(MatrixXd(system.mass_matrix().matrix()), M);
+  const MatrixXd K = 1.5 * chain(n), C = alpha * M + beta * K, inverse = M.inverse();
+  EXPECT_NEAR((stiffness_of(system, t) - K).norm(), 0, 1e-14);
+  EXPECT_NEAR((damping_of(system, t) - C).norm(), 0, 1e-14);
+  const VectorXd q = VectorXd::LinSpaced(n, 1, 2), v = VectorXd::LinSpaced(n, -1, 3);
+  VectorXd f(n), y(2 * n), rates(2 * n), rate_in_time(2 * n), expected(2 * n);
+  system.force(t, q, v, f);
+  EXPECT_NEAR((f + K * q + C * v).norm(), 0, 1e-13);
+  y << q, v;
+  system.rhs(t, y, rates);
+  expected << v, -inverse * (K * q + C * v);
+  EXPECT_NEAR((rates - expected).norm(), 0, 1e-13);
+  system.time_derivative(t, y, rate_in_time);
+  expected << VectorXd::Zero(n), -inverse * chain(n) * (q + beta * v);
+  EXPECT_NEAR((rate_in_time - expected).norm(), 0, 1e-13);
+  AnySystem::Jacobian J;
+  system.jacobian(t, y, J);
+  EXPECT_NEAR((std::get<1>(J) * y - rates).norm(), 0, 1e-13);
+}
+
+TEST_F(MatricesInTime, OfACoupledMassMoveAsTheirModesDo) {
+  // K(t) = k(t) K(0) keeps the modes: each moves as one mass on the spring k(t) omega^2.
+  const Index n = 4;
+  MatrixXd M = 2 * MatrixXd::Identity(n, n);
+  M(0, 1) = M(1, 0) = M(2, 3) = M(3, 2) = 0.5;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(chain(n), M);
+  write("K0.mtx", chain(n));
+  write("K1.mtx", 3 * chain(n));
+  MatrixFiles given = files(chain(n), M);
+  given.stiffness = write("K.txt", "0 K0.mtx\n2 K1.mtx\n");
+  given.stiffness_series = true;
+  const auto end_of = [](const MatrixFiles& files, const VectorXd& q, auto stepper) {
+    VectorXd y = VectorXd::Zero(2 * q.size());
+    y.head(q.size()) = q;
+    integrate(stepper, system_of(read_matrix_model(files), 0, 0.01), Span<double>{0, 2}, y, FixedStep(0.02));
+    return y;
+  };
+  const auto expect_alike = [&](auto stepper) {
+    for (Index i = 0; i < n; ++i) {
+      const MatrixXd kappa = MatrixXd::Constant(1, 1, modes.eigenvalues()[i]);
+      write("k0.mtx", kappa);
+      write("k1.mtx", 3 * kappa);
+      MatrixFiles one{.stiffness = write("k.txt", "0 k0.mtx\n2 k1.mtx\n"), .mass = write("m.mtx", MatrixXd::Ones(1, 1))};
+      one.stiffness_series = true;
+      const VectorXd shape = modes.eigenvectors().col(i), y = end_of(given, shape, stepper),
+                     alone = end_of(one, VectorXd::Ones(1), stepper);
+      EXPECT_NEAR((y.head(n) - alone[0] * shape).norm(), 0, 1e-12) << i;
+      EXPECT_NEAR((y.tail(n) - alone[1] * shape).norm(), 0, 1e-12) << i;
+    }
+  };
+  expect_alike(Rk<tableaux::Rk4, VectorXd>{});
+  expect_alike(GeneralizedAlpha<VectorXd, VectorXd, AnySystem::DofMatrix>(newmark_parameters(0.25L, 0.5L)));
+}
+
 TEST_F(MatricesInTime, FrozenOnesAreThoseOfTheirTime) {
   write("K0.mtx", chain(3));
   write("K1.mtx", 3 * chain(3));
@@ -125,8 +199,6 @@ TEST_F(MatricesInTime, AreRefusedWithFileLineAndRemedy) {
   expect("0 K0.mtx\n1 K9.mtx\n", "there is no file");
   expect("0 K0.mtx\n1 K1.mtx\n", "K1.mtx: the matrix has the shape 4 x 4 but must have 3 x 3");
   expect("0 K0.mtx\n1\n", "line 2: the line has 1 words");
-  given.mass = write("M.mtx", MatrixXd{{2, 1, 0}, {1, 2, 1}, {0, 1, 2}});
-  expect("0 K0.mtx\n1 K0.mtx\n", "write mass=lumped:");
 }
 
 }  // namespace
