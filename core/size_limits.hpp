@@ -12,8 +12,7 @@ namespace hmax {
 /// 4000^2 doubles of 8 bytes are 128 MB; the QR algorithm takes some 10 n^3 operations for eigenvalues
 /// alone and 25 n^3 with the Schur form and its vectors (Golub and Van Loan, Matrix Computations).
 inline constexpr std::ptrdiff_t most_dense_rows = 4000;
-/// Rows of a dense mass matrix that couples degrees of freedom, whose Cholesky factor takes n^3 / 3 operations, and of a
-/// sparse one where M^-1 K is needed as one matrix, which is full.
+/// Rows of a mass matrix that couples degrees of freedom where M^-1 K is needed as one matrix, which is full.
 inline constexpr std::ptrdiff_t most_coupled_masses = 1500;
 /// Rows of a companion matrix whose eigenvalues are asked for at one step size after another.
 inline constexpr std::ptrdiff_t most_coupled_rows = 1500;

@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "problems/digits.hpp"
 #include "problems/matrix_entries.hpp"
 
@@ -77,39 +75,9 @@ VectorXd lumped_masses(const StructureMatrix& M) {
   return std::visit([](const auto& held) { return VectorXd(held.diagonal()); }, M);
 }
 
-MassMatrix<double> coupled_masses(const StructureMatrix& M) {
-  const auto* const sparse = std::get_if<Sparse>(&M);
-  return MassMatrix<double>(
-      std::make_shared<const CoupledMass>(sparse != nullptr ? *sparse : Sparse(std::get<MatrixXd>(M).sparseView())));
-}
-
-/// M = L L^T of a dense structure.
-Eigen::LLT<MatrixXd> factor_of(const StructureMatrix& M) {
-  const Index n = rows_of(M);
-  if (n > most_coupled_masses)
-    throw std::invalid_argument("M couples degrees of freedom and has " + std::to_string(n) +
-                                " rows; with dense matrices such a mass is taken up to " +
-                                std::to_string(most_coupled_masses) + " rows, so give sparse K, M and C");
-  const MatrixXd full = dense_of(M);
-  if (!((full - full.transpose()).cwiseAbs().maxCoeff() <= 1e-10 * full.cwiseAbs().maxCoeff()))
-    throw std::invalid_argument("M is not symmetric; give a symmetric mass matrix, or a vector of masses");
-  Eigen::LLT<MatrixXd> factor(full);
-  if (factor.info() != Eigen::Success)
-    throw std::invalid_argument(
-        "M is not positive definite; check elements without density, and elements with too few integration points");
-  return factor;
-}
-
-/// L^-1 A L^-T, which has the eigenvalues of M^-1 A.
-/// L^-1 A L^-T, symmetric to the last bit where A is: rounding must not pass for a triangle.
-MatrixXd scaled_by(const Eigen::LLT<MatrixXd>& factor, const StructureMatrix& A) {
-  const MatrixXd whole = dense_of(A);
-  MatrixXd scaled = factor.matrixL().solve(whole);
-  scaled.transposeInPlace();
-  factor.matrixL().solveInPlace(scaled);
-  scaled.transposeInPlace();
-  if (whole == whole.transpose()) scaled = (0.5 * (scaled + scaled.transpose())).eval();
-  return scaled;
+Sparse sparse_of(StructureMatrix matrix) {
+  auto* const sparse = std::get_if<Sparse>(&matrix);
+  return sparse != nullptr ? std::move(*sparse) : Sparse(std::get<MatrixXd>(matrix).sparseView());
 }
 
 /// Methods add M to K and C in place, which takes stored entries where M has some; of damped structures K and C have one
@@ -209,11 +177,10 @@ AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix
     // Shapes are told of the matrices as they were given.
     for (const auto& [matrix, name] : {std::pair{&K, "K"}, {&M, "M"}, {&C, "C"}})
       std::visit([&, name = name](const auto& held) { require_whole(held, name, n); }, *matrix);
-    if (sparse)
-      return AnySystem(LinearStructure<Sparse>(std::move(*sparse_K), coupled_masses(M), std::move(*sparse_C)));
-    const Eigen::LLT<MatrixXd> factor = factor_of(M);
-    return AnySystem(
-        LinearStructure<MatrixXd>(scaled_by(factor, K), VectorXd::Ones(n), scaled_by(factor, C)));
+    // Dense ones too: methods and limits divide by a mass that couples with sparse K and C.
+    return AnySystem(LinearStructure<Sparse>(
+        sparse_of(std::move(K)), MassMatrix<double>(std::make_shared<const CoupledMass>(sparse_of(std::move(M)))),
+        sparse_of(std::move(C))));
   }
   if (sparse)
     return AnySystem(LinearStructure<Sparse>(std::move(*sparse_K), std::move(mass), std::move(*sparse_C)));

@@ -122,9 +122,7 @@ AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix
 /// The system M q'' + C q' + K q = 0, y = (q, v), of any Eigen matrices, dense or sparse.
 /// @param K  stiffness, shape (n, n) [N/m]
 /// @param M  masses [kg]: a vector of n, or a matrix of shape (n, n), which may couple degrees of freedom as a
-///           consistent mass matrix does. For dense matrices, of at most most_coupled_masses rows, the states are
-///           then L^T q and L^T v with M = L L^T, which leaves the eigenvalues and every limit as they are. For
-///           sparse K and C of any size they are q and v.
+///           consistent mass matrix does
 /// @param C  damping, shape (n, n) [N s/m]
 /// @throws std::invalid_argument  for other shapes, numbers that are not finite, masses that are not
 /// positive, mass matrices that are not symmetric, and matrices of which only one triangle is stored

@@ -57,12 +57,7 @@ def structure(K: Optional[Matrix], M: Optional[Matrix], C: Optional[Matrix]) -> 
     if K is None or M is None:
         missing = "K" if K is None else "M"
         raise ValueError(f"{missing} is missing; give the stiffness K and the mass M, or the Jacobian J of y' = J y")
-    given = matrix("K", K), masses(M), None if C is None else matrix("C", C)
-    if given[1].ndim == 1 or given[1].shape[0] != given[1].shape[1]:
-        return given
-    # Runs with a mass that couples unknowns are fast with sparse matrices alone.
-    by_columns = [A if A is None or sparse.issparse(A) or not A.size else sparse.csc_matrix(A) for A in given]
-    return by_columns[0], by_columns[1], by_columns[2]
+    return matrix("K", K), masses(M), None if C is None else matrix("C", C)
 
 
 def count(name: str, given: Any, least: int = 1) -> int:
