@@ -15,12 +15,17 @@ namespace hmax {
 
 namespace {
 
+/// The system of a problem whose mass couples unknowns; null of others.
+const AnySystem* with_coupled_mass(const Problem& problem) {
+  const auto* any = std::get_if<AnySystem>(&problem.system);
+  return any != nullptr && any->dofs() > 0 && !any->mass_matrix().is_diagonal() ? any : nullptr;
+}
+
 /// Whether the method solves for the diagonal of the damping alone, and the masses are not lumped.
 bool lacks_lumped_masses(const Method& method, const Problem& problem) {
-  const auto* any = std::get_if<AnySystem>(&problem.system);
-  if (any == nullptr || any->dofs() == 0 || !method.amplification || !method.amplification->motion ||
-      method.amplification->motion->lumped.empty() || any->mass_matrix().is_diagonal())
-    return false;
+  if (!method.amplification || !method.amplification->motion || method.amplification->motion->lumped.empty()) return false;
+  const AnySystem* const any = with_coupled_mass(problem);
+  if (any == nullptr) return false;
   const Eigen::VectorXd q = problem.y0.head(any->dofs()), v = problem.y0.tail(any->dofs());
   AnySystem::DofMatrix C;
   any->damping(0, q, v, C);
@@ -155,6 +160,12 @@ void check_structure(const Method& method, const Problem& problem) {
         fmt::format("{} solves for the diagonal of the damping alone, which takes lumped masses; take explicit_newmark, "
                     "which solves for all of it, or lump the mass matrix",
                     method.id));
+  if (const AnySystem* const any = with_coupled_mass(problem);
+      any != nullptr && method.dense_equations && any->dofs() > most_coupled_masses)
+    throw InputError(
+        fmt::format("{} takes M^-1 K as one matrix, which is full, and the mass couples {} unknowns, more than {}; take "
+                    "another implicit method, or lump the mass matrix",
+                    method.id, any->dofs(), most_coupled_masses));
   if (method.needs_split && !has_split(problem))
     throw InputError(
         fmt::format("{} needs a problem that declares a stiff part, which {} does not; choose another "

@@ -11,6 +11,7 @@
 #include "bench/models/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -37,6 +38,17 @@ void require_usual_rates(const Spectrum& spectrum) {
           "the range of numbers; give masses, stiffness and damping in units of one size",
           std::isfinite(std::abs(lambda)) ? fmt::format("of {:.3g} 1/s", std::abs(lambda)) : "without a size",
           most));
+}
+
+/// @throws InputError  where eigenvalues would be those of an M^-1 K that is full and too large
+void require_writable_jacobian(const LinearModel& model) {
+  if (!model.mechanical || model.mechanical->symmetric) return;
+  const MassMatrix<double>& M = model.mechanical->mass;
+  if (M.is_diagonal() || M.size() <= most_coupled_masses) return;
+  throw InputError(fmt::format(
+      "the matrices are not symmetric, and the mass couples {} unknowns, of which limits are known up to {}; lump the mass, "
+      "which changes the limit, or see with a run whether a step holds",
+      M.size(), most_coupled_masses));
 }
 
 }  // namespace
@@ -85,8 +97,10 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
 
 ModeSet mode_set(const LinearModel& model, bool is_body) {
   ModeSet modes;
-  if (!set_curve(model, modes, most_dense_modes, is_body) && !set_range(model, modes) && !set_largest(model, modes))
-    modes.spectrum = spectrum_of(model);
+  if (!set_curve(model, modes, most_dense_modes, is_body) && !set_range(model, modes)) {
+    require_writable_jacobian(model);
+    if (!set_largest(model, modes)) modes.spectrum = spectrum_of(model);
+  }
   require_usual_rates(modes.spectrum);
   return modes;
 }

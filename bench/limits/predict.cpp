@@ -1,6 +1,7 @@
 #include "bench/limits/predict.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -110,6 +111,24 @@ Mode growing_of(const MechanicalMode& oscillation) {
   return mode;
 }
 
+/// The one of modes that grow, given by their numbers, that grows fastest.
+std::size_t fastest_of(const std::vector<std::size_t>& growing, const std::vector<Complex>& lambda) {
+  return *std::ranges::max_element(growing, {}, [&](std::size_t i) { return lambda[i].real(); });
+}
+
+/// The end of a curve of modes that grows, of both the one that grows faster: no mode between grows faster still.
+std::optional<MechanicalMode> growing_end(const MechanicalPart& part, const ModeSet& modes) {
+  DampingCurve curve = *modes.curve;
+  if (modes.slow_end && curve.alpha < 0) curve.kappa_min = modes.slow_end->of(part, curve);
+  const std::array<MechanicalMode, 2> ends{curve.at(curve.kappa_min), curve.at(curve.kappa_max)};
+  std::vector<Complex> lambda;
+  for (const MechanicalMode& end : ends)
+    for (const Complex each : eigenvalues_of(end)) lambda.push_back(each);
+  if (const auto growing = growing_modes(lambda); !growing.empty()) return ends.at(fastest_of(growing, lambda) / 2);
+  if (curve.kappa_min < 0) return ends[0];
+  return std::nullopt;
+}
+
 void is_of_growing_model(Prediction& row, const Mode& mode, const OperatingPoint& point) {
   row.bound = Bound::model;
   row.limiting = mode;
@@ -127,7 +146,7 @@ void is_of_growing_model(Prediction& row, const Mode& mode, const OperatingPoint
   else
     row.note = fmt::format(
         "the model itself grows as exp({:.4g} t) here: an eigenvalue has a positive real part, which no step changes; "
-        "the limits that steps have are those along its motion, `--along motion`",
+        "the limits that steps have are those along its motion, see `hmax stability predict --along motion`",
         lambda.real());
 }
 
@@ -147,8 +166,8 @@ void conclude(Prediction& row, double h_max, const Mode& mode, const Method& met
 /// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
 void predict_on_curve(Prediction& row, const Method& method, const OperatingPoint& point,
                       const ModeSet& modes) {
-  if (modes.curve->kappa_min < 0)
-    return is_of_growing_model(row, growing_of(modes.curve->at(modes.curve->kappa_min)), point);
+  if (const auto growing = growing_end(*point.model.mechanical, modes))
+    return is_of_growing_model(row, growing_of(*growing), point);
   LimitOnCurve limit = limit_on_curve(*method.amplification, *point.model.mechanical, modes,
                                       radius_told(method, point, modes));
   row.modes = std::move(limit.modes);
@@ -194,7 +213,8 @@ void predict_from_largest(Prediction& row, const Method& method, const Operating
   for (const Mode& mode : all) told.emplace_back(mode.lambda).radius = radius_told(method, point, modes);
   const StepLimit limit = largest_stable_step(*method.amplification, told);
   for (std::size_t i = 0; i < all.size(); ++i) row.modes.push_back({all[i], limit.of_modes[i], told[i]});
-  if (!limit.growing.empty()) return is_of_growing_model(row, all[limit.growing.front()], point);
+  if (!limit.growing.empty())
+    return is_of_growing_model(row, all[fastest_of(limit.growing, lambda_of(all))], point);
   row.unstable_from = limit.h_max;
   row.note = fmt::format(
       "only the fastest modes of {} states without symmetric matrices are known; {}, and `hmax run` with --method and "
@@ -213,8 +233,9 @@ void predict_coupled(Prediction& row, const Method& method, const OperatingPoint
     row.modes.push_back({mode, std::numeric_limits<double>::quiet_NaN(), Eigenmode(mode.lambda)});
   if (modes.range && modes.range->growing)
     return is_of_growing_model(row, mode_of(*modes.range->growing), point);
-  if (const auto growing = growing_modes(lambda_of(all)); !growing.empty())
-    return is_of_growing_model(row, all[growing.front()], point);
+  const std::vector<Complex> lambda = lambda_of(all);
+  if (const auto growing = growing_modes(lambda); !growing.empty())
+    return is_of_growing_model(row, all[fastest_of(growing, lambda)], point);
   const MechanicalPart& part = *point.model.mechanical;
   const MotionMap& map = *method.amplification->motion;
   if (modes.range) row.coupled = proved_first_exit(map, part, *method.amplification);
@@ -259,9 +280,11 @@ void predict_by_modes(Prediction& row, const Method& method, const OperatingPoin
                                           : largest_stable_step(amplification, told);
   for (std::size_t i = 0; i < all.size(); ++i) row.modes.push_back({all[i], limit.of_modes[i], told[i]});
   if (limit.growing.empty()) return conclude(row, limit.h_max, all[limit.limiting], method, point);
-  const std::size_t first = limit.growing.front();
-  is_of_growing_model(row, of_oscillations ? growing_of(modes.spectrum.mechanical[first]) : all[first],
-                      point);
+  if (!of_oscillations) return is_of_growing_model(row, all[fastest_of(limit.growing, lambda)], point);
+  std::vector<Complex> faster;
+  for (const MechanicalMode& oscillation : modes.spectrum.mechanical)
+    faster.push_back(eigenvalues_of(oscillation)[0]);
+  is_of_growing_model(row, growing_of(modes.spectrum.mechanical[fastest_of(limit.growing, faster)]), point);
 }
 
 }  // namespace
