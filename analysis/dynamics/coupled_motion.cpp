@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -359,18 +360,26 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
   if (rows > most_coupled_rows) return std::nullopt;
   // Larger systems have denser spectra and dearer eigenproblems.
   const double ratio = rows <= 60 ? 1.05 : rows <= 240 ? 1.2 : 1.5;
-  const auto is_stable = [&](double h) { return spectral_radius(h) <= 1 + rounding_; };
+  const auto growth_at = [&](double h) { return spectral_radius(h) - 1; };
+  const auto is_stable = [&](double h) { return growth_at(h) <= rounding_; };
   // Well below 1 / rate_, the fastest time scale of the model.
   double stable = 0.1 / rate_;
-  if (!is_stable(stable)) {
+  if (double growth = growth_at(stable); growth > rounding_) {
     // Smaller steps, down to where one of every size must be unstable.
-    double unstable = stable;
+    double unstable = stable, last = infinity, before = infinity;
     do {
       unstable = stable;
+      before = std::exchange(last, growth);
       stable /= 4;
       if (stable < 1e-5 / rate_) return CoupledLimit{.h_max = 0};
-    } while (!is_stable(stable));
-    return refined(stable, unstable);
+      growth = growth_at(stable);
+    } while (growth > rounding_);
+    CoupledLimit limit = refined(stable, unstable);
+    // Growth that fades no faster than h^4 ends nowhere but in rounding: gyroscopic forces of the velocities before a step
+    // amplify by O(h^2). Beyond a step where stability ends it is large.
+    constexpr double fading = 256;
+    if (last <= fading * rounding_ && before <= fading * last) limit.h_max = 0;
+    return limit;
   }
   // A root is -1 where P(-1, h) ceases to be definite, so the first exit is not beyond it. Without such
   // a step the strides end at 1e4 / rate_.

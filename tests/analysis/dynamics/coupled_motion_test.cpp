@@ -159,6 +159,26 @@ TEST(CoupledMotion, NeedNotBeSymmetric) {
   }
 }
 
+TEST(CoupledMotion, OfGyroscopicForcesIsAmplifiedByEveryStepOfExplicitMethods) {
+  // q1'' + g q2' + k1 q1 = 0, q2'' - g q1' + k2 q2 = 0.
+  const MatrixXd K = Eigen::Vector2d(200, 100).asDiagonal(), gyroscopic{{0, 1.5}, {-1.5, 0}};
+  const auto part = [&](double c) {
+    return mechanical_part(Eigen::VectorXd::Ones(2), K, MatrixXd(gyroscopic + c * MatrixXd::Identity(2, 2)));
+  };
+  const Amplification euler = symplectic_euler_amplification();
+  const CoupledMotion undamped(*euler.motion, part(0));
+  // Growth of h^2: half the step has a quarter of it.
+  EXPECT_NEAR((undamped.spectral_radius(1e-3) - 1) / (undamped.spectral_radius(5e-4) - 1), 4, 0.05);
+  EXPECT_GT(undamped.spectral_radius(1e-3), 1 + 1e-7);
+  EXPECT_EQ(undamped.first_exit(euler).value().h_max, 0);
+  // Damping that outweighs the growth up to some step leaves a limit.
+  const CoupledMotion damped(*euler.motion, part(0.01));
+  const double h = damped.first_exit(euler).value().h_max;
+  EXPECT_GT(h, 0);
+  EXPECT_LE(damped.spectral_radius(0.99 * h), 1);
+  EXPECT_GT(damped.spectral_radius(1.01 * h), 1);
+}
+
 TEST(CoupledMotion, OfABodyThatDriftsIsStable) {
   // Two bodies on a spring, and a damper on one of them that its motion against the other does not share.
   const MatrixXd K = (MatrixXd(2, 2) << 5, -5, -5, 5).finished(),
