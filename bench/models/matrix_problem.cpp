@@ -346,7 +346,7 @@ std::optional<ModeCounts> mode_counts(const MatrixModel& model) {
       mechanical_part(mass, model.K, Eigen::SparseMatrix<double>(model.size(), model.size()));
   const ExtremeStiffnesses least = smallest_stiffnesses(part, std::min<Index>(7, model.size()));
   if (!least.converged) return std::nullopt;
-  const double rounding = 1e-10 * model.facts.constraints.others * model.facts.constraints.others;
+  const double rounding = 1e-12 * model.facts.constraints.others * model.facts.constraints.others;
   ModeCounts counts{.negative = least.negative};
   for (const double kappa : least.kappa) counts.rigid += std::abs(kappa) <= rounding ? 1 : 0;
   return counts;
@@ -363,6 +363,10 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   if (!facts.redundant.empty())
     remarks.push_back(fmt::format("the constraints of {} ({}) follow from others and are left out",
                                   counted(static_cast<Index>(facts.redundant.size()), "Lagrange multiplier"), rows_in_words(*model, facts.redundant)));
+  if (facts.look_swapped)
+    remarks.push_back(
+        "no entry of the stiffness is negative, and most rows of the mass sum to zero, as if both were exchanged; check "
+        "which file is stiffness= and which is mass=");
   if (!facts.symmetric_K)
     remarks.push_back(
         "the stiffness is not symmetric, so the model has no energy and may grow by itself; check the file if a "

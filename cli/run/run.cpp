@@ -1,6 +1,7 @@
 /// hmax run: one integration, where it ends and what it costs.
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -428,10 +429,25 @@ bool draw_picture(const RunOptions& options, const WatchedRun& run, const RunRec
   return true;
 }
 
-/// Remarks on a body at the end of its run. A step that is not stable may reach the end of a short run all
-/// the same.
+/// The end beside the start, by the largest number of each; of positions and velocities the smaller growth of those that
+/// do not start from zero.
+double growth_of(const Problem& problem, const Eigen::VectorXd& end) {
+  const Eigen::Index n = is_second_order(problem) ? end.size() / 2 : end.size();
+  double growth = std::numeric_limits<double>::infinity();
+  for (Eigen::Index first = 0; first < end.size(); first += n)
+    if (const double start = problem.y0.segment(first, n).cwiseAbs().maxCoeff(); start > 0)
+      growth = std::min(growth, end.segment(first, n).cwiseAbs().maxCoeff() / start);
+  return std::isfinite(growth) ? growth : 1;
+}
+
+/// Remarks on the end of a run. A step that is not stable may reach the end of a short run all the same.
 void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& record, Console& console) {
-  constexpr double far = 10;
+  constexpr double far = 10, much = 1e6;
+  if (const double growth = growth_of(problem, record.y); !problem.body && growth > much)
+    console.remark(fmt::format("the motion ends {} times as large as it began; {}", short_number(growth, 3),
+                               spec.adaptive ? "the model itself grows"
+                                             : "unless the model itself grows take a smaller --h, `hmax stability "
+                                               "predict` shows the largest stable one"));
   if (!problem.body) return;
   if (const double moved = sizes_moved(*problem.body, record.y); moved > far)
     console.remark(fmt::format(
@@ -457,6 +473,9 @@ void run(const RunOptions& options, Console& console) {
 
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
+  if (is_matrices_id(problem.id) && options.problem.y0.empty() && matrix_files(problem.id).initial.empty())
+    console.remark(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
+                               is_second_order(problem) ? "displacements at rest" : "states", to_text(random_start_size)));
   const Runner runner = method.bind(problem);
   const TimedRun result = reported_run(runner, spec, console);
   const bool reached_end = result.record.outcome == Outcome::reached_end;

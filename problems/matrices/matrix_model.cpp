@@ -106,6 +106,17 @@ Index free_directions(const Sparse& K) {
   return free;
 }
 
+/// Whether no entry of K is negative, and most rows of M sum to zero, as those of a stiffness do where a translation makes
+/// no force.
+bool look_swapped(const Sparse& K, const Sparse& M) {
+  const Index n = K.rows();
+  bool negative = false;
+  each_entry(K, [&](Index, Index, double value) { negative = negative || value < 0; });
+  if (negative) return false;
+  const VectorXd ones = VectorXd::Ones(n), sums = M * ones, sizes = M.cwiseAbs() * ones;
+  return 2 * ((sums.array().abs() <= 1e-9 * sizes.array()) && sizes.array() > 0).count() > n;
+}
+
 std::vector<Index> all_rows(const Sparse& A) {
   std::vector<Index> rows(static_cast<std::size_t>(A.cols()));
   std::iota(rows.begin(), rows.end(), Index(0));
@@ -263,6 +274,7 @@ void settle(MatrixModel& model, Structure structure) {
   facts.symmetric_K = settle_symmetry(structure.K);
   facts.symmetric_C = settle_symmetry(structure.C);
   facts.free_directions = model.size() == facts.rows ? free_directions(structure.K.at.front()) : 0;
+  facts.look_swapped = facts.coupled_mass && look_swapped(structure.K.at.front(), structure.M);
   facts.damped = std::ranges::any_of(structure.C.at, has_entries);
   if (facts.coupled_mass)
     model.M.swap(structure.M);
@@ -338,6 +350,9 @@ void read_structure(MatrixModel& model) {
   for (const std::vector<MatrixFile>* each : {&K.files, &C.files})
     for (const MatrixFile& file : *each)
       if (first.open_shape && file.rows == file.columns) n = std::max(n, file.rows);
+  if (first.open_shape && M.open_shape && M.rows > n)
+    fail(M.name, "the mass has rows up to " + std::to_string(M.rows) + ", and the stiffness " + first.name + " up to " +
+                     std::to_string(n) + "; give matrices of one model");
   if (first.open_shape && M.rows == M.columns) n = std::max(n, M.rows);
   for (const MatrixFile& file : K.files) entries += file.entries.size();
   model.facts.rows = n;
@@ -377,11 +392,11 @@ void read_first_order(MatrixModel& model) {
   for (Index i = 0; i < J.rows; ++i) model.unknowns.push_back(i);
 }
 
-/// Pseudo-random numbers of the same kind on every machine, up to 1e-3.
+/// Pseudo-random numbers of the same kind on every machine.
 VectorXd random_start(Index n) {
   std::mt19937_64 random(1);
   VectorXd q(n);
-  for (double& x : q) x = 1e-3 * (2 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1);
+  for (double& x : q) x = random_start_size * (2 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1);
   return q;
 }
 

@@ -15,11 +15,14 @@
 
 namespace hmax {
 
+/// The pseudo-random numbers of a start that no file gives are up to this [m], or of first order in the unit of y.
+inline constexpr double random_start_size = 1e-3;
+
 /// Which files make a model.
 struct MatrixFiles {
   std::string stiffness = {}, mass = {}, damping = {};  ///< of second order
   std::string jacobian = {};                            ///< of first order
-  std::string initial = {};       ///< the start; empty: pseudo-random numbers
+  std::string initial = {};       ///< the start; empty: pseudo-random q, at rest
   bool lumped = false;            ///< masses are the sums of the rows of M
   bool stiffness_series = false, damping_series = false;  ///< the file names matrices at several times
   bool one_triangle = false;      ///< files hold one triangle of symmetric matrices, whatever their header says
@@ -37,6 +40,7 @@ struct MatrixFacts {
   ConstraintRows constraints;  ///< rows of the files, counted from 0
   bool dropped = false;        ///< whether these were left out
   std::size_t repeated = 0;    ///< entries at a place that an earlier one has
+  bool look_swapped = false;   ///< K looks like masses, and M like a stiffness
   Eigen::Index free_directions = 0;  ///< translations that strain nothing, for three unknowns a node in turn
 };
 

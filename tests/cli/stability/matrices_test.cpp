@@ -1,7 +1,10 @@
 /// Models of the user's own matrices, through the program.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/cli/program.hpp"
@@ -204,6 +207,40 @@ TEST(MatricesOfAUser, HaveModesAndMaps) {
   const Told map = shell.hmax("stability map " + chain + " --method rk4 --x alpha=0:2:3 --y beta=0:0.01:3 --json");
   ASSERT_EQ(map.exit_code, 0) << map.err;
   EXPECT_EQ(map.json().at("h_max").size(), 3U);
+}
+
+TEST(MatricesOfAUser, AreRunWithARemarkOnTheirStartAndTheirGrowth) {
+  const Shell shell;
+  write_chain(shell);
+  const auto told = [&](const std::string& options) { return shell.hmax("run --method rk4 " + chain + options).err; };
+  EXPECT_NE(told(" --h 0.01 --t-end 1").find("starts from pseudo-random displacements at rest of up to 0.001"), std::string::npos);
+  EXPECT_EQ(told(" --h 0.01 --t-end 1 --y0 1,0,0"), "");
+  const std::string unstable = told(" --h 0.2 --t-end 8 --y0 1,0,0");
+  EXPECT_NE(unstable.find("times as large as it began"), std::string::npos) << unstable;
+}
+
+TEST(MatricesOfAUser, ThatLookSwappedAreTakenWithARemark) {
+  const Shell shell;
+  write_chain(shell);
+  const auto told = [&](const std::string& matrices) {
+    return shell.hmax("stability predict --methods newmark --matrices " + matrices).err;
+  };
+  EXPECT_NE(told("stiffness=M.mtx,mass=K.mtx").find("as if both were exchanged"), std::string::npos);
+  EXPECT_EQ(told("stiffness=K.mtx,mass=M.mtx"), "");
+}
+
+TEST(MatricesOfAUser, ThatNeedAFullMatrixTooLargeAreRefused) {
+  const Shell shell;
+  std::string K = "%%MatrixMarket matrix coordinate real general\n1600 1600 4798\n", M = K;
+  for (int i = 1; i <= 1600; ++i)
+    for (int j = std::max(1, i - 1); j <= std::min(1600, i + 1); ++j) {
+      K += fmt::format("{} {} {}\n", i, j, i == j ? 200 : i < j ? -90 : -100);
+      M += fmt::format("{} {} {}\n", i, j, i == j ? 0.6 : 0.15);
+    }
+  write(shell, "K.mtx", K);
+  write(shell, "M.mtx", M);
+  expect_refused(shell.hmax("stability predict --methods rk4 " + chain), "the mass couples 1600 unknowns");
+  expect_refused(shell.hmax("run --method odeint_rosenbrock4 --h 1e-3 --t-end 0.01 " + chain), "takes M^-1 K as one matrix");
 }
 
 TEST(MatricesOfAUser, AreRefusedWithASentence) {

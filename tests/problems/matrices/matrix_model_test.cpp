@@ -124,6 +124,24 @@ TEST_F(Matrices, OfCalculixHaveTheShapeOfTheLargestIndexAndTheNamesOfItsUnknowns
   EXPECT_EQ(model.name_of(1), "unknown 2 (4.2)");
 }
 
+TEST_F(Matrices, OfCalculixAreOfOneModel) {
+  const MatrixFiles given{.stiffness = write("job.sti", "1 1 2\n1 2 -1\n2 2 2\n"),
+                          .mass = write("other.mas", "1 1 1\n2 2 0.5\n5 5 1\n")};
+  expect_refusal(given, "other.mas: the mass has rows up to 5, and the stiffness");
+}
+
+TEST_F(Matrices, LookSwappedOnlyWhereTheMassIsAStiffness) {
+  const MatrixXd K = chain(6), lumped = 0.5 * MatrixXd::Identity(6, 6), consistent = 0.5 * (6 * lumped - chain(6)) + lumped;
+  const auto looks = [&](const MatrixXd& stiffness, const MatrixXd& mass) {
+    return read_matrix_model(files(stiffness, mass)).facts.look_swapped;
+  };
+  EXPECT_TRUE(looks(lumped, K));
+  EXPECT_TRUE(looks(consistent, K));
+  for (const MatrixXd& mass : {lumped, consistent, MatrixXd(K + lumped)}) EXPECT_FALSE(looks(K, mass));
+  EXPECT_FALSE(looks(lumped, consistent));
+  EXPECT_FALSE(looks(lumped, K + lumped));  // a mass with negative entries
+}
+
 TEST_F(Matrices, AreRefusedWithFileAndRemedy) {
   const MatrixXd one = MatrixXd::Identity(3, 3);
   expect_refusal(files(chain(3), MatrixXd::Identity(2, 2)), "has the shape 2 x 2 but must have 3 x 3");
