@@ -241,6 +241,7 @@ void add_advise(CLI::App& app, Console& console) {
                   "Page of HTML with the whole answer and its figures, which needs no other file; none by default")
       ->type_name("FILE.html");
   add_force(command);
+  add_jobs(command);
   command.callback([options, &console] { advise_on(*options, console); });
 }
 

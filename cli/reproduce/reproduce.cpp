@@ -180,6 +180,7 @@ void add_oscillator_study(CLI::App& reproduce, Console& console) {
                      "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
   add_force(oscillators);
   add_figure_style(oscillators);
+  add_jobs(oscillators);
   oscillators.callback([&console, folder] { show(reproduce_oscillator_part(*folder, console), console); });
 }
 
@@ -209,6 +210,7 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
                   "Also costs of meshes of a thousand to a million tetrahedra; takes minutes and gigabytes");
   add_force(tissue);
   add_figure_style(tissue);
+  add_jobs(tissue);
   tissue.callback([&console, folder, options] { show(reproduce_tissue_part(*folder, *options, console), console); });
 }
 

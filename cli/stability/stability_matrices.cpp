@@ -51,6 +51,7 @@ void add_stability_matrices(CLI::App& stability, Console& console) {
                   "made if needed; of a body stiffness.dof names the unknowns")
       ->type_name("FOLDER");
   add_force(command);
+  add_jobs(command);
   command.callback([options, &console] { matrices(*options, console); });
 }
 

@@ -219,6 +219,7 @@ void add_stability_modes(CLI::App& stability, Console& console) {
                   "Write the mode shapes for ParaView, scaled to at most a tenth of the body")
       ->type_name("FILE.vtu");
   add_force(command);
+  add_jobs(command);
   command.callback([options, &console] { modes(*options, console); });
 }
 

@@ -45,7 +45,23 @@ INSTANTIATE_TEST_SUITE_P(
         "k1=0.1:10:3",
         "stability map --problem mine.toml --method rk4 --x c=0.1:4:5 --y k=-1:2:4",
         "stability map --mesh cube --method rk4,newmark --x nu=0.1:0.4:2 --y g=0:3:2",
+        "stability modes --mesh liver --model mass_spring --set damper=1 --fastest",
         "stability region --method rk4,abm_pece_2,bdf_3 --cells 60"));
+
+/// Every command that starts threads says on how many, and takes no other number than one that it can start.
+TEST(JobsOption, IsOnEveryCommandThatStartsThreads) {
+  const Shell shell;
+  for (const std::string command :
+       {"advise", "check", "phase", "reproduce all", "reproduce oscillators", "reproduce stability", "reproduce tissue",
+        "stability gallery", "stability map", "stability matrices", "stability modes", "stability predict",
+        "stability region"})
+    for (const char* wrong : {"0", "-1", "1.5", "many", "1025"}) {
+      const Told told = shell.hmax(command + " --jobs " + wrong);
+      EXPECT_EQ(told.exit_code, 2) << command;
+      EXPECT_NE(told.err.find("--jobs is "), std::string::npos) << command << "\n" << told.err;
+      EXPECT_EQ(told.err.find('\n'), told.err.size() - 1) << told.err;
+    }
+}
 
 TEST(JobsOfGallery, ChangeNoPicture) {
   const Shell shell;
