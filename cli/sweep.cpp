@@ -31,7 +31,8 @@ struct SweepOptions {
   MatrixOptions own;
   std::vector<std::string> set;
   std::optional<double> atol, t_end;
-  bool fixed = false, sampled = false, resume = false, publish = false;
+  bool fixed = false, sampled = false, resume = false, publish = false, explore = false;
+  const CLI::Option* jobs = nullptr;
 };
 
 SweepRequest flags_of(const SweepOptions& options) {
@@ -77,6 +78,21 @@ SweepRequest flags_of(const SweepOptions& options) {
   if (!options.max_steps.empty()) request.max_steps = parse_count("--max-steps", options.max_steps, 1);
   if (!options.out.empty()) request.out = options.out;
   return request;
+}
+
+/// What is swept.
+/// @throws InputError  for what asks for times that exploring does not measure
+SweepSpec spec_of(const SweepOptions& options, const SweepRequest& request) {
+  SweepSpec spec = spec_from(request);
+  if (options.jobs->count() > 0 && !options.explore)
+    throw InputError("a sweep is measured on one thread; add --explore, or leave --jobs out");
+  if (!options.explore) return spec;
+  if (options.publish) throw InputError("--explore measures no times that are fit to publish; leave --publish out");
+  if (!options.output.empty())
+    throw InputError("--explore measures no times that are fit for figures; leave --output out");
+  spec.explore = true;
+  if (!request.repeats) spec.repeats = 1;
+  return spec;
 }
 
 /// The store of a sweep, named after its file and its shard where nobody names it.
@@ -129,7 +145,7 @@ const Row* fastest(const Group& group, double error) {
 std::string fastest_table(const Group& group, const Console& console) {
   const bool adaptive = group.rows.front()->key.mode == "adaptive";
   TextTable table({"error at most", "fastest method", adaptive ? "tolerances" : "h [s]", "error",
-                   "CPU time [s]", "real-time factor"});
+                   group.rows.front()->explored ? "rough CPU time [s]" : "CPU time [s]", "real-time factor"});
   for (int decade = 0; decade >= -15; --decade) {
     const Row* best = fastest(group, std::pow(10.0, decade));
     if (!best) break;
@@ -258,7 +274,8 @@ void sweep(const SweepOptions& options, Console& console) {
   // From here on Ctrl-C waits for the row at hand, also while the references are computed.
   const auto& interrupted = interrupt_flag();
   const std::optional<Shard> shard = shard_from(options.shard);
-  const SweepPlan plan = shard ? shard_of(plan_sweep(spec_from(request)), *shard) : plan_sweep(spec_from(request));
+  const SweepSpec spec = spec_of(options, request);
+  const SweepPlan plan = shard ? shard_of(plan_sweep(spec), *shard) : plan_sweep(spec);
   const std::filesystem::path file = sweep_store_path(request, options.file, shard);
   if (options.publish) require_publishable_build();
   if (options.output.empty())
@@ -342,7 +359,7 @@ void add_sweep(CLI::App& app, Console& console) {
   add_number(command, "--atol", options->atol, "Absolute tolerance; equal to --rtol by default");
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  text("--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
+  text("--repeats", options->repeats, "Timed repetitions, at least 9, or 1 with --explore; 9, or 1 with --explore, by default", "NUMBER");
   add_shard(command, options->shard);
   text("--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
   text(
@@ -357,6 +374,10 @@ void add_sweep(CLI::App& app, Console& console) {
   command.add_flag("--resume", options->resume, "Continue an interrupted sweep: measure the missing rows");
   command.add_flag("--publish", options->publish,
                    "Mark the store as fit to publish; refused for debug builds");
+  command.add_flag(
+      "--explore", options->explore,
+      "Measure on all cores, many rows at once: the times are rough, and no figure or comparison takes them");
+  options->jobs = add_jobs(command);
   command.callback([options, &console] { sweep(*options, console); });
 }
 

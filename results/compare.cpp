@@ -31,10 +31,12 @@ struct KeyLess {
   bool operator()(const RowKey& x, const RowKey& y) const { return ordered(x) < ordered(y); }
 };
 
-bool timed(const Row& row) {
-  return !row.cpu_s.empty() &&
-         std::all_of(row.cpu_s.begin(), row.cpu_s.end(), [](double x) { return x > 0 && std::isfinite(x); });
+bool are_times(const std::vector<double>& samples) {
+  return !samples.empty() &&
+         std::all_of(samples.begin(), samples.end(), [](double x) { return x > 0 && std::isfinite(x); });
 }
+
+bool timed(const Row& row) { return are_times(comparable_times(row)); }
 
 /// Relative standard error of the median of normal samples, their spread read off the quartiles:
 ///   se = 1.2533 sigma / sqrt(n),   sigma = (q3 - q1) / 1.349
@@ -218,8 +220,8 @@ std::vector<std::string> changes_between(const Row& a, const Row& b) {
   nearly("error_global", a.error_global, b.error_global, slack);
   // Rows of an earlier hmax have none.
   if (!std::isnan(a.error_l2) && !std::isnan(b.error_l2)) nearly("error_l2", a.error_l2, b.error_l2, slack);
-  if (timed(a) != timed(b))
-    add("CPU time", timed(a) ? "measured" : "missing", timed(b) ? "measured" : "missing");
+  const bool has_a = are_times(a.cpu_s), has_b = are_times(b.cpu_s);
+  if (has_a != has_b) add("CPU time", has_a ? "measured" : "missing", has_b ? "measured" : "missing");
   return changes;
 }
 
@@ -243,6 +245,7 @@ Comparison compare(std::span<const Row> a, std::span<const Row> b, const Compare
   }
   comparison.rows.resize(all.size());
   std::vector<Pair> comparable;
+  std::size_t explored = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     Pair& pair = all[i];
     RowComparison& row = comparison.rows[i];
@@ -253,6 +256,7 @@ Comparison compare(std::span<const Row> a, std::span<const Row> b, const Compare
     row.ratio = row.median_b / row.median_a;
     row.relative_ratio = row.p = row.noise_floor = nan;
     row.changes = changes_between(*pair.a, *pair.b);
+    if (pair.a->explored || pair.b->explored) ++explored;
     if (!row.changes.empty()) {
       row.verdict = Verdict::changed;
     } else if (std::isfinite(row.ratio)) {
@@ -261,6 +265,9 @@ Comparison compare(std::span<const Row> a, std::span<const Row> b, const Compare
   }
   judge(comparable, options, comparison);
   comparison.remarks = remarks_on(comparable, comparison, options);
+  if (explored > 0)
+    comparison.remarks.push_back(fmt::format(
+        "{} of the rows were explored on one side at least: their times are not compared.", explored));
   return comparison;
 }
 

@@ -71,7 +71,7 @@ struct Comparison {
 ///
 /// Steps, rejected steps, rhs and outcome are compared exactly; t_reached and the errors up to 1e-6 relative
 /// and the two reference errors, since another libm moves their last digits. Rows that changed take no part
-/// in 1 to 3.
+/// in 1 to 3, and neither do rows of which one was explored: only their results are compared.
 Comparison compare(std::span<const Row> a, std::span<const Row> b, const CompareOptions& options = {});
 
 /// What differs between two runs of the same key although nothing in it depends on the clock, "steps: 1000 -> 1001":

@@ -51,6 +51,7 @@ constexpr std::string_view columns[] = {"problem",
                                         "error_l2",
                                         "subnormals",
                                         "session",
+                                        "explored",
                                         "status"};
 
 double ratio(double a, double b) { return b > 0 ? a / b : std::nan(""); }
@@ -90,7 +91,8 @@ std::vector<Cell> cells_of(const Row& row) {
                           std::optional(row.reference_error),
                           std::optional(row.error_l2),
                           row.subnormals,
-                          row.session};
+                          row.session,
+                          std::int64_t{row.explored}};
   std::string status = row.status;
   if (status.empty()) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -191,6 +193,16 @@ std::string benchmark_name(const RowKey& key) {
   return name;
 }
 
+namespace {
+
+/// Why a row has no CPU time that others can be compared with.
+std::string words_of_no_time(const Row& row) {
+  if (row.explored) return "The row was explored: its CPU time is not comparable.";
+  return row.status.empty() ? "No CPU time was measured: " + row.outcome + "." : row.status;
+}
+
+}  // namespace
+
 std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprint& fingerprint) {
   constexpr double ns = 1e9;
   Json benchmarks = Json::array();
@@ -208,11 +220,11 @@ std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprin
       e["time_unit"] = unit;
       return e;
     };
-    if (!std::isfinite(summarise(row.cpu_s).median)) {
+    if (!std::isfinite(summarise(comparable_times(row)).median)) {
       Json e = entry(0.0, "ns");
       e["repetition_index"] = 0;
       e["error_occurred"] = true;
-      e["error_message"] = row.status.empty() ? "No CPU time was measured: " + row.outcome + "." : row.status;
+      e["error_message"] = words_of_no_time(row);
       benchmarks.push_back(std::move(e));
       continue;
     }

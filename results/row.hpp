@@ -41,6 +41,7 @@ struct Row {
   std::string reference;             ///< what the errors were measured against
   std::int64_t subnormals = 0;       ///< state components that were subnormal at some accepted step
   std::string status;                ///< empty when every number is there; otherwise one sentence
+  bool explored = false;             ///< measured beside other rows on all cores, not alone on one
   std::int64_t session = 0;          ///< session that measured it; set by the store, 0 before
 };
 
@@ -48,6 +49,9 @@ struct Row {
 struct TimingSummary {
   double median, q1, q3, p99;
 };
+
+/// The CPU samples that figures and comparisons may use: those of the row, none where it was explored.
+std::vector<double> comparable_times(const Row& row);
 
 /// Quantiles by linear interpolation between order statistics (type 7 of [hyndman1996sample]); NaN when there
 /// is no sample or one is NaN.

@@ -40,7 +40,7 @@ class Store {
   /// The number of the table layout in results/sqlite/schema.hpp. A file with a lower one is brought to it when it
   /// is opened, in one transaction, or where it cannot be written read as it is, with NaN for numbers that it
   /// does not have; one with a higher number is refused and left untouched.
-  static constexpr int schema_version = 5;
+  static constexpr int schema_version = 6;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.
   static Store open_or_create(const std::filesystem::path& file);
@@ -58,7 +58,7 @@ class Store {
   std::int64_t begin_session(const Fingerprint& fingerprint, std::string_view started = {});
 
   /// All of `rows` or, when this throws, none of them; Row::session is not read, the session begun last is
-  /// stored.
+  /// stored. A row that was measured takes the place of an explored one with its key.
   /// @throws std::logic_error       without begin_session(), or when a key is there already: ask contains()
   /// first
   /// @throws std::invalid_argument  when a number of a key is not finite

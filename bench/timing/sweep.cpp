@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -13,6 +15,8 @@
 #include <fmt/ranges.h>
 
 #include "bench/timing/timing.hpp"
+#include "core/parallel_for.hpp"
+#include "core/pinned_thread.hpp"
 #include "integrators/control.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
@@ -125,6 +129,35 @@ void judge(const SweepBlock& block, Candidate& candidate, const RunRecord& recor
   }
 }
 
+/// Rows that are measured together: some methods of a block.
+struct Task {
+  const SweepBlock* block;
+  std::vector<std::size_t> methods;
+};
+
+/// Each row by itself, those of one problem from the longest to the shortest, so that the threads end together.
+std::vector<Task> single_rows(const SweepPlan& plan, const std::vector<Task>& tasks) {
+  std::vector<std::pair<double, Task>> rows;
+  for (const auto& [block, methods] : tasks)
+    for (const std::size_t m : methods)
+      rows.emplace_back(expected_cost(plan, *block, {m}), Task{block, {m}});
+  std::ranges::stable_sort(rows, [](const auto& a, const auto& b) {
+    const std::size_t p = a.second.block->problem, q = b.second.block->problem;
+    return p != q ? p < q : a.first > b.first;
+  });
+  std::vector<Task> sorted;
+  for (auto& [cost, task] : rows) sorted.push_back(std::move(task));
+  return sorted;
+}
+
+/// A plan for another thread: formulas have one workspace each. Bodies are shared.
+SweepPlan with_own_problems(SweepPlan plan) {
+  for (std::size_t i = 0; i < plan.problems.size(); ++i)
+    if (!plan.problems[i].body)
+      plan.problems[i] = make_problem(plan.spec.problems[i].name, plan.spec.problems[i].settings);
+  return plan;
+}
+
 /// Measures one block after the other; knows the reference of the problem at hand.
 class Sweeper {
  public:
@@ -136,7 +169,10 @@ class Sweeper {
 
  private:
   std::vector<std::size_t> missing(const SweepBlock& block) const;
-  void measure(const SweepBlock& block, const std::vector<std::size_t>& methods);
+  std::vector<Row> measured(const SweepBlock& block, const std::vector<std::size_t>& methods);
+  void keep(const std::vector<Row>& rows);
+  void measure(const std::vector<Task>& tasks);
+  void explore(const std::vector<Task>& tasks);
   Candidate count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter);
   RunRecord watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
                         std::optional<ErrorMeter>& meter);
@@ -249,6 +285,7 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
   candidate.runner = plan_.methods[method].bind(plan_.problems[block.problem]);
   candidate.row.key = row_key(plan_, block, method);
   Row& row = candidate.row;
+  row.explored = plan_.spec.explore;
   row.error_end = row.error_global = row.error_l2 = nan;
   row.reference = reference.name;
   row.reference_error = reference.error_bound;
@@ -273,6 +310,8 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
 }
 
 void Sweeper::time(const SweepBlock& block, std::vector<Candidate>& candidates) {
+  std::optional<PinnedThread> pinned;
+  if (!plan_.spec.explore) pinned.emplace();
   std::vector<Candidate*> timed;
   std::vector<std::function<void(std::int64_t)>> runs;
   for (Candidate& candidate : candidates) {
@@ -302,7 +341,7 @@ void Sweeper::time(const SweepBlock& block, std::vector<Candidate>& candidates) 
   }
 }
 
-void Sweeper::measure(const SweepBlock& block, const std::vector<std::size_t>& methods) {
+std::vector<Row> Sweeper::measured(const SweepBlock& block, const std::vector<std::size_t>& methods) {
   std::vector<Candidate> candidates;
   std::optional<ErrorMeter> meter;
   for (const std::size_t method : methods) {
@@ -314,8 +353,49 @@ void Sweeper::measure(const SweepBlock& block, const std::vector<std::size_t>& m
   time(block, candidates);
   std::vector<Row> rows;
   for (Candidate& candidate : candidates) rows.push_back(std::move(candidate.row));
+  return rows;
+}
+
+void Sweeper::keep(const std::vector<Row>& rows) {
   store_.insert(rows);
   summary_.measured += static_cast<std::int64_t>(rows.size());
+}
+
+void Sweeper::measure(const std::vector<Task>& tasks) {
+  for (const auto& [block, methods] : tasks) {
+    cost_here_ = expected_cost(plan_, *block, methods);
+    keep(measured(*block, methods));
+    cost_done_ += cost_here_;
+    cost_here_ = 0;
+    tell(*block, 1);
+  }
+}
+
+void Sweeper::explore(const std::vector<Task>& tasks) {
+  const std::vector<Task> rows = single_rows(plan_, tasks);
+  std::vector<SweepPlan> plans;
+  while (plans.size() < std::min(jobs(), rows.size())) plans.push_back(with_own_problems(plan_));
+  static const std::function<void(const SweepProgress&)> silent;
+  std::vector<std::unique_ptr<Sweeper>> threads;
+  for (const SweepPlan& plan : plans)
+    threads.push_back(std::make_unique<Sweeper>(plan, store_, silent, interrupted_));
+  std::mutex storing;
+  parallel_for(
+      rows.size(),
+      [&](std::size_t i, std::size_t worker) {
+        const std::vector<Row> done = threads[worker]->measured(*rows[i].block, rows[i].methods);
+        const std::scoped_lock lock(storing);
+        keep(done);
+      },
+      [&](std::size_t done) {
+        if (progress_)
+          progress_({.rows_done = summary_.skipped + static_cast<std::int64_t>(done),
+                     .rows = plan_.rows(),
+                     .fraction = static_cast<double>(done) / static_cast<double>(rows.size()),
+                     .what = "exploring"});
+      },
+      [&] { return interrupted_ && interrupted_(); });
+  if (summary_.measured < static_cast<std::int64_t>(rows.size())) throw SweepEnded{};
 }
 
 void Sweeper::begin_session() {
@@ -332,28 +412,26 @@ void Sweeper::begin_session() {
     if (const auto changes = differences(sessions.back().fingerprint, here); !changes.empty())
       summary_.warnings.push_back(
           fmt::format("the rows stored before were measured otherwise ({})", fmt::join(changes, "; ")));
+  if (plan_.spec.explore)
+    summary_.warnings.emplace_back(
+        "explored on all cores: the CPU times are rough, and no figure or comparison takes them; a sweep without "
+        "--explore measures them");
   store_.begin_session(here);
 }
 
 SweepSummary Sweeper::run() {
   const auto started = std::chrono::steady_clock::now();
-  std::vector<std::pair<const SweepBlock*, std::vector<std::size_t>>> work;
+  std::vector<Task> work;
   for (const SweepBlock& block : plan_.blocks) {
     std::vector<std::size_t> methods = missing(block);
     summary_.skipped += static_cast<std::int64_t>(block.methods.size() - methods.size());
     if (methods.empty()) continue;
     cost_total_ += expected_cost(plan_, block, methods);
-    work.emplace_back(&block, std::move(methods));
+    work.push_back({&block, std::move(methods)});
   }
   if (!work.empty()) begin_session();
   try {
-    for (const auto& [block, methods] : work) {
-      cost_here_ = expected_cost(plan_, *block, methods);
-      measure(*block, methods);
-      cost_done_ += cost_here_;
-      cost_here_ = 0;
-      tell(*block, 1);
-    }
+    plan_.spec.explore ? explore(work) : measure(work);
   } catch (const SweepEnded&) {
     summary_.interrupted = true;
   }

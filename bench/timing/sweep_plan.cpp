@@ -55,7 +55,7 @@ std::vector<std::size_t> indices_of(const std::vector<Method>& methods, const Wa
 void check_settings(const SweepSpec& spec) {
   if (spec.problems.empty())
     throw InputError("a sweep needs at least one problem; `hmax list problems` shows them");
-  if (spec.repeats < 9)
+  if (spec.repeats < 9 && !spec.explore)
     throw InputError(
         fmt::format("a sweep takes the median and quartiles of at least 9 repetitions, not of {}; give "
                     "--repeats 9 or more",
@@ -167,19 +167,21 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
   if (spec.sampled && !spec.h.empty()) readings.push_back("sampled");
   for (const Tolerance& tolerance : spec.tolerances)
     tolerances.push_back(json::array({tolerance.rtol, tolerance.atol}));
-  return json{{"problems", problem_list},
-              {"methods", method_list},
-              {"h", spec.h},
-              {"unsteered_h", spec.unsteered_h},
-              {"readings", readings},
-              {"rtol", spec.sampled_tolerance.rtol},
-              {"atol", spec.sampled_tolerance.atol},
-              {"tolerances", tolerances},
-              {"control", to_string(spec.control)},
-              {"repeats", spec.repeats},
-              {"max_steps", spec.max_steps},
-              {"min_sample_s", spec.min_sample_s}}
-      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  json text{{"problems", problem_list},
+            {"methods", method_list},
+            {"h", spec.h},
+            {"unsteered_h", spec.unsteered_h},
+            {"readings", readings},
+            {"rtol", spec.sampled_tolerance.rtol},
+            {"atol", spec.sampled_tolerance.atol},
+            {"tolerances", tolerances},
+            {"control", to_string(spec.control)},
+            {"repeats", spec.repeats},
+            {"max_steps", spec.max_steps},
+            {"min_sample_s", spec.min_sample_s}};
+  // Measured sweeps have none, like those of an earlier hmax.
+  if (spec.explore) text["explore"] = true;
+  return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 auto as_tuple(const RowKey& k) {
@@ -207,6 +209,8 @@ std::string difference(const std::string& stored, const std::string& asked) {
   constexpr std::size_t longest = 100;
   const json before = json::parse(stored, nullptr, false), now = json::parse(asked);
   if (!before.is_object()) return "its description cannot be read";
+  if (before.contains("explore") != now.contains("explore"))
+    return before.contains("explore") ? "it was explored" : "it was measured, not explored";
   for (const auto& [key, value] : now.items()) {
     const std::string was = before.contains(key) ? before[key].dump() : "absent", is = value.dump();
     if (was == is) continue;

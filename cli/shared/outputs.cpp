@@ -19,8 +19,8 @@ void add_force(CLI::App& command) {
       "--force", [] { allow_replacing(Replacing::forced); }, "Replace a file that hmax did not write");
 }
 
-void add_jobs(CLI::App& command) {
-  command
+CLI::Option* add_jobs(CLI::App& command) {
+  return command
       .add_option_function<std::string>(
           "--jobs",
           [](const std::string& count) {

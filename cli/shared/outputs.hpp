@@ -8,6 +8,7 @@
 
 namespace CLI {
 class App;
+class Option;
 }
 
 namespace hmax {
@@ -16,7 +17,7 @@ namespace hmax {
 void add_force(CLI::App& command);
 
 /// The option --jobs of a command that works on all cores: how many threads, with the same results.
-void add_jobs(CLI::App& command);
+CLI::Option* add_jobs(CLI::App& command);
 
 /// The option --style of a command that draws figures: for a page or for a slide.
 void add_figure_style(CLI::App& command);

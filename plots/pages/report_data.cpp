@@ -51,12 +51,12 @@ const std::vector<ShownColumn<Row>>& run_columns() {
       {"h", "h", "ms", "number", [](C r) -> Cell { return in_ms(unless_zero(r.key.h)); }},
       {"rtol", "rtol", "", "number", [](C r) -> Cell { return unless_zero(r.key.rtol); }},
       {"error", "largest error", "", "number", [](C r) -> Cell { return r.error_global; }},
-      {"cpu", "CPU time", "ms", "number", [](C r) -> Cell { return in_ms(summarise(r.cpu_s).median); }},
+      {"cpu", "CPU time", "ms", "number", [](C r) -> Cell { return in_ms(summarise(comparable_times(r)).median); }},
       {"outcome", "outcome", "", "text", [](C r) -> Cell { return r.outcome; }},
       {"speed", "real-time factor", "", "number",
-       [](C r) -> Cell { return r.t_reached / summarise(r.cpu_s).median; }},
+       [](C r) -> Cell { return r.t_reached / summarise(comparable_times(r)).median; }},
       {"cpu_p99", "CPU time, 99 %", "ms", "number",
-       [](C r) -> Cell { return in_ms(summarise(r.cpu_s).p99); }},
+       [](C r) -> Cell { return in_ms(summarise(comparable_times(r)).p99); }},
       {"error_end", "error at end", "", "number", [](C r) -> Cell { return r.error_end; }},
       {"reference_error", "error of reference", "", "number", [](C r) -> Cell { return r.reference_error; }},
       {"step", "time step", "ms", "number", [](C r) -> Cell { return in_ms(step_of(r)); }},
@@ -71,6 +71,7 @@ const std::vector<ShownColumn<Row>>& run_columns() {
        [](C r) -> Cell { return r.key.control == "none" ? "" : r.key.control; }},
       {"parameters", "parameters", "", "long", [](C r) -> Cell { return r.key.parameters; }},
       {"y0", "initial state", "", "long", [](C r) -> Cell { return r.key.y0; }},
+      {"explored", "times", "", "text", [](C r) -> Cell { return r.explored ? "explored, not shown" : ""; }},
       {"session", "session", "", "count", [](C r) -> Cell { return static_cast<double>(r.session); }}};
   return columns;
 }

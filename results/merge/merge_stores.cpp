@@ -85,10 +85,14 @@ struct Merger::Parts {
   void take_rows(const Store& in) {
     for (Row& row : in.rows()) {
       const auto [known, is_new] = rows.try_emplace(text_of(row.key), row);
-      if (is_new)
+      std::vector<std::string> changes = changes_between(known->second, row);
+      // A measured time is worth more than an explored one.
+      if (is_new || (known->second.explored && !row.explored && changes.empty())) {
+        known->second = row;
         additions[row.session].rows.push_back(std::move(row));
-      else
-        meet(benchmark_name(row.key), in.file(), changes_between(known->second, row));
+      } else {
+        meet(benchmark_name(row.key), in.file(), std::move(changes));
+      }
     }
   }
 

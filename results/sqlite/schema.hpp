@@ -47,6 +47,7 @@ CREATE TABLE rows (
   reference TEXT NOT NULL,
   subnormals INTEGER NOT NULL,
   status TEXT NOT NULL,
+  explored INTEGER NOT NULL DEFAULT 0,
   UNIQUE (problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC)
 );
 )sql";
@@ -58,8 +59,9 @@ inline constexpr const char* store_schema_1_to_2 =
 inline constexpr const char* store_schema_4_to_5 =
     "ALTER TABLE advice ADD COLUMN linear_per_frame NOT NULL DEFAULT 'nan'; "
     "ALTER TABLE advice ADD COLUMN frame_tail_s TEXT NOT NULL DEFAULT ''";
-/// Layout 2 had no limits, which limit_schema() adds, layout 3 no advice, which advice_schema() adds, and layout 4 no
-/// scenes, which scene_schema() adds.
-inline constexpr const char* store_schema_to_5 = "PRAGMA user_version = 5";
+/// Layout 2 had no limits, which limit_schema() adds, layout 3 no advice, which advice_schema() adds, layout 4 no
+/// scenes, which scene_schema() adds, and layout 5 knew of no explored rows.
+inline constexpr const char* store_schema_to_6 =
+    "ALTER TABLE rows ADD COLUMN explored INTEGER NOT NULL DEFAULT 0; PRAGMA user_version = 6";
 
 }  // namespace hmax

@@ -163,10 +163,8 @@ void bring_up_to_date(sqlite3* database) {
   if (version == 1 || version == 2) sqlite::execute(database, limit_schema().c_str());
   if (version >= 1 && version <= 3) sqlite::execute(database, advice_schema().c_str());
   if (version == 4) sqlite::execute(database, store_schema_4_to_5);
-  if (version >= 1 && version <= 4) {
-    sqlite::execute(database, scene_schema().c_str());
-    sqlite::execute(database, store_schema_to_5);
-  }
+  if (version >= 1 && version <= 4) sqlite::execute(database, scene_schema().c_str());
+  if (version >= 1 && version <= 5) sqlite::execute(database, store_schema_to_6);
   transaction.commit();
 }
 
@@ -214,14 +212,14 @@ constexpr const char* key_condition =
 constexpr const char* insert_sql =
     "INSERT INTO rows (problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, "
     "session, outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "error_l2, reference_error, reference, subnormals, status) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-    "?, ?, ?, ?, ?, ?, ?, ?, ?)";
+    "error_l2, reference_error, reference, subnormals, status, explored) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
-/// {}: error_l2, or what a layout without it has in its place
+/// {}: error_l2 and explored, or what a layout without them has in their place
 constexpr const char* select_sql =
     "SELECT problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, "
     "outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "{}, reference_error, reference, subnormals, status FROM rows ORDER BY problem, material, parameters, y0, "
+    "{}, reference_error, reference, subnormals, status, {} FROM rows ORDER BY problem, material, parameters, y0, "
     "mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
 
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
@@ -238,6 +236,7 @@ void bind_row(Statement& statement, const Row& row, std::int64_t session) {
   statement.bind(index++, row.reference);
   statement.bind(index++, row.subnormals);
   statement.bind(index++, row.status);
+  statement.bind(index++, std::int64_t{row.explored});
 }
 
 Row read_row(const Statement& query, const fs::path& file) {
@@ -260,6 +259,7 @@ Row read_row(const Statement& query, const fs::path& file) {
   row.reference = query.text(column++);
   row.subnormals = query.integer(column++);
   row.status = query.text(column++);
+  row.explored = query.integer(column++) != 0;
   return row;
 }
 
@@ -421,11 +421,18 @@ void Store::insert(std::span<const Row> rows) {
     throw std::logic_error(
         fmt::format("The row '{}' is in the store '{}' already.", describe(key), impl_->file.string()));
   };
+  const auto gives_way = [&](std::int64_t existing) {
+    Statement remove(impl_->db(), "DELETE FROM rows WHERE id = ? AND explored");
+    remove.bind(0, existing);
+    remove.run();
+    return sqlite3_changes(impl_->db()) > 0;
+  };
   reporting(impl_->file, [&] {
     sqlite::Transaction transaction(impl_->db());
     if (!impl_->insert) impl_->insert = std::make_unique<Statement>(impl_->db(), insert_sql);
     for (const Row& row : rows) {
-      if (const std::int64_t existing = impl_->id_of(row.key)) refuse(row.key, existing);
+      if (const std::int64_t existing = impl_->id_of(row.key); existing != 0 && (row.explored || !gives_way(existing)))
+        refuse(row.key, existing);
       bind_row(*impl_->insert, row, impl_->session);
       impl_->insert->run();
     }
@@ -447,8 +454,9 @@ std::vector<Row> Store::rows() const {
   return reporting(impl_->file, [&] {
     std::vector<Row> rows;
     // Another process may bring an earlier layout up to date meanwhile.
-    const bool has_l2 = sqlite::integer(impl_->db(), "PRAGMA user_version") > 1;
-    Statement query(impl_->db(), fmt::format(select_sql, has_l2 ? "error_l2" : "'nan'").c_str());
+    const std::int64_t layout = sqlite::integer(impl_->db(), "PRAGMA user_version");
+    Statement query(impl_->db(),
+                    fmt::format(select_sql, layout > 1 ? "error_l2" : "'nan'", layout > 5 ? "explored" : "0").c_str());
     while (query.step()) rows.push_back(read_row(query, impl_->file));
     return rows;
   });

@@ -54,7 +54,7 @@ TEST(JobsOption, IsOnEveryCommandThatStartsThreads) {
   for (const std::string command :
        {"advise", "check", "phase", "reproduce all", "reproduce oscillators", "reproduce stability", "reproduce tissue",
         "stability gallery", "stability map", "stability matrices", "stability modes", "stability predict",
-        "stability region"})
+        "stability region", "sweep --explore"})
     for (const char* wrong : {"0", "-1", "1.5", "many", "1025"}) {
       const Told told = shell.hmax(command + " --jobs " + wrong);
       EXPECT_EQ(told.exit_code, 2) << command;

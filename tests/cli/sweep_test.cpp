@@ -30,6 +30,38 @@ TEST(SweepCommand, MeasuresIntoAStoreAndSaysWhatItDid) {
   EXPECT_EQ(modes.count("sampled"), 2u);
 }
 
+TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
+  const Shell shell;
+  // Formulas have one workspace for each thread.
+  write_text(shell / "mine.toml",
+             "[equations]\nx = \"v\"\nv = \"-c*v - k*x - x^3\"\n[parameters]\nc = 0.4\nk = 1\n[initial]\nx = 0.5\nv = 1\n");
+  const std::string options = "sweep --problems liver_forced,mine.toml --methods rk4,ode45 --h 0.2,0.1,0.05,0.04 --t-end 10 ";
+  const Told told = shell.hmax(options + "--explore --jobs 3 --out e");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.err.find("rough"), std::string::npos) << told.err;
+  EXPECT_NE(told.out.find("rough CPU time [s]"), std::string::npos) << told.out;
+  ASSERT_EQ(shell.hmax(options + "--out m").exit_code, 0);
+  const auto compared = shell.hmax("compare m e --json").json();
+  EXPECT_EQ(compared["same"], 24);
+  EXPECT_TRUE(compared["rows"][0]["ratio"].is_null());
+  const auto exported = shell.hmax("export e --json").json(), measured = shell.hmax("export m --json").json();
+  for (const auto& row : exported) EXPECT_EQ(row["explored"], 1);
+  for (const auto& row : measured) EXPECT_EQ(row["explored"], 0);
+  const auto benchmarks = shell.hmax("export e --format gbench").json()["benchmarks"];
+  EXPECT_EQ(benchmarks.size(), 24U);
+  for (const auto& each : benchmarks) EXPECT_EQ(each.value("error_occurred", false), true);
+  ASSERT_EQ(shell.hmax("report e --output e.html").exit_code, 0);
+  EXPECT_NE(read_text(shell / "e.html").find("explored, not shown"), std::string::npos);
+  const Told merged = shell.hmax("merge both e m --json");
+  EXPECT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_EQ(merged.json()["rows"], 24);
+  for (const auto& row : shell.hmax("export both --json").json()) EXPECT_EQ(row["explored"], 0);
+  expect_refused(shell.hmax(options + "--explore --out other --output drawn"), "--output");
+  expect_refused(shell.hmax(options + "--explore --out other --publish"), "--publish");
+  expect_refused(shell.hmax(options + "--out e --resume"), "explored");
+  expect_refused(shell.hmax(options + "--out other --jobs 2"), "--explore");
+}
+
 TEST(SweepCommand, DrawsAFigureForEachProblem) {
   const Shell shell;
   const Told told = shell.hmax(

@@ -45,6 +45,15 @@ std::vector<Row> rows() {
           row("not_wanted", "fixed", 0.1, 1, 1)};
 }
 
+TEST(Figures, RefuseExploredRows) {
+  std::vector<Row> some = rows();
+  some[0].explored = true;
+  EXPECT_THROW(step_figure(some, kMethods), InputError);
+  EXPECT_THROW(step_cost_figure(some, kMethods), InputError);
+  EXPECT_THROW(work_precision_figure(some, kMethods), InputError);
+  EXPECT_THROW(run_time_panel(some, "fixed", kMethods), InputError);
+}
+
 TEST(StepFigure, ShowsTimeOverErrorForBothReadingsOfAStep) {
   const Figure figure = step_figure(rows(), kMethods);
   ASSERT_EQ(figure.panels.size(), 4u);

@@ -238,5 +238,20 @@ TEST(MannWhitney, LargeSamplesAreWithinAPercentOfTheExactTail) {
   EXPECT_LT(p_with_u(21, 20, 128), 0.05);
 }
 
+TEST(Compare, TakesResultsOfExploredRowsButNotTheirTimes) {
+  std::mt19937 random(1);
+  const std::vector<Row> a = session(random, 0.01, [](int, int) { return 1.0; });
+  std::vector<Row> b = session(random, 0.01, [](int i, int) { return i == 0 ? 5.0 : 1.0; });
+  ASSERT_EQ(compare(a, b).rows[0].verdict, Verdict::slower);
+  b[0].explored = b[1].explored = true;
+  b[1].steps += 1;
+  const Comparison found = compare(a, b);
+  EXPECT_EQ(found.rows[0].verdict, Verdict::same);
+  EXPECT_TRUE(found.rows[0].changes.empty());
+  EXPECT_TRUE(std::isnan(found.rows[0].ratio));
+  EXPECT_EQ(found.rows[1].verdict, Verdict::changed);
+  EXPECT_NE(found.remarks.back().find("2 of the rows were explored"), std::string::npos) << found.remarks.back();
+}
+
 }  // namespace
 }  // namespace hmax

@@ -150,7 +150,7 @@ void write_earlier_store(const std::filesystem::path& file) {
     store.begin_session({});
     store.insert(numbered(1));
   }
-  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; PRAGMA user_version = 1");
+  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 1");
 }
 
 TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
@@ -163,6 +163,24 @@ TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
   store.begin_session({});
   store.insert(numbered(2));
   EXPECT_EQ(Store::open_existing(scratch / "old").size(), 2);
+}
+
+TEST(StoreProcess, RowsOfLayout5WereMeasured) {
+  Scratch scratch;
+  {
+    Store store = Store::open_or_create(scratch / "old");
+    store.begin_session({});
+    store.insert(numbered(1));
+  }
+  foreign_sql(scratch / "old", "ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 5");
+  Store store = Store::open_existing(scratch / "old");
+  ASSERT_EQ(store.size(), 1);
+  EXPECT_FALSE(store.rows()[0].explored);
+  Row explored = numbered(2);
+  explored.explored = true;
+  store.begin_session({});
+  store.insert(explored);
+  EXPECT_EQ(std::ranges::count_if(store.rows(), &Row::explored), 1);
 }
 
 TEST(StoreProcess, ManyProcessesBringOneStoreUpToDateAtTheSameTime) {

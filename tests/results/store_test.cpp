@@ -71,6 +71,7 @@ void expect_same_row(const Row& a, const Row& b) {
   expect_same_number(a.reference_error, b.reference_error);
   EXPECT_EQ(a.reference, b.reference);
   EXPECT_EQ(a.subnormals, b.subnormals);
+  EXPECT_EQ(a.explored, b.explored);
   EXPECT_EQ(a.status, b.status);
 }
 

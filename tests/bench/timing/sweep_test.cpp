@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <sched.h>
 #include <set>
 #include <signal.h>
 #include <string>
@@ -16,6 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <sqlite3.h>
 
+#include "core/parallel_for.hpp"
 #include "results/errors.hpp"
 #include "results/exports.hpp"
 #include "results/merge/merge_stores.hpp"
@@ -369,6 +371,63 @@ void expect_same_rows(const std::vector<Row>& a, const std::vector<Row>& b) {
   std::ranges::transform(a, std::back_inserter(x), without_times);
   std::ranges::transform(b, std::back_inserter(y), without_times);
   EXPECT_EQ(rows_to_jsonl(x), rows_to_jsonl(y));
+}
+
+TEST(Exploring, HasTheRowsOfAMeasuringSweepOnAnyNumberOfThreads) {
+  SweepSpec spec = quick();
+  spec.problems.push_back({"liver_linear", {}});
+  const std::vector<Row> alone = measured(spec);
+  EXPECT_TRUE(std::ranges::none_of(alone, &Row::explored));
+  spec.explore = true;
+  spec.repeats = 1;
+  const std::size_t before = jobs();
+  for (const std::size_t threads : {1U, 3U}) {
+    set_jobs(threads);
+    std::vector<Row> rows = measured(spec);
+    for (Row& row : rows) {
+      EXPECT_TRUE(row.explored);
+      EXPECT_EQ(row.cpu_s.size(), 1U);
+      row.explored = false;
+    }
+    expect_same_rows(rows, alone);
+  }
+  set_jobs(before);
+}
+
+TEST(Exploring, IsNotResumedAsMeasuring) {
+  const Scratch scratch;
+  SweepSpec spec = quick();
+  spec.explore = true;
+  const SweepPlan plan = plan_sweep(spec);
+  Store store = open_sweep_store(plan, scratch / "explored.sqlite", false);
+  const SweepSummary ended = run_sweep(plan, store, {}, [&] { return store.size() >= 3; });
+  EXPECT_TRUE(ended.interrupted);
+  EXPECT_LT(ended.rows, plan.rows());
+  EXPECT_FALSE(ended.warnings.empty());
+  EXPECT_EQ(run_sweep(plan, store).measured, plan.rows() - ended.rows);
+  spec.explore = false;
+  EXPECT_NE(input_error([&] { open_sweep_store(plan_sweep(spec), scratch / "explored.sqlite", true); }).find("explored"),
+            std::string::npos);
+  spec.repeats = 1;
+  EXPECT_NE(refusal(spec).find("at least 9"), std::string::npos);
+}
+
+TEST(Measuring, KeepsOneThreadOnItsCore) {
+  cpu_set_t before, during;
+  CPU_ZERO(&during);
+  ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+  int fewest = CPU_COUNT(&before);
+  Scratch scratch;
+  const SweepPlan plan = plan_sweep(quick());
+  Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
+  run_sweep(plan, store, {}, [&] {
+    sched_getaffinity(0, sizeof during, &during);
+    fewest = std::min(fewest, CPU_COUNT(&during));
+    return false;
+  });
+  EXPECT_EQ(fewest, 1) << "while rows are timed";
+  sched_getaffinity(0, sizeof during, &during);
+  EXPECT_TRUE(CPU_EQUAL(&before, &during)) << "and the threads of others are free afterwards";
 }
 
 TEST(Shards, ShareTheBlocksAndTheExpectedTime) {

@@ -94,7 +94,7 @@ TEST(AdviceStore, BringsAdviceOfLayout4UpToDate) {
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(database,
-                         "ALTER TABLE advice DROP COLUMN linear_per_frame; ALTER TABLE advice DROP COLUMN frame_tail_s; DROP TABLE scenes; PRAGMA user_version = 4",
+                         "ALTER TABLE advice DROP COLUMN linear_per_frame; ALTER TABLE advice DROP COLUMN frame_tail_s; DROP TABLE scenes; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 4",
                          nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(database);

@@ -107,6 +107,34 @@ TEST(Merge, CountsWhatIsDoubledAndNamesWhatDiffers) {
   EXPECT_FALSE(out.notes().contains("sweep")) << "one of the stores is of no sweep";
 }
 
+TEST(Merge, PutsMeasuredRowsInPlaceOfExploredOnesWithTheSameResults) {
+  const Scratch scratch;
+  const auto a = scratch / "a.sqlite", b = scratch / "b.sqlite";
+  const auto store = [](const std::filesystem::path& file, std::vector<Row> rows, bool explored) {
+    Store made = Store::open_or_create(file);
+    made.begin_session(machine("any"));
+    for (Row& row : rows) row.explored = explored;
+    made.insert(rows);
+  };
+  Row other = numbered(2);
+  other.steps = 21;
+  store(a, {numbered(1, 5e-3), other, numbered(3)}, true);
+  store(b, {numbered(1), numbered(2)}, false);
+  for (const bool explored_first : {true, false}) {
+    Store out = Store::open_or_create(scratch / (explored_first ? "out_1.sqlite" : "out_2.sqlite"));
+    Merger merger(out);
+    merger.add(explored_first ? a : b);
+    merger.add(explored_first ? b : a);
+    EXPECT_EQ(merger.summary().conflicts.size(), 1U) << "other steps are no matter of time";
+    const std::vector<Row> rows = out.rows();  // from large h to small
+    ASSERT_EQ(rows.size(), 3U);
+    EXPECT_TRUE(rows[0].explored);
+    EXPECT_EQ(rows[1].explored, explored_first) << "the first of a conflict counts";
+    EXPECT_FALSE(rows[2].explored);
+    EXPECT_EQ(rows[2].cpu_s, (std::vector<double>{1e-3, 2e-3}));
+  }
+}
+
 TEST(Merge, MadeAgainAddsNothingAndTakesWhatIsNew) {
   const Scratch scratch;
   const auto a = made(scratch / "a.sqlite", 0, 3, "first");
