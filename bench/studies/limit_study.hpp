@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/catalogue/method.hpp"
+#include "bench/timing/sweep.hpp"
 #include "results/limit_row.hpp"
 #include "results/store.hpp"
 
@@ -35,9 +36,10 @@ enum class CaseKind { linear, nonlinear };
 /// @param store  where rows are looked up and kept; nullptr for nowhere
 /// @param progress  told the share that is done; from the calling thread
 /// @param interrupted  asked between rows; what is finished is kept and returned
+/// @param shard  only every `count`-th row is looked at; all shards together are the study
 std::vector<StudyRow> limit_study(const std::vector<LimitCase>& cases, CaseKind kind,
                                   const std::vector<Method>& methods, Store* store,
                                   const std::function<void(double)>& progress,
-                                  const std::function<bool()>& interrupted);
+                                  const std::function<bool()>& interrupted, Shard shard = {});
 
 }  // namespace hmax

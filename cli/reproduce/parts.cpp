@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bench/timing/sweep.hpp"
 #include "cli/reproduce/reproduce_oscillators.hpp"
@@ -34,6 +35,19 @@ std::string link_to_rows(const std::filesystem::path& folder, const std::vector<
   return page.link;
 }
 
+/// What a shard has stored in a folder.
+ReproducedPart stored_shard(const std::filesystem::path& folder, const std::vector<const char*>& stores, std::size_t rows,
+                            std::chrono::steady_clock::time_point started) {
+  std::vector<std::string> files;
+  for (const char* store : stores) files.push_back((folder / store).string());
+  const double seconds = seconds_since(started);
+  return {.rows = static_cast<std::int64_t>(rows),
+          .seconds = seconds,
+          .document = {{"stores", files}, {"rows", rows}, {"seconds", seconds}},
+          .words = fmt::format("{} rows of this shard are in {}; merge them with those of the other shards",
+                               rows, fmt::join(files, ", "))};
+}
+
 /// The damping of the study's text makes the model self-exciting: its amplitude grows without end and with it
 /// the frequency of the cubic spring, so this sweep is short and keeps to the methods that are drawn.
 SweepSpec self_exciting_sweep() {
@@ -46,8 +60,9 @@ SweepSpec self_exciting_sweep() {
 
 /// The rows of a sweep, measured unless the store has them already.
 std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& file, const std::string& task,
-                          Console& console, std::string& machine, std::int64_t& count) {
-  const SweepPlan plan = plan_sweep(spec);
+                          Console& console, std::string& machine, std::int64_t& count,
+                          std::optional<Shard> shard) {
+  const SweepPlan plan = shard_of(plan_sweep(spec), shard.value_or(Shard{}));
   if (!can_resume(plan, file)) {
     std::filesystem::path old = file.parent_path() / (file.stem().string() + ".old.sqlite");
     // An older one is kept as well.
@@ -68,7 +83,9 @@ std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& fi
     for (const std::string& warning : done.warnings) console.remark(warning);
     count += done.measured;
   }
-  machine = summary(store.sessions().back().fingerprint);
+  // A shard may have no row.
+  if (const std::vector<Session> sessions = store.sessions(); !sessions.empty())
+    machine = summary(sessions.back().fingerprint);
   return store.rows();
 }
 
@@ -164,7 +181,7 @@ nlohmann::ordered_json to_json(const TissueStudy& study) {
 
 }  // namespace
 
-ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console) {
+ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console, std::optional<Shard> shard) {
   check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   const auto& interrupted = interrupt_flag();
@@ -175,13 +192,14 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const auto study = [&](const char* task, CaseKind kind, const std::vector<Method>& chosen) {
     Progress progress(console, task);
     return limit_study(
-        cases, kind, chosen, &store, [&](double share) { progress.update(share); }, stop);
+        cases, kind, chosen, &store, [&](double share) { progress.update(share); }, stop, shard.value_or(Shard{}));
   };
   const std::vector<StudyRow> rows = study("predicting and verifying", CaseKind::linear, methods());
   std::vector<Method> chosen;
   for (const char* id : nonlinear_methods) chosen.push_back(find_method(id));
   const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
   if (interrupted) throw Interrupted{};
+  if (shard) return stored_shard(folder, {limit_store}, rows.size() + nonlinear.size(), started);
   const std::filesystem::path report =
       reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder,
                           link_to_rows(folder, {limit_store}, console));
@@ -230,15 +248,19 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
                                1000 * study.deflection_elements)};
 }
 
-ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console) {
+ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console,
+                                         std::optional<Shard> shard) {
   check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   StudyRows rows;
   std::int64_t count = 0;
   rows.self_exciting = measured(self_exciting_sweep(), folder / self_exciting_store,
-                                "timing the model with c = -2", console, rows.machine, count);
+                                "timing the model with c = -2", console, rows.machine, count, shard);
   rows.published_model = measured(SweepSpec{}, folder / sweep_store, "timing the step sweep", console,
-                                  rows.machine, count);
+                                  rows.machine, count, shard);
+  if (shard)
+    return stored_shard(folder, {self_exciting_store, sweep_store},
+                        rows.self_exciting.size() + rows.published_model.size(), started);
   rows.rows_link = link_to_rows(folder, {sweep_store, self_exciting_store}, console);
   std::filesystem::path report;
   {

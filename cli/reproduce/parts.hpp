@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "bench/timing/sweep.hpp"
 #include "cli/reproduce/tissue_study.hpp"
 #include "cli/shared/commands.hpp"
 
@@ -13,7 +15,7 @@ namespace hmax {
 
 /// What came of one of them.
 struct ReproducedPart {
-  std::filesystem::path report;     ///< its page, index.html
+  std::filesystem::path report = {};  ///< its page, index.html; empty where only a shard is stored
   std::int64_t rows = 0;            ///< of numbers that it rests on
   double seconds = 0;               ///< wall time of this call [s]
   bool failed = false;              ///< prediction and runs disagree, or something was not solved
@@ -22,10 +24,13 @@ struct ReproducedPart {
 };
 
 /// The liver oscillator study. Rows that the stores of the folder hold are not measured again.
-ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console);
+/// @param shard  only these rows are measured, and no page is written
+ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console,
+                                         std::optional<Shard> shard = {});
 
 /// The step limits of every method on every model of that study; those that the store of the folder holds are looked up.
-ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console);
+/// @param shard  only these rows are computed, and no page is written
+ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console, std::optional<Shard> shard = {});
 
 /// Springs and finite elements of the thesis.
 ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options, Console& console);

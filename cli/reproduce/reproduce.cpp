@@ -16,6 +16,7 @@
 #include "cli/reproduce/source_items.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/shard_option.hpp"
 #include "plots/figure.hpp"
 #include "plots/pages/report.hpp"
 #include "results/errors.hpp"
@@ -31,7 +32,8 @@ using Json = nlohmann::ordered_json;
 void show(const ReproducedPart& part, Console& console) {
   if (part.failed) console.exit_code = Exit::failed;
   if (console.json) return console.print_json(part.document);
-  console.print(fmt::format("{}\nOpen {}\n", part.words, part.report.string()));
+  console.print(part.words + "\n");
+  if (!part.report.empty()) console.print(fmt::format("Open {}\n", part.report.string()));
 }
 
 /// A part of `reproduce all`, in a folder of its own.
@@ -181,7 +183,9 @@ void add_oscillator_study(CLI::App& reproduce, Console& console) {
   add_force(oscillators);
   add_figure_style(oscillators);
   add_jobs(oscillators);
-  oscillators.callback([&console, folder] { show(reproduce_oscillator_part(*folder, console), console); });
+  auto shard = std::make_shared<std::string>();
+  add_shard(oscillators, *shard);
+  oscillators.callback([&console, folder, shard] { show(reproduce_oscillator_part(*folder, console, shard_from(*shard)), console); });
 }
 
 void add_stability_study(CLI::App& reproduce, Console& console) {
@@ -194,7 +198,9 @@ void add_stability_study(CLI::App& reproduce, Console& console) {
   add_force(stability);
   add_figure_style(stability);
   add_jobs(stability);
-  stability.callback([&console, folder] { show(reproduce_limits(*folder, console), console); });
+  auto shard = std::make_shared<std::string>();
+  add_shard(stability, *shard);
+  stability.callback([&console, folder, shard] { show(reproduce_limits(*folder, console, shard_from(*shard)), console); });
 }
 
 void add_tissue_study(CLI::App& reproduce, Console& console) {
