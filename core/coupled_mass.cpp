@@ -147,8 +147,8 @@ CoupledMass::CoupledMass(const Sparse& M, Root root) : M_(M) {
   }
   if (root == Root::polynomial || !make_factor(most_work))
     throw std::invalid_argument(
-        "the mass matrix M is nearly singular, and a factor of it is too large; lump it (mass=lumped:FILE takes the sums "
-        "of its rows)");
+        "the mass matrix M is nearly singular, and a factor of it is too large; take the sums of its rows as masses, which "
+        "changes the limit");
   if (low_ <= 0) low_ = 1e-14 * high_;
 }
 
