@@ -156,7 +156,7 @@ class Search {
       // The largest terms that each rate has been a sum of, on the whole way.
       rate_size_ = rate_size_.size() ? rate_size_.cwiseMax(row_sizes(J, y_) + f_.cwiseAbs())
                                      : VectorXd(row_sizes(J, y_) + f_.cwiseAbs());
-      if (f_.isZero(0)) return arrives();
+      if (f_.isZero(0) && rates_vanish()) return arrives();
       // Once, at the start: invariants hold everywhere.
       if (iterations_ == 0) look_for_conserved_sums(J);
       const Corrections correction(J, conserved_);
@@ -167,7 +167,7 @@ class Search {
             "hold what is free to drift");
       // J d = -f has no solution: the rates at a singular state cannot be corrected from here.
       if (!correction.reaches(residual(y_, f_))) {
-        if (iterations_ > 0 && is_rounding(f_)) return arrives();
+        if (iterations_ > 0 && rates_vanish()) return arrives();
         // A fold may lie exactly here. Beside it the search goes on; a system without equilibrium says no
         // again.
         if (nudged)
@@ -208,7 +208,7 @@ class Search {
                         rounded(f_.cwiseAbs().maxCoeff())));
       }
       // Stalled: corrections no longer shrink by a tenth, as at multiple roots or at rounding.
-      if ((length <= 1e-13 || stalls) && is_rounding(f_)) {
+      if ((length <= 1e-13 || stalls) && rates_vanish()) {
         ++iterations_;
         return arrives();
       }
@@ -291,8 +291,9 @@ class Search {
     return (f.cwiseAbs().array() <= 1e-11 * rate_size_.array()).all();
   }
 
-  /// Components that are rounding are set to zero if the rates stay rounding.
-  EquilibriumSearch arrives() {
+  /// Whether all rates are rounding. Components that are rounding are set to zero where the rates then are: of a
+  /// velocity that was never more than rounding, the rate has nothing else to be compared with.
+  bool rates_vanish() {
     VectorXd y = y_, f(y_.size());
     for (Index i = 0; i < y.size(); ++i)
       if (std::abs(y[i]) <= 1e-12 * std::max(size_[i], 1e-3 * size_.maxCoeff())) y[i] = 0;
@@ -300,6 +301,10 @@ class Search {
       y_ = y;
       f_ = f;
     }
+    return is_rounding(f_);
+  }
+
+  [[nodiscard]] EquilibriumSearch arrives() const {
     return ends(EquilibriumOutcome::found, fmt::format("an equilibrium after {} Newton step{}", iterations_,
                                                        iterations_ == 1 ? "" : "s"));
   }

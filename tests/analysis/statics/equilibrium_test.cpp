@@ -192,6 +192,28 @@ TEST(Equilibrium, MayBeOutOfReachOfWhatIsConserved) {
   EXPECT_NE(moving.message.find("conserves"), std::string::npos) << moving.message;
 }
 
+/// Two masses of 0.1 kg below each other on springs of 0.2 m and 1000 N/m, y = (x1, y1, x2, y2, and their velocities).
+struct Hanging {
+  using State = VectorXd;
+  [[nodiscard]] Eigen::Index dim() const { return 8; }
+  static Vector2d pull(const Vector2d& d) { return -1000 * (d.norm() - 0.2) / d.norm() * d; }
+  void rhs(double, const State& y, State& dydt) const {
+    const Vector2d upper = pull(y.head<2>()), lower = pull(y.segment<2>(2) - y.head<2>()), weight(0, -0.981);
+    dydt.head<4>() = y.tail<4>();
+    dydt.segment<2>(4) = (upper - lower + weight) / 0.1 - 0.2 * y.segment<2>(4);
+    dydt.tail<2>() = (lower + weight) / 0.1 - 0.2 * y.tail<2>();
+  }
+};
+
+TEST(Equilibrium, WhatHangsAtRestHasNoSidewaysTermsToCompareWith) {
+  VectorXd rest = VectorXd::Zero(8);
+  rest[1] = -0.2 - 2 * 0.981 / 1000;
+  rest[3] = rest[1] - 0.2 - 0.981 / 1000;
+  const EquilibriumSearch search = find_equilibrium(Hanging{}, 0, rest);
+  expect_found(search, rest);
+  EXPECT_LE(search.iterations, 2);
+}
+
 TEST(Equilibrium, OfChemistryIsReportedWithItsResidual) {
   for (const char* id : {"oregonator", "hires", "lorenz", "brusselator"}) {
     const Problem problem = make_problem(id);
