@@ -11,6 +11,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
+#include "analysis/spectrum/linear_model.hpp"
 #include "bench/plugin/plugin_model.hpp"
 #include "bench/plugin/plugin_stepper.hpp"
 #include "results/errors.hpp"
@@ -121,15 +122,23 @@ TEST(Plugin, AModelIsAProblem) {
   EXPECT_EQ(problem.t_end, 2);
   ASSERT_TRUE(is_second_order(problem));
   const auto& system = std::get<AnySystem>(problem.system);
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(8);
   Eigen::VectorXd dydt(8);
+  system.rhs(0, rest, dydt);
+  EXPECT_LT(dydt.cwiseAbs().maxCoeff(), 1e-12);  // the displacements are those from rest
   system.rhs(0, problem.y0, dydt);
-  EXPECT_LT(dydt.cwiseAbs().maxCoeff(), 1e-12);  // it hangs at rest
+  EXPECT_GT(dydt.cwiseAbs().maxCoeff(), 0.1);  // and it starts beside it
+  AnySystem::Jacobian J;
+  system.jacobian(0, problem.y0, J);
+  JacobianOrigin origin{};
+  const Eigen::MatrixXd differences = dense(detail::jacobian_by_differences(system, 0, problem.y0, origin));
+  EXPECT_LT((dense(J) - differences).cwiseAbs().maxCoeff(), 1e-3);  // of 10000
   AnySystem::DofMatrix K;
-  system.stiffness(0, problem.y0.head(4), problem.y0.tail(4), K);
-  const Eigen::MatrixXd& dense = std::get<Eigen::MatrixXd>(K);
-  EXPECT_NEAR(dense(1, 1), 1000, 1e-5);
-  EXPECT_NEAR(dense(1, 3), -500, 1e-5);
-  EXPECT_LT((dense - dense.transpose()).cwiseAbs().maxCoeff(), 1e-5);
+  system.stiffness(0, rest.head(4), rest.tail(4), K);
+  const Eigen::MatrixXd& stiffness = std::get<Eigen::MatrixXd>(K);
+  EXPECT_NEAR(stiffness(1, 1), 1000, 1e-9);
+  EXPECT_NEAR(stiffness(1, 3), -500, 1e-9);
+  EXPECT_EQ(stiffness, stiffness.transpose());
   EXPECT_EQ(error_of([] { plugin_problem(tested("chain")); }),
             "'chain' of the plugin is a stepper and no model; use `hmax probe` for it");
 }
