@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -362,31 +361,31 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
   const double ratio = rows <= 60 ? 1.05 : rows <= 240 ? 1.2 : 1.5;
   const auto growth_at = [&](double h) { return spectral_radius(h) - 1; };
   const auto is_stable = [&](double h) { return growth_at(h) <= rounding_; };
+  // Growth that fades no faster than h^5 ends nowhere but in rounding: gyroscopic forces of the velocities before a step
+  // amplify by O(h^2). Beyond a step where stability ends it is large.
+  const auto unless_fading = [&](CoupledLimit limit) {
+    constexpr double fading = 32;
+    if (growth_at(2 * limit.h_max) <= fading * rounding_) limit.h_max = 0;
+    return limit;
+  };
   // Well below 1 / rate_, the fastest time scale of the model.
   double stable = 0.1 / rate_;
-  if (double growth = growth_at(stable); growth > rounding_) {
+  if (!is_stable(stable)) {
     // Smaller steps, down to where one of every size must be unstable.
-    double unstable = stable, last = infinity, before = infinity;
+    double unstable = stable;
     do {
       unstable = stable;
-      before = std::exchange(last, growth);
       stable /= 4;
       if (stable < 1e-5 / rate_) return CoupledLimit{.h_max = 0};
-      growth = growth_at(stable);
-    } while (growth > rounding_);
-    CoupledLimit limit = refined(stable, unstable);
-    // Growth that fades no faster than h^4 ends nowhere but in rounding: gyroscopic forces of the velocities before a step
-    // amplify by O(h^2). Beyond a step where stability ends it is large.
-    constexpr double fading = 256;
-    if (last <= fading * rounding_ && before <= fading * last) limit.h_max = 0;
-    return limit;
+    } while (!is_stable(stable));
+    return unless_fading(refined(stable, unstable));
   }
   // A root is -1 where P(-1, h) ceases to be definite, so the first exit is not beyond it. Without such
   // a step the strides end at 1e4 / rate_.
   const double farthest = at_minus_one.value_or(1e4 / rate_);
   for (double h = stable; h < farthest;) {
     h = std::min(h * ratio, at_minus_one ? farthest * (1 - 1e-6) : infinity);
-    if (!is_stable(h)) return refined(stable, h);
+    if (!is_stable(h)) return unless_fading(refined(stable, h));
     stable = h;
     if (at_minus_one && h >= farthest * (1 - 2e-6)) break;
   }

@@ -162,8 +162,8 @@ TEST(CoupledMotion, NeedNotBeSymmetric) {
 TEST(CoupledMotion, OfGyroscopicForcesIsAmplifiedByEveryStepOfExplicitMethods) {
   // q1'' + g q2' + k1 q1 = 0, q2'' - g q1' + k2 q2 = 0.
   const MatrixXd K = Eigen::Vector2d(200, 100).asDiagonal(), gyroscopic{{0, 1.5}, {-1.5, 0}};
-  const auto part = [&](double c) {
-    return mechanical_part(Eigen::VectorXd::Ones(2), K, MatrixXd(gyroscopic + c * MatrixXd::Identity(2, 2)));
+  const auto part = [&](double c, double g = 1) {
+    return mechanical_part(Eigen::VectorXd::Ones(2), K, MatrixXd(g * gyroscopic + c * MatrixXd::Identity(2, 2)));
   };
   const Amplification euler = symplectic_euler_amplification();
   const CoupledMotion undamped(*euler.motion, part(0));
@@ -171,6 +171,9 @@ TEST(CoupledMotion, OfGyroscopicForcesIsAmplifiedByEveryStepOfExplicitMethods) {
   EXPECT_NEAR((undamped.spectral_radius(1e-3) - 1) / (undamped.spectral_radius(5e-4) - 1), 4, 0.05);
   EXPECT_GT(undamped.spectral_radius(1e-3), 1 + 1e-7);
   EXPECT_EQ(undamped.first_exit(euler).value().h_max, 0);
+  // Weak ones, whose growth is rounding at small steps.
+  for (const double g : {0.1, 1e-2, 1e-3})
+    EXPECT_EQ(CoupledMotion(*euler.motion, part(0, g)).first_exit(euler).value().h_max, 0) << g;
   // Damping that outweighs the growth up to some step leaves a limit.
   const CoupledMotion damped(*euler.motion, part(0.01));
   const double h = damped.first_exit(euler).value().h_max;
