@@ -277,19 +277,26 @@ std::optional<ObservedLimit> observe_recurrence(const Method& method, const Pred
   const MotionOf motion = motion_of_shape(*near.point.model.mechanical, near.point.model.y, start.shape, h_max);
   const auto steps = static_cast<std::int64_t>(6 * degree);
   std::map<double, double> known;
+  bool lost = false;  // at a step that obeys no recurrence
   const auto per_step = [&](double h) {
     const auto [at, is_new] = known.try_emplace(h);
-    // What obeys no recurrence is no limit of this mode.
-    if (is_new)
-      at->second = growth_of_recurrence(run, motion, degree, h, steps)
-                       .value_or(std::numeric_limits<double>::quiet_NaN());
+    if (is_new) {
+      const std::optional<double> growth = growth_of_recurrence(run, motion, degree, h, steps);
+      lost = lost || !growth;
+      at->second = growth.value_or(0);
+    }
     return at->second;
   };
-  if (std::isnan(per_step(0.999 * h_max)) || std::isnan(per_step(1.001 * h_max))) return std::nullopt;
+  per_step(0.999 * h_max);
+  per_step(1.001 * h_max);
+  if (lost) return std::nullopt;
   const ExpectedGrowth expected{.above = 1, .beside = -infinity, .visible = 1e-5, .resolution = 2e-4,
                                 .least = static_cast<double>(steps)};
   const GrowthAt growth = [&](double h, std::int64_t n) { return per_step(h) * static_cast<double>(n / 2); };
-  return observe_limit(growth, h_max, expected);
+  ObservedLimit limit = observe_limit(growth, h_max, expected);
+  limit.steps = steps;
+  if (lost) return std::nullopt;
+  return limit;
 }
 
 /// The same where the steps couple all modes, from the shape that begins to grow.
@@ -427,7 +434,7 @@ Eigen::MatrixXd free_motions_of_matrices(const Linearised& near) {
   for (const Complex lambda : near.modes.spectrum.lambda) largest = std::max(largest, std::norm(lambda));
   Eigen::MatrixXd motions(part->mass.size(), 0);
   for (std::size_t i = 0; i < all.kappa.size(); ++i) {
-    if (std::abs(all.kappa[i]) > 1e-10 * largest) continue;
+    if (std::abs(all.kappa[i]) > rigid_share * largest) continue;
     motions.conservativeResize(Eigen::NoChange, motions.cols() + 1);
     motions.rightCols(1) = all.shapes.col(static_cast<Eigen::Index>(i));
   }

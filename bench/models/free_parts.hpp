@@ -11,6 +11,9 @@
 
 namespace hmax {
 
+/// Modes are rigid but for rounding below this share of the largest kappa.
+inline constexpr double rigid_share = 1e-12;
+
 /// The rigid motions that supports leave at rest, orthonormal in the masses, R^T M R = I, shape
 /// (dofs, count); no columns where everything is held.
 Eigen::MatrixXd free_motions(const TissueBody& body);

@@ -14,6 +14,7 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/modal_motion.hpp"
 #include "bench/input/suggest.hpp"
+#include "bench/models/free_parts.hpp"
 #include "core/size_limits.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -346,7 +347,7 @@ std::optional<ModeCounts> mode_counts(const MatrixModel& model) {
       mechanical_part(mass, model.K, Eigen::SparseMatrix<double>(model.size(), model.size()));
   const ExtremeStiffnesses least = smallest_stiffnesses(part, std::min<Index>(7, model.size()));
   if (!least.converged) return std::nullopt;
-  const double rounding = 1e-12 * model.facts.constraints.others * model.facts.constraints.others;
+  const double rounding = rigid_share * model.facts.constraints.others * model.facts.constraints.others;
   ModeCounts counts{.negative = least.negative};
   for (const double kappa : least.kappa) counts.rigid += std::abs(kappa) <= rounding ? 1 : 0;
   return counts;

@@ -279,6 +279,7 @@ TEST(MeshLimits, OfLargeMeshesAreObservedInAFewSteps) {
     verify(row, method, body(5000 * 1.02), near);
     ASSERT_TRUE(row.observed) << name;
     EXPECT_TRUE(row.observed->contradicts()) << name;
+    EXPECT_NEAR(row.observed->h_max, *predicted.h_max / std::sqrt(1.02), 5e-4 * *predicted.h_max) << name;
   }
 }
 
