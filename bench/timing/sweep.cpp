@@ -237,6 +237,7 @@ void Sweeper::tell(const SweepBlock& block, double share) const {
 /// and shows every point to the meter where there is a reference. Throws OverBudget.
 RunRecord Sweeper::watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
                                std::optional<ErrorMeter>& meter) {
+  const OneThread alone;  // the budget is that of one
   using State = Eigen::Ref<const Eigen::VectorXd>;
   const Eigen::Index dim = plan_.problems[block.problem].y0.size();
   const bool has_reference = reaches_end(reference, block);

@@ -138,7 +138,8 @@ struct SweepSummary {
 /// The end state of the timed runs must agree with the counted run bit for bit (std::logic_error otherwise),
 /// so no time is stored without its error.
 /// @param progress     called often, also inside of a block; may be empty
-/// @param interrupted  asked often; true ends the sweep without the block at hand; may be empty
+/// @param interrupted  asked often; true ends the sweep without the block at hand; may be empty. An exploring sweep asks
+/// in all threads at once.
 SweepSummary run_sweep(const SweepPlan& plan, Store& store,
                        const std::function<void(const SweepProgress&)>& progress = {},
                        const std::function<bool()>& interrupted = {});
