@@ -137,7 +137,7 @@ void first_order_matrix(const MatrixT& K, const MassMatrix<double>& M, const Mat
     if constexpr (std::is_same_v<MatrixT, MatrixXd>)
       J = std::move(full);
     else
-      J = full.sparseView(0, -1);  // zeros as well: one pattern at all times
+      J = full.sparseView(1, -1);  // zeros as well: one pattern at all times
     return;
   }
   const VectorXd& mass = M.diagonal();
