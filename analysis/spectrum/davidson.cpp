@@ -37,6 +37,7 @@ class Space {
   /// Adds the part of t that is new.
   /// @returns false where there is none but rounding
   bool add(VectorXd t) {
+    double left = 1;  // of it, in the norm of M
     for (int time = 0;; ++time) {
       image_ = t;
       M_.multiply(image_);
@@ -45,6 +46,7 @@ class Space {
       t /= length;
       image_ /= length;
       // Gram and Schmidt in the product of M, again where it has left so little that rounding shows.
+      if (time > 0 && (left *= length) < 1e-14) return false;
       if (time > 0 && length > 0.1) break;
       if (time == 3) return false;
       const VectorXd h = MV_.leftCols(size_).transpose() * t, g = M_found_.leftCols(found_count_).transpose() * t;
