@@ -7,6 +7,7 @@
 #include <ctime>
 #include <linux/futex.h>
 #include <new>
+#include <string>
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -74,8 +75,12 @@ bool Spin::until(const SharedCount& count, std::uint32_t wanted) {
 
 PluginMemory::PluginMemory() {
   void* memory = mmap(nullptr, mapped, PROT_NONE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory == MAP_FAILED || mprotect(static_cast<std::byte*>(memory) + guard, mapped - 2 * guard, PROT_READ | PROT_WRITE) != 0)
-    throw InputError(fmt::format("the system has no memory for the plugin: {}", std::strerror(errno)));
+  if (memory == MAP_FAILED || mprotect(static_cast<std::byte*>(memory) + guard, mapped - 2 * guard, PROT_READ | PROT_WRITE) != 0) {
+    const std::string reason = std::strerror(errno);
+    if (memory != MAP_FAILED) munmap(memory, mapped);
+    throw InputError(fmt::format("the system refuses {} MB of address space for the plugin: {}; raise `ulimit -v`",
+                                 mapped / 1'000'000, reason));
+  }
   page_ = new (static_cast<std::byte*>(memory) + guard) PluginPage;
 }
 

@@ -40,7 +40,6 @@ struct PluginRequest {
   std::uint32_t slot = 0;
   std::uint64_t count = 0;
   double h = 0;
-  std::uint64_t numbers = 0;  ///< doubles that come with it
 };
 
 struct PluginReply {

@@ -125,7 +125,14 @@ void PluginProcess::await() {
     if (count == asked_) return;
     if (count != asked_ - 1) explain_destruction();
     if (settings_.watch) settings_.watch();
-    if (int status = 0; has_ended(child_, 0, &status) && answered.load() != asked_) explain_end(status);
+    // Looked at without reaping: after an answer it is still there to be ended.
+    siginfo_t info{};
+    if (waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == child_ &&
+        answered.load() != asked_) {
+      int status = 0;
+      has_ended(child_, 0, &status);
+      explain_end(status);
+    }
     if (const std::uint64_t now = page().stage.calls; now != calls) {
       calls = now;
       begin = Clock::now();
@@ -158,7 +165,6 @@ bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in
   // Whatever goes wrong ends the child.
   try {
     page().request = request;
-    page().request.numbers = in.size();
     std::ranges::copy(in, page().numbers.begin());
     page().asked.store(++asked_);
     const PluginReply answer = reply();
