@@ -344,7 +344,7 @@ std::size_t Server::handle(const PluginRequest& request) {
       steps(request.h, 1);
       save(request.slot);
       return state();
-    default: throw Failure{"a stepper is asked for what only models have"};
+    default: throw Failure{std::string(plugin_destroyed)};
   }
 }
 
@@ -398,7 +398,7 @@ std::size_t Server::handle_model(const PluginRequest& request) {
     case PluginAsk::damping:
       return matrix(PluginCall::damping, model_->damping, v, force, -1,
                     [&] { return model_->damping(handle_, t, y, v, out_.numbers()); });
-    default: throw Failure{"a model is asked for what only steppers have"};
+    default: throw Failure{std::string(plugin_destroyed)};
   }
 }
 

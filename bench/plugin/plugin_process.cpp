@@ -112,7 +112,7 @@ void PluginProcess::explain_hang() {
 
 void PluginProcess::explain_destruction() {
   end();
-  throw InputError("the plugin destroyed the memory of its process; check the bounds of its arrays");
+  throw InputError(std::string(plugin_destroyed));
 }
 
 void PluginProcess::await() {
