@@ -132,6 +132,19 @@ void look_at_contact(OperatingPoint& point, const Problem& problem) {
         "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
 }
 
+/// @throws InputError  where the rates of the initial state are no numbers: matrices that are say nothing then
+void require_rates(const Problem& problem) {
+  std::visit(
+      [&]<class Sys>(const Sys& system) {
+        typename Sys::State y(problem.y0), f(problem.y0);
+        system.rhs(0, y, f);
+        if (!f.allFinite())
+          throw InputError(fmt::format("the rates of {} in its initial state are not finite; give another state, or correct the model",
+                                       problem.id));
+      },
+      problem.system);
+}
+
 /// Under a load the equilibrium of a body is found with its stiffness, half as many unknowns.
 EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumWatcher& watcher) {
   const TissueBody& body = *problem.body;
@@ -186,6 +199,7 @@ OperatingPoint operating_point(const Problem& problem, AskedState at, const Equi
   const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
   const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();
   const double t = !at_rest && search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
+  if (!search.found()) require_rates(problem);
   // One variable for all returns: another would be copied with its matrices.
   OperatingPoint point = operating_point(problem, t, search.found() ? search.state : problem.y0);
   point.at_equilibrium = at_equilibrium;
