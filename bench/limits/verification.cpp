@@ -524,7 +524,23 @@ void conclude(Prediction& row, const Method& method, Finding finding) {
 
 }  // namespace
 
-void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near) {
+namespace {
+
+/// The same run, watched at every step.
+ShowSteps watched(ShowSteps run, const std::function<void()>& watch) {
+  if (!watch) return run;
+  return [run = std::move(run), watch](double h, std::int64_t steps, const auto& show) {
+    return run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) {
+      watch();
+      show(y);
+    });
+  };
+}
+
+}  // namespace
+
+void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
+            const std::function<void()>& watch) {
   const bool has_claim =
       row.bound == Bound::stability || row.bound == Bound::accuracy || row.bound == Bound::newton;
   if (!method.fixed_step || row.unstable_from || !has_claim) return;
@@ -551,7 +567,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const bool linear = is_linear(problem) || near.point.kind == StateKind::matrices;
   const double size = linear ? 1 : small_displacement(problem, near, start.displacement, most_change);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
-  const ShowSteps run = steps_of(method, free, rest, size * start.displacement, outcome);
+  const ShowSteps run = watched(steps_of(method, free, rest, size * start.displacement, outcome), watch);
   Finding finding = row.bound == Bound::stability
                         ? watch_limit(row, method, near, start, run)
                         : watch_without_limit(row, problem, start, run, *outcome, rates);

@@ -1,6 +1,7 @@
 /// Predicted limits beside what integration with the code itself shows.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +18,9 @@ namespace hmax {
 /// equations of steps without limit are not solved. Nothing where there is no number to verify (methods that
 /// choose their steps, growing models, models without a mode that moves); a `note` where runs would take too
 /// much: driven models of many states, dense factors of large Jacobians.
-void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near);
+/// @param watch  called at every step; may throw, which ends the runs and leaves the row as it was; may be empty
+void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
+            const std::function<void()>& watch = {});
 
 /// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
 /// from rest is taken off: what is left moves as the free model does.

@@ -337,7 +337,7 @@ Prediction PredictedRows::predicted(const Method& method, const Problem& problem
   }
   if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
     prediction.newton_step = largest_newton_step(method, problem);
-  if (question_.verify) verify(prediction, method, problem, near);
+  if (question_.verify) verify(prediction, method, problem, near, by_steps.watch);
   return prediction;
 }
 
@@ -368,7 +368,12 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
       [&](std::size_t i, std::size_t worker) {
         const Method& method = methods[i];
         shown.begin(method.id);
-        const Prediction prediction = predicted(method, own[worker], point_of(worker), near);
+        Prediction prediction;
+        try {
+          prediction = predicted(method, own[worker], point_of(worker), near);
+        } catch (const Interrupted&) {
+          return;  // without this row
+        }
         LimitRow row = limit_row(prediction);
         row.method = name_of_row(method);
         if (question_.verify && row.verdict.empty()) row.verdict = "not_run";

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -496,6 +497,15 @@ struct Runaway {
   void rhs(double, const State& y, State& dydt) const { dydt = State(1 + y[0] * y[0], -y[1]); }
 };
 
+/// y' is no number, although the Jacobian is there.
+struct NoRate {
+  using State = Eigen::Vector2d;
+  using Jacobian = Eigen::Matrix2d;
+  [[nodiscard]] static Eigen::Index dim() { return 2; }
+  void rhs(double, const State& y, State& dydt) const { dydt = State(std::nan(""), -y[1]); }
+  void jacobian(double, const State&, Jacobian& J) const { J = -Jacobian::Identity(); }
+};
+
 Problem problem_of(AnySystem system) {
   return {.id = "own",
           .material = "",
@@ -526,6 +536,25 @@ TEST(Linearised, RefusesAJacobianThatIsNoNumberAndAMassThatIsNone) {
     EXPECT_NE(said.find("every mass must be positive and finite"), std::string::npos) << said;
   }
   EXPECT_EQ(refusal(problem_of(AnySystem(Weight{2}))), "accepted");
+}
+
+TEST(Linearised, RefusesRatesThatAreNoNumbers) {
+  EXPECT_NE(refusal(problem_of(AnySystem(NoRate{}))).find("the rates of own in its initial state are not finite"),
+            std::string::npos);
+}
+
+TEST(Verification, EndsWhereTheWatcherThrows) {
+  const Problem problem = problem_of(AnySystem(Slope{-1, -2}));
+  const Linearised near = linearised(problem);
+  const Method rk4 = find_method("rk4");
+  Prediction row = predict(rk4, near);
+  int steps = 0;
+  const auto watch = [&] {
+    if (++steps == 20) throw std::runtime_error("enough");
+  };
+  EXPECT_THROW(verify(row, rk4, problem, near, watch), std::runtime_error);
+  EXPECT_EQ(steps, 20);
+  EXPECT_FALSE(row.observed);
 }
 
 TEST(Linearised, SaysThatThereIsNoPlaceOfRestAndTakesTheStart) {
