@@ -87,7 +87,11 @@ struct Merger::Parts {
       const auto [known, is_new] = rows.try_emplace(text_of(row.key), row);
       std::vector<std::string> changes = changes_between(known->second, row);
       // A measured time is worth more than an explored one.
-      if (is_new || (known->second.explored && !row.explored && changes.empty())) {
+      const bool replaces = !is_new && known->second.explored && !row.explored && changes.empty();
+      if (is_new || replaces) {
+        // In the place of one that is counted.
+        summary.added -= replaces ? 1 : 0;
+        summary.doubled += replaces ? 1 : 0;
         known->second = row;
         additions[row.session].rows.push_back(std::move(row));
       } else {

@@ -21,7 +21,7 @@ struct MergeConflict {
 
 struct MergeSummary {
   std::int64_t added = 0;    ///< rows, limits and answers that came in
-  std::int64_t doubled = 0;  ///< that were there already with the same results, times aside
+  std::int64_t doubled = 0;  ///< that were there already with the same results, times aside; replaced ones too
   std::vector<MergeConflict> conflicts;
 };
 

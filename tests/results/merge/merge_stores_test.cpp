@@ -126,6 +126,8 @@ TEST(Merge, PutsMeasuredRowsInPlaceOfExploredOnesWithTheSameResults) {
     merger.add(explored_first ? a : b);
     merger.add(explored_first ? b : a);
     EXPECT_EQ(merger.summary().conflicts.size(), 1U) << "other steps are no matter of time";
+    EXPECT_EQ(merger.summary().added, 3) << "the rows of the output";
+    EXPECT_EQ(merger.summary().doubled, 1);
     const std::vector<Row> rows = out.rows();  // from large h to small
     ASSERT_EQ(rows.size(), 3U);
     EXPECT_TRUE(rows[0].explored);
