@@ -273,6 +273,9 @@ void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greetin
 void Server::greet_model(std::vector<double>& words, PluginGreeting& greeting) {
   greeting.has_rhs = model_->rhs != nullptr;
   greeting.has_force = model_->force != nullptr;
+  greeting.has_jacobian = model_->jacobian != nullptr;
+  greeting.has_stiffness = model_->force && model_->stiffness;
+  greeting.has_damping = model_->force && model_->damping;
   out_.resize(n_ * sizeof(double));
   check(PluginCall::start, [&] { return model_->start(handle_, out_.numbers(), &greeting.t_end); });
   words.insert(words.end(), out_.numbers(), out_.numbers() + n_);

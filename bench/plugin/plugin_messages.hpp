@@ -55,6 +55,7 @@ struct PluginGreeting {
   double is_stepper = 0, dimension = 0, single_precision = 0, has_save = 0, quaternions = 0, has_scales = 0;
   double has_rhs = 0, has_force = 0, t_end = 0;
   double has_couplings = 0, pairs = 0, reach = 1;
+  double has_jacobian = 0, has_stiffness = 0, has_damping = 0;  ///< which the plugin gives; others are differences
 };
 inline constexpr std::size_t greeting_size = sizeof(PluginGreeting) / sizeof(double);
 

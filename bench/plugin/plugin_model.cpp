@@ -114,6 +114,65 @@ class SecondOrder {
   std::shared_ptr<const Link> link_;
 };
 
+/// States of which matrices are compared with differences, which takes one of them.
+constexpr Index most_compared = 2000;
+
+/// A matrix that the plugin gives beside differences of what it is the derivative of, along one direction.
+/// @param A   the matrix, shape (n, n), minus it for K and C
+/// @param f   of x, shape (n)
+/// @throws InputError  where they are apart by more than a percent
+template <class Function>
+void compare(std::string_view matrix, std::string_view of, const MatrixXd& A, const Function& f, const VectorXd& x,
+             double scale) {
+  VectorXd direction(x.size());
+  for (Index i = 0; i < x.size(); ++i) direction[i] = std::cos(static_cast<double>(i * i + i));
+  const double step = 1e-4 * scale;
+  const VectorXd ahead = f(x + step * direction), behind = f(x - step * direction);
+  const VectorXd told = A * direction, seen = (ahead - behind) / (2 * step);
+  const double rounding = 1e-13 * std::max(ahead.cwiseAbs().maxCoeff(), behind.cwiseAbs().maxCoeff()) / step;
+  Index worst = 0;
+  const double apart = (told - seen).cwiseAbs().maxCoeff(&worst);
+  if (apart > 0.01 * std::max(told.cwiseAbs().maxCoeff(), seen.cwiseAbs().maxCoeff()) + rounding)
+    throw InputError(fmt::format(
+        "{}() of the plugin is not the derivative of its {}() in the initial state: along one direction number {} changes by "
+        "{:.4g}, by differences {:.4g}; correct it, or leave it out, then hmax takes differences",
+        matrix, of, worst + 1, told[worst], seen[worst]));
+}
+
+/// @throws InputError  where a matrix of the plugin is wrong at its start: every limit would be
+void check_matrices(const SecondOrder& model, const PluginFacts& facts) {
+  const Index m = model.dofs();
+  const VectorXd q = facts.y0.head(m), v = facts.y0.tail(m);
+  const double scale = std::max(1e-3, facts.y0.cwiseAbs().maxCoeff());
+  MatrixXd A;
+  const auto force = [&](const VectorXd& at, const VectorXd& moving) {
+    VectorXd f(m);
+    model.force(0, at, moving, f);
+    return f;
+  };
+  if (facts.greeting.has_stiffness != 0) {
+    model.stiffness(0, q, v, A);
+    compare("stiffness", "force", -A, [&](const VectorXd& x) { return force(x, v); }, q, scale);
+  }
+  if (facts.greeting.has_damping != 0) {
+    model.damping(0, q, v, A);
+    compare("damping", "force", -A, [&](const VectorXd& x) { return force(q, x); }, v, scale);
+  }
+}
+void check_matrices(const FirstOrder& model, const PluginFacts& facts) {
+  if (facts.greeting.has_jacobian == 0) return;
+  MatrixXd J;
+  model.jacobian(0, facts.y0, J);
+  compare(
+      "jacobian", "rhs", J,
+      [&](const VectorXd& x) {
+        VectorXd dydt(x.size());
+        model.rhs(0, x, dydt);
+        return dydt;
+      },
+      facts.y0, std::max(1e-3, facts.y0.cwiseAbs().maxCoeff()));
+}
+
 }  // namespace
 
 Problem plugin_problem(PluginName plugin, PluginSettings settings) {
@@ -133,6 +192,8 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
                                  mechanical ? facts.dim / 2 : facts.dim, most));
   if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
     throw InputError("mass() of the plugin has numbers that are not positive; leave massless positions out");
+  if (facts.dim <= most_compared)
+    mechanical ? check_matrices(SecondOrder(link), facts) : check_matrices(FirstOrder(link), facts);
   std::vector<std::string> states;
   for (Index i = 0; i < facts.dim; ++i)
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)

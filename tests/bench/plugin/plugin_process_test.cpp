@@ -219,6 +219,12 @@ TEST(Plugin, AMatrixByDifferencesTakesLongerThanOneCallMay) {
   EXPECT_NEAR(std::get<Eigen::MatrixXd>(J)(0, 0), -10, 1e-8);
 }
 
+TEST(Plugin, AStiffnessThatIsNotOfTheForceIsRefused) {
+  EXPECT_EQ(plugin_problem(tested("stiff_pendulums")).y0.size(), 6);
+  const std::string error = error_of([] { (void)plugin_problem(tested("stiff_pendulums:negative")); });
+  EXPECT_NE(error.find("stiffness() of the plugin is not the derivative of its force()"), std::string::npos) << error;
+}
+
 TEST(Plugin, DifferencesAreThoseOfTheFormulaInArraysThatAreAligned) {
   const Problem problem = plugin_problem(tested("pendulums"));
   const auto& system = std::get<AnySystem>(problem.system);

@@ -355,6 +355,16 @@ int force_of_pendulums(void*, double, const double* q, const double* v, double* 
 const hmax_model pendulums{{create_faulty, destroy_faulty, nullptr, six}, start_pendulums, nullptr, nullptr, mass_of_pendulums,
                            force_of_pendulums, nullptr, nullptr};
 
+/// The same with a stiffness, right or of the other sign by the argument.
+int stiffness_of_pendulums(void* handle, double, const double* q, const double*, double* K) {
+  const int sign = static_cast<Faulty*>(handle)->way == "negative" ? -1 : 1;
+  std::fill_n(K, 9, 0.0);
+  for (int i = 0; i < 3; ++i) K[4 * i] = sign * std::cos(q[i]);
+  return HMAX_OK;
+}
+const hmax_model stiff_pendulums{{create_faulty, destroy_faulty, nullptr, six}, start_pendulums, nullptr, nullptr,
+                                 mass_of_pendulums, force_of_pendulums, stiffness_of_pendulums, nullptr};
+
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
                    explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
                    implicit_euler = table<ImplicitEuler>(), stiffening = table<Stiffening>(),
@@ -381,6 +391,7 @@ const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain
                                   {"far_float", "", nullptr, &far_float},
                                   {"faulty", "", &faulty, nullptr},
                                   {"pendulums", "", &pendulums, nullptr},
+                                  {"stiff_pendulums", "", &stiff_pendulums, nullptr},
                                   {"neither", "", nullptr, nullptr}};
 const hmax_plugin plugin{TESTED_VERSION, sizeof entries / sizeof *entries, entries};
 
