@@ -82,7 +82,7 @@ DampingRange damping_range(const MechanicalPart& part) {
           [&](const VectorXd& x, VectorXd& y) {
             scaled.k.unscaled()(x, y);
             scaled.c.unscaled()(x, damped);
-            y = M->matrix() * x + b * y + a * damped;
+            y = scaled.mass.times(x) + b * y + a * damped;
           },
           *M, 1, 1e-3, 300);
       return Tangent{a, b, pairs.values.front() + pairs.residual - 1};
