@@ -34,14 +34,16 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise = 0);
 
-/// Two numbers that say how one motion of a linear model stands, as its displacement and its velocity.
+/// Two numbers that say how one motion of a linear model stands, such as its displacement and its velocity, in one unit.
 using MotionOf = std::function<Eigen::Vector2d(const Eigen::Ref<const Eigen::VectorXd>& y)>;
 
 /// ln of the factor by which a step of size h multiplies a motion: of the largest |zeta| of the recurrence
 ///   z_(n+p) + c_(p-1) z_(n+p-1) + ... + c_0 z_n = 0,  p = degree,
-/// fitted to the states of a run. A run of a few steps tells what otherwise shows only after the beats of a motion close
-/// to its limit. Infinity when the run broke down; nothing where its states obey no such recurrence.
-/// @param degree  of the method in zeta, as many states at the start are left out
+/// fitted to the states of a run by least squares. A few steps tell what otherwise shows only after the beats of a motion
+/// close to its limit. Infinity when the run broke down; nothing where a state is off the recurrence by more than 1e-6 of
+/// the largest beside it.
+/// @param degree  of the method in zeta; as many states at the start are left out
+/// @param h       [s]
 /// @param steps   >= 4 degree
 std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf& motion, std::size_t degree,
                                            double h, std::int64_t steps);
@@ -91,7 +93,7 @@ std::int64_t steps_to_see(const ExpectedGrowth& expected);
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected);
 
-/// The growth between the quarters that observed_growth() compares, of runs of so many steps of size h.
+/// The growth between the quarters that observed_growth() compares, of runs of so many steps of size h [s].
 using GrowthAt = std::function<double(double h, std::int64_t steps)>;
 /// The same by another measure of growth.
 ObservedLimit observe_limit(const GrowthAt& growth, double predicted, const ExpectedGrowth& expected);

@@ -206,9 +206,9 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   return result;
 }
 
-/// The largest by products alone, of an M that couples by Davidson's method; where these do not converge, by a factor of k - (1 + 1e-8) bound I, which
-/// is negative definite by Gershgorin's theorem. Beyond most_factored unknowns no such factor is tried. The
-/// smallest always by a factor of k + 1e-8 bound I.
+/// The largest by products alone, of an M that couples by Davidson's method; where these do not converge, by a factor
+/// of k - (1 + 1e-8) bound I, which is negative definite by Gershgorin's theorem. Beyond most_factored unknowns no such
+/// factor is tried. The smallest always by a factor of k + 1e-8 bound I.
 ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest, bool with_shapes) {
   const double bound = scaled.gershgorin();
   const Index n = scaled.size();
