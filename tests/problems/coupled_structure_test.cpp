@@ -3,6 +3,7 @@
 #include <complex>
 #include <numbers>
 #include <stdexcept>
+#include <tuple>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@
 #include "integrators/mechanical.hpp"
 #include "integrators/structural/generalized_alpha.hpp"
 #include "problems/linear_structure.hpp"
+#include "tests/problems/bar.hpp"
 
 namespace hmax {
 namespace {
@@ -30,17 +32,7 @@ using Root = CoupledMass::Root;
 struct Bar {
   Sparse K, M;
 
-  explicit Bar(Index n) : K(n + 1, n + 1), M(n + 1, n + 1) {
-    std::vector<Eigen::Triplet<double>> k, m;
-    for (int e = 0; e < static_cast<int>(n); ++e)
-      for (const int i : {0, 1})
-        for (const int j : {0, 1}) {
-          k.emplace_back(e + i, e + j, i == j ? 1.0 : -1.0);
-          m.emplace_back(e + i, e + j, (i == j ? 2.0 : 1.0) / 6);
-        }
-    K.setFromTriplets(k.begin(), k.end());
-    M.setFromTriplets(m.begin(), m.end());
-  }
+  explicit Bar(Index n) { std::tie(K, M) = uniform_bar(n); }
   /// omega^2 = 6 (1 - cos a) / (2 + cos a) with the shape cos(a i), a = j pi / n.
   [[nodiscard]] double omega(Index j) const {
     const double c = std::cos(angle(j));

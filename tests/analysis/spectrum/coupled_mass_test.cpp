@@ -15,6 +15,7 @@
 #include "analysis/spectrum/modal_motion.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 #include "analysis/spectrum/spectrum.hpp"
+#include "tests/problems/bar.hpp"
 
 namespace hmax {
 namespace {
@@ -28,24 +29,6 @@ using Root = CoupledMass::Root;
 
 constexpr Root roots[]{Root::factor, Root::polynomial};
 
-/// A free bar of n elements of length 1, with E A and rho A of the element e.
-template <class Stiffness, class Density>
-std::pair<Sparse, Sparse> bar(Index n, const Stiffness& stiffness, const Density& density) {
-  std::vector<Eigen::Triplet<double>> k, m;
-  for (int e = 0; e < static_cast<int>(n); ++e)
-    for (const int i : {0, 1})
-      for (const int j : {0, 1}) {
-        k.emplace_back(e + i, e + j, (i == j ? 1.0 : -1.0) * stiffness(e));
-        m.emplace_back(e + i, e + j, (i == j ? 2.0 : 1.0) / 6 * density(e));
-      }
-  Sparse K(n + 1, n + 1), M(n + 1, n + 1);
-  K.setFromTriplets(k.begin(), k.end());
-  M.setFromTriplets(m.begin(), m.end());
-  return {K, M};
-}
-std::pair<Sparse, Sparse> uniform_bar(Index n) {
-  return bar(n, [](int) { return 1.0; }, [](int) { return 1.0; });
-}
 std::pair<Sparse, Sparse> uneven_bar(Index n) {
   return bar(n, [](int e) { return 1 + 0.5 * std::sin(e); }, [](int e) { return 1 + 0.4 * std::cos(2 * e); });
 }
