@@ -8,6 +8,7 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "core/size_limits.hpp"
+#include "integrators/structural/structural.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -156,10 +157,7 @@ void check_structure(const Method& method, const Problem& problem) {
         "liver_forced or kepler",
         method.id, problem.id));
   if (lacks_lumped_masses(method, problem))
-    throw InputError(
-        fmt::format("{} solves for the diagonal of the damping alone, which takes lumped masses; take explicit_newmark, "
-                    "which solves for all of it, or lump the mass matrix",
-                    method.id));
+    throw InputError(fmt::format("{} {}", method.id, needs_lumped_masses));
   if (const AnySystem* const any = with_coupled_mass(problem);
       any != nullptr && method.dense_equations && any->dofs() > most_coupled_masses)
     throw InputError(

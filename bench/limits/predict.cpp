@@ -12,6 +12,7 @@
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
 #include "integrators/spectral_radius.hpp"
+#include "integrators/structural/structural.hpp"
 
 namespace hmax {
 
@@ -27,8 +28,7 @@ std::string obstacle(const Method& method, const LinearModel& model) {
   const std::optional<MotionMap>& motion = method.amplification->motion;
   if (motion && !motion->lumped.empty() && model.mechanical && !model.mechanical->mass.is_diagonal() &&
       model.mechanical->damping != Damping::none)
-    return "the method solves for the diagonal of the damping alone, which takes lumped masses; take explicit_newmark, "
-           "which solves for all of it, or lump the mass matrix";
+    return fmt::format("the method {}", needs_lumped_masses);
   return {};
 }
 

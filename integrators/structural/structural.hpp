@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <type_traits>
 #include <variant>
 
@@ -14,6 +16,11 @@
 #include "integrators/stepper.hpp"
 
 namespace hmax {
+
+/// Why central differences refuse damping where the mass couples unknowns; the method stands before it.
+inline constexpr std::string_view needs_lumped_masses =
+    "solves for the diagonal of the damping alone, which takes lumped masses; take explicit_newmark, which solves for all "
+    "of it, or lump the mass matrix";
 
 namespace detail {
 /// The number of positions in a packed state (q, v): known to the compiler for small states.
@@ -245,9 +252,7 @@ class KickDriftKick {
       typename Sys::Dofs m;
       if constexpr (requires { system.mass_matrix(); }) {
         if (!system.mass_matrix().is_diagonal() && matrix.norm() > 0)
-          throw std::invalid_argument(
-              "central_difference solves for the diagonal of the damping alone, which takes lumped masses; take "
-              "explicit_newmark, which solves for all of it, or lump the mass matrix");
+          throw std::invalid_argument("central_difference " + std::string(needs_lumped_masses));
         m = system.mass_matrix().diagonal();
       } else {
         m = system.mass();
