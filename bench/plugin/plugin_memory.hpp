@@ -13,7 +13,7 @@ namespace hmax {
 /// A number that one process writes and the other waits for, in memory of both.
 class alignas(64) SharedCount {
  public:
-  /// What was read before it with the value that the other process stored is what that process wrote before.
+  /// Who reads a number sees all that the other process wrote before it stored that number.
   [[nodiscard]] std::uint32_t load() const { return value_.load(std::memory_order_acquire); }
   /// Wakes the process that sleeps here.
   void store(std::uint32_t value);
@@ -56,8 +56,8 @@ struct PluginPage {
   alignas(64) std::array<double, most_plugin_numbers> numbers;  ///< of the request, or of the reply with its text behind
 };
 
-/// A page between two that nothing may touch: who writes beyond the end of a neighbour does not write here. Memory is taken
-/// where it is first written to.
+/// The page stands between two that nobody may touch, so that writing beyond the end of other arrays ends in a crash before
+/// it comes here. Memory is taken where it is first written to.
 /// @throws InputError  where the system has none
 class PluginMemory {
  public:
