@@ -522,10 +522,6 @@ void conclude(Prediction& row, const Method& method, Finding finding) {
   row.observed = seen;
 }
 
-}  // namespace
-
-namespace {
-
 /// The same run, watched at every step.
 ShowSteps watched(ShowSteps run, const std::function<void()>& watch) {
   if (!watch) return run;
