@@ -398,7 +398,7 @@ ReportData report_data(std::span<const ReportedStore> stores, std::size_t most_r
   };
   add(advice_columns(), &ReportedStore::advice, advice_table, "Advice",
       {"h", "steps", "h_max", "observed", "error", "p50", "p99", "max", "verdict"}, advice_figures());
-  add(run_columns(), &ReportedStore::runs, runs_table, "Measured runs",
+  add(run_columns(), &ReportedStore::runs, runs_table, "Runs",
       {"problem", "h", "rtol", "error", "cpu", "outcome"}, run_figures());
   add(limit_columns(), &ReportedStore::limits, limits_table, "Limits",
       {"problem", "material", "h_max", "observed", "gap", "verdict"}, limit_figures());

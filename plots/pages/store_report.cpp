@@ -42,13 +42,14 @@ std::string colour_variables() {
 
 /// Rows of each kind in all stores.
 struct Counts {
-  std::size_t runs = 0, limits = 0, advice = 0;
+  std::size_t runs = 0, explored = 0, limits = 0, advice = 0;  ///< explored ones are among the runs
 };
 
 Counts count_rows(std::span<const ReportedStore> stores) {
   Counts counts;
   for (const ReportedStore& store : stores) {
     counts.runs += store.runs.size();
+    counts.explored += static_cast<std::size_t>(std::ranges::count_if(store.runs, &Row::explored));
     counts.limits += store.limits.size();
     counts.advice += store.advice.size();
   }
@@ -66,7 +67,7 @@ std::string summary_of(std::span<const ReportedStore> stores) {
     if (count > 0) words += (words.empty() ? "" : ", ") + counted(count, one, many);
   };
   add(counts.advice, "row of advice", "rows of advice");
-  add(counts.runs, "measured run", "measured runs");
+  add(counts.runs, "run", "runs");
   add(counts.limits, "limit", "limits");
   return fmt::format("{} in {}.", words.empty() ? "No rows" : words,
                      counted(stores.size(), "store", "stores"));
@@ -128,9 +129,12 @@ std::vector<Section> sections_of(std::span<const ReportedStore> stores, const An
   if (counts.advice > 0) sections.push_back(advice_section(stores, answer));
   if (counts.runs > 0)
     sections.push_back({runs_table,
-                        "Measured runs",
+                        "Runs",
                         "Runs of <code>hmax sweep</code> and <code>hmax precision</code>.",
-                        {"work_precision", "time_steps"}});
+                        {"work_precision", "time_steps"},
+                        counts.explored > 0 ? fmt::format("<p>CPU times of explored runs are rough and not shown; {} explored.</p>\n",
+                                                          counted(counts.explored, "of these was", "of these were"))
+                                            : ""});
   if (counts.limits > 0)
     sections.push_back(
         {limits_table,

@@ -139,6 +139,15 @@ TEST(StoreReport, HasNoPartsWithoutRows) {
   EXPECT_EQ(data_in(page).at("figures").size(), 2U);
 }
 
+TEST(StoreReport, SaysWhereTimesOfExploredRunsAre) {
+  ReportedStore store{.name = "a.sqlite", .runs = {made_run("rk4", 0.1), made_run("rk4", 0.2)}};
+  EXPECT_FALSE(contains(page_of({store}), "explored runs"));
+  store.runs[0].explored = true;
+  const std::string page = page_of({store});
+  EXPECT_TRUE(contains(page, "CPU times of explored runs are rough and not shown; 1 of these was explored."));
+  EXPECT_TRUE(contains(page, "2 runs in 1 store"));
+}
+
 TEST(StoreReport, LeavesOutRowsThatWouldMakeItTooLarge) {
   const std::vector<ReportedStore> stores{made_store("a.sqlite", 3000)};
   const std::size_t whole = page_of(stores).size(), most = whole - 100'000;
