@@ -7,6 +7,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "bench/input/suggest.hpp"
 #include "cli/shared/commands.hpp"
@@ -20,6 +23,15 @@
 namespace hmax {
 
 namespace {
+
+/// Vectors and matrices are made and freed all the time: the allocator keeps what is freed, since each page
+/// that the system hands out anew costs a fault.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
 
 constexpr const char* overview =
     R"(hmax benchmarks ODE integrators and analyses their stability on soft-tissue models.
@@ -167,6 +179,7 @@ int main(int argc, char** argv) {
   using hmax::Exit;
   hmax::open_closed_streams();
   hmax::install_interrupt_handler();
+  hmax::keep_freed_memory();
   try {
     return static_cast<int>(hmax::run(argc, argv));
   } catch (const hmax::InputError& error) {

@@ -145,7 +145,7 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
                damper = sign * value_of(map.damper, -1).real(),
                spring = sign * value_of(map.spring, -1).real();
   // No eigenvalue of P(-1, h) is larger than this.
-  const double most_c = scaled.largest_c(), most_k = scaled.largest_k();
+  const double most_c = scaled.largest_c().bound, most_k = scaled.largest_k().bound;
   const auto bound = [&](double h) {
     return std::abs(inertia) + h * std::max(damper * most_c, 0.0) + h * h * std::max(spring * most_k, 0.0);
   };

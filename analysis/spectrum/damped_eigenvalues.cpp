@@ -3,111 +3,259 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include <Eigen/QR>
 
 #include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
-#include "analysis/spectrum/scaled_matrices.hpp"
+#include "analysis/spectrum/tall_products.hpp"
 
 namespace hmax {
 namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
+using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
+using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-// Residual over modulus at which a Ritz value counts.
-constexpr double tolerance = 1e-9;
+// Residual over modulus squared at which a Ritz value counts.
+constexpr double tolerance = 1e-7;
 constexpr double deep_enough = 0.9;  // of the largest modulus
-// Enough eigenvalues for a limit, even if they are less than a tenth below the largest.
-constexpr std::size_t many_enough = 40;
 
-/// y = (0, s I; -k / s, -c) x.
-/// The companion form in x = (s u, lambda u), u = M^1/2 q: its eigenvalues are those of lambda^2 + lambda
-/// c + k, and both off-diagonal blocks have about the norm s.
-class Companion {
+/// A space of vectors that are orthonormal in M, with their images, in coordinates where a diagonal M is one.
+class QuadraticSpace {
  public:
-  Companion(const ScaledMatrices& scaled, double s) : scaled_(scaled), s_(s), product_(scaled.size()) {}
+  QuadraticSpace(const ScaledMatrices& matrices, Index most)
+      : k_(matrices.k.unscaled()),
+        c_(matrices.c.unscaled()),
+        M_(matrices.mass.coupled()),
+        most_(std::min(most, matrices.size())),
+        V_(matrices.size(), most_),
+        MV_(M_ ? matrices.size() : 0, M_ ? most_ : 0),
+        KV_(matrices.size(), most_),
+        CV_(matrices.size(), most_),
+        k_of_V_(most_, most_),
+        c_of_V_(most_, most_),
+        inverse_(M_ ? VectorXd(M_->diagonal().cwiseInverse()) : VectorXd::Ones(matrices.size())),
+        image_(matrices.size()) {}
 
-  /// Costs one product with k and one with c.
-  void operator()(const VectorXd& x, VectorXd& y) {
-    const Index n = product_.size();
-    // lambda (s u) = s (lambda u)
-    y.head(n) = s_ * x.tail(n);
-    scaled_.k.apply(x.data(), product_.data());
-    y.tail(n) = -product_ / s_;
-    scaled_.c.apply(x.data() + n, product_.data());
-    y.tail(n) -= product_;
+  [[nodiscard]] Index size() const { return size_; }
+  /// D^-1, shape (n): close to M^-1.
+  [[nodiscard]] const VectorXd& inverse() const { return inverse_; }
+  /// The Ritz values with Im >= 0, the largest first.
+  [[nodiscard]] const std::vector<Complex>& values() const { return values_; }
+
+  /// Adds the part of t that is new. @returns false where there is none but rounding
+  bool add(VectorXd t) {
+    if (size_ == most_) return false;
+    double left = 1;  // of it, in the norm of M
+    for (int time = 0;; ++time) {
+      image_ = t;
+      if (M_) M_->multiply(image_);
+      const double length = std::sqrt(std::max(t.dot(image_), 0.0));
+      if (!(length > 0) || !std::isfinite(length)) return false;
+      t /= length;
+      image_ /= length;
+      // Gram and Schmidt in the product of M, again where it has left so little that rounding shows.
+      if (time > 0 && (left *= length) < 1e-13) return false;
+      if (time > 0 && length > 0.1) break;
+      if (time == 3) return false;
+      t -= times(V_, size_, transposed_times(images_in_M(), size_, t));
+    }
+    V_.col(size_) = t;
+    if (M_) MV_.col(size_) = image_;
+    project(k_, t, KV_, k_of_V_);
+    project(c_, t, CV_, c_of_V_);
+    ++size_;
+    return true;
+  }
+
+  /// The eigenvalues of lambda^2 + lambda V^T C V + V^T K V, by its companion form (0, s I; -k / s, -c): both
+  /// of its off-diagonal blocks have about the norm s.
+  void solve() {
+    const auto k = k_of_V_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>(),
+               c = c_of_V_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>();
+    const double s = std::sqrt(std::max(MatrixXd(k).norm(), std::numeric_limits<double>::min()));
+    MatrixXd A = MatrixXd::Zero(2 * size_, 2 * size_);
+    A.topRightCorner(size_, size_).diagonal().setConstant(s);
+    A.bottomLeftCorner(size_, size_) = MatrixXd(k) / -s;
+    A.bottomRightCorner(size_, size_) = -MatrixXd(c);
+    const SortedEigenpairs pairs(A);
+    before_ = std::exchange(values_, {});
+    shapes_.resize(size_, 2 * size_);
+    for (std::size_t i = 0; i < pairs.values.size(); ++i) {
+      if (pairs.values[i].imag() < 0) continue;
+      shapes_.col(static_cast<Index>(values_.size())) =
+          pairs.vectors.col(static_cast<Index>(i)).head(size_).normalized();
+      values_.push_back(pairs.values[i]);
+    }
+  }
+
+  /// How many of the first `count` values are what they were before the last solve().
+  [[nodiscard]] std::size_t same_as_before(std::size_t count) const {
+    const auto same = [](Complex a, Complex b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
+    count = std::min({count, values_.size(), before_.size()});
+    return static_cast<std::size_t>(std::mismatch(values_.begin(),
+                                                  values_.begin() + static_cast<std::ptrdiff_t>(count),
+                                                  before_.begin(), same)
+                                        .first -
+                                    values_.begin());
+  }
+
+  /// (lambda^2 M + lambda C + K) u of a Ritz value and its vector u of length 1 in the norm of M.
+  [[nodiscard]] VectorXcd residual(std::size_t i) const {
+    const Complex lambda = values_[i];
+    const VectorXcd s = shapes_.col(static_cast<Index>(i));
+    VectorXcd r(V_.rows());
+    const Complex square = lambda * lambda;
+    const VectorXcd in_M = square * s, in_C = lambda * s;
+    r.real() = times(images_in_M(), size_, in_M.real()) + times(CV_, size_, in_C.real()) +
+               times(KV_, size_, s.real());
+    r.imag().setZero();
+    if (lambda.imag() != 0)
+      r.imag() = times(images_in_M(), size_, in_M.imag()) + times(CV_, size_, in_C.imag()) +
+                 times(KV_, size_, s.imag());
+    return r;
+  }
+  /// u.
+  [[nodiscard]] VectorXcd vector(std::size_t i) const {
+    VectorXcd u(V_.rows());
+    u.real() = times(V_, size_, shapes_.col(static_cast<Index>(i)).real());
+    u.imag() = times(V_, size_, shapes_.col(static_cast<Index>(i)).imag());
+    return u;
+  }
+  /// The norm of a residual, that of M^-1, at most: that of D^-1 over the least eigenvalue of D^-1 M.
+  [[nodiscard]] double norm_of(const VectorXcd& residual) const {
+    return std::sqrt(residual.cwiseAbs2().dot(inverse_) / (M_ ? M_->least_share() : 1));
+  }
+
+  /// Keeps the first Ritz vectors alone, up to so many real ones.
+  void restart(Index kept) {
+    MatrixXd S(size_, kept + 1);
+    Index count = 0;
+    for (std::size_t i = 0; i < values_.size() && count < kept; ++i) {
+      S.col(count++) = shapes_.col(static_cast<Index>(i)).real();
+      if (values_[i].imag() != 0) S.col(count++) = shapes_.col(static_cast<Index>(i)).imag();
+    }
+    const Eigen::HouseholderQR<MatrixXd> qr(S.leftCols(count));
+    const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(size_, count);
+    for (MatrixXd* vectors : {&V_, &MV_, &KV_, &CV_})
+      if (vectors->size() > 0) vectors->leftCols(count) = (vectors->leftCols(size_) * Q).eval();
+    for (MatrixXd* projected : {&k_of_V_, &c_of_V_})
+      projected->topLeftCorner(count, count) =
+          (Q.transpose() * (projected->topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>() * Q))
+              .eval();
+    size_ = count;
   }
 
  private:
-  const ScaledMatrices& scaled_;
-  double s_;
-  VectorXd product_;
+  [[nodiscard]] const MatrixXd& images_in_M() const { return M_ ? MV_ : V_; }
+
+  /// The next column of A V and of V^T A V, its upper triangle.
+  void project(const SymmetricProduct& A, const VectorXd& t, MatrixXd& images, MatrixXd& projected) {
+    A(t, image_);
+    images.col(size_) = image_;
+    projected.col(size_).head(size_ + 1) = transposed_times(V_, size_ + 1, image_);
+  }
+
+  const SymmetricProduct &k_, &c_;
+  const CoupledMass* M_;
+  Index most_, size_ = 0;
+  MatrixXd V_, MV_, KV_, CV_;
+  MatrixXd k_of_V_, c_of_V_;  ///< their upper triangles
+  VectorXd inverse_, image_;
+  std::vector<Complex> values_, before_;
+  MatrixXcd shapes_;  ///< in the space, one column for each value
 };
 
-/// The Ritz values of H, shape (k, k), the largest first, up to the first that has not converged.
-/// Sorted by modulus; a pair of conjugates has equal residuals, so both or none count.
-/// @param below  the entry of H below its last column
-DampedEigenvalues converged(const MatrixXd& H, double below) {
-  const SortedEigenpairs pairs(H);
-  DampedEigenvalues result{.lambda = {}, .rest = std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i < pairs.values.size(); ++i) {
-    // |A V s - theta V s| = h_(k+1,k) |s_k| for |s| = 1.
-    const double residual = below * std::abs(pairs.vectors(H.rows() - 1, static_cast<Index>(i)));
-    if (!(residual <= tolerance * std::abs(pairs.values[i]))) break;
-    result.lambda.push_back(pairs.values[i]);
-    result.rest = std::abs(pairs.values[i]);
-  }
-  return result;
-}
+/// One eigenvalue or two need little room; more of them converge together only in a larger space, several at
+/// a time.
+struct Room {
+  Index vectors, kept;
+  std::size_t at_a_time;
+};
+constexpr Room for_few{24, 12, 1}, for_more{60, 30, 3};
 
 }  // namespace
 
-// Arnoldi iteration: w = A q_k is orthogonalised against q_1 ... q_k, which gives column k of H; Ritz
-// values are looked at every thirty steps.
-DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part) {
-  const ScaledMatrices scaled(part);
-  const Index n = scaled.size();
-  // s^2 to one percent serves: it only balances the blocks.
-  const LanczosPair size = largest_eigenpair([&](const VectorXd& x, VectorXd& y) { scaled.k(x, y); }, n,
-                                             {.tolerance = 1e-2, .with_vector = false});
-  Companion A(scaled, std::sqrt(std::max(size.value, std::numeric_limits<double>::min())));
-  // V takes at most 1 GB: between 60 and 300 vectors of 2 n numbers, no more than 2 n of them.
-  constexpr double most_numbers = 1e9 / sizeof(double);
-  const Index most = std::min<Index>(
-      2 * n, std::clamp<Index>(static_cast<Index>(most_numbers / static_cast<double>(2 * n)), 60, 300));
-  MatrixXd V(2 * n, most + 1), H = MatrixXd::Zero(most + 1, most);
-  V.col(0) = start_vector(2 * n).normalized();
-  VectorXd q(2 * n), w(2 * n);
-  DampedEigenvalues result{.lambda = {}, .rest = std::numeric_limits<double>::infinity()};
-  for (Index k = 0; k < most; ++k) {
-    q = V.col(k);
-    A(q, w);
-    // Once more where it took away so much that rounding of it is left; twice is enough
-    // [daniel1976reorthogonalization].
-    double norm = w.norm();
-    for (int time = 0; time < 2; ++time) {
-      // Classical Gram and Schmidt: h = V^T w, w <- w - V h.
-      const VectorXd h = V.leftCols(k + 1).transpose() * w;
-      w -= V.leftCols(k + 1) * h;
-      H.col(k).head(k + 1) += h;
-      const double left = w.norm();
-      const bool clean = left > 0.7 * norm;
-      norm = left;
-      if (clean) break;
+struct DampedSearch::State {
+  explicit State(const ScaledMatrices& matrices) : space(matrices, for_more.vectors) {}
+
+  QuadraticSpace space;
+  std::vector<VectorXd> given;
+  Index starts = 0;
+};
+
+DampedSearch::DampedSearch(std::shared_ptr<const ScaledMatrices> matrices, std::vector<VectorXd> starts)
+    : matrices_(std::move(matrices)), state_(std::make_unique<State>(*matrices_)) {
+  state_->given = std::move(starts);
+}
+DampedSearch::~DampedSearch() = default;
+
+DampedEigenvalues DampedSearch::first(std::size_t most, Index most_products) {
+  QuadraticSpace& space = state_->space;
+  const Room room = most <= 2 ? for_few : for_more;
+  const auto start = [&] {
+    const Index n = matrices_->size();
+    return space.add(
+        start_vector((state_->starts++ % 8 + 1) * n).tail(n).cwiseProduct(space.inverse().cwiseSqrt()));
+  };
+  if (space.size() == 0) {
+    start();
+    for (const VectorXd& shape : std::exchange(state_->given, {})) space.add(shape);
+  }
+  std::size_t converged = 0;
+  const auto has_enough = [&] {
+    const std::vector<Complex>& values = space.values();
+    return converged >= std::min(most, values.size()) ||
+           (converged > 0 && std::abs(values[converged - 1]) <= deep_enough * std::abs(values.front()));
+  };
+  for (Index products = 0;;) {
+    space.solve();
+    // Vectors only come nearer: those that have converged are looked at again where one before them is new.
+    std::vector<VectorXcd> directions;
+    converged = space.same_as_before(converged);
+    for (std::size_t i = converged;
+         i < std::min(most, space.values().size()) && directions.size() < room.at_a_time; ++i) {
+      VectorXcd r = space.residual(i);
+      if (!(space.norm_of(r) <= tolerance * std::norm(space.values()[i])))
+        directions.push_back(std::move(r));
+      else if (directions.empty())
+        ++converged;
     }
-    // h_k+1,k = |w| after orthogonalisation.
-    H(k + 1, k) = norm;
-    const Index count = k + 1;
-    // The Krylov space is closed: its Ritz values are eigenvalues.
-    const bool invariant = H(count, k) <= 1e-14 * H.col(k).norm();
-    if (!invariant) V.col(count) = w / H(count, k);
-    if (count % 30 != 0 && count != most && !invariant) continue;
-    result = converged(H.topLeftCorner(count, count), H(count, k));
-    if (invariant || result.lambda.size() >= many_enough ||
-        (!result.lambda.empty() && result.rest <= deep_enough * std::abs(result.lambda.front())))
-      break;
+    if (has_enough() || products >= most_products) break;
+    if (room.vectors < matrices_->size() &&
+        space.size() + static_cast<Index>(2 * directions.size()) > room.vectors)
+      space.restart(room.kept);
+    const Index before = space.size();
+    for (const VectorXcd& r : directions) {
+      // In the phase in which most of r is real: r^T D^-1 r > 0. Little is imaginary where damping is small.
+      const Complex square = r.cwiseProduct(r).dot(space.inverse());
+      const VectorXcd turned =
+          r * std::sqrt(square == 0.0 ? Complex(1) : std::abs(square) / std::conj(square));
+      space.add(space.inverse().cwiseProduct(turned.real()));
+      if (turned.imag().norm() > 0.1 * turned.real().norm())
+        space.add(space.inverse().cwiseProduct(turned.imag()));
+    }
+    // Nothing new: the space is closed, and another start leads out of it, unless it is all there is.
+    if (space.size() == before && !start()) break;
+    products += space.size() - before;
+  }
+  DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < converged; ++i) {
+    Complex lambda = space.values()[i];
+    // An undamped motion must not grow by rounding.
+    if (lambda.real() > 0 && lambda.real() <= tolerance * std::abs(lambda)) lambda.real(0);
+    result.lambda.push_back(lambda);
+    result.shapes.push_back(matrices_->shape_of(space.vector(i)));
+    if (lambda.imag() != 0) {
+      result.lambda.push_back(std::conj(lambda));
+      result.shapes.push_back(result.shapes.back().conjugate());
+    }
+    result.rest = std::abs(lambda);
   }
   return result;
 }
@@ -118,7 +266,7 @@ std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
   const Index n = scaled.size();
   VectorXd product(n);
   // |lambda^2 + lambda c + k| is at most this.
-  const double most_k = scaled.largest_k(), most_c = scaled.largest_c();
+  const double most_k = scaled.largest_k().bound, most_c = scaled.largest_c().bound;
   std::optional<double> lambda;
   for (int iteration = 0; iteration < 30; ++iteration) {
     // The first round has lambda = 0: the least eigenvector of k.

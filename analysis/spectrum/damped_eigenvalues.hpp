@@ -2,10 +2,12 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "analysis/spectrum/linear_model.hpp"
+#include "analysis/spectrum/scaled_matrices.hpp"
 
 namespace hmax {
 
@@ -14,21 +16,43 @@ namespace hmax {
 /// eigenvalues of large modulus are what limits explicit steps.
 struct DampedEigenvalues {
   std::vector<std::complex<double>> lambda;  ///< the largest first, conjugates side by side [1/s]
+  std::vector<Eigen::VectorXcd> shapes;      ///< u of each lambda, of length 1 in the norm of M, shape (n)
   /// No other eigenvalue is larger in modulus, as far as an iteration from one vector can say [1/s];
   /// infinity where it found none.
   double rest = 0;
 };
 
-/// By Arnoldi iteration without restarts on the companion form of
-///   (0, s I; -k / s, -c),  k = M^-1/2 K M^-1/2, c = M^-1/2 C M^-1/2, s^2 the size of k
-/// [tisseur2001quadratic, section 5], until all eigenvalues down to nine tenths of the largest are found, or
-/// forty. Residuals are at most 1e-9 of the eigenvalue.
-/// A = V H V^T is built column by column, V orthonormal and H upper Hessenberg; a Ritz pair (theta, s) of
-/// H, shape (k, k), has the residual h_(k+1,k) |s_k| (Saad, Numerical Methods for Large Eigenvalue
-/// Problems).
-/// @param part  K and C symmetric
-/// @cost  up to 300 products and vectors of twice the degrees of freedom, and less than 1 GB
-DampedEigenvalues largest_damped_eigenvalues(const MechanicalPart& part);
+/// Finds them one after another, by Davidson's method with restarts on the quadratic problem itself, in real
+/// arithmetic [davidson1975iterative; tisseur2001quadratic, section 6]: of a space of shapes V, orthonormal
+/// in M, the Ritz values of largest modulus are the eigenvalues of lambda^2 + lambda V^T C V + V^T K V; the
+/// real and the imaginary part of D^-1 r, r = (lambda^2 M + lambda C + K) u, are the next shapes, where D =
+/// diag(M) is close to M. A step takes one product with each matrix, where an Arnoldi iteration on the
+/// companion form would divide by M. Since the matrices are symmetric an eigenvalue is off by about the
+/// square of its residual, which is at most 1e-7 of lambda^2. It begins with the fastest shapes of K and of
+/// C, one of which dominates an eigenvalue of large modulus, and with the same vector in every run.
+class DampedSearch {
+ public:
+  /// @param matrices  K and C symmetric
+  /// @param starts    shapes to begin with, of shape (n), in coordinates where a diagonal mass is one; may be
+  /// none
+  explicit DampedSearch(std::shared_ptr<const ScaledMatrices> matrices,
+                        std::vector<Eigen::VectorXd> starts = {});
+  ~DampedSearch();
+
+  /// The first `most` eigenvalues, conjugates counted as one; fewer where one is below nine tenths of the
+  /// largest, or where products end. Goes on from the space of the last call, so that the answer depends on
+  /// the calls before.
+  /// @param most_products  with each matrix, about
+  /// @cost  room for 90 vectors, or 180 from the second eigenvalue on, a third more where M couples; the
+  /// first takes
+  ///        some 30 to 300 products
+  DampedEigenvalues first(std::size_t most, Eigen::Index most_products);
+
+ private:
+  struct State;
+  std::shared_ptr<const ScaledMatrices> matrices_;
+  std::unique_ptr<State> state_;
+};
 
 /// The largest positive eigenvalue, where K has a negative one: the body buckles. Nothing where K has none.
 ///   lambda(u) = -gamma/2 + sqrt(gamma^2/4 - kappa),  gamma = u^T C u, kappa = u^T K u, u^T M u = 1,

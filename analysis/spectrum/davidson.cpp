@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/spectrum/eigen_solvers.hpp"
+#include "analysis/spectrum/tall_products.hpp"
 
 namespace hmax {
 namespace {
@@ -49,14 +50,14 @@ class Space {
       if (time > 0 && (left *= length) < 1e-14) return false;
       if (time > 0 && length > 0.1) break;
       if (time == 3) return false;
-      const VectorXd h = MV_.leftCols(size_).transpose() * t, g = M_found_.leftCols(found_count_).transpose() * t;
-      t -= V_.leftCols(size_) * h + found_.leftCols(found_count_) * g;
+      const VectorXd h = transposed_times(MV_, size_, t), g = transposed_times(M_found_, found_count_, t);
+      t -= times(V_, size_, h) + times(found_, found_count_, g);
     }
     V_.col(size_) = t;
     MV_.col(size_) = image_;
     A_(t, image_);
     AV_.col(size_) = image_;
-    H_.col(size_).head(size_ + 1) = V_.leftCols(size_ + 1).transpose() * image_;
+    H_.col(size_).head(size_ + 1) = transposed_times(V_, size_ + 1, image_);
     ++size_;
     return true;
   }
@@ -69,8 +70,8 @@ class Space {
     ritz_ = solver.eigenvectors().rowwise().reverse();
     const double kappa = values_[0];
     const VectorXd s = ritz_.col(0);
-    u.noalias() = V_.leftCols(size_) * s;
-    r.noalias() = AV_.leftCols(size_) * s - kappa * (MV_.leftCols(size_) * s);
+    u = times(V_, size_, s);
+    r = times(AV_, size_, s) - kappa * times(MV_, size_, s);
     return kappa;
   }
 

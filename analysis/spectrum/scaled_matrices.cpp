@@ -19,15 +19,15 @@ SymmetricProduct product_of(const AnyMatrix& A, const MassMatrix<double>& M) {
 }
 
 /// An eigenvalue lies within the residual of the Ritz value; the Ritz value is below the largest.
-double largest(const MassScaledProduct& A, const MassMatrix<double>& M) {
+LargestEigenpair largest(const MassScaledProduct& A, const MassMatrix<double>& M, double tolerance) {
   if (!M.is_diagonal()) {
     const PencilPairs pairs = largest_pencil_eigenpairs(
-        [&](const VectorXd& x, VectorXd& y) { A.unscaled()(x, y); }, *M.coupled(), 1, 1e-6, 2000);
-    return pairs.values.front() + pairs.residual;
+        [&](const VectorXd& x, VectorXd& y) { A.unscaled()(x, y); }, *M.coupled(), 1, tolerance, 2000);
+    return {pairs.values.front() + pairs.residual, pairs.vectors.col(0)};
   }
   const LanczosPair pair =
-      largest_eigenpair([&](const VectorXd& x, VectorXd& y) { A(x, y); }, A.rows(), {.with_vector = false});
-  return pair.value + pair.residual;
+      largest_eigenpair([&](const VectorXd& x, VectorXd& y) { A(x, y); }, A.rows(), {.tolerance = tolerance});
+  return {pair.value + pair.residual, pair.vector};
 }
 
 }  // namespace
@@ -46,7 +46,11 @@ void MassScaledProduct::apply(const double* x, double* y) const {
 ScaledMatrices::ScaledMatrices(const MechanicalPart& part)
     : mass(part.mass), k(part.K, part.mass), c(part.C, part.mass) {}
 
-double ScaledMatrices::largest_k() const { return largest(k, mass); }
-double ScaledMatrices::largest_c() const { return largest(c, mass); }
+Eigen::VectorXcd ScaledMatrices::shape_of(const Eigen::VectorXcd& x) const {
+  return mass.is_diagonal() ? mass.root_solve(x) : x;
+}
+
+LargestEigenpair ScaledMatrices::largest_k(double tolerance) const { return largest(k, mass, tolerance); }
+LargestEigenpair ScaledMatrices::largest_c(double tolerance) const { return largest(c, mass, tolerance); }
 
 }  // namespace hmax

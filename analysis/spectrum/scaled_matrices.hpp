@@ -15,7 +15,7 @@ class MassScaledProduct {
   MassScaledProduct(const AnyMatrix& A, const MassMatrix<double>& M);
 
   [[nodiscard]] Eigen::Index rows() const { return A_.rows(); }
-  /// A itself, where M couples.
+  /// A itself where M couples; else the product itself.
   [[nodiscard]] const SymmetricProduct& unscaled() const { return A_; }
   /// y = R^-T A R^-1 x; x and y have shape (n) and must be different vectors.
   void operator()(const Eigen::VectorXd& x, Eigen::VectorXd& y) const { apply(x.data(), y.data()); }
@@ -27,6 +27,12 @@ class MassScaledProduct {
   SymmetricProduct A_;  ///< scaled where M is diagonal
 };
 
+struct LargestEigenpair {
+  double bound = 0;        ///< the eigenvalue with its residual added: none is larger
+  Eigen::VectorXd vector;  ///< in coordinates where a diagonal mass is one, of length 1 in the norm of the
+                           ///< mass, shape (n)
+};
+
 /// k = R^-T K R^-1 and c = R^-T C R^-1 of symmetric K and C.
 struct ScaledMatrices {
   MassMatrix<double> mass;
@@ -36,9 +42,11 @@ struct ScaledMatrices {
   /// @param part  K and C symmetric; may be released afterwards
   explicit ScaledMatrices(const MechanicalPart& part);
   [[nodiscard]] Eigen::Index size() const { return mass.size(); }
-  /// The largest eigenvalues, by iteration to 1e-6, with their residuals added.
-  [[nodiscard]] double largest_k() const;
-  [[nodiscard]] double largest_c() const;
+  /// u of the model for x in the coordinates of the products, where a diagonal mass is one.
+  [[nodiscard]] Eigen::VectorXcd shape_of(const Eigen::VectorXcd& x) const;
+  /// The largest eigenvalues, by iteration until residuals are at most `tolerance` of them.
+  [[nodiscard]] LargestEigenpair largest_k(double tolerance = 1e-6) const;
+  [[nodiscard]] LargestEigenpair largest_c(double tolerance = 1e-6) const;
 };
 
 }  // namespace hmax

@@ -10,8 +10,6 @@
 
 #include "analysis/spectrum/davidson.hpp"
 #include "analysis/spectrum/lanczos.hpp"
-#include "analysis/spectrum/scaled_matrices.hpp"
-#include "core/parallel_for.hpp"
 #include "integrators/linear/panel_factor.hpp"
 
 namespace hmax {
@@ -24,8 +22,10 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// Angles of the tangents, in coordinates where the largest gamma and kappa are one [degrees]. Proportional
 /// damping alone makes of the range a line from near the origin to (1, 1): most of them are nearly along it,
 /// on the side of little damping, where limits are.
-constexpr std::array<double, 17> tangents{20,  45,  70,  100, 110, 120, 125, 130, 133,
-                                          137, 140, 145, 150, 160, 170, -30, -45};
+constexpr std::array<double, 17> angles{20,  45,  70,  100, 110, 120, 125, 130, 133,
+                                        137, 140, 145, 150, 160, 170, -30, -45};
+
+double radians(std::size_t i) { return angles[i] * std::numbers::pi / 180; }
 
 MechanicalMode between(const MechanicalMode& from, const MechanicalMode& to, double share) {
   return {from.kappa + share * (to.kappa - from.kappa), from.gamma + share * (to.gamma - from.gamma)};
@@ -65,40 +65,57 @@ void DampingRange::cut(double a, double b, double c) {
   corners = std::move(kept);
 }
 
-DampingRange damping_range(const MechanicalPart& part) {
-  const ScaledMatrices scaled(part);
-  const double gamma = scaled.largest_c(), kappa = scaled.largest_k();
-  DampingRange range{.corners = {{0, 0}, {0, gamma}, {kappa, gamma}, {kappa, 0}}};
-  struct Tangent {
-    double a, b, c;
+RangeTangents::RangeTangents(std::shared_ptr<const ScaledMatrices> matrices, double gamma_max,
+                             double kappa_max)
+    : matrices_(std::move(matrices)), gamma_(gamma_max), kappa_(kappa_max), tangents_(angles.size()) {}
+
+DampingRange RangeTangents::box() const {
+  return {.corners = {{0, 0}, {0, gamma_}, {kappa_, gamma_}, {kappa_, 0}}};
+}
+
+std::size_t RangeTangents::size() const { return tangents_.size(); }
+
+void RangeTangents::cut(DampingRange& range, std::size_t i) {
+  const double a = std::cos(radians(i)) / gamma_, b = std::sin(radians(i)) / kappa_;
+  std::call_once(tangents_[i].once, [&] { tangents_[i].offset = offset_of(a, b); });
+  range.cut(a, b, tangents_[i].offset);
+}
+
+double RangeTangents::beyond(std::size_t i, const MechanicalMode& mode,
+                             std::span<const MechanicalMode> inside) const {
+  const auto along = [&](const MechanicalMode& at) {
+    return std::cos(radians(i)) * at.gamma / gamma_ + std::sin(radians(i)) * at.kappa / kappa_;
   };
-  const auto tangent_at = [&](std::size_t i) {
-    const double a = std::cos(tangents[i] * std::numbers::pi / 180) / gamma,
-                 b = std::sin(tangents[i] * std::numbers::pi / 180) / kappa;
-    VectorXd damped(scaled.size());
-    // Shifted by one: near the origin lie many modes, which are not told apart.
-    if (const CoupledMass* M = scaled.mass.coupled(); M != nullptr) {
-      const PencilPairs pairs = largest_pencil_eigenpairs(
-          [&](const VectorXd& x, VectorXd& y) {
-            scaled.k.unscaled()(x, y);
-            scaled.c.unscaled()(x, damped);
-            y = scaled.mass.times(x) + b * y + a * damped;
-          },
-          *M, 1, 1e-3, 300);
-      return Tangent{a, b, pairs.values.front() + pairs.residual - 1};
-    }
-    const LanczosPair pair = largest_eigenpair(
+  double least = std::numeric_limits<double>::infinity();
+  for (const MechanicalMode& at : inside) least = std::min(least, along(mode) - along(at));
+  return least;
+}
+
+// Shifted by one: near the origin lie many modes, which are not told apart.
+double RangeTangents::offset_of(double a, double b) const {
+  const ScaledMatrices& scaled = *matrices_;
+  VectorXd damped(scaled.size());
+  const auto sum = [&](const VectorXd& x, VectorXd& y) {
+    scaled.k.unscaled()(x, y);
+    scaled.c.unscaled()(x, damped);
+    y = b * y + a * damped;
+  };
+  if (const CoupledMass* M = scaled.mass.coupled(); M != nullptr) {
+    const PencilPairs pairs = largest_pencil_eigenpairs(
         [&](const VectorXd& x, VectorXd& y) {
-          scaled.k(x, y);
-          scaled.c(x, damped);
-          y = x + b * y + a * damped;
+          sum(x, y);
+          y += scaled.mass.times(x);
         },
-        scaled.size(), {.tolerance = 1e-3, .most_products = 300, .with_vector = false});
-    return Tangent{a, b, pair.value + pair.residual - 1};
-  };
-  for (const Tangent& tangent : parallel_map(tangents.size(), tangent_at))
-    range.cut(tangent.a, tangent.b, tangent.c);
-  return range;
+        *M, 1, 1e-3, 300);
+    return pairs.values.front() + pairs.residual - 1;
+  }
+  const LanczosPair pair = largest_eigenpair(
+      [&](const VectorXd& x, VectorXd& y) {
+        sum(x, y);
+        y += x;
+      },
+      scaled.size(), {.tolerance = 1e-3, .most_products = 300, .with_vector = false});
+  return pair.value + pair.residual - 1;
 }
 
 double least_damping_per_stiffness(const MechanicalPart& part) {

@@ -1,11 +1,16 @@
 /// Between which damping and stiffness the modes of a structure lie whose damping couples its modes.
 #pragma once
 
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <span>
 #include <vector>
 
 #include "analysis/amplification/curve_limit.hpp"
 #include "analysis/spectrum/linear_model.hpp"
 #include "analysis/spectrum/modes.hpp"
+#include "analysis/spectrum/scaled_matrices.hpp"
 
 namespace hmax {
 
@@ -20,12 +25,37 @@ struct DampingRange {
   void cut(double a, double b, double c);
 };
 
-/// Tangents in some twenty directions, each by a Lanczos iteration, shared by all cores; and gamma, kappa >= 0.
+/// Tangents to the range in some twenty directions, each found when it is asked for, once, by any thread.
 /// The tangent in the direction (cos t, sin t) is gamma cos t + kappa sin t <= the largest eigenvalue of c
-/// cos t + k sin t, in scaled units; residuals are added to the eigenvalues, so that the polygon contains
-/// the range.
-/// @param part  K and C symmetric, without negative eigenvalues
-DampingRange damping_range(const MechanicalPart& part);
+/// cos t + k sin t, in scaled units, by Lanczos iteration, or Davidson's method where the mass couples;
+/// residuals are added to the eigenvalues, so that the half plane contains the range.
+class RangeTangents {
+ public:
+  /// @param matrices              K and C symmetric, without negative eigenvalues
+  /// @param gamma_max, kappa_max  no less than the largest of them, and not much more [1/s], [1/s^2]
+  RangeTangents(std::shared_ptr<const ScaledMatrices> matrices, double gamma_max, double kappa_max);
+
+  /// gamma and kappa between 0 and the largest.
+  [[nodiscard]] DampingRange box() const;
+  [[nodiscard]] std::size_t size() const;
+  /// Cuts what lies beyond tangent i.
+  void cut(DampingRange& range, std::size_t i);
+  /// How far beyond those of `inside`, which lie in the range, `mode` lies in the direction of tangent i, in
+  /// units of the box: where that is not positive the tangent leaves `mode`.
+  [[nodiscard]] double beyond(std::size_t i, const MechanicalMode& mode,
+                              std::span<const MechanicalMode> inside) const;
+
+ private:
+  struct Tangent {
+    std::once_flag once;
+    double offset = 0;
+  };
+  [[nodiscard]] double offset_of(double a, double b) const;
+
+  std::shared_ptr<const ScaledMatrices> matrices_;
+  double gamma_, kappa_;  ///< the largest [1/s], [1/s^2]
+  std::vector<Tangent> tangents_;
+};
 
 /// The largest rho to three digits for which gamma >= rho kappa of all shapes [s]: C - rho K has no negative
 /// pivot (Sylvester's law of inertia). Tells more than the tangents of slow modes, and takes some ten

@@ -97,7 +97,8 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
 
 ModeSet mode_set(const LinearModel& model, bool is_body) {
   ModeSet modes;
-  if (!set_curve(model, modes, most_dense_modes, is_body) && !set_range(model, modes)) {
+  if (!set_curve(model, modes, most_dense_modes, is_body) &&
+      !set_range(model, modes, most_dense_coupled, is_body)) {
     require_writable_jacobian(model);
     if (!set_largest(model, modes)) modes.spectrum = spectrum_of(model);
   }

@@ -55,10 +55,27 @@ bool is_undeformed(const LinearModel& model, bool is_body) {
   return is_body && model.y.head(model.mechanical->mass.size()).isZero(0);
 }
 
-/// What finds negative eigenvalues that are far from zero, within seconds.
-constexpr Eigen::Index few_products = 100, many_products = 300;
+/// The least eigenvalue of a stiffness that is negative beyond rounding; nothing where some hundred products,
+/// which find those far from zero, find none.
+std::optional<double> negative_stiffness(const LinearModel& model, double kappa_max, bool is_body) {
+  constexpr Eigen::Index few_products = 100, many_products = 300;
+  if (is_undeformed(model, is_body)) return {};
+  const double least = least_stiffness(*model.mechanical, kappa_max, is_body ? many_products : few_products);
+  if (!(least < -1e-8 * kappa_max)) return {};
+  return least;
+}
 
 }  // namespace
+
+bool affords_slow_end(const LinearModel& model, bool is_body) {
+  const Eigen::Index dofs = model.mechanical->mass.size();
+  return dofs <= most_cheaply_factored ||
+         (is_body && dofs <= most_factored && !is_undeformed(model, is_body));
+}
+
+bool has_negative_stiffness(const LinearModel& model, double kappa_max, bool is_body) {
+  return negative_stiffness(model, kappa_max, is_body).has_value();
+}
 
 double SlowEnd::of(const MechanicalPart& part, const DampingCurve& curve) {
   std::call_once(once_, [&] { kappa_ = slow_end(part, curve.kappa_max); });
@@ -78,14 +95,11 @@ bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
   modes.slow_end = std::make_shared<SlowEnd>();
   modes.curve = curve;
   // The slow end takes a factor of K, which most limits do not need; only a body that may buckle does.
-  const Eigen::Index dofs = part.mass.size();
-  const bool undeformed = is_undeformed(model, is_body);
-  if (dofs <= most_cheaply_factored || (is_body && dofs <= most_factored && !undeformed)) {
+  if (affords_slow_end(model, is_body)) {
     modes.curve->kappa_min = modes.slow_end->of(part, curve);
     modes.slow_end = nullptr;
-  } else if (!undeformed) {
-    const double least = least_stiffness(part, curve.kappa_max, is_body ? many_products : few_products);
-    if (least < -1e-8 * curve.kappa_max) modes.curve->kappa_min = least;
+  } else if (const auto least = negative_stiffness(model, curve.kappa_max, is_body)) {
+    modes.curve->kappa_min = *least;
   }
   const auto add = [&](double kappa) {
     modes.spectrum.mechanical.push_back(modes.curve->at(kappa));

@@ -22,6 +22,15 @@ class SlowEnd {
   double kappa_ = 0;
 };
 
+/// Whether a factor of K, which tells of the least kappa, is affordable, and worth its time: a body without
+/// displacement has none below zero.
+/// @param is_body  whether the model is that of a body
+bool affords_slow_end(const LinearModel& model, bool is_body);
+
+/// Whether K has a negative eigenvalue, as far as some hundred products tell; a body without displacement has
+/// none.
+bool has_negative_stiffness(const LinearModel& model, double kappa_max, bool is_body);
+
 /// Puts the ends of the spectrum of a large structure with proportional damping into `modes`; beyond
 /// most_cheaply_factored degrees of freedom its fast end alone, which limits explicit methods, with 0 for the
 /// slow one. False, and nothing done, for all other models.

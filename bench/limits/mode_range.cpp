@@ -1,13 +1,16 @@
 #include "bench/limits/mode_range.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
-#include "analysis/spectrum/damped_eigenvalues.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/statics/static_solution.hpp"
 #include "bench/limits/mode_curve.hpp"
@@ -19,13 +22,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Whether the stiffness has a negative eigenvalue, as far as that is affordable to know.
-bool may_buckle(const MechanicalPart& part) {
-  if (part.mass.size() > most_factored_often) return true;
-  const ExtremeStiffnesses least = smallest_stiffnesses(part);
-  return !least.converged || least.negative > 0;
-}
-
 /// First exits of eigenvalues of which the method is told the same spectral radius.
 std::vector<double> exits_of(const Amplification& amplification, std::vector<Eigenmode> modes,
                              double radius) {
@@ -33,31 +29,112 @@ std::vector<double> exits_of(const Amplification& amplification, std::vector<Eig
   return largest_stable_step(amplification, modes).of_modes;
 }
 
-}  // namespace
+/// What all modes that are not known could do at worst, and what to do about it.
+class WorstInRange {
+ public:
+  WorstInRange(const Amplification& amplification, ModeRange& modes, double radius)
+      : amplification_(amplification), modes_(modes), radius_(radius), range_(modes.tangents->box()) {}
 
-const DampingRange& ModeRange::with_least_damping(const MechanicalPart& part) {
-  std::call_once(once_, [&] {
-    cut_ = pairs;
-    if (part.mass.size() > most_cheaply_factored) return;
-    const double rho = least_damping_per_stiffness(part);
-    cut_.cut(-1, rho, 0);
-  });
-  return cut_;
+  /// Real eigenvalues up to the rest, and oscillations of the range up to it.
+  [[nodiscard]] RangeLimit operator()(double rest) const {
+    DampingRange range = range_;
+    double fastest = 0;
+    for (const MechanicalMode& corner : range.corners) fastest = std::max(fastest, corner.gamma);
+    fastest = std::min(fastest, rest);
+    range.cut(0, 1, rest * rest);
+    RangeLimit worst = smallest_exit(range, [&](std::span<const MechanicalMode> pairs) {
+      std::vector<Eigenmode> told;
+      for (const MechanicalMode& pair : pairs) told.emplace_back(eigenvalues_of(pair)[0]);
+      return exits_of(amplification_, std::move(told), radius_);
+    });
+    const double real = exits_of(amplification_, {Eigenmode(-fastest)}, radius_).front();
+    return real < worst.h_max ? RangeLimit{real, {.kappa = 0, .gamma = fastest}} : worst;
+  }
+
+  /// Cuts off the worst mode by the tangent that is likely to cut off most. False where none of them may.
+  /// @param inside  modes in the range
+  bool cut(const MechanicalMode& worst, std::span<const MechanicalMode> inside) {
+    std::optional<std::size_t> best;
+    double most = 1e-9;  // of the box
+    for (std::size_t i = 0; i < modes_.tangents->size(); ++i) {
+      if (used_.contains(i)) continue;
+      const double beyond = modes_.tangents->beyond(i, worst, inside);
+      if (beyond > most) std::tie(best, most) = std::pair(i, beyond);
+    }
+    if (!best) return false;
+    used_.insert(*best);
+    modes_.tangents->cut(range_, *best);
+    return true;
+  }
+  void cut_by_damping(double rho) { range_.cut(-1, rho, 0); }
+
+ private:
+  const Amplification& amplification_;
+  ModeRange& modes_;
+  double radius_;
+  DampingRange range_;
+  std::set<std::size_t> used_;
+};
+
+/// Whether the stiffness has a negative eigenvalue, as far as that is affordable to know.
+bool may_buckle(const LinearModel& model, double kappa_max, bool is_body) {
+  const MechanicalPart& part = *model.mechanical;
+  if (affords_slow_end(model, is_body)) {
+    const ExtremeStiffnesses least = smallest_stiffnesses(part);
+    return !least.converged || least.negative > 0;
+  }
+  return has_negative_stiffness(model, kappa_max, is_body);
 }
 
-bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small) {
+}  // namespace
+
+const DampedEigenvalues* ModeRange::more(std::size_t level) {
+  constexpr std::array<std::size_t, 3> counts{2, 5, 12};
+  constexpr Eigen::Index most_products = 300;
+  const std::lock_guard lock(more_mutex_);
+  if (level >= counts.size()) return nullptr;
+  while (more_.size() <= level) more_.push_back(search->first(counts[more_.size()], most_products));
+  return &more_[level];
+}
+
+std::optional<Eigen::VectorXcd> ModeRange::shape_of(Complex lambda) {
+  const std::lock_guard lock(more_mutex_);
+  const auto in = [&](const DampedEigenvalues& found) -> std::optional<Eigen::VectorXcd> {
+    for (std::size_t i = 0; i < found.lambda.size(); ++i)
+      if (std::abs(found.lambda[i] - lambda) <= 1e-12 * std::abs(lambda)) return found.shapes[i];
+    return {};
+  };
+  auto shape = in(largest);
+  for (auto more = more_.begin(); !shape && more != more_.end(); ++more) shape = in(*more);
+  return shape;
+}
+
+double ModeRange::least_damping(const MechanicalPart& part) {
+  std::call_once(damping_once_, [&] {
+    if (part.mass.size() <= most_cheaply_factored) least_damping_ = least_damping_per_stiffness(part);
+  });
+  return least_damping_;
+}
+
+bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small, bool is_body) {
   if (!model.mechanical) return false;
   const MechanicalPart& part = *model.mechanical;
   if (part.mass.size() <= small || !part.symmetric || part.damping != Damping::general) return false;
   modes.range = std::make_shared<ModeRange>();
-  if (may_buckle(part)) modes.range->growing = growing_eigenvalue(part);
-  const DampedEigenvalues largest = largest_damped_eigenvalues(part);
-  modes.range->rest = largest.rest;
-  modes.spectrum.lambda = largest.lambda;
-  if (modes.range->growing)
-    modes.spectrum.lambda.emplace_back(*modes.range->growing);
+  ModeRange& range = *modes.range;
+  const auto matrices = std::make_shared<const ScaledMatrices>(part);
+  constexpr double roughly = 1e-3;
+  const LargestEigenpair k = matrices->largest_k(roughly), c = matrices->largest_c(roughly);
+  if (may_buckle(model, k.bound, is_body)) range.growing = growing_eigenvalue(part);
+  range.search = std::make_unique<DampedSearch>(matrices, std::vector{k.vector, c.vector});
+  constexpr Eigen::Index most_products = 1000;
+  range.largest = range.search->first(1, most_products);
+  range.rest = range.largest.rest;
+  modes.spectrum.lambda = range.largest.lambda;
+  if (range.growing)
+    modes.spectrum.lambda.emplace_back(*range.growing);
   else
-    modes.range->pairs = damping_range(part);
+    range.tangents = std::make_unique<RangeTangents>(matrices, c.bound, k.bound);
   return true;
 }
 
@@ -86,42 +163,58 @@ bool set_largest(const LinearModel& model, ModeSet& modes) {
 LimitInRange limit_in_range(const Amplification& amplification, const MechanicalPart& part,
                             const ModeSet& modes, double radius) {
   LimitInRange limit{.h_max = infinity, .mode = {}, .modes = {}, .unstable_from = {}};
-  std::vector<Eigenmode> found;
-  for (const Complex lambda : modes.spectrum.lambda)
-    if (lambda.imag() >= 0) found.emplace_back(lambda);
-  const std::vector<double> exits = exits_of(amplification, found, radius);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    found[i].radius = radius;
-    limit.modes.push_back({mode_of(found[i].lambda), exits[i], found[i]});
-    if (exits[i] >= limit.h_max) continue;
-    limit.h_max = exits[i];
-    limit.mode = limit.modes.back().mode;
-  }
-  const double known = limit.h_max;
-
-  // What all other modes could do at worst: real eigenvalues up to the rest, and oscillations of the range.
-  const auto worst_in = [&](DampingRange range) {
-    double fastest = 0;
-    for (const MechanicalMode& corner : range.corners) fastest = std::max(fastest, corner.gamma);
-    fastest = std::min(fastest, modes.range->rest);
-    range.cut(0, 1, modes.range->rest * modes.range->rest);
-    RangeLimit worst = smallest_exit(range, [&](std::span<const MechanicalMode> pairs) {
-      std::vector<Eigenmode> told;
-      for (const MechanicalMode& pair : pairs) told.emplace_back(eigenvalues_of(pair)[0]);
-      return exits_of(amplification, std::move(told), radius);
-    });
-    if (const double real = exits_of(amplification, {Eigenmode(-fastest)}, radius).front();
-        real < worst.h_max)
-      worst = {real, {.kappa = 0, .gamma = fastest}};
-    return worst;
+  std::vector<MechanicalMode> inside;
+  const auto take = [&](const std::vector<Complex>& lambda) {
+    limit = {.h_max = infinity, .mode = {}, .modes = {}, .unstable_from = {}};
+    std::vector<Eigenmode> found;
+    for (const Complex each : lambda)
+      if (each.imag() >= 0) found.emplace_back(each);
+    const std::vector<double> exits = exits_of(amplification, found, radius);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (found[i].lambda.imag() > 0) inside.push_back(MechanicalMode::of(found[i].lambda));
+      found[i].radius = radius;
+      limit.modes.push_back({mode_of(found[i].lambda), exits[i], found[i]});
+      if (exits[i] >= limit.h_max) continue;
+      limit.h_max = exits[i];
+      limit.mode = limit.modes.back().mode;
+    }
   };
-  RangeLimit worst = worst_in(modes.range->pairs);
-  if (worst.h_max < known) worst = worst_in(modes.range->with_least_damping(part));
-  if (worst.h_max >= known * (1 - 1e-9)) return limit;
-  limit.h_max = worst.h_max;
-  limit.mode = mode_of(worst.mode);
-  limit.unstable_from = known;
-  return limit;
+  take(modes.spectrum.lambda);
+  ModeRange& range = *modes.range;
+  WorstInRange worst_in(amplification, range, radius);
+  double rest = range.rest;
+  std::size_t level = 0;
+  bool has_least_damping = false;
+  for (;;) {
+    const RangeLimit worst = worst_in(rest);
+    if (worst.h_max >= limit.h_max * (1 - 1e-9)) return limit;
+    const bool oscillates = worst.mode.kappa > 0;
+    // More eigenvalues help where the worst mode is among those that they leave out, down to 0.9 of the
+    // largest. The next one alone costs less than a tangent.
+    const double modulus = oscillates ? std::sqrt(worst.mode.kappa) : worst.mode.gamma;
+    const bool is_fast = modulus >= 0.9 * range.rest || std::isinf(rest);
+    const auto has_more = [&] {
+      const DampedEigenvalues* more = is_fast ? range.more(level++) : nullptr;
+      if (more != nullptr && more->rest < rest) {
+        rest = more->rest;
+        take(more->lambda);
+      }
+      return more != nullptr;
+    };
+    if (level == 0 && has_more()) continue;
+    if (oscillates && worst_in.cut(worst.mode, inside)) continue;
+    if (!has_least_damping) {
+      has_least_damping = true;
+      if (const double rho = range.least_damping(part); rho > 0) {
+        worst_in.cut_by_damping(rho);
+        continue;
+      }
+    }
+    if (has_more()) continue;
+    limit.unstable_from = std::exchange(limit.h_max, worst.h_max);
+    limit.mode = mode_of(worst.mode);
+    return limit;
+  }
 }
 
 }  // namespace hmax

@@ -1,11 +1,14 @@
 /// Limits on structures whose damping couples the modes and that are too large for all of them.
 #pragma once
 
+#include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "analysis/spectrum/damped_eigenvalues.hpp"
 #include "analysis/step_limits/damping_range.hpp"
 #include "bench/limits/operating_point.hpp"
 #include "bench/limits/prediction.hpp"
@@ -15,22 +18,34 @@ namespace hmax {
 
 /// What is known of the modes of such a structure beside the largest eigenvalues, which the spectrum lists.
 struct ModeRange {
-  DampingRange pairs;             ///< where all modes lie
   double rest = 0;                ///< no eigenvalue that is not listed is larger in modulus [1/s]
   std::optional<double> growing;  ///< the eigenvalue of a body that buckles [1/s]
   bool open = false;  ///< nothing but `rest` is known of the eigenvalues that are not listed
+  std::unique_ptr<RangeTangents>
+      tangents;                          ///< to the range of all modes; null where that is open or one grows
+  std::unique_ptr<DampedSearch> search;  ///< null where `open`
+  DampedEigenvalues largest;             ///< that the spectrum lists; none where `open`
 
-  /// The range, cut by gamma >= rho kappa once a limit asks for it.
-  const DampingRange& with_least_damping(const MechanicalPart& part);
+  /// More of the largest eigenvalues, found once a limit asks for them: of level 0, 1 ... ever more, the same
+  /// whoever asks first. Null beyond the last level.
+  const DampedEigenvalues* more(std::size_t level);
+  /// u of an eigenvalue that was found, shape (dofs); nothing for others.
+  std::optional<Eigen::VectorXcd> shape_of(std::complex<double> lambda);
+  /// rho with gamma >= rho kappa of all modes, found once a limit asks for it, or 0.
+  double least_damping(const MechanicalPart& part);
 
  private:
-  std::once_flag once_;
-  DampingRange cut_;
+  std::mutex more_mutex_;
+  std::deque<DampedEigenvalues> more_;
+  std::once_flag damping_once_;
+  double least_damping_ = 0;
 };
 
-/// Puts the largest eigenvalues of a structure with symmetric matrices and general damping into `modes`, and
-/// the range of all modes. False, and nothing done, for all other models.
-bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_coupled);
+/// Puts the largest eigenvalue of a structure with symmetric matrices and general damping into `modes`, and
+/// what finds the range of all modes. False, and nothing done, for all other models.
+/// @param is_body  as of set_curve()
+bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_coupled,
+               bool is_body = true);
 
 /// Puts the largest eigenvalues of any other model of more than most_dense_rows states into `modes`: one of first
 /// order, or with matrices that are not symmetric. False, and nothing done, for smaller models, dense ones, and in a
@@ -48,7 +63,8 @@ struct LimitInRange {
 };
 
 /// The least first exit of the largest eigenvalues, where the range says that no other mode leaves before;
-/// else what the range says.
+/// else what the range says. The range is cut where its worst mode is, and more eigenvalues are found where
+/// the worst mode is among them, until it allows the limit or no cut helps.
 /// @param radius  that the method is told [1/s]
 LimitInRange limit_in_range(const Amplification& amplification, const MechanicalPart& part,
                             const ModeSet& modes, double radius);

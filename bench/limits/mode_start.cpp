@@ -7,6 +7,7 @@
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/lanczos.hpp"
+#include "bench/limits/mode_range.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 
 namespace hmax {
@@ -98,7 +99,10 @@ VectorXcd shape_near(const MechanicalPart& part, Complex lambda) {
 
 StructureMode structure_mode(const Linearised& near, Complex wanted) {
   const MechanicalPart& part = *near.point.model.mechanical;
-  if (!part.decouples()) return {wanted, shape_near(part, wanted)};
+  if (!part.decouples()) {
+    const auto known = near.modes.range ? near.modes.range->shape_of(wanted) : std::nullopt;
+    return {wanted, known ? *known : shape_near(part, wanted)};
+  }
   const MechanicalMode mode = oscillation_of(near, wanted);
   const auto lambda = eigenvalues_of(mode);
   const Complex own = std::abs(lambda[0] - wanted) <= std::abs(lambda[1] - wanted) ? lambda[0] : lambda[1];

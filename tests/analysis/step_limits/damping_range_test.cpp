@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <memory>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -63,24 +64,71 @@ std::vector<Complex> all_of(const MechanicalPart& part) {
 // From weakly damped to creeping fast modes.
 constexpr double betas[]{0.001, 0.02, 0.3};
 
+/// Whether each of `some` is one of `all`.
+bool are_among(const std::vector<Complex>& some, const std::vector<Complex>& all) {
+  return std::ranges::all_of(some, [&](Complex each) {
+    return std::ranges::any_of(all, [&](Complex l) { return std::abs(l - each) <= 1e-7 * std::abs(each); });
+  });
+}
+
 TEST(DampedEigenvalues, OfLargestModulusAreThoseOfADenseSolver) {
   for (const double beta : betas) {
     const MechanicalPart part = deformed(120, 0.1, beta);
     ASSERT_EQ(part.damping, Damping::general);
-    const DampedEigenvalues found = largest_damped_eigenvalues(part);
     const std::vector<Complex> all = all_of(part);
-    ASSERT_GE(found.lambda.size(), 2U) << beta;
-    for (const Complex each : all) {
-      if (std::abs(each) <= found.rest * (1 + 1e-6)) break;
-      EXPECT_TRUE(std::ranges::any_of(found.lambda,
-                                      [&](Complex l) { return std::abs(l - each) <= 1e-7 * std::abs(each); }))
-          << beta << " " << each;
+    for (const std::size_t most : {std::size_t{1}, std::size_t{20}}) {
+      const DampedEigenvalues found =
+          DampedSearch(std::make_shared<const ScaledMatrices>(part)).first(most, 1000);
+      ASSERT_FALSE(found.lambda.empty()) << beta;
+      EXPECT_TRUE(are_among(found.lambda, all)) << beta;
+      const Eigen::MatrixXcd K = dense(part.K).cast<Complex>(), C = dense(part.C).cast<Complex>();
+      ASSERT_EQ(found.shapes.size(), found.lambda.size());
+      for (std::size_t i = 0; i < found.lambda.size(); ++i) {
+        const Complex lambda = found.lambda[i];
+        const Eigen::VectorXcd u = found.shapes[i], Mu = part.mass.times(u);
+        EXPECT_NEAR(std::real(u.dot(Mu)), 1, 1e-10);
+        EXPECT_LT((lambda * lambda * Mu + lambda * (C * u) + K * u).norm(), 1e-6 * std::norm(lambda)) << beta;
+      }
+      std::vector<Complex> larger;
+      for (const Complex each : all)
+        if (std::abs(each) > found.rest * (1 + 1e-6)) larger.push_back(each);
+      EXPECT_TRUE(are_among(larger, found.lambda)) << beta;
     }
-    for (const Complex each : found.lambda)
-      EXPECT_TRUE(
-          std::ranges::any_of(all, [&](Complex l) { return std::abs(l - each) <= 1e-7 * std::abs(each); }))
-          << beta << " " << each;
   }
+}
+
+TEST(DampedEigenvalues, OfASpaceThatIsAllThereIs) {
+  const MechanicalPart part = deformed(8, 0.1, 0.001);
+  const std::vector<Complex> all = all_of(part);
+  const DampedEigenvalues found = DampedSearch(std::make_shared<const ScaledMatrices>(part)).first(1, 1000);
+  ASSERT_EQ(found.lambda.size(), 2U);
+  EXPECT_NEAR(found.rest, std::abs(all.front()), 1e-9 * found.rest);
+}
+
+// One damper on one of many unknowns: no vector in general position has much of its shape.
+TEST(DampedEigenvalues, OfOneDamperAreFoundFromItsShape) {
+  const Index n = 4000;
+  Sparse C(n, n);
+  C.insert(n / 3, n / 3) = 500;
+  const MechanicalPart part = mechanical_part(VectorXd::LinSpaced(n, 1, 2), chain(n, 0.8, 2), C);
+  const auto matrices = std::make_shared<const ScaledMatrices>(part);
+  const DampedEigenvalues found =
+      DampedSearch(matrices, {matrices->largest_k(1e-3).vector, matrices->largest_c(1e-3).vector})
+          .first(1, 1000);
+  ASSERT_EQ(found.lambda.size(), 1U);
+  EXPECT_EQ(found.lambda[0].imag(), 0);
+  // Of lambda^2 + c lambda + k of the unknown alone, the faster; its neighbours change it little.
+  const double c = 500 / part.mass.diagonal()[n / 3],
+               k = std::get<Sparse>(part.K).coeff(n / 3, n / 3) / part.mass.diagonal()[n / 3];
+  EXPECT_NEAR(found.rest, c / 2 + std::sqrt(c * c / 4 - k), 0.05 * c);
+  EXPECT_GT(found.rest, 1.5 * std::sqrt(matrices->largest_k().bound));
+}
+
+TEST(DampedEigenvalues, AreNoneWhereProductsEnd) {
+  const DampedEigenvalues found =
+      DampedSearch(std::make_shared<const ScaledMatrices>(deformed(120, 0.1, 0.001))).first(1, 3);
+  EXPECT_TRUE(found.lambda.empty());
+  EXPECT_TRUE(std::isinf(found.rest));
 }
 
 TEST(DampedEigenvalues, OfABodyThatBucklesGrowAsADenseSolverSays) {
@@ -95,11 +143,20 @@ TEST(DampedEigenvalues, OfABodyThatBucklesGrowAsADenseSolverSays) {
   EXPECT_NEAR(growing_eigenvalue(part).value_or(0), largest, 1e-6 * largest);
 }
 
+/// The range within all tangents.
+DampingRange range_of(const MechanicalPart& part) {
+  const auto matrices = std::make_shared<const ScaledMatrices>(part);
+  RangeTangents tangents(matrices, matrices->largest_c().bound, matrices->largest_k().bound);
+  DampingRange range = tangents.box();
+  for (std::size_t i = 0; i < tangents.size(); ++i) tangents.cut(range, i);
+  return range;
+}
+
 // With lambda = re + i im, conjugates beside it: gamma = -2 re, kappa = re^2 + im^2.
 TEST(DampingRange, HoldsEveryOscillatingMode) {
   for (const double beta : betas) {
     const MechanicalPart part = deformed(120, 0.1, beta);
-    DampingRange range = damping_range(part);
+    DampingRange range = range_of(part);
     const double rho = least_damping_per_stiffness(part);
     const MatrixXd K = dense(part.K), C = dense(part.C);
     const double least =
@@ -132,13 +189,38 @@ TEST(DampingRange, IsTheSameForAnyNumberOfThreads) {
   const auto corners_by = [&](std::size_t threads) {
     const Jobs those(threads);
     std::vector<double> corners;
-    for (const MechanicalMode& corner : damping_range(part).corners) {
+    for (const MechanicalMode& corner : range_of(part).corners) {
       corners.push_back(corner.kappa);
       corners.push_back(corner.gamma);
     }
     return corners;
   };
   EXPECT_EQ(corners_by(1), corners_by(4));
+}
+
+TEST(DampingRange, TellsWhichTangentsMayCutAModeOff) {
+  const MechanicalPart part = deformed(60, 0.1, betas[0]);
+  const auto matrices = std::make_shared<const ScaledMatrices>(part);
+  RangeTangents tangents(matrices, matrices->largest_c().bound, matrices->largest_k().bound);
+  const std::vector<Complex> all = all_of(part);
+  std::vector<MechanicalMode> inside;
+  for (const Complex lambda : all)
+    if (lambda.imag() > 0) inside.push_back(MechanicalMode::of(lambda));
+  int beyond = 0;
+  for (std::size_t i = 0; i < tangents.size(); ++i) {
+    EXPECT_LE(tangents.beyond(i, inside.front(), inside), 0) << i;
+    // The stiffest corner without damping, which no mode is near.
+    const MechanicalMode corner = tangents.box().corners[3];
+    ASSERT_EQ(corner.gamma, 0);
+    DampingRange range = tangents.box();
+    tangents.cut(range, i);
+    const bool is_cut = std::ranges::none_of(range.corners, [&](const MechanicalMode& at) {
+      return std::abs(at.kappa - corner.kappa) <= 1e-9 * corner.kappa && at.gamma == 0;
+    });
+    if (is_cut) EXPECT_GT(tangents.beyond(i, corner, inside), 0) << i;
+    beyond += is_cut ? 1 : 0;
+  }
+  EXPECT_GT(beyond, 0);
 }
 
 // The exit of explicit Euler, gamma / kappa: the least of a triangle is at a corner.
