@@ -78,7 +78,7 @@ bool has_negative_stiffness(const LinearModel& model, double kappa_max, bool is_
 }
 
 double SlowEnd::of(const MechanicalPart& part, const DampingCurve& curve) {
-  std::call_once(once_, [&] { kappa_ = slow_end(part, curve.kappa_max); });
+  if (!is_bound_) std::call_once(once_, [&] { kappa_ = slow_end(part, curve.kappa_max); });
   return kappa_;
 }
 
@@ -145,7 +145,7 @@ LimitOnCurve limit_on_curve(const Amplification& amplification, const Mechanical
   if (!least.between || !std::isfinite(least.h_max)) return limit;
   limit.note =
       "no mode has a smaller limit; it is that of a frequency between the slowest and the fastest mode";
-  if (part.mass.size() > most_factored) return limit;
+  if (part.mass.size() > most_factored || (modes.slow_end && modes.slow_end->is_bound())) return limit;
   const ExtremeStiffnesses nearest = stiffnesses_near(part, least.kappa);
   if (nearest.converged) {
     const MechanicalMode mode = curve.at(nearest.kappa.front());

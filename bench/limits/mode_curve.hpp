@@ -14,12 +14,18 @@ namespace hmax {
 /// The least kappa of a structure, found when a limit asks for it.
 class SlowEnd {
  public:
+  SlowEnd() = default;
+  /// Of a structure whose matrices are elsewhere: none is below `bound` [1/s^2], and no part tells more.
+  explicit SlowEnd(double bound) : kappa_(bound), is_bound_(true) {}
+
   /// [1/s^2]; 0, which none is below, beyond most_factored degrees of freedom.
   double of(const MechanicalPart& part, const DampingCurve& curve);
+  [[nodiscard]] bool is_bound() const { return is_bound_; }
 
  private:
   std::once_flag once_;
   double kappa_ = 0;
+  bool is_bound_ = false;
 };
 
 /// Whether a factor of K, which tells of the least kappa, is affordable, and worth its time: a body without

@@ -10,6 +10,7 @@
 #include "bench/models/matrix_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/stability/distributed_rows.hpp"
 #include "cli/stability/predicted_rows.hpp"
 #include "cli/stability/stability.hpp"
 #include "problems/oscillator/liver_materials.hpp"
@@ -27,6 +28,7 @@ struct PredictOptions {
   MethodsChoice methods;
   std::string materials, along, out, jacobian, linear;
   bool verify = false;
+  std::string engine;
   OperatingPointChoice at;
   std::optional<double> t_end;
 };
@@ -119,7 +121,26 @@ std::vector<std::string> named_one_by_one(const MethodsChoice& choice, const std
   return ids;
 }
 
+/// @throws InputError  for options that --engine petsc does not have
+void refuse_beside_engine(const PredictOptions& options) {
+  const auto refuse = [](bool given, std::string_view option, std::string_view remedy) {
+    if (given) throw InputError(fmt::format("--engine petsc does not take {}; {}", option, remedy));
+  };
+  constexpr std::string_view remove = "remove it, or leave out --engine";
+  refuse(options.verify, "--verify yet", "leave out --verify, or --engine where one process has room for the matrices");
+  refuse(!options.out.empty(), "--out", "keep what --json prints");
+  refuse(!options.along.empty() && options.along != path_names[2], "--along", remove);
+  refuse(!options.materials.empty() || !options.problem.material.empty(), "materials", remove);
+  refuse(!options.jacobian.empty() || !options.linear.empty(), "--jacobian and --linear", remove);
+  refuse(!options.problem.y0.empty(), "--y0", remove);
+  refuse(!options.at.at.empty(), "--at", remove);
+}
+
 void predict_rows(const PredictOptions& options, Console& console) {
+  if (!options.engine.empty() && parse_choice("--engine", options.engine, engine_names) == engine_names[1]) {
+    refuse_beside_engine(options);
+    return print_distributed_limits(options.problem, options.methods, console);
+  }
   std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
@@ -182,6 +203,11 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   command.add_flag("--verify", options->verify,
                    "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
                    "could be verified");
+  command
+      .add_option("--engine", options->engine,
+                  "What finds the eigenvalues of --matrices: hmax, or petsc, which under `mpirun -n N` deals out the rows to N "
+                  "processes; hmax by default")
+      ->type_name("hmax|petsc");
   options->at.add_to(command);
   command
       .add_option("--jacobian", options->jacobian,

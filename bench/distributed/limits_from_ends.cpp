@@ -1,0 +1,92 @@
+#include "bench/distributed/limits_from_ends.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "analysis/amplification/curve_limit.hpp"
+#include "bench/limits/mode_curve.hpp"
+#include "core/coupled_mass.hpp"
+#include "problems/matrices/read_matrix.hpp"
+#include "results/errors.hpp"
+
+namespace hmax {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+double least(const StructureEnds& ends) { return ends.negative.value_or(0); }
+
+/// Rows of a file that rank 0 reads for all.
+MatrixRows rows_of(const std::string& name, bool is_mass) {
+  MatrixFile file = read_matrix(name);
+  if (is_mass && file.columns == 1 && file.storage == Storage::general) {
+    for (MatrixEntry& entry : file.entries) entry = {entry.row(), entry.row(), entry.value()};
+    file.columns = file.rows;
+  }
+  if (file.storage == Storage::skew)
+    throw InputError(fmt::format("{} is skew-symmetric, and --engine petsc takes symmetric matrices; leave out --engine", name));
+  if (file.rows == file.columns && file.storage == Storage::general && is_one_triangle(file) && !file.entries.empty())
+    throw InputError(
+        fmt::format("{} holds one triangle of a matrix, and --engine petsc takes whole ones; write both triangles", name));
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> matrix = assembled(file, file.rows, file.columns);
+  MatrixRows rows{.rows = matrix.rows(), .columns = matrix.cols(), .first = {}, .column = {}, .value = {}};
+  rows.first.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.rows() + 1);
+  rows.column.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
+  rows.value.assign(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros());
+  return rows;
+}
+
+}  // namespace
+
+Problem pair_with_ends(const std::string& id, const StructureEnds& ends) {
+  // Both matrices have the vectors (1, 1) and (1, -1).
+  const auto with_values = [](double of_sum, double of_difference) {
+    Eigen::Matrix2d matrix;
+    matrix << of_sum + of_difference, of_sum - of_difference, of_sum - of_difference, of_sum + of_difference;
+    return Sparse((matrix / 2).sparseView());
+  };
+  const double mass_of_slow = ends.coupled_mass ? 2 : 1;
+  MatrixModel model;
+  model.K = with_values(mass_of_slow * least(ends), ends.kappa_max);
+  model.mass = Eigen::Vector2d::Ones();
+  if (ends.coupled_mass) {
+    model.M = with_values(mass_of_slow, 1);
+    model.coupled = std::make_shared<const CoupledMass>(model.M);
+  }
+  model.unknowns = {0, 1};
+  Problem pair{.id = id, .material = {}, .note = {}, .parameters = {{"alpha", ends.alpha}, {"beta", ends.beta}},
+               .states = {}, .y0 = Eigen::VectorXd::Zero(4), .t_end = 1, .system = system_of(model, ends.alpha, ends.beta)};
+  return pair;
+}
+
+Linearised linearised(const Problem& pair, const StructureEnds& ends) {
+  Linearised near{.point = operating_point(pair, 0, pair.y0)};
+  near.point.kind = StateKind::matrices;
+  near.point.at_equilibrium = true;
+  near.point.state = fmt::format("the matrices, {} states", 2 * ends.unknowns);
+  near.point.radius_bound = nullptr;
+  DampingCurve curve{.alpha = ends.alpha, .beta = ends.beta, .kappa_min = least(ends), .kappa_max = ends.kappa_max};
+  near.modes.slow_end = std::make_shared<SlowEnd>(curve.kappa_min);
+  near.modes.curve = curve;
+  for (const double kappa : {curve.kappa_min, curve.kappa_max}) {
+    if (kappa == 0 && kappa != curve.kappa_max) continue;  // a bound is no mode
+    near.modes.spectrum.mechanical.push_back(curve.at(kappa));
+    for (const Complex lambda : eigenvalues_of(curve.at(kappa))) near.modes.spectrum.lambda.push_back(lambda);
+  }
+  return near;
+}
+
+DistributedStructure distributed_structure(const MatrixFiles& files, double alpha, double beta) {
+  const auto refuse = [](bool given, const char* what) {
+    if (given) throw InputError(fmt::format("--engine petsc does not take {}; leave out --engine", what));
+  };
+  refuse(!files.jacobian.empty(), "a jacobian, which is of first order");
+  refuse(files.stiffness_series || files.damping_series, "series of matrices");
+  refuse(files.one_triangle, "storage=triangle");
+  refuse(files.drop_constraints, "drop=constraints");
+  return {.stiffness = files.stiffness, .mass = files.mass, .damping = files.damping, .lumped = files.lumped,
+          .alpha = alpha, .beta = beta, .read = rows_of};
+}
+
+}  // namespace hmax

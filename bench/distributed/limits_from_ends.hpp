@@ -1,0 +1,25 @@
+/// Limits of structures of which only the ends of the spectrum are known here.
+#pragma once
+
+#include <string>
+
+#include "bench/catalogue/method.hpp"
+#include "bench/distributed/distributed_engine.hpp"
+#include "bench/limits/linearised_problem.hpp"
+#include "problems/matrices/matrix_model.hpp"
+
+namespace hmax {
+
+/// Two oscillators whose kappa are the ends of a spectrum, with the damping and the kind of mass of the structure:
+/// a limit on the curve of its modes depends on nothing else.
+Problem pair_with_ends(const std::string& id, const StructureEnds& ends);
+
+/// That pair near rest, with the curve of all modes of the structure: what predict() takes. The slow end is the
+/// bound 0 where no kappa is negative.
+Linearised linearised(const Problem& pair, const StructureEnds& ends);
+
+/// What the engine is asked of these files.
+/// @throws InputError  for files of other models than constant matrices of second order
+DistributedStructure distributed_structure(const MatrixFiles& files, double alpha, double beta);
+
+}  // namespace hmax

@@ -1,0 +1,45 @@
+/// Calls of PETSc and MPI: their errors as exceptions, their objects with an owner.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <slepceps.h>
+
+namespace hmax::petsc {
+
+/// What PETSc said of the last error.
+std::string& last_message();
+
+/// Keeps the message for the sentence of hmax, and prints nothing; a PETSc error handler.
+PetscErrorCode keep_message(MPI_Comm comm, int line, const char* function, const char* file, PetscErrorCode code,
+                            PetscErrorType type, const char* message, void* context);
+
+/// @throws std::runtime_error  `what` and the message of PETSc, where the code is that of an error
+void check(PetscErrorCode code, const std::string& what);
+
+/// An object of PETSc with one owner.
+template <class Object, PetscErrorCode (*destroy)(Object*)>
+class Owned {
+ public:
+  Owned() = default;
+  Owned(Owned&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Owned& operator=(Owned&& other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  ~Owned() {
+    if (object_) static_cast<void>(destroy(&object_));
+  }
+  /// For functions that make the object.
+  Object* out() { return &object_; }
+  operator Object() const { return object_; }  // NOLINT(google-explicit-constructor): it is that object
+ private:
+  Object object_ = nullptr;
+};
+using Matrix = Owned<Mat, MatDestroy>;
+using Vector = Owned<Vec, VecDestroy>;
+using Viewer = Owned<PetscViewer, PetscViewerDestroy>;
+using Solver = Owned<EPS, EPSDestroy>;
+
+}  // namespace hmax::petsc

@@ -1,0 +1,19 @@
+/// Limits of matrices that lie in pieces on many processes: hmax stability predict --engine petsc.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "cli/shared/choices.hpp"
+#include "cli/stability/stability.hpp"
+
+namespace hmax {
+
+/// What computes eigenvalues: hmax itself, or PETSc with SLEPc.
+inline constexpr std::array<std::string_view, 2> engine_names{"hmax", "petsc"};
+
+/// Predicts and prints, rank 0 alone; called by all ranks.
+/// @throws InputError  for models other than symmetric matrices, and a build without the engine
+void print_distributed_limits(const ProblemChoice& problem, const MethodsChoice& methods, Console& console);
+
+}  // namespace hmax

@@ -1,0 +1,217 @@
+/// hmax stability predict --engine petsc, on one process and on two.
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <functional>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using nlohmann::json;
+
+bool is_built() {
+  const json report = Shell().hmax("doctor --json").json();
+  for (const json& part : report.at("optional"))
+    if (part.at("name") == "SLEPc") return part.at("present");
+  return false;
+}
+
+// Open MPI starts as root, and more processes than cores, only when it is told to.
+const std::string mpirun = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 180 mpirun -n 2 --oversubscribe ";
+
+bool has_mpirun() { return Shell().line(mpirun + "true").exit_code == 0; }
+
+constexpr int nodes = 59;
+constexpr double spacing = 1.0 / (nodes + 1);
+
+/// Entries of a matrix with the same three numbers in every row.
+using Entry = std::function<double(int row, int column)>;
+Entry tridiagonal(double diagonal, double beside) {
+  return [=](int i, int j) { return i == j ? diagonal : std::abs(i - j) == 1 ? beside : 0; };
+}
+
+/// A bar of 60 linear elements, held at both ends, of unit stiffness and density.
+const Entry stiffness = tridiagonal(2 / spacing, -1 / spacing);
+const Entry consistent = tridiagonal(4 * spacing / 6, spacing / 6);
+const Entry lumped = tridiagonal(spacing, 0);
+Entry combined(double a, const Entry& A, double b, const Entry& B) {
+  return [=](int i, int j) { return a * A(i, j) + b * B(i, j); };
+}
+
+/// Its fastest mode: kappa of sin(i theta), by hand.
+double fastest_omega(bool with_consistent) {
+  const double c = std::cos(nodes * std::numbers::pi / (nodes + 1));
+  return std::sqrt((with_consistent ? 6 * (1 - c) / (2 + c) : 2 * (1 - c))) / spacing;
+}
+
+void write_market(const std::filesystem::path& file, const Entry& entry, int rows = nodes) {
+  std::string text;
+  int count = 0;
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < rows; ++j)
+      if (const double value = entry(i, j); value != 0) {
+        text += fmt::format("{} {} {:.17g}\n", i + 1, j + 1, value);
+        ++count;
+      }
+  std::ofstream(file) << "%%MatrixMarket matrix coordinate real general\n" << fmt::format("{} {} {}\n", rows, rows, count) << text;
+}
+
+template <class T>
+void put(std::string& bytes, T value) {
+  const auto bits = std::bit_cast<std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>>(value);
+  for (int shift = 8 * (static_cast<int>(sizeof(T)) - 1); shift >= 0; shift -= 8) bytes += static_cast<char>(bits >> shift);
+}
+
+void write_petsc(const std::filesystem::path& file, const Entry& entry) {
+  std::string lengths, columns, values;
+  std::int32_t count = 0;
+  for (int i = 0; i < nodes; ++i) {
+    const std::int32_t before = count;
+    for (int j = 0; j < nodes; ++j)
+      if (const double value = entry(i, j); value != 0) {
+        put<std::int32_t>(columns, j);
+        put(values, value);
+        ++count;
+      }
+    put(lengths, count - before);
+  }
+  std::string head;
+  for (const std::int32_t number : {1211216, nodes, nodes, count}) put(head, number);
+  std::ofstream(file, std::ios::binary) << head << lengths << columns << values;
+}
+
+/// A shell with the matrices of the bar in its folder, in both formats.
+class Distributed : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!is_built()) GTEST_SKIP() << "this build has no engine petsc: petsc-dev or slepc-dev was missing";
+    const auto write = [&](const std::string& name, const Entry& entry) {
+      write_market(shell / (name + ".mtx"), entry);
+      write_petsc(shell / (name + ".bin"), entry);
+    };
+    write("K", stiffness);
+    write("M", consistent);
+    write("L", lumped);
+    write("R", combined(0.3, lumped, 1e-3, stiffness));
+    write("other", [](int i, int j) { return i == j ? 1.0 + i : 0; });
+    write("skewed", [](int i, int j) { return i == j ? 2.0 : j == i + 1 ? -1.0 : j == i - 1 ? -0.5 : 0.0; });
+    write("massless", [](int i, int j) { return i != j ? 0.0 : i == 6 ? -1.0 : 1.0; });
+    write("buckled", combined(1, stiffness, -100, lumped));
+  }
+
+  /// `--engine petsc` on so many processes.
+  [[nodiscard]] Told petsc(int ranks, const std::string& rest) const {
+    const std::string command = "stability predict --engine petsc " + rest;
+    return ranks == 1 ? shell.hmax(command) : shell.line(mpirun + HMAX_PROGRAM " " + command);
+  }
+
+  void expect_as_built_in(int ranks, const std::string& rest) const {
+    const Told own = shell.hmax("stability predict " + rest + " --json"), told = petsc(ranks, rest + " --json");
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    const json expected = own.json().at("rows"), rows = told.json().at("rows");
+    ASSERT_EQ(rows.size(), expected.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      EXPECT_EQ(rows[i].at("method"), expected[i].at("method"));
+      EXPECT_EQ(rows[i].at("bound"), expected[i].at("bound")) << rows[i];
+      const json &h = rows[i].at("h_max"), &h_expected = expected[i].at("h_max");
+      if (!h_expected.is_number()) {
+        EXPECT_EQ(h, h_expected) << rows[i];
+        continue;
+      }
+      EXPECT_NEAR(h.get<double>(), h_expected.get<double>(), 1e-10 * h_expected.get<double>()) << rest << rows[i].at("method");
+    }
+    EXPECT_EQ(told.json().at("models").at(0).at("ranks"), ranks);
+  }
+
+  void expect_all_as_built_in(int ranks) const {
+    const std::string methods = "--methods rk4,symplectic_euler,newmark,rkc_2,explicit_newmark --matrices stiffness=";
+    for (const char* rest : {"K.bin,mass=L.bin,damping=R.bin", "K.bin,mass=M.bin --alpha 2 --beta 0.001", "K.mtx,mass=M.mtx",
+                             "K.mtx,mass=lumped:M.mtx"})
+      expect_as_built_in(ranks, methods + rest);
+  }
+
+  Shell shell;
+};
+
+TEST_F(Distributed, FastestModeOfABarIsThatOfTheClosedForm) {
+  for (const bool is_consistent : {false, true}) {
+    const Told told = petsc(1, fmt::format("--methods rk4 --matrices stiffness=K.bin,mass={}.bin --json", is_consistent ? "M" : "L"));
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    const double omega = fastest_omega(is_consistent);
+    EXPECT_NEAR(std::sqrt(told.json().at("models").at(0).at("kappa_max").get<double>()) / omega, 1, 1e-10);
+    EXPECT_NEAR(told.json().at("rows").at(0).at("h_max").get<double>() * omega / std::sqrt(8.0), 1, 1e-10);
+  }
+}
+
+TEST_F(Distributed, OneProcessAgreesWithTheBuiltInEngine) { expect_all_as_built_in(1); }
+
+TEST_F(Distributed, TwoProcessesAgreeWithTheBuiltInEngine) {
+  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  expect_all_as_built_in(2);
+}
+
+TEST_F(Distributed, MassesMayBeAColumn) {
+  std::string column = fmt::format("%%MatrixMarket matrix array real general\n{} 1\n", nodes);
+  for (int i = 0; i < nodes; ++i) column += fmt::format("{:.17g}\n", lumped(i, i));
+  std::ofstream(shell / "column.mtx") << column;
+  expect_as_built_in(1, "--methods rk4 --matrices stiffness=K.mtx,mass=column.mtx");
+  expect_refused(petsc(1, "--methods rk4 --matrices stiffness=column.mtx,mass=column.mtx"), "a matrix of a structure is square");
+}
+
+TEST_F(Distributed, DampingOfAFileIsTakenApart) {
+  const json model = petsc(1, "--methods rk4 --matrices stiffness=K.bin,mass=L.bin,damping=R.bin --json").json().at("models").at(0);
+  EXPECT_NEAR(model.at("alpha").get<double>(), 0.3, 1e-9);
+  EXPECT_NEAR(model.at("beta").get<double>(), 1e-3, 1e-12);
+}
+
+TEST_F(Distributed, NegativeStiffnessIsSeen) {
+  const json row = petsc(1, "--methods rk4 --matrices stiffness=buckled.bin,mass=L.bin --json").json().at("rows").at(0);
+  EXPECT_EQ(row.at("bound"), "model");
+}
+
+TEST_F(Distributed, RefusesWhatItCannotTakeInOneSentence) {
+  std::ofstream(shell / "cut.bin", std::ios::binary) << read_text(shell / "K.bin").substr(0, 700);
+  for (const auto& [rest, named] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"--matrices stiffness=skewed.bin,mass=L.bin", "skewed.bin is not symmetric"},
+           {"--matrices stiffness=skewed.mtx,mass=L.mtx", "skewed.mtx is not symmetric"},
+           {"--matrices stiffness=K.bin,mass=massless.bin", "the mass of row 7 is not positive"},
+           {"--matrices stiffness=K.bin,mass=L.bin,damping=other.bin", "damping that couples the modes"},
+           {"--matrices stiffness=cut.bin,mass=L.bin", "cut.bin cannot be read: PETSc says"},
+           {"--matrices stiffness=none.mtx,mass=L.bin", "none.mtx"},
+           {"--matrices jacobian=K.bin", "a jacobian"},
+           {"--matrices stiffness=K.bin,mass=L.bin --verify", "--verify yet"},
+           {"--matrices stiffness=K.bin,mass=L.bin --set m=2", "unknown parameter 'm'"},
+           {"--mesh phantom", "--matrices alone"}})
+    expect_refused(petsc(1, fmt::format("--methods rk4 {}", rest)), named);
+  expect_refused(petsc(1, "--methods none --matrices stiffness=K.bin,mass=L.bin"), "unknown method 'none'");
+}
+
+TEST_F(Distributed, TwoProcessesTellAnErrorOnce) {
+  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx"}) {
+    const Told told = petsc(2, fmt::format("--methods rk4 --matrices {}", files));
+    EXPECT_EQ(told.exit_code, 2);
+    EXPECT_EQ(told.out, "");
+    const std::size_t first = told.err.find("hmax: ");
+    EXPECT_NE(first, std::string::npos);
+    EXPECT_EQ(told.err.find("hmax: ", first + 1), std::string::npos) << told.err;
+  }
+}
+
+TEST(DistributedEngine, UnknownNamesAreRefused) {
+  expect_refused(Shell().hmax("stability predict --engine slepc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"), "'slepc'");
+}
+
+TEST(DistributedEngine, ABuildWithoutItSaysSo) {
+  if (is_built()) GTEST_SKIP() << "this build has the engine";
+  expect_refused(Shell().hmax("stability predict --engine petsc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"), "built without");
+}
+
+}  // namespace
+}  // namespace hmax
