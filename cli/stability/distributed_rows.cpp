@@ -75,15 +75,14 @@ std::string words_of(const StructureEnds& ends, const DistributedEngine& engine)
 
 }  // namespace
 
-void print_distributed_limits(const ProblemChoice& choice, const MethodsChoice& methods, Console& console) {
-  // First of all: from here on rank 0 alone prints, errors too.
-  const std::unique_ptr<DistributedEngine> engine = open_distributed_engine();
+void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& choice, const MethodsChoice& methods,
+                              Console& console) {
   const DistributedStructure structure = structure_of(choice);
   // Before minutes are spent on eigenvalues: whatever they are, the methods are the same.
   StructureEnds any;
   any.kappa_max = 1;
   const std::vector<Method> chosen = methods.methods({pair_with_ends(choice.id(), any)});
-  const StructureEnds ends = engine->ends(structure);
+  const StructureEnds ends = engine.ends(structure);
   const Problem pair = pair_with_ends(choice.id(), ends);
   const Linearised near = linearised(pair, ends);
   std::vector<LimitRow> rows;
@@ -94,10 +93,10 @@ void print_distributed_limits(const ProblemChoice& choice, const MethodsChoice& 
   if (console.json) {
     Json list = Json::array();
     for (const LimitRow& row : rows) list.push_back(to_json(row, {}, pair.parameters));
-    console.print_json({{"rows", std::move(list)}, {"models", {model_json(pair, near, ends, *engine)}}});
+    console.print_json({{"rows", std::move(list)}, {"models", {model_json(pair, near, ends, engine)}}});
   } else {
     console.print(limit_table(rows, {}, console) + fmt::format("\n{}: {}\n", pair.id, near.point.state) +
-                  words_of(ends, *engine) + words_of_notes(rows));
+                  words_of(ends, engine) + words_of_notes(rows));
   }
   console.flush();
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "bench/distributed/distributed_engine.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/stability/stability.hpp"
 
@@ -12,8 +13,8 @@ namespace hmax {
 /// What computes eigenvalues: hmax itself, or PETSc with SLEPc.
 inline constexpr std::array<std::string_view, 2> engine_names{"hmax", "petsc"};
 
-/// Predicts and prints, rank 0 alone; called by all ranks.
-/// @throws InputError  for models other than symmetric matrices, and a build without the engine
-void print_distributed_limits(const ProblemChoice& problem, const MethodsChoice& methods, Console& console);
+/// Predicts and prints; called by all ranks.
+/// @throws InputError  for models other than symmetric matrices
+void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& problem, const MethodsChoice& methods, Console& console);
 
 }  // namespace hmax

@@ -138,8 +138,10 @@ void refuse_beside_engine(const PredictOptions& options) {
 
 void predict_rows(const PredictOptions& options, Console& console) {
   if (!options.engine.empty() && parse_choice("--engine", options.engine, engine_names) == engine_names[1]) {
+    // First of all: while it is open rank 0 alone prints, errors too.
+    const std::unique_ptr<DistributedEngine> engine = open_distributed_engine();
     refuse_beside_engine(options);
-    return print_distributed_limits(options.problem, options.methods, console);
+    return print_distributed_limits(*engine, options.problem, options.methods, console);
   }
   std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;

@@ -194,7 +194,7 @@ TEST_F(Distributed, RefusesWhatItCannotTakeInOneSentence) {
 
 TEST_F(Distributed, TwoProcessesTellAnErrorOnce) {
   if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
-  for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx"}) {
+  for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx", "stiffness=K.bin,mass=L.bin --verify"}) {
     const Told told = petsc(2, fmt::format("--methods rk4 --matrices {}", files));
     EXPECT_EQ(told.exit_code, 2);
     EXPECT_EQ(told.out, "");
