@@ -220,42 +220,6 @@ Window window_of_motions(const Problem& problem, const std::vector<Eigen::Vector
   return window_around({}, "", "", seen, 0.15);
 }
 
-std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const Window& window,
-                                                   const std::vector<Equilibrium>& equilibria) {
-  const PlanarField field = planar_field(problem, 0, window.size());
-  std::vector<std::pair<int, Trap>> traps;
-  double longest = problem.t_end;
-  for (std::size_t i = 0; i < equilibria.size(); ++i) {
-    const Equilibrium& e = equilibria[i];
-    if (e.type != EquilibriumType::stable_node && e.type != EquilibriumType::stable_focus) continue;
-    traps.emplace_back(static_cast<int>(i), Trap(e.state, field.jacobian(e.state), window.size()));
-    longest = std::max(longest, 20 * std::log(1e3) / -e.eigenvalues[0].real());
-  }
-  const Method method = find_method(problem.stiff ? "radau_iia_5" : "dop_853");
-  const RunSpec spec{.t_end = longest,
-                     .adaptive = true,
-                     .rtol = basin_tolerances.rtol,
-                     .atol = basin_tolerances.atol,
-                     .max_steps = adaptive_attempts};
-  return [=, own = std::make_shared<Problem>(problem)](const Vector2d& start) -> int {
-    int fate = undecided;
-    own->y0 = start;
-    try {
-      const RunRecord record = method.bind(*own).run(spec, [&](double, const auto& y) {
-        const Vector2d here = y;
-        for (const auto& [number, trap] : traps)
-          if (trap.holds(here)) fate = number;
-        if (!((here - window.lower).cwiseQuotient(window.size()).cwiseAbs().maxCoeff() < 1e6))
-          fate = unbounded;
-        if (fate != undecided) throw Left{};
-      });
-      if (record.outcome == Outcome::diverged || record.outcome == Outcome::step_too_small) return unbounded;
-    } catch (const Left&) {
-    }
-    return fate;
-  };
-}
-
 std::array<std::string, 2> axis_names(const Problem& problem) {
   if (std::holds_alternative<Oscillator>(problem.system)) return {"x [m]", "v [m/s]"};
   return {problem.states[0], problem.states[1]};

@@ -12,6 +12,7 @@
 #include "analysis/dynamics/differences.hpp"
 #include "analysis/dynamics/phase_plane.hpp"
 #include "bench/catalogue/method.hpp"
+#include "core/instruction_set.hpp"
 #include "integrators/tolerances.hpp"
 #include "results/table.hpp"
 
@@ -63,6 +64,13 @@ Window window_of_motions(const Problem& problem, const std::vector<Eigen::Vector
 /// @param equilibria  of the field; those that are not stable attract nothing
 std::function<int(const Eigen::Vector2d&)> fate_of_starts(const Problem& problem, const Window& window,
                                                           const std::vector<Equilibrium>& equilibria);
+
+/// The same for many starts in one call, with the same fates. Runs of the oscillator go side by side in
+/// vector lanes, each with its own step control, and a lane that has ended takes the next start.
+/// @param set  of the vector operations; it changes times, not fates
+FatesOf fates_of_starts(const Problem& problem, const Window& window,
+                        const std::vector<Equilibrium>& equilibria,
+                        InstructionSet set = instruction_sets().front());
 
 /// Both components as columns and axes are called: "x [m]" and "v [m/s]" of the oscillator.
 std::array<std::string, 2> axis_names(const Problem& problem);

@@ -79,17 +79,14 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   const auto& interrupted = interrupt_flag();
   const auto rows = static_cast<int>((columns * 3 + 3) / 4);
   // A problem for each thread: formulas have one workspace each.
-  std::vector<std::function<int(const Eigen::Vector2d&)>> fate_of;
-  while (fate_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
-    fate_of.push_back(fate_of_starts(fate_of.empty() ? view.still : frozen(options.problem.make(), 0),
-                                     view.window, view.equilibria));
-  const Basins found =
-      basins([&](const Eigen::Vector2d& start, std::size_t worker) { return fate_of[worker](start); },
-             view.window, static_cast<int>(columns), rows,
-             [&](double share) {
-               progress.update(share);
-               return !interrupted;
-             });
+  std::vector<FatesOf> fates_of;
+  while (fates_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
+    fates_of.push_back(fates_of_starts(fates_of.empty() ? view.still : frozen(options.problem.make(), 0),
+                                       view.window, view.equilibria));
+  const Basins found = basins(fates_of, view.window, static_cast<int>(columns), rows, [&](double share) {
+    progress.update(share);
+    return !interrupted;
+  });
   if (interrupted) throw Interrupted{};
 
   Json document = document_of(view);

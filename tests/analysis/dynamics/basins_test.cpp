@@ -1,5 +1,6 @@
 #include "analysis/dynamics/basins.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -90,6 +91,17 @@ TEST(Basins, AreTheSameForAnyNumberOfThreads) {
   };
   EXPECT_EQ(found_by(1), found_by(2));
   EXPECT_EQ(found_by(1), found_by(5));
+}
+
+TEST(Basins, AreTheSameByRows) {
+  const auto side = [](const Vector2d& y) { return y(0) + y(1) < 0.1 ? 0 : 1; };
+  const auto one = [&](const Vector2d& y, std::size_t) { return side(y); };
+  const FatesOf row = [&](std::span<const Vector2d> starts, std::span<int> fates) {
+    ASSERT_EQ(starts.size(), 30U);
+    std::ranges::transform(starts, fates.begin(), side);
+  };
+  const Window window{{-2, -1}, {1, 1}};
+  EXPECT_EQ(basins(std::vector<FatesOf>(8, row), window, 30, 8).fate, basins(one, window, 30, 8).fate);
 }
 
 TEST(Basins, NeedAWindow) {

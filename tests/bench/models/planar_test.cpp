@@ -146,5 +146,39 @@ TEST(Planar, TheStroboscopeIsTheMotionOverOnePeriod) {
   EXPECT_EQ(drive_period(problem, 2 * period), 2 * period);
 }
 
+/// The fates of a grid of starts, those outside what a number holds among them, by single runs.
+void expect_the_fates_of_single_runs(const Problem& problem, const Window& window) {
+  const auto equilibria = equilibria_of(problem, window);
+  const auto fate_of = fate_of_starts(problem, window, equilibria);
+  std::vector<Vector2d> starts{{1e200, 0}, {std::nan(""), 0}, {1e9, 1e9}};
+  for (const Equilibrium& e : equilibria) starts.push_back(e.state);
+  for (int i = 0; i < 23; ++i)
+    for (int j = 0; j < 19; ++j)
+      starts.push_back(window.lower + Vector2d((i + 0.5) / 23, (j + 0.5) / 19).cwiseProduct(window.size()));
+  std::vector<int> expected;
+  for (const Vector2d& start : starts) expected.push_back(fate_of(start));
+  for (const InstructionSet set : instruction_sets()) {
+    const FatesOf fates_of = fates_of_starts(problem, window, equilibria, set);
+    std::vector<int> fates(starts.size(), 77);
+    fates_of(starts, fates);
+    EXPECT_EQ(fates, expected) << to_string(set);
+    // A start has its fate whoever runs beside it: fewer starts than lanes, in the opposite order.
+    std::vector<Vector2d> few(starts.rend() - 17, starts.rend());
+    std::vector<int> fates_of_few(few.size(), 77);
+    fates_of(few, fates_of_few);
+    EXPECT_EQ(fates_of_few, std::vector<int>(expected.rend() - 17, expected.rend())) << to_string(set);
+  }
+}
+
+TEST(Fates, AreThoseOfSingleRuns) {
+  expect_the_fates_of_single_runs(liver({{"k1", -1}, {"c", 0.2}}), {{-3, -3}, {3, 3}});
+  // Soft springs that run away, and a force that is constant in time.
+  expect_the_fates_of_single_runs(liver({{"k1", 1}, {"k3", -1}, {"c", 0.5}}), {{-3, -3}, {3, 3}});
+  expect_the_fates_of_single_runs(frozen(liver({{"k1", -1}, {"c", 0.4}}, "liver_forced"), 0),
+                                  {{-3, -3}, {3, 3}});
+  // A window with one of two places of rest: starts that settle outside are undecided.
+  expect_the_fates_of_single_runs(liver({{"k1", -1}, {"c", 0.3}}), {{0.2, -1}, {2, 1}});
+}
+
 }  // namespace
 }  // namespace hmax
