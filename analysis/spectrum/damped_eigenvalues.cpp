@@ -244,8 +244,13 @@ DampedEigenvalues DampedSearch::first(std::size_t most, Index most_products) {
     if (space.size() == before && !start()) break;
     products += space.size() - before;
   }
+  return found(converged);
+}
+
+DampedEigenvalues DampedSearch::found(std::size_t count) const {
+  const QuadraticSpace& space = state_->space;
   DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i < converged; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     Complex lambda = space.values()[i];
     // An undamped motion must not grow by rounding.
     if (lambda.real() > 0 && lambda.real() <= tolerance * std::abs(lambda)) lambda.real(0);

@@ -50,6 +50,8 @@ class DampedSearch {
 
  private:
   struct State;
+  [[nodiscard]] DampedEigenvalues found(std::size_t count) const;
+
   std::shared_ptr<const ScaledMatrices> matrices_;
   std::unique_ptr<State> state_;
 };
