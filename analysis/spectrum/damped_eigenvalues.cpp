@@ -51,20 +51,12 @@ class QuadraticSpace {
   /// Adds the part of t that is new. @returns false where there is none but rounding
   bool add(VectorXd t) {
     if (size_ == most_) return false;
-    double left = 1;  // of it, in the norm of M
-    for (int time = 0;; ++time) {
-      image_ = t;
-      if (M_) M_->multiply(image_);
-      const double length = std::sqrt(std::max(t.dot(image_), 0.0));
-      if (!(length > 0) || !std::isfinite(length)) return false;
-      t /= length;
-      image_ /= length;
-      // Gram and Schmidt in the product of M, again where it has left so little that rounding shows.
-      if (time > 0 && (left *= length) < 1e-13) return false;
-      if (time > 0 && length > 0.1) break;
-      if (time == 3) return false;
-      t -= times(V_, size_, transposed_times(images_in_M(), size_, t));
-    }
+    const auto times_M = [&](const VectorXd& x, VectorXd& y) {
+      y = x;
+      if (M_) M_->multiply(y);
+    };
+    const auto remove = [&](VectorXd& x) { x -= times(V_, size_, transposed_times(images_in_M(), size_, x)); };
+    if (!make_orthonormal(t, image_, times_M, remove)) return false;
     V_.col(size_) = t;
     if (M_) MV_.col(size_) = image_;
     project(k_, t, KV_, k_of_V_);

@@ -38,21 +38,15 @@ class Space {
   /// Adds the part of t that is new.
   /// @returns false where there is none but rounding
   bool add(VectorXd t) {
-    double left = 1;  // of it, in the norm of M
-    for (int time = 0;; ++time) {
-      image_ = t;
-      M_.multiply(image_);
-      const double length = std::sqrt(std::max(t.dot(image_), 0.0));
-      if (!(length > 0) || !std::isfinite(length)) return false;
-      t /= length;
-      image_ /= length;
-      // Gram and Schmidt in the product of M, again where it has left so little that rounding shows.
-      if (time > 0 && (left *= length) < 1e-14) return false;
-      if (time > 0 && length > 0.1) break;
-      if (time == 3) return false;
-      const VectorXd h = transposed_times(MV_, size_, t), g = transposed_times(M_found_, found_count_, t);
-      t -= times(V_, size_, h) + times(found_, found_count_, g);
-    }
+    const auto times_M = [&](const VectorXd& x, VectorXd& y) {
+      y = x;
+      M_.multiply(y);
+    };
+    const auto remove = [&](VectorXd& x) {
+      const VectorXd h = transposed_times(MV_, size_, x), g = transposed_times(M_found_, found_count_, x);
+      x -= times(V_, size_, h) + times(found_, found_count_, g);
+    };
+    if (!make_orthonormal(t, image_, times_M, remove)) return false;
     V_.col(size_) = t;
     MV_.col(size_) = image_;
     A_(t, image_);
