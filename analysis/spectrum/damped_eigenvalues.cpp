@@ -177,28 +177,28 @@ struct DampedSearch::State {
   explicit State(const ScaledMatrices& matrices) : space(matrices, for_more.vectors) {}
 
   QuadraticSpace space;
-  std::vector<VectorXd> given;
   Index starts = 0;
 };
 
-DampedSearch::DampedSearch(std::shared_ptr<const ScaledMatrices> matrices, std::vector<VectorXd> starts)
+DampedSearch::DampedSearch(std::shared_ptr<const ScaledMatrices> matrices, const LargestEigenpair& k,
+                           const LargestEigenpair& c)
     : matrices_(std::move(matrices)), state_(std::make_unique<State>(*matrices_)) {
-  state_->given = std::move(starts);
+  start();
+  state_->space.add(k.vector);
+  state_->space.add(c.vector);
 }
 DampedSearch::~DampedSearch() = default;
+
+// Another vector in general position each time.
+bool DampedSearch::start() {
+  const Index n = matrices_->size();
+  const VectorXd general = start_vector((state_->starts++ % 8 + 1) * n).tail(n);
+  return state_->space.add(general.cwiseProduct(state_->space.inverse().cwiseSqrt()));
+}
 
 DampedEigenvalues DampedSearch::first(std::size_t most, Index most_products) {
   QuadraticSpace& space = state_->space;
   const Room room = most <= 2 ? for_few : for_more;
-  const auto start = [&] {
-    const Index n = matrices_->size();
-    return space.add(
-        start_vector((state_->starts++ % 8 + 1) * n).tail(n).cwiseProduct(space.inverse().cwiseSqrt()));
-  };
-  if (space.size() == 0) {
-    start();
-    for (const VectorXd& shape : std::exchange(state_->given, {})) space.add(shape);
-  }
   std::size_t converged = 0;
   const auto has_enough = [&] {
     const std::vector<Complex>& values = space.values();

@@ -17,7 +17,7 @@ namespace hmax {
 struct DampedEigenvalues {
   std::vector<std::complex<double>> lambda;  ///< the largest first, conjugates side by side [1/s]
   std::vector<Eigen::VectorXcd> shapes;      ///< u of each lambda, of length 1 in the norm of M, shape (n)
-  /// No other eigenvalue is larger in modulus, as far as an iteration from one vector can say [1/s];
+  /// No other eigenvalue is larger in modulus, as far as an iteration can say [1/s];
   /// infinity where it found none.
   double rest = 0;
 };
@@ -28,28 +28,30 @@ struct DampedEigenvalues {
 /// real and the imaginary part of D^-1 r, r = (lambda^2 M + lambda C + K) u, are the next shapes, where D =
 /// diag(M) is close to M. A step takes one product with each matrix, where an Arnoldi iteration on the
 /// companion form would divide by M. Since the matrices are symmetric an eigenvalue is off by about the
-/// square of its residual, which is at most 1e-7 of lambda^2. It begins with the fastest shapes of K and of
-/// C, one of which dominates an eigenvalue of large modulus, and with the same vector in every run.
+/// square of its residual, which is at most 1e-7 of lambda^2.
 class DampedSearch {
  public:
+  /// An eigenvalue of large modulus needs a large gamma or kappa, so that the search begins with the shapes
+  /// that have the largest of them, beside the same vector in every run: it may have next to nothing of the
+  /// shape of a single damper.
   /// @param matrices  K and C symmetric
-  /// @param starts    shapes to begin with, of shape (n), in coordinates where a diagonal mass is one; may be
-  /// none
-  explicit DampedSearch(std::shared_ptr<const ScaledMatrices> matrices,
-                        std::vector<Eigen::VectorXd> starts = {});
+  /// @param k, c      matrices->largest_k() and largest_c(), three digits are enough
+  DampedSearch(std::shared_ptr<const ScaledMatrices> matrices, const LargestEigenpair& k,
+               const LargestEigenpair& c);
   ~DampedSearch();
 
   /// The first `most` eigenvalues, conjugates counted as one; fewer where one is below nine tenths of the
   /// largest, or where products end. Goes on from the space of the last call, so that the answer depends on
   /// the calls before.
   /// @param most_products  with each matrix, about
-  /// @cost  room for 90 vectors, or 180 from the second eigenvalue on, a third more where M couples; the
-  /// first takes
-  ///        some 30 to 300 products
+  /// @cost  room for 72 vectors, or 180 from the third eigenvalue on, a third more where M couples; the first
+  /// takes some 30
+  ///        to 300 products
   DampedEigenvalues first(std::size_t most, Eigen::Index most_products);
 
  private:
   struct State;
+  bool start();
   [[nodiscard]] DampedEigenvalues found(std::size_t count) const;
 
   std::shared_ptr<const ScaledMatrices> matrices_;

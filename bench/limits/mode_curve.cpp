@@ -55,16 +55,6 @@ bool is_undeformed(const LinearModel& model, bool is_body) {
   return is_body && model.y.head(model.mechanical->mass.size()).isZero(0);
 }
 
-/// The least eigenvalue of a stiffness that is negative beyond rounding; nothing where some hundred products,
-/// which find those far from zero, find none.
-std::optional<double> negative_stiffness(const LinearModel& model, double kappa_max, bool is_body) {
-  constexpr Eigen::Index few_products = 100, many_products = 300;
-  if (is_undeformed(model, is_body)) return {};
-  const double least = least_stiffness(*model.mechanical, kappa_max, is_body ? many_products : few_products);
-  if (!(least < -1e-8 * kappa_max)) return {};
-  return least;
-}
-
 }  // namespace
 
 bool affords_slow_end(const LinearModel& model, bool is_body) {
@@ -73,8 +63,12 @@ bool affords_slow_end(const LinearModel& model, bool is_body) {
          (is_body && dofs <= most_factored && !is_undeformed(model, is_body));
 }
 
-bool has_negative_stiffness(const LinearModel& model, double kappa_max, bool is_body) {
-  return negative_stiffness(model, kappa_max, is_body).has_value();
+std::optional<double> negative_stiffness(const LinearModel& model, double kappa_max, bool is_body) {
+  constexpr Eigen::Index few_products = 100, many_products = 300;
+  if (is_undeformed(model, is_body)) return {};
+  const double least = least_stiffness(*model.mechanical, kappa_max, is_body ? many_products : few_products);
+  if (!(least < -1e-8 * kappa_max)) return {};
+  return least;
 }
 
 double SlowEnd::of(const MechanicalPart& part, const DampingCurve& curve) {

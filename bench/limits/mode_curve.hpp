@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,9 +34,9 @@ class SlowEnd {
 /// @param is_body  whether the model is that of a body
 bool affords_slow_end(const LinearModel& model, bool is_body);
 
-/// Whether K has a negative eigenvalue, as far as some hundred products tell; a body without displacement has
-/// none.
-bool has_negative_stiffness(const LinearModel& model, double kappa_max, bool is_body);
+/// The least eigenvalue of K u = kappa M u where it is negative beyond rounding [1/s^2]; nothing where some
+/// hundred products, which find those far from zero, find none, and for a body without displacement.
+std::optional<double> negative_stiffness(const LinearModel& model, double kappa_max, bool is_body);
 
 /// Puts the ends of the spectrum of a large structure with proportional damping into `modes`; beyond
 /// most_cheaply_factored degrees of freedom its fast end alone, which limits explicit methods, with 0 for the

@@ -83,7 +83,7 @@ bool may_buckle(const LinearModel& model, double kappa_max, bool is_body) {
     const ExtremeStiffnesses least = smallest_stiffnesses(part);
     return !least.converged || least.negative > 0;
   }
-  return has_negative_stiffness(model, kappa_max, is_body);
+  return negative_stiffness(model, kappa_max, is_body).has_value();
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
   constexpr double roughly = 1e-3;
   const LargestEigenpair k = matrices->largest_k(roughly), c = matrices->largest_c(roughly);
   if (may_buckle(model, k.bound, is_body)) range.growing = growing_eigenvalue(part);
-  range.search = std::make_unique<DampedSearch>(matrices, std::vector{k.vector, c.vector});
+  range.search = std::make_unique<DampedSearch>(matrices, k, c);
   constexpr Eigen::Index most_products = 1000;
   range.largest = range.search->first(1, most_products);
   range.rest = range.largest.rest;
@@ -193,7 +193,7 @@ LimitInRange limit_in_range(const Amplification& amplification, const Mechanical
     // largest. The next one alone costs less than a tangent.
     const double modulus = oscillates ? std::sqrt(worst.mode.kappa) : worst.mode.gamma;
     const bool is_fast = modulus >= 0.9 * range.rest || std::isinf(rest);
-    const auto has_more = [&] {
+    const auto find_more = [&] {
       const DampedEigenvalues* more = is_fast ? range.more(level++) : nullptr;
       if (more != nullptr && more->rest < rest) {
         rest = more->rest;
@@ -201,7 +201,7 @@ LimitInRange limit_in_range(const Amplification& amplification, const Mechanical
       }
       return more != nullptr;
     };
-    if (level == 0 && has_more()) continue;
+    if (level == 0 && find_more()) continue;
     if (oscillates && worst_in.cut(worst.mode, inside)) continue;
     if (!has_least_damping) {
       has_least_damping = true;
@@ -210,7 +210,7 @@ LimitInRange limit_in_range(const Amplification& amplification, const Mechanical
         continue;
       }
     }
-    if (has_more()) continue;
+    if (find_more()) continue;
     limit.unstable_from = std::exchange(limit.h_max, worst.h_max);
     limit.mode = mode_of(worst.mode);
     return limit;

@@ -64,6 +64,11 @@ std::vector<Complex> all_of(const MechanicalPart& part) {
 // From weakly damped to creeping fast modes.
 constexpr double betas[]{0.001, 0.02, 0.3};
 
+DampedSearch search_of(const MechanicalPart& part) {
+  const auto matrices = std::make_shared<const ScaledMatrices>(part);
+  return {matrices, matrices->largest_k(1e-3), matrices->largest_c(1e-3)};
+}
+
 /// Whether each of `some` is one of `all`.
 bool are_among(const std::vector<Complex>& some, const std::vector<Complex>& all) {
   return std::ranges::all_of(some, [&](Complex each) {
@@ -77,8 +82,7 @@ TEST(DampedEigenvalues, OfLargestModulusAreThoseOfADenseSolver) {
     ASSERT_EQ(part.damping, Damping::general);
     const std::vector<Complex> all = all_of(part);
     for (const std::size_t most : {std::size_t{1}, std::size_t{20}}) {
-      const DampedEigenvalues found =
-          DampedSearch(std::make_shared<const ScaledMatrices>(part)).first(most, 1000);
+      const DampedEigenvalues found = search_of(part).first(most, 1000);
       ASSERT_FALSE(found.lambda.empty()) << beta;
       EXPECT_TRUE(are_among(found.lambda, all)) << beta;
       const Eigen::MatrixXcd K = dense(part.K).cast<Complex>(), C = dense(part.C).cast<Complex>();
@@ -100,7 +104,7 @@ TEST(DampedEigenvalues, OfLargestModulusAreThoseOfADenseSolver) {
 TEST(DampedEigenvalues, OfASpaceThatIsAllThereIs) {
   const MechanicalPart part = deformed(8, 0.1, 0.001);
   const std::vector<Complex> all = all_of(part);
-  const DampedEigenvalues found = DampedSearch(std::make_shared<const ScaledMatrices>(part)).first(1, 1000);
+  const DampedEigenvalues found = search_of(part).first(1, 1000);
   ASSERT_EQ(found.lambda.size(), 2U);
   EXPECT_NEAR(found.rest, std::abs(all.front()), 1e-9 * found.rest);
 }
@@ -111,22 +115,18 @@ TEST(DampedEigenvalues, OfOneDamperAreFoundFromItsShape) {
   Sparse C(n, n);
   C.insert(n / 3, n / 3) = 500;
   const MechanicalPart part = mechanical_part(VectorXd::LinSpaced(n, 1, 2), chain(n, 0.8, 2), C);
-  const auto matrices = std::make_shared<const ScaledMatrices>(part);
-  const DampedEigenvalues found =
-      DampedSearch(matrices, {matrices->largest_k(1e-3).vector, matrices->largest_c(1e-3).vector})
-          .first(1, 1000);
+  const DampedEigenvalues found = search_of(part).first(1, 1000);
   ASSERT_EQ(found.lambda.size(), 1U);
   EXPECT_EQ(found.lambda[0].imag(), 0);
   // Of lambda^2 + c lambda + k of the unknown alone, the faster; its neighbours change it little.
   const double c = 500 / part.mass.diagonal()[n / 3],
                k = std::get<Sparse>(part.K).coeff(n / 3, n / 3) / part.mass.diagonal()[n / 3];
   EXPECT_NEAR(found.rest, c / 2 + std::sqrt(c * c / 4 - k), 0.05 * c);
-  EXPECT_GT(found.rest, 1.5 * std::sqrt(matrices->largest_k().bound));
+  EXPECT_GT(found.rest, 1.5 * std::sqrt(ScaledMatrices(part).largest_k().bound));
 }
 
 TEST(DampedEigenvalues, AreNoneWhereProductsEnd) {
-  const DampedEigenvalues found =
-      DampedSearch(std::make_shared<const ScaledMatrices>(deformed(120, 0.1, 0.001))).first(1, 3);
+  const DampedEigenvalues found = search_of(deformed(120, 0.1, 0.001)).first(1, 3);
   EXPECT_TRUE(found.lambda.empty());
   EXPECT_TRUE(std::isinf(found.rest));
 }
