@@ -134,6 +134,7 @@ double least_damping_per_stiffness(const MechanicalPart& part) {
   };
   // No more than what a single degree of freedom has.
   const double most = c.diagonal().cwiseQuotient(k.diagonal()).minCoeff();
+  if (!(most > 0)) return 0;  // one has no damping
   double high = most, low = most;
   do {
     high = low;

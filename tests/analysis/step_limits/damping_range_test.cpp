@@ -184,6 +184,12 @@ TEST(DampingRange, HoldsEveryOscillatingMode) {
   }
 }
 
+TEST(DampingRange, HasNoLeastDampingWhereAnUnknownHasNone) {
+  Sparse C(40, 40);
+  for (Index i = 0; i < 20; ++i) C.insert(i, i) = 3;
+  EXPECT_EQ(least_damping_per_stiffness(mechanical_part(VectorXd::Ones(40), chain(40, 0.8, 2), C)), 0);
+}
+
 TEST(DampingRange, IsTheSameForAnyNumberOfThreads) {
   const MechanicalPart part = deformed(60, 0.1, betas[0]);
   const auto corners_by = [&](std::size_t threads) {
