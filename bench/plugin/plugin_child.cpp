@@ -87,7 +87,8 @@ class Server {
   /// With the first `numbers` of out_.
   void reply(PluginReply::Kind kind, std::size_t numbers, std::string_view text) {
     text = text.substr(0, most_plugin_characters);
-    page_.reply = {.kind = kind, .numbers = numbers, .characters = text.size()};
+    page_.reply = {.kind = kind, .numbers = numbers, .characters = text.size(),
+                   .digest = std::hash<std::string_view>{}(text)};
     std::copy_n(out_.numbers(), numbers, page_.numbers.begin());
     std::memcpy(page_.numbers.data() + numbers, text.data(), text.size());
     page_.answered.store(turn_);

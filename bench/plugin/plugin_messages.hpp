@@ -47,6 +47,7 @@ struct PluginReply {
   enum class Kind : std::uint32_t { done, failed, diverged };
   Kind kind = Kind::done;
   std::uint64_t numbers = 0, characters = 0;  ///< that come with it
+  std::uint64_t digest = 0;                   ///< of the text, by std::hash
 };
 
 /// The first reply begins with these numbers; the quaternions, and where they are there the scales, the groups and pairs of

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -156,8 +157,11 @@ PluginReply PluginProcess::reply() {
   explain_destruction();
 }
 
-std::string PluginProcess::text_of(const PluginReply& reply) const {
-  return {reinterpret_cast<const char*>(page().numbers.data() + reply.numbers), reply.characters};
+std::string PluginProcess::text_of(const PluginReply& reply) {
+  std::string text(reinterpret_cast<const char*>(page().numbers.data() + reply.numbers), reply.characters);
+  // A thread of the plugin may have written over it since.
+  if (std::hash<std::string>{}(text) != reply.digest) explain_destruction();
+  return text;
 }
 
 bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in, std::span<double> out) {

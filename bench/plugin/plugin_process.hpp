@@ -60,7 +60,7 @@ class PluginProcess {
   void greet();
   void await();
   PluginReply reply();
-  [[nodiscard]] std::string text_of(const PluginReply& reply) const;
+  [[nodiscard]] std::string text_of(const PluginReply& reply);
   [[nodiscard]] PluginPage& page() const { return memory_->page(); }
   [[noreturn]] void explain_end(int status);
   [[noreturn]] void explain_hang();
