@@ -24,6 +24,8 @@ using Eigen::VectorXd;
 // Residual over modulus squared at which a Ritz value counts.
 constexpr double tolerance = 1e-7;
 constexpr double deep_enough = 0.9;  // of the largest modulus
+// Enough eigenvalues for a limit, even if they are less than a tenth below the largest.
+constexpr std::size_t many_enough = 40;
 
 /// A space of vectors that are orthonormal in M, with their images, in coordinates where a diagonal M is one.
 class QuadraticSpace {
@@ -163,6 +165,51 @@ class QuadraticSpace {
   MatrixXcd shapes_;  ///< in the space, one column for each value
 };
 
+/// y = (0, s I; -k / s, -c) x.
+/// The companion form in x = (s u, lambda u), u = M^1/2 q: its eigenvalues are those of lambda^2 + lambda
+/// c + k, and both off-diagonal blocks have about the norm s.
+class Companion {
+ public:
+  Companion(const ScaledMatrices& scaled, double s) : scaled_(scaled), s_(s), product_(scaled.size()) {}
+
+  /// Costs one product with k and one with c.
+  void operator()(const VectorXd& x, VectorXd& y) {
+    const Index n = product_.size();
+    // lambda (s u) = s (lambda u)
+    y.head(n) = s_ * x.tail(n);
+    scaled_.k.apply(x.data(), product_.data());
+    y.tail(n) = -product_ / s_;
+    scaled_.c.apply(x.data() + n, product_.data());
+    y.tail(n) -= product_;
+  }
+
+ private:
+  const ScaledMatrices& scaled_;
+  double s_;
+  VectorXd product_;
+};
+
+/// The eigenvalues that have converged in the Krylov space of V with A V = V H + ..., the largest first, up
+/// to the first that has not; a pair of conjugates has equal residuals, so both or none count.
+/// @param below  the entry of H, shape (k, k), below its last column
+DampedEigenvalues converged_of(const MatrixXd& V, const MatrixXd& H, double below,
+                               const ScaledMatrices& matrices) {
+  constexpr double krylov_tolerance = 1e-9;  // residual over modulus
+  const SortedEigenpairs pairs(H);
+  const Index n = matrices.size();
+  DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < pairs.values.size(); ++i) {
+    const VectorXcd s = pairs.vectors.col(static_cast<Index>(i));
+    // |A V s - theta V s| = h_(k+1,k) |s_k| for |s| = 1.
+    if (!(below * std::abs(s[H.rows() - 1]) <= krylov_tolerance * std::abs(pairs.values[i]))) break;
+    result.lambda.push_back(pairs.values[i]);
+    result.rest = std::abs(pairs.values[i]);
+    const VectorXcd u = V.topLeftCorner(n, H.rows()) * s;
+    result.shapes.push_back(matrices.mass.root_solve(VectorXcd(u.normalized())));
+  }
+  return result;
+}
+
 /// One eigenvalue or two need little room; more of them converge together only in a larger space, several at
 /// a time.
 struct Room {
@@ -253,6 +300,55 @@ DampedEigenvalues DampedSearch::found(std::size_t count) const {
       result.shapes.push_back(result.shapes.back().conjugate());
     }
     result.rest = std::abs(lambda);
+  }
+  return result;
+}
+
+// Arnoldi iteration: w = A q_k is orthogonalised against q_1 ... q_k, which gives column k of H; Ritz
+// values are looked at every thirty steps.
+DampedEigenvalues many_damped_eigenvalues(const ScaledMatrices& matrices, const LargestEigenpair& k,
+                                          const LargestEigenpair& c) {
+  const Index n = matrices.size();
+  Companion A(matrices, std::sqrt(std::max(k.bound, std::numeric_limits<double>::min())));
+  const Index most = std::min<Index>(2 * n, 300);
+  MatrixXd V(2 * n, most + 1), H = MatrixXd::Zero(most + 1, most);
+  // A vector in general position has next to nothing of the shape of a single damper.
+  const VectorXd fast = matrices.mass.is_diagonal()
+                            ? VectorXd(k.vector + c.vector)
+                            : VectorXd(matrices.mass.root_times(VectorXd(k.vector + c.vector)));
+  V.col(0) = start_vector(2 * n).normalized();
+  V.col(0).head(n) += fast;
+  V.col(0).tail(n) += fast;
+  V.col(0).normalize();
+  VectorXd q(2 * n), w(2 * n);
+  DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
+  for (Index step = 0; step < most; ++step) {
+    q = V.col(step);
+    A(q, w);
+    // Once more where it took away so much that rounding of it is left; twice is enough
+    // [daniel1976reorthogonalization].
+    double norm = w.norm();
+    for (int time = 0; time < 2; ++time) {
+      // Classical Gram and Schmidt: h = V^T w, w <- w - V h.
+      const VectorXd h = transposed_times(V, step + 1, w);
+      w -= times(V, step + 1, h);
+      H.col(step).head(step + 1) += h;
+      const double left = w.norm();
+      const bool clean = left > 0.7 * norm;
+      norm = left;
+      if (clean) break;
+    }
+    // h_k+1,k = |w| after orthogonalisation.
+    H(step + 1, step) = norm;
+    const Index count = step + 1;
+    // The Krylov space is closed: its Ritz values are eigenvalues.
+    const bool invariant = norm <= 1e-14 * H.col(step).norm();
+    if (!invariant) V.col(count) = w / norm;
+    if (count % 30 != 0 && count != most && !invariant) continue;
+    result = converged_of(V, H.topLeftCorner(count, count), norm, matrices);
+    if (invariant || result.lambda.size() >= many_enough ||
+        (!result.lambda.empty() && result.rest <= deep_enough * std::abs(result.lambda.front())))
+      break;
   }
   return result;
 }

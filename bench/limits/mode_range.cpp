@@ -1,7 +1,6 @@
 #include "bench/limits/mode_range.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -88,13 +87,11 @@ bool may_buckle(const LinearModel& model, double kappa_max, bool is_body) {
 
 }  // namespace
 
-const DampedEigenvalues* ModeRange::more(std::size_t level) {
-  constexpr std::array<std::size_t, 3> counts{2, 5, 12};
-  constexpr Eigen::Index most_products = 300;
+const DampedEigenvalues* ModeRange::more(std::size_t search) {
   const std::lock_guard lock(more_mutex_);
-  if (level >= counts.size()) return nullptr;
-  while (more_.size() <= level) more_.push_back(search->first(counts[more_.size()], most_products));
-  return &more_[level];
+  if (search >= searches.size()) return nullptr;
+  while (more_.size() <= search) more_.push_back(searches[more_.size()]());
+  return &more_[search];
 }
 
 std::optional<Eigen::VectorXcd> ModeRange::shape_of(Complex lambda) {
@@ -126,9 +123,19 @@ bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
   constexpr double roughly = 1e-3;
   const LargestEigenpair k = matrices->largest_k(roughly), c = matrices->largest_c(roughly);
   if (may_buckle(model, k.bound, is_body)) range.growing = growing_eigenvalue(part);
-  range.search = std::make_unique<DampedSearch>(matrices, k, c);
-  constexpr Eigen::Index most_products = 1000;
-  range.largest = range.search->first(1, most_products);
+  const auto search = std::make_shared<DampedSearch>(matrices, k, c);
+  constexpr Eigen::Index most_products = 1000, few_products = 300;
+  range.largest = search->first(1, most_products);
+  const auto add = [&](std::size_t count) {
+    range.searches.emplace_back([search, count] { return search->first(count, few_products); });
+  };
+  add(2);
+  if (part.mass.size() <= most_cheaply_factored) {
+    range.searches.emplace_back([matrices, k, c] { return many_damped_eigenvalues(*matrices, k, c); });
+  } else {
+    add(5);
+    add(12);
+  }
   range.rest = range.largest.rest;
   modes.spectrum.lambda = range.largest.lambda;
   if (range.growing)
@@ -183,7 +190,7 @@ LimitInRange limit_in_range(const Amplification& amplification, const Mechanical
   ModeRange& range = *modes.range;
   WorstInRange worst_in(amplification, range, radius);
   double rest = range.rest;
-  std::size_t level = 0;
+  std::size_t searched = 0;
   bool has_least_damping = false;
   for (;;) {
     const RangeLimit worst = worst_in(rest);
@@ -194,14 +201,14 @@ LimitInRange limit_in_range(const Amplification& amplification, const Mechanical
     const double modulus = oscillates ? std::sqrt(worst.mode.kappa) : worst.mode.gamma;
     const bool is_fast = modulus >= 0.9 * range.rest || std::isinf(rest);
     const auto find_more = [&] {
-      const DampedEigenvalues* more = is_fast ? range.more(level++) : nullptr;
+      const DampedEigenvalues* more = is_fast ? range.more(searched++) : nullptr;
       if (more != nullptr && more->rest < rest) {
         rest = more->rest;
         take(more->lambda);
       }
       return more != nullptr;
     };
-    if (level == 0 && find_more()) continue;
+    if (searched == 0 && find_more()) continue;
     if (oscillates && worst_in.cut(worst.mode, inside)) continue;
     if (!has_least_damping) {
       has_least_damping = true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,12 +24,13 @@ struct ModeRange {
   bool open = false;  ///< nothing but `rest` is known of the eigenvalues that are not listed
   std::unique_ptr<RangeTangents>
       tangents;                          ///< to the range of all modes; null where that is open or one grows
-  std::unique_ptr<DampedSearch> search;  ///< null where `open`
   DampedEigenvalues largest;             ///< that the spectrum lists; none where `open`
+  std::vector<std::function<DampedEigenvalues()>>
+      searches;  ///< each finds more eigenvalues than the last one
 
-  /// More of the largest eigenvalues, found once a limit asks for them: of level 0, 1 ... ever more, the same
-  /// whoever asks first. Null beyond the last level.
-  const DampedEigenvalues* more(std::size_t level);
+  /// What search 0, 1 ... finds, once a limit asks for it, after those before: the same whoever asks first.
+  /// Null beyond the last one.
+  const DampedEigenvalues* more(std::size_t search);
   /// u of an eigenvalue that was found, shape (dofs); nothing for others.
   std::optional<Eigen::VectorXcd> shape_of(std::complex<double> lambda);
   /// rho with gamma >= rho kappa of all modes, found once a limit asks for it, or 0.
