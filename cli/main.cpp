@@ -7,13 +7,11 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include "bench/input/suggest.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/last_resort.hpp"
+#include "core/heap.hpp"
 #include "core/instruction_set.hpp"
 #include "core/own_files.hpp"
 #include "results/build_info.hpp"
@@ -23,15 +21,6 @@
 namespace hmax {
 
 namespace {
-
-/// Vectors and matrices are made and freed all the time: the allocator keeps what is freed, since each page
-/// that the system hands out anew costs a fault.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
-#endif
-}
 
 constexpr const char* overview =
     R"(hmax benchmarks ODE integrators and analyses their stability on soft-tissue models.

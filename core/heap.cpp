@@ -1,0 +1,61 @@
+#include "core/heap.hpp"
+
+#include <climits>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
+
+namespace hmax {
+
+#ifdef __GLIBC__
+
+namespace {
+
+bool keeps = false;
+
+/// Makes the heap longer and asks for huge pages in the new part.
+void extend_heap() {
+  constexpr int extension = 1 << 30, usual = 128 << 10;
+  constexpr std::uintptr_t huge_page = 2 << 20;
+  const auto end_of_heap = [] { return reinterpret_cast<std::uintptr_t>(sbrk(0)); };
+  const std::uintptr_t begin = (end_of_heap() + huge_page - 1) / huge_page * huge_page;
+  mallopt(M_TOP_PAD, extension);
+  // A block that the heap has no room for; volatile, lest the compiler leaves both out.
+  void* const volatile block = std::malloc(huge_page);
+  std::free(block);
+  const std::uintptr_t end = end_of_heap();
+  if (end < begin + extension / 2)
+    mallopt(M_TOP_PAD, usual);
+  else
+    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+}
+
+}  // namespace
+
+void keep_freed_memory() {
+  keeps = true;
+  // No blocks outside of the heap, which go back when they are freed.
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, INT_MAX);
+  extend_heap();
+}
+
+void return_freed_memory() {
+  malloc_trim(0);
+  if (keeps) extend_heap();
+}
+
+#else
+
+void keep_freed_memory() {}
+void return_freed_memory() {}
+
+#endif
+
+}  // namespace hmax
