@@ -52,7 +52,7 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 
 // Each equation is divided by the largest state in it, so that growth and decay weigh all alike.
 std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf& motion, std::size_t degree,
-                                           double h, std::int64_t steps) {
+                                           double h, std::int64_t steps, double disturbance) {
   std::vector<Eigen::Vector2d> z;
   const bool ended = run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { z.push_back(motion(y)); });
   const bool broken = std::ranges::any_of(z, [](const auto& each) { return !each.allFinite(); });
@@ -70,8 +70,7 @@ std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf&
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
   solver.setThreshold(1e-9);
   const Eigen::VectorXd c = solver.compute(before).solve(-next);
-  constexpr double tolerance = 1e-6;
-  if (!((before * c + next).cwiseAbs().maxCoeff() <= tolerance)) return std::nullopt;
+  if (!((before * c + next).cwiseAbs().maxCoeff() <= disturbance)) return std::nullopt;
   // The companion matrix of the recurrence.
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(p, p);
   companion.topRightCorner(p - 1, p - 1).setIdentity();

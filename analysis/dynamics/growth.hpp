@@ -39,14 +39,14 @@ using MotionOf = std::function<Eigen::Vector2d(const Eigen::Ref<const Eigen::Vec
 
 /// ln of the factor by which a step of size h multiplies a motion: of the largest |zeta| of the recurrence
 ///   z_(n+p) + c_(p-1) z_(n+p-1) + ... + c_0 z_n = 0,  p = degree,
-/// fitted to the states of a run by least squares. A few steps tell what otherwise shows only after the beats of a motion
-/// close to its limit. Infinity when the run broke down; nothing where a state is off the recurrence by more than 1e-6 of
-/// the largest beside it.
+/// fitted to the states of a run by least squares. A few steps tell what otherwise shows only after the beats
+/// of a motion close to its limit. Infinity when the run broke down; nothing where a state is off the
+/// recurrence by more than `disturbance` of the largest beside it.
 /// @param degree  of the method in zeta; as many states at the start are left out
 /// @param h       [s]
 /// @param steps   >= 4 degree
 std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf& motion, std::size_t degree,
-                                           double h, std::int64_t steps);
+                                           double h, std::int64_t steps, double disturbance = 1e-6);
 
 /// No run that looks for growth is longer.
 inline constexpr std::int64_t most_observed_steps = 2'000'000;

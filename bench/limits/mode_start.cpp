@@ -163,7 +163,10 @@ VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
 
 ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
                            double h) {
-  return energy_start(part, rest, shape, 2 / h * shape);
+  ModeStart start = energy_start(part, rest, shape, 2 / h * shape);
+  start.shape = shape / std::sqrt(shape.dot(part.mass.times(shape)));
+  start.disturbance = 1e-3;
+  return start;
 }
 
 MotionOf motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape, double h) {

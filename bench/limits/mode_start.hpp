@@ -14,8 +14,11 @@ struct ModeStart {
   Distance distance;
   Distance amplitude =
       {};  ///< of the mode alone, which takes no notice of others; empty where it is not known
-  /// u of a structure whose motion decouples, u^T M u = 1, shape (dofs); empty for others.
+  /// u of a structure whose motion decouples, or that begins to grow where damping couples its modes, u^T M u
+  /// = 1, shape (dofs); empty for others.
   Eigen::VectorXd shape = {};
+  /// The share that others may have in the motion of that shape, u^T M q and u^T M v.
+  double disturbance = 1e-6;
   bool defective = false;  ///< the mode shares its eigenvector with another
   /// The rest is so little of the distance that growth of the mode shows at once, without waiting for it to
   /// die away.

@@ -281,7 +281,8 @@ std::optional<ObservedLimit> observe_recurrence(const Method& method, const Pred
   const auto per_step = [&](double h) {
     const auto [at, is_new] = known.try_emplace(h);
     if (is_new) {
-      const std::optional<double> growth = growth_of_recurrence(run, motion, degree, h, steps);
+      const std::optional<double> growth =
+          growth_of_recurrence(run, motion, degree, h, steps, start.disturbance);
       lost = lost || !growth;
       at->second = growth.value_or(0);
     }
@@ -311,13 +312,13 @@ Watch watch_coupled(const Prediction& row, const Linearised& near, const ModeSta
   return watch;
 }
 
-/// Whether something beside the limiting mode grows below its limit.
+/// Whether something beside the limiting mode grows below the limit of that mode.
 bool others_grow(const Prediction& row, const Linearised& near, const ModeStart& start, const ShowSteps& run,
-                 std::int64_t steps) {
+                 const ObservedLimit& of_mode) {
   const MechanicalPart* part = near.point.model.mechanical ? &*near.point.model.mechanical : nullptr;
-  const double h = 0.999 * *row.h_max;
+  const double h = 0.999 * std::min(*row.h_max, of_mode.h);
   if (!part || !is_large(*part) || start.shape.size() == 0)
-    return observed_growth(run, start.distance, h, steps) > ExpectedGrowth{}.visible;
+    return observed_growth(run, start.distance, h, of_mode.steps) > ExpectedGrowth{}.visible;
   // Of a large structure as few steps as show a mode that is one percent faster, where positions and velocities are
   // stepped, else ten. Beats of those nearest to the limit last longer, together they do not double the distance.
   constexpr std::int64_t few = 24;
@@ -329,6 +330,8 @@ bool others_grow(const Prediction& row, const Linearised& near, const ModeStart&
 ObservedLimit observe(const Method& method, const Prediction& row, const Linearised& near,
                       const ModeStart& start, const ShowSteps& run) {
   if (row.coupled) {
+    const auto of_shape = observe_recurrence(method, row, near, start, run);
+    if (of_shape && !others_grow(row, near, start, run, *of_shape)) return *of_shape;
     const Watch coupled = watch_coupled(row, near, start, run);
     return observe_limit(coupled.run, coupled.distance, *row.h_max, coupled.expected);
   }
@@ -339,7 +342,7 @@ ObservedLimit observe(const Method& method, const Prediction& row, const Lineari
   if (!of_mode)
     if (const auto mode = watch_mode(method, row, near, start, run, i))
       of_mode = observe_limit(mode->run, mode->distance, *row.h_max, mode->expected);
-  if (of_mode && !others_grow(row, near, start, run, of_mode->steps)) return *of_mode;
+  if (of_mode && !others_grow(row, near, start, run, *of_mode)) return *of_mode;
   const Watch all = watch_all(method, row, near, start, run, i);
   return observe_limit(all.run, all.distance, *row.h_max, all.expected);
 }
