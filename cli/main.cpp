@@ -11,6 +11,7 @@
 #include "bench/input/suggest.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/last_resort.hpp"
+#include "cli/shared/mpirun.hpp"
 #include "core/heap.hpp"
 #include "core/instruction_set.hpp"
 #include "core/own_files.hpp"
@@ -172,6 +173,7 @@ int main(int argc, char** argv) {
   try {
     return static_cast<int>(hmax::run(argc, argv));
   } catch (const hmax::InputError& error) {
+    hmax::leave_error_to_rank_0();
     hmax::tell({error.what()});
     return static_cast<int>(Exit::usage);
   } catch (const hmax::Interrupted&) {

@@ -13,6 +13,7 @@
 
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/mpirun.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "cli/shared/temporary_folder.hpp"
@@ -158,6 +159,7 @@ void say_empty(const PrecisionOptions& options, const SweepPlan& plan, Console& 
 }
 
 void precision(const PrecisionOptions& options, Console& console) {
+  if (!options.store.empty() && options.shard.empty()) refuse_copies("hmax precision --store");
   const auto& interrupted = interrupt_flag();
   if (!options.output.empty())
     check_figure_files(options.output, "precision");

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/shared/commands.hpp"
+#include "cli/shared/mpirun.hpp"
 #include "cli/shared/named_stores.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/compare.hpp"
@@ -211,6 +212,7 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
 }
 
 void merge(const std::string& out, const std::vector<std::string>& inputs, Console& console) {
+  refuse_copies("hmax merge");
   const auto& interrupted = interrupt_flag();
   // A wrong name is found before anything is written.
   std::vector<std::filesystem::path> files;

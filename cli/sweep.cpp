@@ -11,6 +11,7 @@
 #include "bench/timing/sweep_file.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/mpirun.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "plots/draw.hpp"
@@ -269,6 +270,7 @@ std::vector<std::string> draw_sweep(const SweepPlan& plan, const Store& store, c
 }
 
 void sweep(const SweepOptions& options, Console& console) {
+  if (options.shard.empty()) refuse_copies("hmax sweep");
   const SweepRequest flags = flags_of(options);
   const SweepRequest request = options.file.empty() ? flags : merged(read_sweep(options.file), flags);
   // From here on Ctrl-C waits for the row at hand, also while the references are computed.

@@ -20,6 +20,7 @@
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/mpirun.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
@@ -164,6 +165,7 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
 }
 
 void advise_on(const AdviseOptions& options, Console& console) {
+  if (!options.out.empty()) refuse_copies("hmax advise --out");
   check_names(options);
   const Problem problem = options.problem.make();
   const AdviceQuestion question = question_of(options, problem);

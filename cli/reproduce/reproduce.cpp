@@ -15,6 +15,7 @@
 #include "cli/reproduce/parts.hpp"
 #include "cli/reproduce/source_items.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/mpirun.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "plots/figure.hpp"
@@ -168,7 +169,10 @@ void add_all(CLI::App& reproduce, Console& console) {
   add_force(all);
   add_figure_style(all);
   add_jobs(all);
-  all.callback([options, &console] { reproduce_all(*options, console); });
+  all.callback([options, &console] {
+    refuse_copies("hmax reproduce");
+    reproduce_all(*options, console);
+  });
 }
 
 void add_oscillator_study(CLI::App& reproduce, Console& console) {
@@ -185,7 +189,10 @@ void add_oscillator_study(CLI::App& reproduce, Console& console) {
   add_jobs(oscillators);
   auto shard = std::make_shared<std::string>();
   add_shard(oscillators, *shard);
-  oscillators.callback([&console, folder, shard] { show(reproduce_oscillator_part(*folder, console, shard_from(*shard)), console); });
+  oscillators.callback([&console, folder, shard] {
+    if (shard->empty()) refuse_copies("hmax reproduce");
+    show(reproduce_oscillator_part(*folder, console, shard_from(*shard)), console);
+  });
 }
 
 void add_stability_study(CLI::App& reproduce, Console& console) {
@@ -200,7 +207,10 @@ void add_stability_study(CLI::App& reproduce, Console& console) {
   add_jobs(stability);
   auto shard = std::make_shared<std::string>();
   add_shard(stability, *shard);
-  stability.callback([&console, folder, shard] { show(reproduce_limits(*folder, console, shard_from(*shard)), console); });
+  stability.callback([&console, folder, shard] {
+    if (shard->empty()) refuse_copies("hmax reproduce");
+    show(reproduce_limits(*folder, console, shard_from(*shard)), console);
+  });
 }
 
 void add_tissue_study(CLI::App& reproduce, Console& console) {
@@ -217,7 +227,10 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
   add_force(tissue);
   add_figure_style(tissue);
   add_jobs(tissue);
-  tissue.callback([&console, folder, options] { show(reproduce_tissue_part(*folder, *options, console), console); });
+  tissue.callback([&console, folder, options] {
+    refuse_copies("hmax reproduce");
+    show(reproduce_tissue_part(*folder, *options, console), console);
+  });
 }
 
 }  // namespace

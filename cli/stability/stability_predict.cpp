@@ -9,6 +9,7 @@
 
 #include "bench/models/matrix_problem.hpp"
 #include "cli/bodies/body_words.hpp"
+#include "cli/shared/mpirun.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/distributed_rows.hpp"
 #include "cli/stability/predicted_rows.hpp"
@@ -143,6 +144,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
     refuse_beside_engine(options);
     return print_distributed_limits(*engine, options.problem, options.methods, console);
   }
+  if (!options.out.empty()) refuse_copies("hmax stability predict --out");
   std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
