@@ -406,6 +406,11 @@ std::int64_t Store::begin_session(const Fingerprint& fingerprint, std::string_vi
   });
 }
 
+void Store::continue_session(std::int64_t session) {
+  if (impl_->session == 0) throw std::logic_error("Store::continue_session needs begin_session() first.");
+  impl_->session = session;
+}
+
 void Store::insert(std::span<const Row> rows) {
   if (impl_->session == 0) throw std::logic_error("Store::insert needs begin_session() first.");
   // Rows of this span or session are the caller's mistake; a row that another process added meanwhile is not.

@@ -192,6 +192,22 @@ TEST(Store, ARowNamesTheSessionThatMeasuredIt) {
   EXPECT_EQ(store.rows()[1].session, 2);
 }
 
+TEST(Store, RowsOfTwoSessionsComeInAnyOrder) {
+  Scratch scratch;
+  Store store = Store::open_or_create(scratch / "a");
+  EXPECT_THROW(store.continue_session(1), std::logic_error);
+  const std::int64_t one = store.begin_session({}), two = store.begin_session({});
+  store.continue_session(one);
+  store.insert(row("rk4", 4));
+  store.continue_session(two);
+  store.insert(row("rk4", 3));
+  store.continue_session(one);
+  store.insert(row("rk4", 2));
+  std::vector<std::int64_t> sessions;
+  for (const Row& each : store.rows()) sessions.push_back(each.session);
+  EXPECT_EQ(sessions, (std::vector{one, two, one}));
+}
+
 TEST(Store, NotesAreReplacedAndKept) {
   Scratch scratch;
   {
