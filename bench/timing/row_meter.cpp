@@ -1,25 +1,19 @@
-#include "bench/timing/sweep.hpp"
+#include "bench/timing/row_meter.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
-#include <mutex>
-#include <span>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "bench/timing/timing.hpp"
 #include "core/parallel_for.hpp"
 #include "core/pinned_thread.hpp"
 #include "integrators/control.hpp"
-#include "results/errors.hpp"
-#include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -31,9 +25,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Errors are measured at no more than about this many points of a run.
 constexpr std::int64_t most_points = 100'000;
 
-/// Thrown through a run by its sink to end it, or all of them.
+/// Thrown through a run by its sink to end it.
 struct OverBudget {};
-struct SweepEnded {};
 
 bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() &&
@@ -129,113 +122,71 @@ void judge(const SweepBlock& block, Candidate& candidate, const RunRecord& recor
   }
 }
 
-/// Rows that are measured together: some methods of a block.
-struct Task {
-  const SweepBlock* block;
-  std::vector<std::size_t> methods;
-};
+}  // namespace
 
-/// Each row by itself, those of one problem from the longest to the shortest, so that the threads end together.
-std::vector<Task> single_rows(const SweepPlan& plan, const std::vector<Task>& tasks) {
-  std::vector<std::pair<double, Task>> rows;
+std::string in_words(const SweepPlan& plan, const SweepBlock& block) {
+  const Problem& problem = plan.problems[block.problem];
+  const bool over_tolerances = block.mode == "adaptive";
+  const double value = over_tolerances ? block.run.rtol : block.run.adaptive ? block.run.every : block.run.h;
+  return fmt::format("{}{}{}, {}, {} = {}", problem.id, problem.material.empty() ? "" : ":", problem.material, block.mode,
+                     over_tolerances ? "rtol" : "h", to_text(value));
+}
+
+std::vector<SweepTask> single_rows(const SweepPlan& plan, const std::vector<SweepTask>& tasks) {
+  std::vector<std::pair<double, SweepTask>> rows;
   for (const auto& [block, methods] : tasks)
     for (const std::size_t m : methods)
-      rows.emplace_back(expected_cost(plan, *block, {m}), Task{block, {m}});
+      rows.emplace_back(expected_cost(plan, *block, {m}), SweepTask{block, {m}});
   std::ranges::stable_sort(rows, [](const auto& a, const auto& b) {
     const std::size_t p = a.second.block->problem, q = b.second.block->problem;
     return p != q ? p < q : a.first > b.first;
   });
-  std::vector<Task> sorted;
+  std::vector<SweepTask> sorted;
   for (auto& [cost, task] : rows) sorted.push_back(std::move(task));
   return sorted;
 }
 
-/// A plan for another thread: formulas have one workspace each. Bodies are shared.
-SweepPlan with_own_problems(SweepPlan plan) {
-  for (std::size_t i = 0; i < plan.problems.size(); ++i)
-    if (!plan.problems[i].body)
-      plan.problems[i] = make_problem(plan.spec.problems[i].name, plan.spec.problems[i].settings);
-  return plan;
-}
-
-/// Measures one block after the other; knows the reference of the problem at hand.
-class Sweeper {
+class RowMeter::Parts {
  public:
-  Sweeper(const SweepPlan& plan, Store& store, const std::function<void(const SweepProgress&)>& progress,
-          const std::function<bool()>& interrupted)
-      : plan_(plan), store_(store), progress_(progress), interrupted_(interrupted) {}
-
-  SweepSummary run();
+  Parts(const SweepPlan& plan, Tell tell, const std::function<bool()>& interrupted)
+      : plan_(plan), tell_(std::move(tell)), interrupted_(interrupted) {}
+  std::vector<Row> measured(const SweepTask& task);
 
  private:
-  std::vector<std::size_t> missing(const SweepBlock& block) const;
-  std::vector<Row> measured(const SweepBlock& block, const std::vector<std::size_t>& methods);
-  void keep(const std::vector<Row>& rows);
-  void measure(const std::vector<Task>& tasks);
-  void explore(const std::vector<Task>& tasks);
   Candidate count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter);
   RunRecord watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
                         std::optional<ErrorMeter>& meter);
   void time(const SweepBlock& block, std::vector<Candidate>& candidates);
   const Reference& reference(const SweepBlock& block);
-  void begin_session();
   void tell(const SweepBlock& block, double share) const;
-  /// The share of the cost that is done.
-  /// @param here  share of the block at hand
-  double share_done(double here) const {
-    return cost_total_ > 0 ? (cost_done_ + here * cost_here_) / cost_total_ : 1;
-  }
   void stop_if_asked() const {
     if (interrupted_ && interrupted_()) throw SweepEnded{};
   }
 
   const SweepPlan& plan_;
-  Store& store_;
-  const std::function<void(const SweepProgress&)>& progress_;
+  Tell tell_;
   const std::function<bool()>& interrupted_;
-  SweepSummary summary_;
   std::optional<Reference> reference_;
   std::size_t reference_of_ = 0;  // index of the problem
-  double cost_done_ = 0, cost_here_ = 0, cost_total_ = 0;
 };
 
-std::vector<std::size_t> Sweeper::missing(const SweepBlock& block) const {
-  std::vector<std::size_t> methods;
-  std::ranges::copy_if(block.methods, std::back_inserter(methods),
-                       [&](std::size_t m) { return !store_.contains(row_key(plan_, block, m)); });
-  return methods;
-}
-
-const Reference& Sweeper::reference(const SweepBlock& block) {
+const Reference& RowMeter::Parts::reference(const SweepBlock& block) {
   if (!reference_ || reference_of_ != block.problem) {
-    if (progress_)
-      progress_({.rows_done = summary_.skipped + summary_.measured,
-                 .rows = plan_.rows(),
-                 .fraction = share_done(0),
-                 .what = "reference of " + plan_.problems[block.problem].id});
+    if (tell_) tell_(0, "reference of " + plan_.problems[block.problem].id);
     reference_ = make_reference(plan_.problems[block.problem], block.run.t_end);
     reference_of_ = block.problem;
   }
   return *reference_;
 }
 
-/// @param share  of the block at hand that is done
-void Sweeper::tell(const SweepBlock& block, double share) const {
-  if (!progress_) return;
-  const Problem& problem = plan_.problems[block.problem];
-  progress_({.rows_done = summary_.skipped + summary_.measured,
-             .rows = plan_.rows(),
-             .fraction = share_done(share),
-             .what = fmt::format("{}{}{}, {}, {} = {}", problem.id, problem.material.empty() ? "" : ":",
-                                 problem.material, block.mode, block.mode == "adaptive" ? "rtol" : "h",
-                                 to_text(block.mode == "adaptive" ? block.run.rtol
-                                         : block.run.adaptive     ? block.run.every
-                                                                  : block.run.h))});
+/// @param share  of the task at hand that is done
+void RowMeter::Parts::tell(const SweepBlock& block, double share) const {
+  if (tell_) tell_(share, in_words(plan_, block));
 }
 
 /// Runs a candidate once, or twice where it has output points besides its steps: counts subnormal numbers,
 /// and shows every point to the meter where there is a reference. Throws OverBudget.
-RunRecord Sweeper::watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
+RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
                                std::optional<ErrorMeter>& meter) {
   const OneThread alone;  // the budget is that of one
   using State = Eigen::Ref<const Eigen::VectorXd>;
@@ -280,7 +231,7 @@ RunRecord Sweeper::watched_run(const SweepBlock& block, Candidate& candidate, co
   });
 }
 
-Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter) {
+Candidate RowMeter::Parts::count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter) {
   const Reference& reference = this->reference(block);
   Candidate candidate;
   candidate.runner = plan_.methods[method].bind(plan_.problems[block.problem]);
@@ -310,7 +261,7 @@ Candidate Sweeper::count(const SweepBlock& block, std::size_t method, std::optio
   return candidate;
 }
 
-void Sweeper::time(const SweepBlock& block, std::vector<Candidate>& candidates) {
+void RowMeter::Parts::time(const SweepBlock& block, std::vector<Candidate>& candidates) {
   std::optional<PinnedThread> pinned;
   if (!plan_.spec.explore) pinned.emplace();
   std::vector<Candidate*> timed;
@@ -342,7 +293,9 @@ void Sweeper::time(const SweepBlock& block, std::vector<Candidate>& candidates) 
   }
 }
 
-std::vector<Row> Sweeper::measured(const SweepBlock& block, const std::vector<std::size_t>& methods) {
+std::vector<Row> RowMeter::Parts::measured(const SweepTask& task) {
+  const SweepBlock& block = *task.block;
+  const std::vector<std::size_t>& methods = task.methods;
   std::vector<Candidate> candidates;
   std::optional<ErrorMeter> meter;
   for (const std::size_t method : methods) {
@@ -357,96 +310,10 @@ std::vector<Row> Sweeper::measured(const SweepBlock& block, const std::vector<st
   return rows;
 }
 
-void Sweeper::keep(const std::vector<Row>& rows) {
-  store_.insert(rows);
-  summary_.measured += static_cast<std::int64_t>(rows.size());
-}
+RowMeter::RowMeter(const SweepPlan& plan, Tell tell, const std::function<bool()>& interrupted)
+    : parts_(std::make_unique<Parts>(plan, std::move(tell), interrupted)) {}
+RowMeter::~RowMeter() = default;
 
-void Sweeper::measure(const std::vector<Task>& tasks) {
-  for (const auto& [block, methods] : tasks) {
-    cost_here_ = expected_cost(plan_, *block, methods);
-    keep(measured(*block, methods));
-    cost_done_ += cost_here_;
-    cost_here_ = 0;
-    tell(*block, 1);
-  }
-}
-
-void Sweeper::explore(const std::vector<Task>& tasks) {
-  const std::vector<Task> rows = single_rows(plan_, tasks);
-  std::vector<SweepPlan> plans;
-  while (plans.size() < std::min(jobs(), rows.size())) plans.push_back(with_own_problems(plan_));
-  static const std::function<void(const SweepProgress&)> silent;
-  std::vector<std::unique_ptr<Sweeper>> threads;
-  for (const SweepPlan& plan : plans)
-    threads.push_back(std::make_unique<Sweeper>(plan, store_, silent, interrupted_));
-  std::mutex storing;
-  parallel_for(
-      rows.size(),
-      [&](std::size_t i, std::size_t worker) {
-        const std::vector<Row> done = threads[worker]->measured(*rows[i].block, rows[i].methods);
-        const std::scoped_lock lock(storing);
-        keep(done);
-      },
-      [&](std::size_t done) {
-        if (progress_)
-          progress_({.rows_done = summary_.skipped + static_cast<std::int64_t>(done),
-                     .rows = plan_.rows(),
-                     .fraction = static_cast<double>(done) / static_cast<double>(rows.size()),
-                     .what = "exploring"});
-      },
-      [&] { return interrupted_ && interrupted_(); });
-  if (summary_.measured < static_cast<std::int64_t>(rows.size())) throw SweepEnded{};
-}
-
-void Sweeper::begin_session() {
-  const Fingerprint here = fingerprint();
-  if (here.debug_build && store_.notes().contains("published"))
-    throw InputError(
-        fmt::format("the store '{}' is published and takes no rows of a debug build; build with `cmake "
-                    "--preset release`, or give another --out",
-                    store_.file().string()));
-  if (here.debug_build)
-    summary_.warnings.emplace_back(
-        "this is a debug build; its times are marked and say nothing about a release build");
-  if (const std::vector<Session> sessions = store_.sessions(); !sessions.empty())
-    if (const auto changes = differences(sessions.back().fingerprint, here); !changes.empty())
-      summary_.warnings.push_back(
-          fmt::format("the rows stored before were measured otherwise ({})", fmt::join(changes, "; ")));
-  if (plan_.spec.explore)
-    summary_.warnings.emplace_back(
-        "explored on all cores: the CPU times are rough, and no figure or comparison takes them; a sweep without "
-        "--explore measures them");
-  store_.begin_session(here);
-}
-
-SweepSummary Sweeper::run() {
-  const auto started = std::chrono::steady_clock::now();
-  std::vector<Task> work;
-  for (const SweepBlock& block : plan_.blocks) {
-    std::vector<std::size_t> methods = missing(block);
-    summary_.skipped += static_cast<std::int64_t>(block.methods.size() - methods.size());
-    if (methods.empty()) continue;
-    cost_total_ += expected_cost(plan_, block, methods);
-    work.push_back({&block, std::move(methods)});
-  }
-  if (!work.empty()) begin_session();
-  try {
-    plan_.spec.explore ? explore(work) : measure(work);
-  } catch (const SweepEnded&) {
-    summary_.interrupted = true;
-  }
-  summary_.rows = store_.size();
-  summary_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  return summary_;
-}
-
-}  // namespace
-
-SweepSummary run_sweep(const SweepPlan& plan, Store& store,
-                       const std::function<void(const SweepProgress&)>& progress,
-                       const std::function<bool()>& interrupted) {
-  return Sweeper(plan, store, progress, interrupted).run();
-}
+std::vector<Row> RowMeter::measured(const SweepTask& task) { return parts_->measured(task); }
 
 }  // namespace hmax
