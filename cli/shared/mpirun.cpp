@@ -34,7 +34,7 @@ void refuse_copies(std::string_view command) {
 
 void leave_error_to_rank_0() {
   if (processes_started() > 1 && number_of("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0) > 0)
-    std::this_thread::sleep_for(std::chrono::seconds(1));
+    std::this_thread::sleep_for(std::chrono::seconds(3));
 }
 
 }  // namespace hmax

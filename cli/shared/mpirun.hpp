@@ -12,8 +12,8 @@ int processes_started();
 /// @param command  "hmax merge"
 void refuse_copies(std::string_view command);
 
-/// Before an error is told: sleeps for a second in all processes but rank 0. They have the same error, and mpirun ends
-/// them when rank 0 has ended with its own; a process that is alone with an error tells it.
+/// Before an error is told: sleeps for three seconds in all processes but rank 0. They have the same error, and mpirun
+/// ends them a second after rank 0 has ended with its own; a process that is alone with an error tells it.
 void leave_error_to_rank_0();
 
 }  // namespace hmax
