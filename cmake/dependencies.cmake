@@ -54,11 +54,16 @@ hmax_optional(Spectra HMAX_HAVE_SPECTRA "${Spectra_VERSION}" libspectra-dev "ext
 
 find_package(PkgConfig QUIET)
 set(HMAX_HAVE_PETSC OFF)
+set(HMAX_HAVE_MPI OFF)
 if(PkgConfig_FOUND)
+  pkg_check_modules(HMAX_MPI QUIET IMPORTED_TARGET ompi-c)
+  set(HMAX_HAVE_MPI ${HMAX_MPI_FOUND})
   pkg_check_modules(HMAX_SLEPC QUIET IMPORTED_TARGET SLEPc>=3.18 PETSc>=3.18 ompi-c)
   set(HMAX_HAVE_PETSC ${HMAX_SLEPC_FOUND})
 endif()
 hmax_optional(SLEPc HMAX_HAVE_PETSC "${HMAX_SLEPC_SLEPc_VERSION}" "petsc-dev slepc-dev" "--engine petsc: matrices on many processes")
+
+hmax_optional(OpenMPI HMAX_HAVE_MPI "${HMAX_MPI_VERSION}" "libopenmpi-dev openmpi-bin" "sweeps on many processes: mpirun -n N hmax sweep")
 
 find_package(ZLIB QUIET)
 set(HMAX_HAVE_ZLIB ${ZLIB_FOUND})

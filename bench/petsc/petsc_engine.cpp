@@ -1,5 +1,4 @@
 /// The engine petsc: matrices on PETSc, eigenvalues by SLEPc. A module of its own, opened when it is asked for.
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "bench/distributed/distributed_engine.hpp"
 #include "bench/petsc/distributed_matrix.hpp"
 #include "bench/petsc/structure_ends.hpp"
+#include "bench/ranks/silence.hpp"
 #include "results/errors.hpp"
 
 namespace hmax::petsc {
@@ -28,11 +28,7 @@ class Engine final : public DistributedEngine {
     MPI_Comm_rank(world, &rank_);
     MPI_Comm_size(world, &ranks_);
     if (rank_ == 0) return;
-    error_ = dup(STDERR_FILENO);
-    const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    dup2(null, STDOUT_FILENO);
-    dup2(null, STDERR_FILENO);
-    close(null);
+    error_ = silence_standard_streams();
   }
   ~Engine() override { static_cast<void>(SlepcFinalize()); }
   Engine(const Engine&) = delete;

@@ -43,7 +43,8 @@ struct ForeignRule {
 inline const std::vector<ForeignRule> foreign_rules{
     {"^(sundials|cvodes?|arkode|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)/",
      "^(integrators/sundials|tests)/"},
-    {"^(petsc|slepc|mpi)", "^bench/petsc/"},
+    {"^(petsc|slepc)", "^bench/petsc/"},
+    {"^mpi", "^bench/(petsc|mpi)/"},
     {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/timing/formula_reference|tests/)"},
     {"^benchmark/", "^bench/micro/"},
     {"^muParser", "^problems/formula[a-z_]*\\.cpp$"},

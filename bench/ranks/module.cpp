@@ -1,0 +1,26 @@
+#include "bench/ranks/module.hpp"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "results/errors.hpp"
+
+namespace hmax {
+
+void* symbol_of_module(const char* file, const char* symbol) {
+  std::error_code unknown;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  const std::string path = (program.parent_path().parent_path() / HMAX_MODULES / file).string();
+  // Global, because the parts that OpenMPI loads look for its symbols there. It stays open: MPI ends once.
+  void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (!module) throw InputError(fmt::format("the module {} cannot be opened: {}; build or install hmax again", file, dlerror()));
+  void* const found = dlsym(module, symbol);
+  if (!found) throw InputError(fmt::format("{} is no module of this hmax; build or install hmax again", path));
+  return found;
+}
+
+}  // namespace hmax
