@@ -1,6 +1,7 @@
 /// hmax sweep: problems x methods x steps or tolerances, measured into a store.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <memory>
 
@@ -8,6 +9,8 @@
 #include <fmt/format.h>
 
 #include "bench/models/tissue_problem.hpp"
+#include "bench/ranks/ranks.hpp"
+#include "bench/timing/dealt_sweep.hpp"
 #include "bench/timing/sweep_file.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
@@ -203,6 +206,17 @@ Json tolerances_json(const SweepPlan& plan) {
   return list;
 }
 
+Json tasks_json(const std::vector<DealtTask>& tasks) {
+  Json list = Json::array();
+  for (const DealtTask& task : tasks)
+    list.push_back({{"rank", task.rank},
+                    {"problem", task.problem},
+                    {"rows", task.rows},
+                    {"expected_seconds", task.expected_seconds},
+                    {"seconds", task.seconds}});
+  return list;
+}
+
 /// The rows that did not reach the end, the first of them one by one.
 std::string words_of_failures(const SweepPlan& plan, const std::vector<Row>& rows, const std::string& store) {
   constexpr std::ptrdiff_t most_shown = 20;
@@ -269,15 +283,38 @@ std::vector<std::string> draw_sweep(const SweepPlan& plan, const Store& store, c
   return files;
 }
 
-void sweep(const SweepOptions& options, Console& console) {
-  if (options.shard.empty()) refuse_copies("hmax sweep");
+SweepRequest request_of(const SweepOptions& options) {
   const SweepRequest flags = flags_of(options);
-  const SweepRequest request = options.file.empty() ? flags : merged(read_sweep(options.file), flags);
+  return options.file.empty() ? flags : merged(read_sweep(options.file), flags);
+}
+
+/// @throws InputError  for what asks for times where ranks that share a node measure none
+void refuse_beside_ranks(const SweepOptions& options, const SweepPlan& plan, const Ranks& ranks) {
+  if (options.jobs->count() > 0)
+    throw InputError("--jobs is of one process; leave it out, and start as many processes as there are cores");
+  if (!are_times_rough(plan, ranks)) return;
+  if (options.publish || !options.output.empty())
+    throw InputError(fmt::format(
+        "processes that share a node measure no times that are fit for {}; leave it out, or start one process a node "
+        "(mpirun --map-by ppr:1:node)",
+        options.publish ? "--publish" : "--output"));
+}
+
+void sweep(const SweepOptions& options, Console& console) {
+  // With --shard each process has a part and a store of its own.
+  const std::unique_ptr<Ranks> ranks = options.shard.empty() && processes_started() > 1 ? open_ranks(processes_started()) : nullptr;
   // From here on Ctrl-C waits for the row at hand, also while the references are computed.
   const auto& interrupted = interrupt_flag();
+  const std::function<bool()> is_interrupted = [&] { return interrupted.load(); };
+  if (ranks && ranks->rank() > 0)
+    return help_sweep(*ranks, [&] { return plan_sweep(spec_of(options, request_of(options))); }, is_interrupted);
+  std::optional<SweepDealer> dealer;
+  if (ranks) dealer.emplace(*ranks);
+  const SweepRequest request = request_of(options);
   const std::optional<Shard> shard = shard_from(options.shard);
   const SweepSpec spec = spec_of(options, request);
   const SweepPlan plan = shard ? shard_of(plan_sweep(spec), *shard) : plan_sweep(spec);
+  if (ranks) refuse_beside_ranks(options, plan, *ranks);
   const std::filesystem::path file = sweep_store_path(request, options.file, shard);
   if (options.publish) require_publishable_build();
   if (options.output.empty())
@@ -290,9 +327,8 @@ void sweep(const SweepOptions& options, Console& console) {
   SweepSummary summary;
   {
     Progress progress(console, "sweep");
-    summary = run_sweep(
-        plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
-        [&] { return interrupted.load(); });
+    const auto show = [&](const SweepProgress& p) { progress.update(p.fraction, p.what); };
+    summary = dealer ? dealer->run(plan, store, show, is_interrupted) : run_sweep(plan, store, show, is_interrupted);
   }
   for (const std::string& warning : summary.warnings) console.remark(warning);
   std::vector<std::string> figures;
@@ -304,6 +340,10 @@ void sweep(const SweepOptions& options, Console& console) {
                             {"measured", summary.measured},
                             {"skipped", summary.skipped},
                             {"seconds", summary.seconds},
+                            {"ranks", summary.ranks},
+                            {"hands", summary.hands},
+                            {"dealing_seconds", summary.dealing_seconds},
+                            {"tasks", tasks_json(summary.tasks)},
                             {"tolerances", tolerances_json(plan)},
                             {"interrupted", summary.interrupted},
                             {"failed", failures_json(store.rows())},
@@ -333,6 +373,7 @@ void add_sweep(CLI::App& app, Console& console) {
        "results/runs/tolerances",
        "hmax sweep --mesh phantom --model mass_spring --methods rk4,symplectic_euler --h 2e-3,1e-3 --fixed --t-end 0.2 "
        "--out phantom"});
+  command.footer(command.get_footer() + "\nUnder `mpirun -n N` the processes share the sweep, see docs/howto/cluster.md.");
   auto options = std::make_shared<SweepOptions>();
   const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
     command.add_option(flag, value, description)->type_name(type);
@@ -369,8 +410,7 @@ void add_sweep(CLI::App& app, Console& console) {
       "Name of the store under results/runs/, or a file that ends in .sqlite; sweep, or that of FILE.toml, by default",
       "NAME");
   text("--output", options->output,
-       "Draw cost and error into this folder: sweep.svg, .png and .pdf; of several problems sweep_1.svg and so on",
-       "FOLDER");
+       "Draw cost and error into this folder: sweep.svg, .png and .pdf; of several problems sweep_1.svg and so on", "FOLDER");
   add_figure_style(command);
   add_force(command);
   command.add_flag("--resume", options->resume, "Continue an interrupted sweep: measure the missing rows");

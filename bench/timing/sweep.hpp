@@ -123,6 +123,15 @@ struct SweepProgress {
   std::string what;                      ///< "liver_forced, fixed, h = 0.01"
 };
 
+/// A part of a sweep that one of many processes measured.
+struct DealtTask {
+  int rank = 0;
+  std::string problem;  ///< its id, with the material
+  std::int64_t rows = 0;
+  double expected_seconds = 0;  ///< by expected_cost()
+  double seconds = 0;           ///< elapsed, with the reference of the problem where the rank did not know it
+};
+
 struct SweepSummary {
   std::int64_t rows = 0;      ///< in the store
   std::int64_t measured = 0;  ///< in this call
@@ -130,6 +139,10 @@ struct SweepSummary {
   double seconds = 0;         ///< elapsed
   bool interrupted = false;
   std::vector<std::string> warnings;  ///< sentences: debug build, another machine than before, ...
+  int ranks = 1;                      ///< processes that shared it, see SweepDealer
+  std::int64_t hands = 0;             ///< messages with rows
+  double dealing_seconds = 0;         ///< elapsed time that rank 0 took for messages and for storing rows
+  std::vector<DealtTask> tasks;       ///< in the order in which they were stored; empty without SweepDealer
 };
 
 /// Measures what is missing in `store`. Block by block: each method runs once with its evaluations counted,

@@ -5,11 +5,10 @@ namespace {
 
 TEST(Mpirun, CopiesThatWouldWriteToOneStoreAreRefused) {
   const Shell shell;
-  const std::string steps = "--methods rk4 --h 0.1 --fixed --t-end 1 ";
-  ASSERT_EQ(shell.hmax("sweep " + steps + "--out one").exit_code, 0);
+  ASSERT_EQ(shell.hmax("sweep --methods rk4 --h 0.1 --fixed --t-end 1 --out one").exit_code, 0);
   for (const char* variable : {"OMPI_COMM_WORLD_SIZE=2", "PMI_SIZE=2"})
     for (const std::string& command :
-         {"sweep " + steps + "--out two", std::string("precision --methods rk4 --h 0.1 --t-end 1 --store two.sqlite"),
+         {std::string("precision --methods rk4 --h 0.1 --t-end 1 --store two.sqlite"),
           std::string("merge two one"), std::string("advise --problem liver_forced --rate 100 --out two"),
           std::string("stability predict --problem liver_linear --methods rk4 --out two"),
           std::string("reproduce all --quick --output two"), std::string("reproduce oscillators --output two"),
@@ -38,7 +37,7 @@ TEST(Mpirun, AnErrorOfAllIsToldByRank0) {
                         "; timeout 0.5 '" HMAX_PROGRAM "' list nothing");
   };
   expect_refused(told("0"), "nothing");
-  // A second later, when mpirun has ended it.
+  // Seconds later, when mpirun has ended it.
   EXPECT_EQ(told("1").exit_code, 124);
   EXPECT_EQ(told("1").err, "");
   expect_refused(Shell().line("OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=1 hmax list nothing"), "nothing");
