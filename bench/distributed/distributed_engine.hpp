@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,38 @@ struct StructureEnds {
   std::string solver;  ///< what found kappa_max
 };
 
+/// What a process is about to do in a run that all of them share; the least of what all say is what all do.
+enum class Going { interrupted, ended, on };
+
+/// A structure whose rows are dealt out in blocks: every process holds its rows of all vectors, shape (rows). Where M is
+/// diagonal the unknowns are u = M^1/2 q, so that M is I and K is M^-1/2 K M^-1/2. All functions but rows(), ends(),
+/// fastest_shape() and noise() are called by all processes together, with the same vectors.
+/// @throws std::exception  where the library behind it fails
+class DistributedModel {
+ public:
+  DistributedModel() = default;
+  DistributedModel(const DistributedModel&) = delete;
+  DistributedModel& operator=(const DistributedModel&) = delete;
+  virtual ~DistributedModel() = default;
+
+  /// The same numbers on all processes.
+  [[nodiscard]] virtual const StructureEnds& ends() const = 0;
+  /// Of this process.
+  [[nodiscard]] virtual std::size_t rows() const = 0;
+  /// u of kappa_max, u^T M u = 1, and pseudo-random numbers from -1/2 to 1/2 that do not depend on the number of
+  /// processes: the rows of this process.
+  [[nodiscard]] virtual std::span<const double> fastest_shape() const = 0;
+  [[nodiscard]] virtual std::span<const double> noise() const = 0;
+  /// out = K x, M x and M^-1 K x.
+  virtual void stiffness_times(const double* x, double* out) = 0;
+  virtual void mass_times(const double* x, double* out) = 0;
+  virtual void reduced_stiffness_times(const double* x, double* out) = 0;
+  /// Each number becomes its sum over all processes, the same on all of them.
+  virtual void add_up(std::span<double> numbers) = 0;
+  /// What all processes do, where this one would.
+  virtual Going together(Going going) = 0;
+};
+
 /// Processes that share matrices. While it lives only rank 0 prints: the standard streams of all others go to the
 /// null device.
 class DistributedEngine {
@@ -55,10 +88,14 @@ class DistributedEngine {
   [[nodiscard]] virtual int ranks() const = 0;
   /// "PETSc 3.18.5, SLEPc 3.18.2"
   [[nodiscard]] virtual std::string version() const = 0;
-  /// Called by all ranks together; each reads only its rows of files that the library reads itself.
+  /// Reads the matrices and finds the ends of their spectrum. Called by all ranks together; each reads only its rows of
+  /// files that the library reads itself. The engine has to outlive the model.
   /// @throws InputError  the same one on all ranks: for files that cannot be read, matrices that are not symmetric,
   /// masses that are not positive, damping that is not a multiple of mass and stiffness, an iteration that does not end
-  virtual StructureEnds ends(const DistributedStructure& structure) = 0;
+  virtual std::unique_ptr<DistributedModel> read(const DistributedStructure& structure) = 0;
+  /// Does work that all ranks do together.
+  /// @throws InputError  on all ranks what one of them throws as std::exception
+  virtual void together(const std::function<void()>& work) = 0;
 };
 
 /// Whether this build has the engine.

@@ -35,7 +35,8 @@ ModeStart dense_start(const Linearised& near, const VectorXd& rest, Complex want
   const Eigenvectors vectors = eigenvectors_of(near.point.model);
   const auto at =
       std::ranges::min_element(vectors.lambda, {}, [&](Complex l) { return std::abs(l - wanted); });
-  ModeStart start{.displacement = vectors.right.col(at - vectors.lambda.begin()).real(),
+  ModeStart start{.rest = rest,
+                  .displacement = vectors.right.col(at - vectors.lambda.begin()).real(),
                   .distance = distance_from(rest, vectors, fastest),
                   .defective = vectors.defective};
   std::mt19937_64 random(1);
@@ -61,7 +62,7 @@ Distance energy_from(const VectorXd& rest, const MechanicalPart& part) {
 /// else.
 ModeStart energy_start(const MechanicalPart& part, const VectorXd& rest, const VectorXd& q,
                        const VectorXd& v) {
-  ModeStart start{.displacement = VectorXd(2 * q.size()), .distance = energy_from(rest, part)};
+  ModeStart start{.rest = rest, .displacement = VectorXd(2 * q.size()), .distance = energy_from(rest, part)};
   start.displacement << q, v;
   const VectorXd noise = part.mass.root_solve(start_vector(q.size()));
   const double size = start.distance(rest + start.displacement);
@@ -69,6 +70,7 @@ ModeStart energy_start(const MechanicalPart& part, const VectorXd& rest, const V
       0.01 * size / std::sqrt(noise.dot(part.mass.times(noise))) * noise;
   start.displacement.normalize();
   start.mode_alone = true;
+  start.large = part.mass.size() > most_cheaply_factored;
   return start;
 }
 
@@ -124,12 +126,40 @@ Distance amplitude_from(const VectorXd& rest, const MechanicalPart& part, const 
   };
 }
 
+/// @param row  M u, shape (dofs)
+MotionOf motion_along(const VectorXd& row, const VectorXd& rest, double h) {
+  return [rest, row, h](const Eigen::Ref<const VectorXd>& y) {
+    const Eigen::Index n = row.size();
+    return Eigen::Vector2d(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
+  };
+}
+
+Distance distance_beside_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
+                               Distance distance) {
+  return [rest, shape, row = VectorXd(part.mass.times(shape)), distance = std::move(distance),
+          left = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
+    const Eigen::Index n = row.size();
+    left = y;
+    left.head(n) -= row.dot(y.head(n) - rest.head(n)) * shape;
+    left.tail(n) -= row.dot(y.tail(n) - rest.tail(n)) * shape;
+    return distance(left);
+  };
+}
+
+/// Follows the motion of a shape, u^T M u = 1.
+void follow(ModeStart& start, const MechanicalPart& part, const VectorXd& shape) {
+  start.motion = [rest = start.rest, row = VectorXd(part.mass.times(shape))](double h) {
+    return motion_along(row, rest, h);
+  };
+  start.beside = distance_beside_shape(part, start.rest, shape, start.distance);
+}
+
 ModeStart structure_start(const Linearised& near, const VectorXd& rest, Complex wanted) {
   const MechanicalPart& part = *near.point.model.mechanical;
   const StructureMode mode = structure_mode(near, wanted);
   ModeStart start = energy_start(part, rest, mode.shape.real(), (mode.lambda * mode.shape).real());
   start.defective = mode.defective;
-  if (part.decouples()) start.shape = mode.shape.real();
+  if (part.decouples()) follow(start, part, mode.shape.real());
   if (!start.defective) start.amplitude = amplitude_from(rest, part, mode);
   return start;
 }
@@ -164,28 +194,9 @@ VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
 ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
                            double h) {
   ModeStart start = energy_start(part, rest, shape, 2 / h * shape);
-  start.shape = shape / std::sqrt(shape.dot(part.mass.times(shape)));
+  follow(start, part, shape / std::sqrt(shape.dot(part.mass.times(shape))));
   start.disturbance = 1e-3;
   return start;
-}
-
-MotionOf motion_of_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape, double h) {
-  return [rest, row = VectorXd(part.mass.times(shape)), h](const Eigen::Ref<const VectorXd>& y) {
-    const Eigen::Index n = row.size();
-    return Eigen::Vector2d(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
-  };
-}
-
-Distance distance_beside_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
-                               Distance distance) {
-  return [rest, shape, row = VectorXd(part.mass.times(shape)), distance = std::move(distance),
-          left = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
-    const Eigen::Index n = row.size();
-    left = y;
-    left.head(n) -= row.dot(y.head(n) - rest.head(n)) * shape;
-    left.tail(n) -= row.dot(y.tail(n) - rest.tail(n)) * shape;
-    return distance(left);
-  };
 }
 
 ModeStart start_from_mode(const Linearised& near, const VectorXd& rest, Complex wanted, double fastest) {

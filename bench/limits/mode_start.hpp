@@ -10,19 +10,24 @@ namespace hmax {
 
 /// A start and what measures what becomes of it.
 struct ModeStart {
+  Eigen::VectorXd rest;          ///< shape (dim)
   Eigen::VectorXd displacement;  ///< from rest: the mode and a little of everything else, shape (dim)
   Distance distance;
   Distance amplitude =
       {};  ///< of the mode alone, which takes no notice of others; empty where it is not known
-  /// u of a structure whose motion decouples, or that begins to grow where damping couples its modes, u^T M u
-  /// = 1, shape (dofs); empty for others.
-  Eigen::VectorXd shape = {};
-  /// The share that others may have in the motion of that shape, u^T M q and u^T M v.
+  /// Of a structure for a mode of shape u, u^T M u = 1: its velocity u^T M v and what its displacement is a step of size h,
+  /// u^T M q / h. No other mode has a part in them where the motion decouples; and little, where u is the shape that begins to
+  /// grow of a structure whose steps couple its modes. Empty for others.
+  std::function<MotionOf(double h)> motion = {};
+  /// The share that others may have in `motion`.
   double disturbance = 1e-6;
+  /// The distance of everything but that mode from rest: of y less u (u^T M q, u^T M v); empty where `motion` is.
+  Distance beside = {};
   bool defective = false;  ///< the mode shares its eigenvector with another
   /// The rest is so little of the distance that growth of the mode shows at once, without waiting for it to
   /// die away.
   bool mode_alone = false;
+  bool large = false;  ///< a step takes a hundredth of a second or more: runs are as short as they may be
 };
 
 /// Near the eigenvalue `wanted`, with a hundredth of everything else. The distance is that in the modes of
@@ -36,15 +41,6 @@ ModeStart start_from_mode(const Linearised& near, const Eigen::VectorXd& rest, C
 /// velocity strong damping would leave nearly all of it to creep.
 ModeStart start_from_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
                            const Eigen::VectorXd& shape, double h);
-
-/// What a mode of shape u moves: its velocity u^T M v and what its displacement is a step of size h,
-/// u^T M q / h, which no other mode has a part in, whatever damps it.
-MotionOf motion_of_shape(const MechanicalPart& part, const Eigen::VectorXd& rest,
-                         const Eigen::VectorXd& shape, double h);
-
-/// The distance of everything but a mode of shape u, u^T M u = 1, from rest: of y less u (u^T M q, u^T M v).
-Distance distance_beside_shape(const MechanicalPart& part, const Eigen::VectorXd& rest, const Eigen::VectorXd& shape,
-                               Distance distance);
 
 /// The shape of a mode of a structure whose motion decouples, u^T M u = 1, shape (dofs).
 Eigen::VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode);

@@ -138,9 +138,6 @@ double visible_growth(const Method& method, const Growth& growth, Complex lambda
   return whole / from_rounding;
 }
 
-/// Whether the runs are as short as they may be: a step takes a hundredth of a second or more.
-bool is_large(const MechanicalPart& part) { return part.mass.size() > most_cheaply_factored; }
-
 /// How runs beside a limit are watched, and what they are expected to show.
 struct Watch {
   ExpectedGrowth expected;
@@ -191,13 +188,13 @@ Watch watch_all(const Method& method, const Prediction& row, const Linearised& n
               .run = run,
               .distance = start.distance};
   // Beats of an oscillation at 0.999 of its limit last a hundred steps.
-  if (near.point.model.mechanical && is_large(*near.point.model.mechanical)) {
+  if (start.large) {
     watch.expected.least = 256;
     watch.expected.resolution = 2e-4;
   }
   const bool single = near.point.model.y.size() == 2;
   if ((start.mode_alone || single) && growth.polynomial && method.amplification->of_oscillation)
-    take_out_creep(watch, near.point.model.y, *growth.polynomial, oscillation_of(near, row.limiting->lambda),
+    take_out_creep(watch, start.rest, *growth.polynomial, oscillation_of(near, row.limiting->lambda),
                    *row.h_max);
   return watch;
 }
@@ -219,12 +216,11 @@ bool is_power(const Watch& watch, const Growth& growth, double h_max) {
 std::optional<Watch> watch_mode(const Method& method, const Prediction& row, const Linearised& near,
                                 const ModeStart& start, const ShowSteps& run, std::size_t i) {
   const bool of_oscillation = method.amplification->of_oscillation != nullptr;
-  if (of_oscillation ? start.shape.size() == 0 : !start.amplitude) return std::nullopt;
+  if (of_oscillation ? !start.motion : !start.amplitude) return std::nullopt;
   const Growth growth = growth_of(method, row, near, i);
   Watch watch = watch_all(method, row, near, start, run, i);
   if (of_oscillation) {
-    const MotionOf motion =
-        motion_of_shape(*near.point.model.mechanical, near.point.model.y, start.shape, *row.h_max);
+    const MotionOf motion = start.motion(*row.h_max);
     watch.distance = [motion](const Eigen::Ref<const Eigen::VectorXd>& y) {
       const Eigen::Vector2d z = motion(y);
       return std::hypot(z[0], z[1]);
@@ -235,7 +231,7 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   watch.expected.visible = 1e-5;
   watch.expected.fall = 20;
   // What a step multiplies by one number shows its growth within a few steps.
-  if (near.point.model.mechanical && is_large(*near.point.model.mechanical)) {
+  if (start.large) {
     watch.expected.least = 4;
     watch.expected.resolution = 1e-5;
   }
@@ -252,7 +248,7 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
   watch.expected.above = std::max(std::log(std::abs(*growing)), 1e-12);
   if (principal == growing) return watch;
   watch.expected.beside = std::log(beside);
-  watch.run = without_roots(run, near.point.model.y, [=, polynomial = *growth.polynomial](double step) {
+  watch.run = without_roots(run, start.rest, [=, polynomial = *growth.polynomial](double step) {
     const std::vector<Complex> all = polynomial.roots(step);
     const Complex root = *principal_root(all, lambda, step);
     return std::vector<Complex>{root, std::conj(root)};
@@ -268,13 +264,12 @@ std::optional<Watch> watch_mode(const Method& method, const Prediction& row, con
 
 /// The limit of a large structure by the recurrence that the mode obeys from step to step: runs of a dozen steps. Nothing
 /// where it is not seen to obey one on both sides.
-std::optional<ObservedLimit> observe_recurrence(const Method& method, const Prediction& row, const Linearised& near,
-                                                const ModeStart& start, const ShowSteps& run) {
-  if (!method.amplification->motion || start.shape.size() == 0 || !is_large(*near.point.model.mechanical))
-    return std::nullopt;
+std::optional<ObservedLimit> observe_recurrence(const Method& method, const Prediction& row, const ModeStart& start,
+                                                const ShowSteps& run) {
+  if (!method.amplification->motion || !start.motion || !start.large) return std::nullopt;
   const std::size_t degree = method.amplification->motion->degree();
   const double h_max = *row.h_max;
-  const MotionOf motion = motion_of_shape(*near.point.model.mechanical, near.point.model.y, start.shape, h_max);
+  const MotionOf motion = start.motion(h_max);
   const auto steps = static_cast<std::int64_t>(6 * degree);
   std::map<double, double> known;
   bool lost = false;  // at a step that obeys no recurrence
@@ -301,48 +296,44 @@ std::optional<ObservedLimit> observe_recurrence(const Method& method, const Pred
 }
 
 /// The same where the steps couple all modes, from the shape that begins to grow.
-Watch watch_coupled(const Prediction& row, const Linearised& near, const ModeStart& start,
-                    const ShowSteps& run) {
+Watch watch_coupled(const Prediction& row, const ModeStart& start, const ShowSteps& run) {
   const StepPolynomial& shape = *row.coupled->of_shape;
   Watch watch{.expected = {.above = std::max(std::log(shape.spectral_radius(1.001 * *row.h_max)), 1e-12),
                            .beside = std::log(fading(shape.roots(*row.h_max)))},
               .run = run,
               .distance = start.distance};
-  take_out_creep(watch, near.point.model.y, shape, row.coupled->shape, *row.h_max);
+  take_out_creep(watch, start.rest, shape, row.coupled->shape, *row.h_max);
   return watch;
 }
 
 /// Whether something beside the limiting mode grows below the limit of that mode.
-bool others_grow(const Prediction& row, const Linearised& near, const ModeStart& start, const ShowSteps& run,
-                 const ObservedLimit& of_mode) {
-  const MechanicalPart* part = near.point.model.mechanical ? &*near.point.model.mechanical : nullptr;
+bool others_grow(const Prediction& row, const ModeStart& start, const ShowSteps& run, const ObservedLimit& of_mode) {
   const double h = 0.999 * std::min(*row.h_max, of_mode.h);
-  if (!part || !is_large(*part) || start.shape.size() == 0)
+  if (!start.large || !start.beside)
     return observed_growth(run, start.distance, h, of_mode.steps) > ExpectedGrowth{}.visible;
   // Of a large structure as few steps as show a mode that is one percent faster, where positions and velocities are
   // stepped, else ten. Beats of those nearest to the limit last longer, together they do not double the distance.
   constexpr std::int64_t few = 24;
-  const Distance beside = distance_beside_shape(*part, near.point.model.y, start.shape, start.distance);
-  return observed_growth(run, beside, h, few) > std::log(2.0);
+  return observed_growth(run, start.beside, h, few) > std::log(2.0);
 }
 
 /// Limits are seen soonest in the amplitude of the mode that sets them, as long as no other grows below.
 ObservedLimit observe(const Method& method, const Prediction& row, const Linearised& near,
                       const ModeStart& start, const ShowSteps& run) {
   if (row.coupled) {
-    const auto of_shape = observe_recurrence(method, row, near, start, run);
-    if (of_shape && !others_grow(row, near, start, run, *of_shape)) return *of_shape;
-    const Watch coupled = watch_coupled(row, near, start, run);
+    const auto of_shape = observe_recurrence(method, row, start, run);
+    if (of_shape && !others_grow(row, start, run, *of_shape)) return *of_shape;
+    const Watch coupled = watch_coupled(row, start, run);
     return observe_limit(coupled.run, coupled.distance, *row.h_max, coupled.expected);
   }
   const auto at = std::ranges::min_element(
       row.modes, {}, [&](const ModeMargin& m) { return std::abs(m.mode.lambda - row.limiting->lambda); });
   const auto i = static_cast<std::size_t>(at - row.modes.begin());
-  std::optional<ObservedLimit> of_mode = observe_recurrence(method, row, near, start, run);
+  std::optional<ObservedLimit> of_mode = observe_recurrence(method, row, start, run);
   if (!of_mode)
     if (const auto mode = watch_mode(method, row, near, start, run, i))
       of_mode = observe_limit(mode->run, mode->distance, *row.h_max, mode->expected);
-  if (of_mode && !others_grow(row, near, start, run, *of_mode)) return *of_mode;
+  if (of_mode && !others_grow(row, start, run, *of_mode)) return *of_mode;
   const Watch all = watch_all(method, row, near, start, run, i);
   return observe_limit(all.run, all.distance, *row.h_max, all.expected);
 }
@@ -461,23 +452,25 @@ struct Finding {
   std::string contradiction, excuse;
 };
 
-/// Runs of a method that is unstable at no step, at the steps that users take and far beyond.
-Finding watch_without_limit(Prediction& row, const Problem& problem, const ModeStart& start,
-                            const ShowSteps& run, const Outcome& outcome, const Rates& rates) {
+/// The steps at which a method that is unstable at no step is run: those that users take, and far beyond.
+FarSteps far_steps(const Problem& problem, const ModeStart& start, const Rates& rates) {
+  // Longer steps of large matrices take a factor: minutes.
+  if (!problem.body && start.large) return short_far_steps(rates.fastest);
+  // Of a large structure: where a step carries what velocities there are too far, it is not linear.
+  const double farthest = (start.mode_alone ? 1e3 : 1e6) / rates.slowest;
+  return {.h = steps_without_limit(problem, farthest), .most = start.mode_alone ? 512 : 4096, .note = {}};
+}
+
+/// Runs of a method that is unstable at no step.
+Finding watch_without_limit(Prediction& row, const ModeStart& start, const ShowSteps& run, const Outcome& outcome,
+                            const FarSteps& far) {
   Finding finding;
   Observation& seen = finding.seen;
-  // Of a large structure: where a step carries what velocities there are too far, it is not linear.
-  double farthest = (start.mode_alone ? 1e3 : 1e6) / rates.slowest;
-  std::int64_t most = start.mode_alone ? 512 : 4096;
-  // Longer steps of large matrices take a factor: minutes.
-  if (!problem.body && start.mode_alone && problem.y0.size() / 2 > most_cheaply_factored) {
-    farthest = 10 / rates.fastest;
-    most = 12;
-    row.note = fmt::format("verified at a step of {:.3g} s alone: longer ones of so many unknowns take minutes", farthest);
-  }
+  const double farthest = far.h.back();
+  if (!far.note.empty()) row.note = far.note;
   seen.agrees = true;
-  for (const double h : steps_without_limit(problem, farthest)) {
-    seen.steps = h < farthest ? 100 : most;
+  for (const double h : far.h) {
+    seen.steps = h < farthest ? 100 : far.most;
     seen.agrees = !grows_at(run, start.distance, h, seen.steps);
     if (seen.agrees) continue;
     if (outcome == Outcome::newton_failed) {
@@ -513,6 +506,17 @@ Finding watch_limit(const Prediction& row, const Method& method, const Linearise
           .excuse = {}};
 }
 
+/// What runs from `start` show of a row.
+Finding watch_runs(Prediction& row, const Method& method, const Linearised& near, const ModeStart& start,
+                   const ShowSteps& run, const Outcome& outcome, const FarSteps& far) {
+  Finding finding = row.bound == Bound::stability ? watch_limit(row, method, near, start, run)
+                                                  : watch_without_limit(row, start, run, outcome, far);
+  if (!finding.seen.agrees && finding.seen.steps >= most_observed_steps)
+    finding.excuse =
+        fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
+  return finding;
+}
+
 /// Puts into the row what was seen and why it does not agree.
 void conclude(Prediction& row, const Method& method, Finding finding) {
   Observation& seen = finding.seen;
@@ -538,11 +542,27 @@ ShowSteps watched(ShowSteps run, const std::function<void()>& watch) {
 
 }  // namespace
 
+FarSteps short_far_steps(double fastest) {
+  const double h = 10 / fastest;
+  return {.h = {h},
+          .most = 12,
+          .note = fmt::format("verified at a step of {:.3g} s alone: longer ones of so many unknowns take minutes", h)};
+}
+
+bool has_claim(const Prediction& row, const Method& method) {
+  const bool of_steps =
+      row.bound == Bound::stability || row.bound == Bound::accuracy || row.bound == Bound::newton;
+  return method.fixed_step && !row.unstable_from && of_steps;
+}
+
+void verify_from(const ModeStart& start, const ShowSteps& run, Prediction& row, const Method& method,
+                 const Linearised& near, const FarSteps& far) {
+  conclude(row, method, watch_runs(row, method, near, start, run, Outcome::reached_end, far));
+}
+
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
             const std::function<void()>& watch) {
-  const bool has_claim =
-      row.bound == Bound::stability || row.bound == Bound::accuracy || row.bound == Bound::newton;
-  if (!method.fixed_step || row.unstable_from || !has_claim) return;
+  if (!has_claim(row, method)) return;
   const Eigen::MatrixXd free_rigid = problem.body ? free_motions(*problem.body) : free_motions_of_matrices(near);
   const Rates rates = rates_of(row, free_rigid.cols() > 0);
   if (rates.fastest == 0) return;  // nothing moves
@@ -567,14 +587,8 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const double size = linear ? 1 : small_displacement(problem, near, start.displacement, most_change);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run = watched(steps_of(method, free, rest, size * start.displacement, outcome), watch);
-  Finding finding = row.bound == Bound::stability
-                        ? watch_limit(row, method, near, start, run)
-                        : watch_without_limit(row, problem, start, run, *outcome, rates);
-  const Observation& seen = finding.seen;
-  if (!seen.agrees && seen.steps >= most_observed_steps)
-    finding.excuse =
-        fmt::format("growth beyond this limit is too slow to be seen in {} steps", most_observed_steps);
-  if (!is_linear(problem) && is_driven(free) && !seen.agrees) {
+  Finding finding = watch_runs(row, method, near, start, run, *outcome, far_steps(problem, start, rates));
+  if (!is_linear(problem) && is_driven(free) && !finding.seen.agrees) {
     finding.excuse =
         "the force moves the model away from this state, so that the runs show the limit of other states; the limit "
         "along the motion says more";

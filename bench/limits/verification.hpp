@@ -8,6 +8,7 @@
 
 #include "analysis/dynamics/growth.hpp"
 #include "bench/catalogue/method.hpp"
+#include "bench/limits/mode_start.hpp"
 #include "bench/limits/operating_point.hpp"
 #include "bench/limits/prediction.hpp"
 
@@ -21,6 +22,24 @@ namespace hmax {
 /// @param watch  called at every step; may throw, which ends the runs and leaves the row as it was; may be empty
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
             const std::function<void()>& watch = {});
+
+/// Steps of a method without a limit that are run.
+struct FarSteps {
+  std::vector<double> h;  ///< [s], rising
+  std::int64_t most = 0;  ///< steps of the last h; 100 of the others
+  std::string note;       ///< what is left out; may be empty
+};
+/// Of a structure whose steps take long.
+/// @param fastest  |lambda| of the fastest mode [1/s]
+FarSteps short_far_steps(double fastest);
+
+/// Whether runs of fixed steps can show what a row says.
+bool has_claim(const Prediction& row, const Method& method);
+
+/// Puts into a row with a claim what runs from `start` show of it.
+/// @param far  where the row has no limit
+void verify_from(const ModeStart& start, const ShowSteps& run, Prediction& row, const Method& method,
+                 const Linearised& near, const FarSteps& far);
 
 /// Runs of the real code from rest + displacement, shown step by step. Where time drives the problem a run
 /// from rest is taken off: what is left moves as the free model does.

@@ -41,5 +41,6 @@ using Matrix = Owned<Mat, MatDestroy>;
 using Vector = Owned<Vec, VecDestroy>;
 using Viewer = Owned<PetscViewer, PetscViewerDestroy>;
 using Solver = Owned<EPS, EPSDestroy>;
+using LinearSolver = Owned<KSP, KSPDestroy>;
 
 }  // namespace hmax::petsc

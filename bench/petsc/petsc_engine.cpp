@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "bench/distributed/distributed_engine.hpp"
-#include "bench/petsc/distributed_matrix.hpp"
-#include "bench/petsc/structure_ends.hpp"
+#include "bench/petsc/petsc_calls.hpp"
+#include "bench/petsc/structure_model.hpp"
 #include "bench/ranks/silence.hpp"
 #include "results/errors.hpp"
 
@@ -39,17 +39,21 @@ class Engine final : public DistributedEngine {
     return "PETSc " + number(PetscGetVersionNumber) + ", SLEPc " + number(SlepcGetVersionNumber);
   }
 
-  StructureEnds ends(const DistributedStructure& structure) override {
-    StructureEnds ends;
+  std::unique_ptr<DistributedModel> read(const DistributedStructure& structure) override {
+    std::unique_ptr<DistributedModel> model;
+    together([&] { model = read_model(structure); });
+    return model;
+  }
+
+  void together(const std::function<void()>& work) override {
     std::string message;
     try {
-      ends = ends_of(structure);
+      work();
     } catch (const std::exception& error) {
       message = error.what();
       if (message.empty()) message = "an error without a name";
     }
     throw_together(message);
-    return ends;
   }
 
  private:

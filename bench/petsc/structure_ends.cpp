@@ -5,35 +5,12 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
-#include <tuple>
-
-#include "bench/petsc/distributed_matrix.hpp"
 
 namespace hmax::petsc {
 namespace {
 
 const MPI_Comm world = MPI_COMM_WORLD;
 const std::string of_eigenvalues = "the largest eigenvalue is not found";
-
-/// Pseudo-random numbers from -1/2 to 1/2, the same for every number of ranks.
-Vector fixed_vector(Mat K) {
-  const std::string what = "a vector is not made";
-  Vector vector;
-  check(MatCreateVecs(K, vector.out(), nullptr), what);
-  PetscInt begin = 0, end = 0;
-  check(VecGetOwnershipRange(vector, &begin, &end), what);
-  PetscScalar* values = nullptr;
-  check(VecGetArray(vector, &values), what);
-  for (PetscInt i = begin; i < end; ++i) {
-    // Vigna's splitmix64 of the row.
-    std::uint64_t z = (static_cast<std::uint64_t>(i) + 1) * 0x9e3779b97f4a7c15ULL;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-    values[i - begin] = static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53 - 0.5;
-  }
-  check(VecRestoreArray(vector, &values), what);
-  return vector;
-}
 
 /// alpha and beta of c = alpha m + beta k, products of the matrices with one vector: least squares, refined, since what
 /// the mass adds to the damping may be small.
@@ -65,8 +42,27 @@ std::pair<double, double> fitted(Vec c, Vec k, Vec m, const std::string& what) {
   return {alpha, beta};
 }
 
-/// alpha and beta of C = alpha M + beta K, with the matrices compared in full.
-/// @param lumped  in place of M where it is diagonal
+}  // namespace
+
+Vector fixed_vector(Mat K) {
+  const std::string what = "a vector is not made";
+  Vector vector;
+  check(MatCreateVecs(K, vector.out(), nullptr), what);
+  PetscInt begin = 0, end = 0;
+  check(VecGetOwnershipRange(vector, &begin, &end), what);
+  PetscScalar* values = nullptr;
+  check(VecGetArray(vector, &values), what);
+  for (PetscInt i = begin; i < end; ++i) {
+    // Vigna's splitmix64 of the row.
+    std::uint64_t z = (static_cast<std::uint64_t>(i) + 1) * 0x9e3779b97f4a7c15ULL;
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
+    values[i - begin] = static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1p-53 - 0.5;
+  }
+  check(VecRestoreArray(vector, &values), what);
+  return vector;
+}
+
 std::pair<double, double> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std::string& file) {
   Vector c, k, m;
   check(MatCreateVecs(K, c.out(), k.out()), file);
@@ -94,6 +90,8 @@ std::pair<double, double> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std
   return {alpha, beta};
 }
 
+namespace {
+
 Solver solver_for(Mat K, Mat M, EPSWhich which, PetscReal tolerance) {
   Solver eps;
   check(EPSCreate(world, eps.out()), of_eigenvalues);
@@ -109,10 +107,21 @@ Solver solver_for(Mat K, Mat M, EPSWhich which, PetscReal tolerance) {
   return eps;
 }
 
-void find_largest(Mat K, Mat M, StructureEnds& ends) {
+/// u / (u^T M u)^1/2
+void normalise(Vec u, Mat M) {
+  if (!M) return check(VecNormalize(u, nullptr), of_eigenvalues);
+  Vector product;
+  check(VecDuplicate(u, product.out()), of_eigenvalues);
+  check(MatMult(M, u, product), of_eigenvalues);
+  PetscScalar square = 0;
+  check(VecDot(u, product, &square), of_eigenvalues);
+  check(VecScale(u, 1 / std::sqrt(square)), of_eigenvalues);
+}
+
+Vector find_largest(Mat K, Mat M, StructureEnds& ends) {
   PetscReal size = 0;
   check(MatNorm(K, NORM_INFINITY, &size), of_eigenvalues);
-  if (size == 0) return;
+  if (size == 0) return {};
   const Solver eps = solver_for(K, M, EPS_LARGEST_REAL, 1e-10);
   const auto most = static_cast<PetscInt>(std::min<std::int64_t>(ends.unknowns, 40));
   check(EPSSetDimensions(eps, 1, most, PETSC_DEFAULT), of_eigenvalues);
@@ -126,13 +135,17 @@ void find_largest(Mat K, Mat M, StructureEnds& ends) {
     throw std::runtime_error("the largest eigenvalue of " + std::to_string(ends.unknowns) + " unknowns did not converge in " +
                              std::to_string(iterations) + " restarts; leave out --engine");
   PetscScalar kappa = 0;
-  check(EPSGetEigenvalue(eps, 0, &kappa, nullptr), of_eigenvalues);
+  Vector shape;
+  check(MatCreateVecs(K, shape.out(), nullptr), of_eigenvalues);
+  check(EPSGetEigenpair(eps, 0, &kappa, nullptr, shape, nullptr), of_eigenvalues);
+  normalise(shape, M);
   check(EPSComputeError(eps, 0, EPS_ERROR_RELATIVE, &ends.residual), of_eigenvalues);
   EPSType type = nullptr;
   check(EPSGetType(eps, &type), of_eigenvalues);
   ends.kappa_max = kappa;
   ends.iterations = static_cast<int>(iterations);
   ends.solver = type;
+  return shape;
 }
 
 /// The least Ritz value so far.
@@ -158,40 +171,10 @@ void look_for_negative(Mat K, Mat M, StructureEnds& ends) {
 
 }  // namespace
 
-StructureEnds ends_of(const DistributedStructure& structure) {
-  StructureEnds ends;
-  const auto matrix_of = [&](const std::string& name, bool is_mass = false) {
-    return read_matrix(name, [&](const std::string& file) { return structure.read(file, is_mass); });
-  };
-  const Matrix K = matrix_of(structure.stiffness);
-  require_symmetric(K, structure.stiffness);
-  MatInfo info;
-  check(MatGetInfo(K, MAT_GLOBAL_SUM, &info), structure.stiffness);
-  ends.entries = static_cast<std::int64_t>(info.nz_used);
-  Matrix M = matrix_of(structure.mass, true);
-  require_same_shape(K, structure.stiffness, M, structure.mass);
-  Vector mass = lumped_mass(M, structure.lumped, structure.mass);
-  ends.coupled_mass = !static_cast<Vec>(mass);
-  if (ends.coupled_mass) require_symmetric(M, structure.mass);
-  PetscInt rows = 0;
-  check(MatGetSize(K, &rows, nullptr), structure.stiffness);
-  ends.unknowns = rows;
-  if (!structure.damping.empty()) {
-    const Matrix C = matrix_of(structure.damping);
-    require_same_shape(K, structure.stiffness, C, structure.damping);
-    std::tie(ends.alpha, ends.beta) = rayleigh_of(C, K, M, mass, structure.damping);
-  }
-  ends.alpha += structure.alpha;
-  ends.beta += structure.beta;
-  if (!ends.coupled_mass) {
-    M = Matrix();
-    check(VecReciprocal(mass), structure.mass);
-    check(VecSqrtAbs(mass), structure.mass);
-    check(MatDiagonalScale(K, mass, mass), structure.stiffness);
-  }
-  find_largest(K, M, ends);
+Vector find_ends(Mat K, Mat M, StructureEnds& ends) {
+  Vector shape = find_largest(K, M, ends);
   if (ends.kappa_max > 0) look_for_negative(K, M, ends);
-  return ends;
+  return shape;
 }
 
 }  // namespace hmax::petsc

@@ -1,11 +1,14 @@
 #include "cli/stability/distributed_rows.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
+#include "bench/distributed/distributed_runs.hpp"
 #include "bench/distributed/limits_from_ends.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/models/matrix_problem.hpp"
@@ -13,6 +16,7 @@
 #include "bench/step_maps/predict_by_steps.hpp"
 #include "cli/stability/limit_json.hpp"
 #include "cli/stability/limit_words.hpp"
+#include "cli/stability/predicted_rows.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -35,15 +39,42 @@ DistributedStructure structure_of(const ProblemChoice& choice) {
   return distributed_structure(matrix_files(choice.id()), alpha, beta);
 }
 
-LimitRow row_of(const Method& method, const Linearised& near) {
+/// @throws InputError  where none of the methods can be stepped, or one is a formula without code
+void require_steps(const std::vector<Method>& methods) {
+  const auto is_stepped = [](const Method& method) { return why_not_stepped(method).empty(); };
+  const auto formula = std::ranges::find_if(methods, [](const Method& method) { return !method.bind; });
+  if (formula == methods.end() && std::ranges::any_of(methods, is_stepped)) return;
+  throw InputError(fmt::format("{}; leave out --verify, or name explicit methods of `hmax list methods`",
+                               why_not_stepped(formula == methods.end() ? methods.front() : *formula)));
+}
+
+Prediction predicted(const Method& method, const Linearised& near) {
   Prediction prediction = predict(method, near);
   if (needs_step_map(method, prediction)) {
     prediction.note += "; --engine petsc does not compute limits from steps";
     prediction.bound = Bound::unknown;
   }
+  return prediction;
+}
+
+LimitRow row_of(const Prediction& prediction, bool verified) {
   LimitRow row = limit_row(prediction);
   row.details = details_json(prediction).dump();
+  if (verified && row.verdict.empty()) row.verdict = "not_run";
   return row;
+}
+
+/// Of all ranks together.
+void verify_all(std::vector<Prediction>& rows, const std::vector<Method>& methods, const Linearised& near,
+                DistributedEngine& engine, DistributedModel& model) {
+  try {
+    engine.together([&] {
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        verify(rows[i], methods[i], near, model, [] { return interrupt_flag().load(); });
+    });
+  } catch (const RunsInterrupted&) {
+    throw Interrupted{};
+  }
 }
 
 Json model_json(const Problem& pair, const Linearised& near, const StructureEnds& ends, const DistributedEngine& engine) {
@@ -76,26 +107,32 @@ std::string words_of(const StructureEnds& ends, const DistributedEngine& engine)
 }  // namespace
 
 void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& choice, const MethodsChoice& methods,
-                              Console& console) {
+                              bool verified, Console& console) {
   const DistributedStructure structure = structure_of(choice);
   // Before minutes are spent on eigenvalues: whatever they are, the methods are the same.
   StructureEnds any;
   any.kappa_max = 1;
   const std::vector<Method> chosen = methods.methods({pair_with_ends(choice.id(), any)});
-  const StructureEnds ends = engine.ends(structure);
+  if (verified) require_steps(chosen);
+  const std::unique_ptr<DistributedModel> model = engine.read(structure);
+  const StructureEnds& ends = model->ends();
   const Problem pair = pair_with_ends(choice.id(), ends);
   const Linearised near = linearised(pair, ends);
+  std::vector<Prediction> predictions;
+  for (const Method& method : chosen) predictions.push_back(predicted(method, near));
+  if (verified) verify_all(predictions, chosen, near, engine, *model);
   std::vector<LimitRow> rows;
-  for (const Method& method : chosen) {
-    rows.push_back(row_of(method, near));
+  for (const Prediction& prediction : predictions) {
+    rows.push_back(row_of(prediction, verified));
     rows.back().point.problem = pair.id;
   }
+  if (verified) judge_runs(rows, console);
   if (console.json) {
     Json list = Json::array();
     for (const LimitRow& row : rows) list.push_back(to_json(row, {}, pair.parameters));
     console.print_json({{"rows", std::move(list)}, {"models", {model_json(pair, near, ends, engine)}}});
   } else {
-    console.print(limit_table(rows, {}, console) + fmt::format("\n{}: {}\n", pair.id, near.point.state) +
+    console.print(limit_table(rows, {.verified = verified, .from_start = false, .path = {}}, console) + fmt::format("\n{}: {}\n", pair.id, near.point.state) +
                   words_of(ends, engine) + words_of_notes(rows));
   }
   console.flush();

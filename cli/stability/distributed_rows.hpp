@@ -13,8 +13,9 @@ namespace hmax {
 /// What computes eigenvalues: hmax itself, or PETSc with SLEPc.
 inline constexpr std::array<std::string_view, 2> engine_names{"hmax", "petsc"};
 
-/// Predicts and prints; called by all ranks.
-/// @throws InputError  for models other than symmetric matrices
-void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& problem, const MethodsChoice& methods, Console& console);
+/// Predicts, verifies where that is asked for, and prints; called by all ranks.
+/// @throws InputError  for models other than symmetric matrices, and where none of the methods can be verified
+void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& problem, const MethodsChoice& methods, bool verified,
+                              Console& console);
 
 }  // namespace hmax

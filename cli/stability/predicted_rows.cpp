@@ -163,6 +163,18 @@ void add_line(std::string& lines, const std::string& line) {
 
 bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
 
+void judge_runs(const std::vector<LimitRow>& rows, Console& console) {
+  bool any = false;
+  for (const LimitRow& row : rows) {
+    if (row.verdict == "contradicted") console.exit_code = Exit::failed;
+    any = any || row.is_observed() || !std::isnan(row.from_start);
+  }
+  if (any || interrupt_flag()) return;
+  console.exit_code = Exit::failed;
+  console.remark(
+      "nothing was verified: no row has a limit that runs could show; the notes on the rows say why");
+}
+
 PredictedRows::PredictedRows(LimitQuestion question, std::vector<ProblemChoice> choices,
                              std::vector<Problem> problems, std::vector<Method> methods, Store* store,
                              bool looks_up, Console& console)
@@ -187,16 +199,7 @@ void PredictedRows::judge() const {
         return row.point.asked == "equilibrium" && row.state_kind == "rest";
       }))
     console_.exit_code = Exit::failed;
-  if (!question_.verify) return;
-  bool any = false;
-  for (const LimitRow& row : rows_) {
-    if (row.verdict == "contradicted") console_.exit_code = Exit::failed;
-    any = any || row.is_observed() || !std::isnan(row.from_start);
-  }
-  if (any || interrupted_) return;
-  console_.exit_code = Exit::failed;
-  console_.remark(
-      "nothing was verified: no row has a limit that runs could show; the notes on the rows say why");
+  if (question_.verify) judge_runs(rows_, console_);
 }
 
 double PredictedRows::share(std::size_t rows) const {

@@ -36,6 +36,9 @@ struct LimitQuestion {
 /// Whether the load changes with time, so that one state does not tell of all.
 bool has_moving_load(const Problem& problem);
 
+/// Sets the exit code of --verify: fails where runs contradict a row, and where no row has anything to show.
+void judge_runs(const std::vector<LimitRow>& rows, Console& console);
+
 /// The rows, problem by problem, and what is said of their states.
 class PredictedRows {
  public:

@@ -128,7 +128,6 @@ void refuse_beside_engine(const PredictOptions& options) {
     if (given) throw InputError(fmt::format("--engine petsc does not take {}; {}", option, remedy));
   };
   constexpr std::string_view remove = "remove it, or leave out --engine";
-  refuse(options.verify, "--verify yet", "leave out --verify, or --engine where one process has room for the matrices");
   refuse(!options.out.empty(), "--out", "keep what --json prints");
   refuse(!options.along.empty() && options.along != path_names[2], "--along", remove);
   refuse(!options.materials.empty() || !options.problem.material.empty(), "materials", remove);
@@ -142,7 +141,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
     // First of all: while it is open rank 0 alone prints, errors too.
     const std::unique_ptr<DistributedEngine> engine = open_distributed_engine();
     refuse_beside_engine(options);
-    return print_distributed_limits(*engine, options.problem, options.methods, console);
+    return print_distributed_limits(*engine, options.problem, options.methods, options.verify, console);
   }
   if (!options.out.empty()) refuse_copies("hmax stability predict --out");
   std::vector<ProblemChoice> choices;

@@ -136,6 +136,24 @@ class Distributed : public testing::Test {
       expect_as_built_in(ranks, methods + rest);
   }
 
+  void expect_confirmed(int ranks, const std::string& rest) const {
+    const Told told = petsc(ranks, rest + " --verify --json");
+    EXPECT_EQ(told.exit_code, 0) << rest << told.err;
+    for (const json& row : told.json().at("rows")) {
+      EXPECT_EQ(row.at("agrees"), true) << rest << row;
+      EXPECT_NEAR(row.at("gap").get<double>(), 0, 1e-3) << rest << row;
+    }
+  }
+
+  void expect_all_confirmed(int ranks) const {
+    const std::string methods = "--methods rk4,rk2_heun,symplectic_euler,velocity_verlet,adams_bashforth_3";
+    for (const char* rest : {",central_difference --alpha 2 --matrices stiffness=K.bin,mass=L.bin",
+                             " --alpha 2 --beta 0.02 --matrices stiffness=K.mtx,mass=lumped:M.mtx",
+                             ",central_difference --matrices stiffness=K.mtx,mass=M.mtx",
+                             ",rkc_2 --beta 0.001 --matrices stiffness=K.bin,mass=M.bin"})
+      expect_confirmed(ranks, methods + rest);
+  }
+
   Shell shell;
 };
 
@@ -154,6 +172,23 @@ TEST_F(Distributed, OneProcessAgreesWithTheBuiltInEngine) { expect_all_as_built_
 TEST_F(Distributed, TwoProcessesAgreeWithTheBuiltInEngine) {
   if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
   expect_all_as_built_in(2);
+}
+
+TEST_F(Distributed, RunsConfirmLimitsOnOneProcess) { expect_all_confirmed(1); }
+
+TEST_F(Distributed, RunsConfirmLimitsOnTwoProcesses) {
+  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  expect_all_confirmed(2);
+}
+
+TEST_F(Distributed, RowsThatAreNotVerifiedSayWhy) {
+  const Told told = petsc(1, "--methods rk4,newmark --matrices stiffness=K.bin,mass=L.bin --verify --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const json rows = told.json().at("rows");
+  EXPECT_EQ(rows.at(0).at("agrees"), true);
+  EXPECT_TRUE(rows.at(1).at("agrees").is_null());
+  EXPECT_NE(rows.at(1).at("status").get<std::string>().find("newmark solves equations"), std::string::npos);
+  expect_refused(petsc(1, "--methods newmark --matrices stiffness=K.bin,mass=L.bin --verify"), "newmark solves equations");
 }
 
 TEST_F(Distributed, MassesMayBeAColumn) {
@@ -185,7 +220,7 @@ TEST_F(Distributed, RefusesWhatItCannotTakeInOneSentence) {
            {"--matrices stiffness=cut.bin,mass=L.bin", "cut.bin cannot be read: PETSc says"},
            {"--matrices stiffness=none.mtx,mass=L.bin", "none.mtx"},
            {"--matrices jacobian=K.bin", "a jacobian"},
-           {"--matrices stiffness=K.bin,mass=L.bin --verify", "--verify yet"},
+           {"--matrices stiffness=K.bin,mass=L.bin --out here", "--out"},
            {"--matrices stiffness=K.bin,mass=L.bin --set m=2", "unknown parameter 'm'"},
            {"--mesh phantom", "--matrices alone"}})
     expect_refused(petsc(1, fmt::format("--methods rk4 {}", rest)), named);
@@ -194,7 +229,7 @@ TEST_F(Distributed, RefusesWhatItCannotTakeInOneSentence) {
 
 TEST_F(Distributed, TwoProcessesTellAnErrorOnce) {
   if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
-  for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx", "stiffness=K.bin,mass=L.bin --verify"}) {
+  for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx", "stiffness=K.bin,mass=L.bin --out here"}) {
     const Told told = petsc(2, fmt::format("--methods rk4 --matrices {}", files));
     EXPECT_EQ(told.exit_code, 2);
     EXPECT_EQ(told.out, "");
