@@ -10,7 +10,6 @@
 
 #include "analysis/amplification/structural_amplification.hpp"
 #include "analysis/spectrum/eigen_solvers.hpp"
-#include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 
 namespace hmax {
@@ -119,6 +118,12 @@ bool singles_never_leave(const Amplification& single) {
   });
 }
 
+/// The limit of steps that no single oscillation leaves, whatever the matrices are; nothing for others.
+std::optional<CoupledLimit> without_exit(const MotionMap& map, const Amplification& single) {
+  if (!map.lumped.empty() || !singles_never_leave(single)) return std::nullopt;
+  return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
+}
+
 }  // namespace
 
 // A method that takes the diagonal of C apart couples modes unless C is diagonal.
@@ -134,50 +139,44 @@ bool couples_modes(const MotionMap& map, const MechanicalPart& part) {
 // A Newton-like iteration for the least h at which P(-1, h) has a kernel: the quadratic of the current
 // least eigenvector is solved exactly, then a new eigenvector is taken. Products with sparse k and c
 // alone.
-std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
-                                              const Amplification& single) {
-  if (!part.symmetric || !map.lumped.empty()) return std::nullopt;
-  if (singles_never_leave(single))
-    return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
-  if (!singles_leave_at_minus_one(single, map)) return std::nullopt;
-  const ScaledMatrices scaled(part);
+std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const FindLargestOfSum& find, double most_c,
+                                              double most_k, const Amplification& single) {
+  if (std::optional<CoupledLimit> none = without_exit(map, single)) return none;
+  if (!map.lumped.empty() || !singles_leave_at_minus_one(single, map)) return std::nullopt;
   const double inertia = value_of(map.inertia, -1).real(), sign = inertia < 0 ? -1 : 1,
                damper = sign * value_of(map.damper, -1).real(),
                spring = sign * value_of(map.spring, -1).real();
-  // No eigenvalue of P(-1, h) is larger than this.
-  const double most_c = scaled.largest_c().bound, most_k = scaled.largest_k().bound;
-  const auto bound = [&](double h) {
-    return std::abs(inertia) + h * std::max(damper * most_c, 0.0) + h * h * std::max(spring * most_k, 0.0);
-  };
   // Below this step P(-1, h) is definite by the norms of c and k alone: a start from below.
   double h = smallest_root(std::abs(inertia), std::min(damper, 0.0) * most_c, std::min(spring, 0.0) * most_k);
   if (std::isinf(h)) return std::nullopt;
-  VectorXd cx(part.mass.size()), kx = cx;
   for (int iteration = 0; iteration < 50; ++iteration) {
-    const LanczosPair least = largest_eigenpair(
-        [&](const VectorXd& x, VectorXd& y) {
-          scaled.c(x, cx);
-          scaled.k(x, y);
-          // bound I - P(-1, h): its largest eigenvalue belongs to the least one of P.
-          y = (bound(h) - std::abs(inertia)) * x - h * damper * cx - h * h * spring * y;
-        },
-        part.mass.size(), {.tolerance = 1e-9});
-    const VectorXd& x = least.vector;
-    scaled.c(x, cx);
-    scaled.k(x, kx);
-    // |x| = 1
-    const double gamma = x.dot(cx), kappa = x.dot(kx);
-    // P(-1, next) is zero along x, so the first exit is not beyond it.
-    const double next = smallest_root(std::abs(inertia), damper * gamma, spring * kappa);
+    // The least eigenvector of P(-1, h) = |inertia| I + h damper c + h^2 spring k.
+    const LargestOfSum least = find(-h * damper, -h * h * spring, 1e-9);
+    // P(-1, next) is zero along it, so the first exit is not beyond it.
+    const double next = smallest_root(std::abs(inertia), damper * least.gamma, spring * least.kappa);
     if (std::abs(next - h) <= 1e-10 * h) {
       if (!least.converged) return std::nullopt;
-      return limit_of_shape(map, next, {.kappa = kappa, .gamma = gamma}, 0,
-                            scaled.mass.root_solve(x), true);
+      return limit_of_shape(map, next, {.kappa = least.kappa, .gamma = least.gamma}, 0, least.vector, true);
     }
     h = next;
     if (!std::isfinite(h)) return std::nullopt;
   }
   return std::nullopt;
+}
+
+std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
+                                              const Amplification& single) {
+  if (!part.symmetric) return std::nullopt;
+  if (std::optional<CoupledLimit> none = without_exit(map, single)) return none;
+  if (!map.lumped.empty() || !singles_leave_at_minus_one(single, map)) return std::nullopt;
+  const ScaledMatrices scaled(part);
+  const double most_c = scaled.largest_c().bound, most_k = scaled.largest_k().bound;
+  std::optional<CoupledLimit> limit = proved_first_exit(
+      map, [&](double a, double b, double tolerance) { return scaled.largest_of_sum(a, b, most_c, most_k, tolerance); },
+      most_c, most_k, single);
+  if (limit && limit->displacement.size() > 0)
+    limit->displacement = VectorXd(scaled.mass.root_solve(limit->displacement)).normalized();
+  return limit;
 }
 
 CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "analysis/amplification/amplification.hpp"
+#include "analysis/spectrum/largest_of_sum.hpp"
 #include "analysis/spectrum/linear_model.hpp"
 #include "core/size_limits.hpp"
 
@@ -107,6 +108,11 @@ class CoupledMotion {
 /// @return  nothing where it would not be proved
 std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const MechanicalPart& part,
                                               const Amplification& single);
+/// The same of matrices that are elsewhere, symmetric and without negative eigenvalues.
+/// @param most_c, most_k  no less than the largest eigenvalues
+/// @return  the displacement in coordinates where M = I; empty where `find` has no vector
+std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const FindLargestOfSum& find, double most_c,
+                                              double most_k, const Amplification& single);
 
 /// Whether the steps of the method on this model couple modes that its motion does not, or that it couples
 /// itself, so that they cannot be taken one by one.

@@ -354,36 +354,26 @@ DampedEigenvalues many_damped_eigenvalues(const ScaledMatrices& matrices, const 
 }
 
 // Without damping the first round gives the answer, sqrt(-kappa_min).
-std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
-  const ScaledMatrices scaled(part);
-  const Index n = scaled.size();
-  VectorXd product(n);
-  // |lambda^2 + lambda c + k| is at most this.
-  const double most_k = scaled.largest_k().bound, most_c = scaled.largest_c().bound;
+std::optional<double> growing_eigenvalue(const FindLargestOfSum& find, double most_k) {
   std::optional<double> lambda;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    // The first round has lambda = 0: the least eigenvector of k.
-    const double l = lambda.value_or(0), bound = most_k + l * most_c;
-    const LanczosPair least = largest_eigenpair(
-        [&](const VectorXd& x, VectorXd& y) {
-          scaled.k(x, y);
-          scaled.c(x, product);
-          // (bound - k - l c) x with bound >= |k + l c|.
-          y = bound * x - y - l * product;
-        },
-        n, {.tolerance = 1e-10});
-    scaled.k(least.vector, product);
-    const double kappa = least.vector.dot(product);
-    scaled.c(least.vector, product);
-    const double gamma = least.vector.dot(product);
+    // The least eigenvector of k + lambda c. The first round has lambda = 0: that of k.
+    const LargestOfSum least = find(-lambda.value_or(0), -1, 1e-10);
     // No negative stiffness along it beyond rounding: nothing grows.
-    if (!(kappa < -1e-9 * most_k)) return lambda;
+    if (!(least.kappa < -1e-9 * most_k)) return lambda;
     // -gamma/2 + sqrt(gamma^2/4 - kappa) without cancellation, kappa < 0.
-    const double next = -2 * kappa / (gamma + std::sqrt(gamma * gamma - 4 * kappa));
+    const double next = -2 * least.kappa / (least.gamma + std::sqrt(least.gamma * least.gamma - 4 * least.kappa));
     if (lambda && next <= *lambda * (1 + 1e-10)) return lambda;
     lambda = next;
   }
   return lambda;
+}
+
+std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
+  const ScaledMatrices scaled(part);
+  const double most_k = scaled.largest_k().bound, most_c = scaled.largest_c().bound;
+  return growing_eigenvalue(
+      [&](double a, double b, double tolerance) { return scaled.largest_of_sum(a, b, most_c, most_k, tolerance); }, most_k);
 }
 
 }  // namespace hmax

@@ -75,10 +75,12 @@ DampedEigenvalues many_damped_eigenvalues(const ScaledMatrices& matrices, const 
 ///   lambda(u) = -gamma/2 + sqrt(gamma^2/4 - kappa),  gamma = u^T C u, kappa = u^T K u, u^T M u = 1,
 /// is largest at its eigenvector, which the least eigenvectors of lambda^2 M + lambda C + K approach.
 /// The fixed point iteration u -> least eigenvector of k + lambda c -> lambda(u) raises lambda in every
-/// step, at most 30 of them. Lanczos iteration on (bound I - k - lambda c), whose largest eigenvalue
-/// belongs to that vector.
+/// step, at most 30 of them.
 /// @return  lambda > 0 [1/s], from below
-/// @param part  K and C symmetric, C without negative eigenvalues
+/// @param find    of symmetric K and C, C without negative eigenvalues
+/// @param most_k  about the largest eigenvalue of k [1/s^2]
+std::optional<double> growing_eigenvalue(const FindLargestOfSum& find, double most_k);
+/// The same of matrices that are here.
 std::optional<double> growing_eigenvalue(const MechanicalPart& part);
 
 }  // namespace hmax

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "analysis/spectrum/block_product.hpp"
+#include "analysis/spectrum/largest_of_sum.hpp"
 #include "analysis/spectrum/linear_model.hpp"
 
 namespace hmax {
@@ -47,6 +48,9 @@ struct ScaledMatrices {
   /// The largest eigenvalues, by iteration until residuals are at most `tolerance` of them.
   [[nodiscard]] LargestEigenpair largest_k(double tolerance = 1e-6) const;
   [[nodiscard]] LargestEigenpair largest_c(double tolerance = 1e-6) const;
+  /// By Lanczos iteration, with residuals of `tolerance`.
+  /// @param most_c, most_k  no less than the largest eigenvalues
+  [[nodiscard]] LargestOfSum largest_of_sum(double a, double b, double most_c, double most_k, double tolerance) const;
 };
 
 }  // namespace hmax

@@ -51,49 +51,9 @@ std::vector<double> shares_of_edge(const MechanicalMode& from, const MechanicalM
 
 bool oscillates(const MechanicalMode& mode) { return mode.gamma * mode.gamma < 4 * mode.kappa; }
 
-}  // namespace
-
-void DampingRange::cut(double a, double b, double c) {
-  std::vector<MechanicalMode> kept;
-  const auto beyond = [&](const MechanicalMode& mode) { return a * mode.gamma + b * mode.kappa - c; };
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const MechanicalMode &here = corners[i], &next = corners[(i + 1) % corners.size()];
-    const double first = beyond(here), second = beyond(next);
-    if (first <= 0) kept.push_back(here);
-    if ((first <= 0) != (second <= 0)) kept.push_back(between(here, next, first / (first - second)));
-  }
-  corners = std::move(kept);
-}
-
-RangeTangents::RangeTangents(std::shared_ptr<const ScaledMatrices> matrices, double gamma_max,
-                             double kappa_max)
-    : matrices_(std::move(matrices)), gamma_(gamma_max), kappa_(kappa_max), tangents_(angles.size()) {}
-
-DampingRange RangeTangents::box() const {
-  return {.corners = {{0, 0}, {0, gamma_}, {kappa_, gamma_}, {kappa_, 0}}};
-}
-
-std::size_t RangeTangents::size() const { return tangents_.size(); }
-
-void RangeTangents::cut(DampingRange& range, std::size_t i) {
-  const double a = std::cos(radians(i)) / gamma_, b = std::sin(radians(i)) / kappa_;
-  std::call_once(tangents_[i].once, [&] { tangents_[i].offset = offset_of(a, b); });
-  range.cut(a, b, tangents_[i].offset);
-}
-
-double RangeTangents::beyond(std::size_t i, const MechanicalMode& mode,
-                             std::span<const MechanicalMode> inside) const {
-  const auto along = [&](const MechanicalMode& at) {
-    return std::cos(radians(i)) * at.gamma / gamma_ + std::sin(radians(i)) * at.kappa / kappa_;
-  };
-  double least = std::numeric_limits<double>::infinity();
-  for (const MechanicalMode& at : inside) least = std::min(least, along(mode) - along(at));
-  return least;
-}
-
-// Shifted by one: near the origin lie many modes, which are not told apart.
-double RangeTangents::offset_of(double a, double b) const {
-  const ScaledMatrices& scaled = *matrices_;
+/// The largest eigenvalue of a c + b k with its residual, of units in which c and k are one at most. Shifted by one: near
+/// the origin lie many modes, which are not told apart.
+double largest_of(const ScaledMatrices& scaled, double a, double b) {
   VectorXd damped(scaled.size());
   const auto sum = [&](const VectorXd& x, VectorXd& y) {
     scaled.k.unscaled()(x, y);
@@ -116,6 +76,58 @@ double RangeTangents::offset_of(double a, double b) const {
       },
       scaled.size(), {.tolerance = 1e-3, .most_products = 300, .with_vector = false});
   return pair.value + pair.residual - 1;
+}
+
+}  // namespace
+
+void DampingRange::cut(double a, double b, double c) {
+  std::vector<MechanicalMode> kept;
+  const auto beyond = [&](const MechanicalMode& mode) { return a * mode.gamma + b * mode.kappa - c; };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const MechanicalMode &here = corners[i], &next = corners[(i + 1) % corners.size()];
+    const double first = beyond(here), second = beyond(next);
+    if (first <= 0) kept.push_back(here);
+    if ((first <= 0) != (second <= 0)) kept.push_back(between(here, next, first / (first - second)));
+  }
+  corners = std::move(kept);
+}
+
+RangeTangents::RangeTangents(std::shared_ptr<const ScaledMatrices> matrices, double gamma_max,
+                             double kappa_max)
+    : offset_of_([matrices = std::move(matrices)](double a, double b) { return largest_of(*matrices, a, b); }),
+      gamma_(gamma_max),
+      kappa_(kappa_max),
+      tangents_(angles.size()) {}
+
+RangeTangents::RangeTangents(const FindLargestOfSum& find, double gamma_max, double kappa_max)
+    : offset_of_([find](double a, double b) {
+        const LargestOfSum largest = find(a, b, 1e-3);
+        return largest.converged ? largest.value + largest.residual : std::numeric_limits<double>::max();
+      }),
+      gamma_(gamma_max),
+      kappa_(kappa_max),
+      tangents_(angles.size()) {}
+
+DampingRange RangeTangents::box() const {
+  return {.corners = {{0, 0}, {0, gamma_}, {kappa_, gamma_}, {kappa_, 0}}};
+}
+
+std::size_t RangeTangents::size() const { return tangents_.size(); }
+
+void RangeTangents::cut(DampingRange& range, std::size_t i) {
+  const double a = std::cos(radians(i)) / gamma_, b = std::sin(radians(i)) / kappa_;
+  std::call_once(tangents_[i].once, [&] { tangents_[i].offset = offset_of_(a, b); });
+  range.cut(a, b, tangents_[i].offset);
+}
+
+double RangeTangents::beyond(std::size_t i, const MechanicalMode& mode,
+                             std::span<const MechanicalMode> inside) const {
+  const auto along = [&](const MechanicalMode& at) {
+    return std::cos(radians(i)) * at.gamma / gamma_ + std::sin(radians(i)) * at.kappa / kappa_;
+  };
+  double least = std::numeric_limits<double>::infinity();
+  for (const MechanicalMode& at : inside) least = std::min(least, along(mode) - along(at));
+  return least;
 }
 
 double least_damping_per_stiffness(const MechanicalPart& part) {

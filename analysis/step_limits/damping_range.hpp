@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -34,6 +35,8 @@ class RangeTangents {
   /// @param matrices              K and C symmetric, without negative eigenvalues
   /// @param gamma_max, kappa_max  no less than the largest of them, and not much more [1/s], [1/s^2]
   RangeTangents(std::shared_ptr<const ScaledMatrices> matrices, double gamma_max, double kappa_max);
+  /// The same of matrices that are elsewhere.
+  RangeTangents(const FindLargestOfSum& find, double gamma_max, double kappa_max);
 
   /// gamma and kappa between 0 and the largest.
   [[nodiscard]] DampingRange box() const;
@@ -50,9 +53,8 @@ class RangeTangents {
     std::once_flag once;
     double offset = 0;
   };
-  [[nodiscard]] double offset_of(double a, double b) const;
-
-  std::shared_ptr<const ScaledMatrices> matrices_;
+  /// No less than the largest eigenvalue of a c + b k.
+  std::function<double(double a, double b)> offset_of_;
   double gamma_, kappa_;  ///< the largest [1/s], [1/s^2]
   std::vector<Tangent> tangents_;
 };

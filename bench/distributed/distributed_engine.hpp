@@ -1,6 +1,8 @@
 /// Matrices that lie in pieces on many processes, behind an interface that knows no library.
 #pragma once
 
+#include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -39,9 +41,19 @@ struct StructureEnds {
   double kappa_max = 0;        ///< [1/s^2]
   double residual = 0;         ///< of kappa_max, relative
   int iterations = 0;          ///< restarts of the iteration that found it
+  /// C couples the modes: it is no sum of M and K, and alpha and beta are 0, those of the options are added to it.
+  bool general_damping = false;
+  double gamma_max = 0;  ///< then no less than the largest eigenvalue of C u = gamma M u [1/s]
   /// Of a K that has one, a negative Rayleigh quotient near the least kappa [1/s^2].
   std::optional<double> negative;
   std::string solver;  ///< what found kappa_max
+};
+
+/// The largest eigenvalue of (a C + b K) u = theta M u, and what its vector is damped and stiffened by, u^T M u = 1.
+struct SumEnd {
+  double value = 0, residual = 0;  ///< the latter in the norm of M^-1: an eigenvalue is as near as that
+  double gamma = 0, kappa = 0;     ///< u^T C u [1/s], u^T K u [1/s^2]
+  bool converged = false;
 };
 
 /// What a process is about to do in a run that all of them share; the least of what all say is what all do.
@@ -70,6 +82,11 @@ class DistributedModel {
   virtual void stiffness_times(const double* x, double* out) = 0;
   virtual void mass_times(const double* x, double* out) = 0;
   virtual void reduced_stiffness_times(const double* x, double* out) = 0;
+  /// Where damping is general: to `tolerance` of |a| gamma_max + |b| kappa_max.
+  virtual SumEnd largest_of_sum(double a, double b, double tolerance) = 0;
+  /// Where damping is general: up to `most` eigenvalues of (lambda^2 M + lambda C + K) u = 0 of largest modulus,
+  /// conjugates side by side and counted as one, the largest first [1/s].
+  virtual std::vector<std::complex<double>> largest_damped(std::size_t most) = 0;
   /// Each number becomes its sum over all processes, the same on all of them.
   virtual void add_up(std::span<double> numbers) = 0;
   /// What all processes do, where this one would.
@@ -91,7 +108,7 @@ class DistributedEngine {
   /// Reads the matrices and finds the ends of their spectrum. Called by all ranks together; each reads only its rows of
   /// files that the library reads itself. The engine has to outlive the model.
   /// @throws InputError  the same one on all ranks: for files that cannot be read, matrices that are not symmetric,
-  /// masses that are not positive, damping that is not a multiple of mass and stiffness, an iteration that does not end
+  /// masses that are not positive, an iteration that does not end
   virtual std::unique_ptr<DistributedModel> read(const DistributedStructure& structure) = 0;
   /// Does work that all ranks do together.
   /// @throws InputError  on all ranks what one of them throws as std::exception

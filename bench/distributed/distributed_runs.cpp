@@ -175,6 +175,9 @@ ModeStart start_from_fastest(DistributedModel& model, Complex lambda) {
 /// Why the runs of a row would not begin in the mode that limits it; empty where they do.
 std::string why_not_from_fastest(const Prediction& row, const Linearised& near, const DistributedModel& model,
                                  int processes_without_rows) {
+  if (model.ends().general_damping)
+    return "not verified: damping couples the modes, and --engine petsc steps models with none, or alpha and beta; leave out "
+           "--engine";
   if (processes_without_rows > 0) return "not verified: some processes have no row; take fewer of them";
   if (!row.limiting) return {};
   const double kappa = oscillation_of(near, row.limiting->lambda).kappa;

@@ -1,11 +1,14 @@
 #include "bench/distributed/limits_from_ends.hpp"
 
 #include <array>
+#include <cmath>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "analysis/amplification/curve_limit.hpp"
 #include "bench/limits/mode_curve.hpp"
+#include "bench/limits/mode_range.hpp"
 #include "core/coupled_mass.hpp"
 #include "problems/matrices/read_matrix.hpp"
 #include "results/errors.hpp"
@@ -37,6 +40,34 @@ MatrixRows rows_of(const std::string& name, bool is_mass) {
   return rows;
 }
 
+/// As set_range() of bench/limits/mode_range.hpp, with the model in the place of matrices.
+void set_range(DistributedModel& model, ModeSet& modes) {
+  const StructureEnds& ends = model.ends();
+  modes.range = std::make_shared<ModeRange>();
+  ModeRange& range = *modes.range;
+  range.find = [&model](double a, double b, double tolerance) {
+    const SumEnd end = model.largest_of_sum(a, b, tolerance);
+    return LargestOfSum{.value = end.value, .residual = end.residual, .gamma = end.gamma, .kappa = end.kappa,
+                        .converged = end.converged};
+  };
+  range.most_c = ends.gamma_max;
+  range.most_k = ends.kappa_max * (1 + ends.residual);
+  const auto first = [&model](std::size_t most) {
+    DampedEigenvalues found{.lambda = model.largest_damped(most), .shapes = {}, .rest = 0};
+    found.rest = std::abs(found.lambda.back());
+    return found;
+  };
+  range.largest = first(1);
+  for (const std::size_t most : {2, 5, 12}) range.searches.emplace_back([first, most] { return first(most); });
+  range.rest = range.largest.rest;
+  modes.spectrum.lambda = range.largest.lambda;
+  if (ends.negative) range.growing = growing_eigenvalue(range.find, range.most_k);
+  if (range.growing)
+    modes.spectrum.lambda.emplace_back(*range.growing);
+  else
+    range.tangents = std::make_unique<RangeTangents>(range.find, range.most_c, range.most_k);
+}
+
 }  // namespace
 
 Problem pair_with_ends(const std::string& id, const StructureEnds& ends) {
@@ -60,12 +91,18 @@ Problem pair_with_ends(const std::string& id, const StructureEnds& ends) {
   return pair;
 }
 
-Linearised linearised(const Problem& pair, const StructureEnds& ends) {
+Linearised linearised(const Problem& pair, DistributedModel& model) {
+  const StructureEnds& ends = model.ends();
   Linearised near{.point = operating_point(pair, 0, pair.y0)};
   near.point.kind = StateKind::matrices;
   near.point.at_equilibrium = true;
   near.point.state = fmt::format("the matrices, {} states", 2 * ends.unknowns);
   near.point.radius_bound = nullptr;
+  if (ends.general_damping) {
+    near.point.model.mechanical->damping = Damping::general;
+    set_range(model, near.modes);
+    return near;
+  }
   DampingCurve curve{.alpha = ends.alpha, .beta = ends.beta, .kappa_min = least(ends), .kappa_max = ends.kappa_max};
   near.modes.slow_end = std::make_shared<SlowEnd>(curve.kappa_min);
   near.modes.curve = curve;

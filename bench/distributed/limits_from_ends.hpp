@@ -15,8 +15,11 @@ namespace hmax {
 Problem pair_with_ends(const std::string& id, const StructureEnds& ends);
 
 /// That pair near rest, with the curve of all modes of the structure: what predict() takes. The slow end is the
-/// bound 0 where no kappa is negative.
-Linearised linearised(const Problem& pair, const StructureEnds& ends);
+/// bound 0 where no kappa is negative. Where damping is general the modes are the largest eigenvalues, and the range of
+/// all others, which asks the model: then called by all processes together, as predict() is, and the model has to outlive
+/// it.
+/// @throws std::exception  where an iteration does not end
+Linearised linearised(const Problem& pair, DistributedModel& model);
 
 /// What the engine is asked of these files.
 /// @throws InputError  for files of other models than constant matrices of second order

@@ -108,9 +108,14 @@ std::optional<Eigen::VectorXcd> ModeRange::shape_of(Complex lambda) {
 
 double ModeRange::least_damping(const MechanicalPart& part) {
   std::call_once(damping_once_, [&] {
-    if (part.mass.size() <= most_cheaply_factored) least_damping_ = least_damping_per_stiffness(part);
+    if (!find && part.mass.size() <= most_cheaply_factored) least_damping_ = least_damping_per_stiffness(part);
   });
   return least_damping_;
+}
+
+std::optional<CoupledLimit> ModeRange::first_exit(const Amplification& single, const MechanicalPart& part) const {
+  const MotionMap& map = single.motion.value();
+  return find ? proved_first_exit(map, find, most_c, most_k, single) : proved_first_exit(map, part, single);
 }
 
 bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small, bool is_body) {

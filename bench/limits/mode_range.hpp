@@ -24,6 +24,10 @@ struct ModeRange {
   bool open = false;  ///< nothing but `rest` is known of the eigenvalues that are not listed
   std::unique_ptr<RangeTangents>
       tangents;                          ///< to the range of all modes; null where that is open or one grows
+  /// Of matrices that are elsewhere: finds what limits ask of them, and no less than the largest eigenvalues of c and k.
+  /// Null where they are here.
+  FindLargestOfSum find = {};
+  double most_c = 0, most_k = 0;
   DampedEigenvalues largest;             ///< that the spectrum lists; none where `open`
   std::vector<std::function<DampedEigenvalues()>>
       searches;  ///< each finds more eigenvalues than the last one
@@ -35,6 +39,8 @@ struct ModeRange {
   std::optional<Eigen::VectorXcd> shape_of(std::complex<double> lambda);
   /// rho with gamma >= rho kappa of all modes, found once a limit asks for it, or 0.
   double least_damping(const MechanicalPart& part);
+  /// The first exit of steps that couple the modes, as far as it is proved.
+  [[nodiscard]] std::optional<CoupledLimit> first_exit(const Amplification& single, const MechanicalPart& part) const;
 
  private:
   std::mutex more_mutex_;

@@ -238,14 +238,17 @@ void predict_coupled(Prediction& row, const Method& method, const OperatingPoint
     return is_of_growing_model(row, all[fastest_of(growing, lambda)], point);
   const MechanicalPart& part = *point.model.mechanical;
   const MotionMap& map = *method.amplification->motion;
-  if (modes.range) row.coupled = proved_first_exit(map, part, *method.amplification);
-  if (!row.coupled && part.mass.size() <= most_dense_modes)
+  if (modes.range) row.coupled = modes.range->first_exit(*method.amplification, part);
+  const bool elsewhere = modes.range && modes.range->find;
+  if (!row.coupled && !elsewhere && part.mass.size() <= most_dense_modes)
     row.coupled = CoupledMotion(map, part).first_exit(*method.amplification);
   if (!row.coupled) {
-    row.note = fmt::format(
-        "{} degrees of freedom whose modes are coupled are too many to look for the limit of this method; take "
-        "explicit_newmark or symplectic_euler, which need no search, fewer degrees of freedom, or damping that couples nothing",
-        part.mass.size());
+    row.note = elsewhere ? "damping couples the modes, and a limit of this method would take a search among all of them; take "
+                           "explicit_newmark or symplectic_euler, which need none"
+                         : fmt::format("{} degrees of freedom whose modes are coupled are too many to look for the limit of this "
+                                       "method; take explicit_newmark or symplectic_euler, which need no search, fewer degrees of "
+                                       "freedom, or damping that couples nothing",
+                                       part.mass.size());
     return;
   }
   conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, point);

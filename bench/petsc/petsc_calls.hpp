@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <slepceps.h>
+#include <slepcpep.h>
 
 namespace hmax::petsc {
 
@@ -42,5 +43,6 @@ using Vector = Owned<Vec, VecDestroy>;
 using Viewer = Owned<PetscViewer, PetscViewerDestroy>;
 using Solver = Owned<EPS, EPSDestroy>;
 using LinearSolver = Owned<KSP, KSPDestroy>;
+using PolynomialSolver = Owned<PEP, PEPDestroy>;
 
 }  // namespace hmax::petsc

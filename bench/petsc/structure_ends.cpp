@@ -63,7 +63,19 @@ Vector fixed_vector(Mat K) {
   return vector;
 }
 
-std::pair<double, double> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std::string& file) {
+void add_rayleigh(Mat C, double alpha, double beta, Mat K, Mat M, Vec lumped) {
+  const std::string what = "damping is not added";
+  if (beta != 0) check(MatAXPY(C, beta, K, DIFFERENT_NONZERO_PATTERN), what);
+  if (alpha == 0) return;
+  if (!lumped) return check(MatAXPY(C, alpha, M, DIFFERENT_NONZERO_PATTERN), what);
+  Vector diagonal;
+  check(VecDuplicate(lumped, diagonal.out()), what);
+  check(VecCopy(lumped, diagonal), what);
+  check(VecScale(diagonal, alpha), what);
+  check(MatDiagonalSet(C, diagonal, ADD_VALUES), what);
+}
+
+std::optional<std::pair<double, double>> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std::string& file) {
   Vector c, k, m;
   check(MatCreateVecs(K, c.out(), k.out()), file);
   check(VecDuplicate(k, m.out()), file);
@@ -74,23 +86,12 @@ std::pair<double, double> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std
   const auto [alpha, beta] = fitted(c, k, m, file);
   PetscReal size = 0, rest = 0;
   check(MatNorm(C, NORM_FROBENIUS, &size), file);
-  // C is not needed any more.
-  check(MatAXPY(C, -beta, K, DIFFERENT_NONZERO_PATTERN), file);
-  if (lumped) {
-    check(VecCopy(lumped, m), file);
-    check(VecScale(m, -alpha), file);
-    check(MatDiagonalSet(C, m, ADD_VALUES), file);
-  } else {
-    check(MatAXPY(C, -alpha, M, DIFFERENT_NONZERO_PATTERN), file);
-  }
+  add_rayleigh(C, -alpha, -beta, K, M, lumped);
   check(MatNorm(C, NORM_FROBENIUS, &rest), file);
-  if (rest > 1e-10 * size)
-    throw std::runtime_error(file + " is not a multiple of mass and stiffness, and --engine petsc takes no damping that "
-                                    "couples the modes; leave out --engine, or give --alpha and --beta in its place");
-  return {alpha, beta};
+  if (rest <= 1e-10 * size) return std::pair(alpha, beta);
+  add_rayleigh(C, alpha, beta, K, M, lumped);
+  return std::nullopt;
 }
-
-namespace {
 
 Solver solver_for(Mat K, Mat M, EPSWhich which, PetscReal tolerance) {
   Solver eps;
@@ -107,7 +108,6 @@ Solver solver_for(Mat K, Mat M, EPSWhich which, PetscReal tolerance) {
   return eps;
 }
 
-/// u / (u^T M u)^1/2
 void normalise(Vec u, Mat M) {
   if (!M) return check(VecNormalize(u, nullptr), of_eigenvalues);
   Vector product;
@@ -117,6 +117,8 @@ void normalise(Vec u, Mat M) {
   check(VecDot(u, product, &square), of_eigenvalues);
   check(VecScale(u, 1 / std::sqrt(square)), of_eigenvalues);
 }
+
+namespace {
 
 Vector find_largest(Mat K, Mat M, StructureEnds& ends) {
   PetscReal size = 0;
@@ -156,24 +158,23 @@ PetscErrorCode keep_least(EPS /*eps*/, PetscInt /*iterations*/, PetscInt converg
   return 0;
 }
 
-/// A negative Ritz value at the slow end, which the least eigenvalue is not above, after a few restarts: what one
-/// that is far from zero takes.
-void look_for_negative(Mat K, Mat M, StructureEnds& ends) {
+}  // namespace
+
+std::optional<double> negative_end(Mat K, Mat M, std::int64_t unknowns, double kappa_max) {
   const std::string what = "the least eigenvalue is not found";
   const Solver eps = solver_for(K, M, EPS_SMALLEST_REAL, 1e-8);
-  check(EPSSetDimensions(eps, 1, static_cast<PetscInt>(std::min<std::int64_t>(ends.unknowns, 40)), PETSC_DEFAULT), what);
+  check(EPSSetDimensions(eps, 1, static_cast<PetscInt>(std::min<std::int64_t>(unknowns, 40)), PETSC_DEFAULT), what);
   check(EPSSetTolerances(eps, 1e-8, M ? 60 : 4), what);
   double least = std::numeric_limits<double>::infinity();
   check(EPSMonitorSet(eps, keep_least, &least, nullptr), what);
   check(EPSSolve(eps), what);
-  if (least < -1e-8 * ends.kappa_max) ends.negative = least;
+  if (least < -1e-8 * kappa_max) return least;
+  return std::nullopt;
 }
-
-}  // namespace
 
 Vector find_ends(Mat K, Mat M, StructureEnds& ends) {
   Vector shape = find_largest(K, M, ends);
-  if (ends.kappa_max > 0) look_for_negative(K, M, ends);
+  if (ends.kappa_max > 0) ends.negative = negative_end(K, M, ends.unknowns, ends.kappa_max);
   return shape;
 }
 

@@ -1,6 +1,8 @@
 /// The ends of the spectrum of a distributed structure, by SLEPc [hernandez2005slepc].
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,10 +14,26 @@ namespace hmax::petsc {
 /// Pseudo-random numbers from -1/2 to 1/2, the same for every number of ranks, shape (rows of K).
 Vector fixed_vector(Mat K);
 
-/// alpha and beta of C = alpha M + beta K, with the matrices compared in full; C is used up.
+/// C += alpha M + beta K.
 /// @param lumped  in place of M where it is diagonal
-/// @throws std::runtime_error  where C is no such sum
-std::pair<double, double> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std::string& file);
+void add_rayleigh(Mat C, double alpha, double beta, Mat K, Mat M, Vec lumped);
+
+/// alpha and beta of C = alpha M + beta K, with the matrices compared in full; nothing where C is no such sum. C loses
+/// its rounding, or all there is of it.
+/// @param lumped  in place of M where it is diagonal
+std::optional<std::pair<double, double>> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std::string& file);
+
+/// Iteration for one end of the spectrum of K u = kappa M u, by the type that its mass allows.
+Solver solver_for(Mat K, Mat M, EPSWhich which, PetscReal tolerance);
+
+/// u / (u^T M u)^1/2
+void normalise(Vec u, Mat M);
+
+/// A negative Ritz value of K u = kappa M u, which the least eigenvalue is not above, after a few restarts: what one that
+/// is far from zero takes.
+/// @param kappa_max  beside which it is negative
+/// @param M          null for I
+std::optional<double> negative_end(Mat K, Mat M, std::int64_t unknowns, double kappa_max);
 
 /// Finds the largest kappa of K u = kappa M u, and whether one is far below zero. Collective. Without M by Krylov-Schur
 /// iteration; M is never factored: generalised Davidson iteration with its diagonal as a preconditioner.

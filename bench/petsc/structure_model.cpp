@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/petsc/damped_ends.hpp"
 #include "bench/petsc/distributed_matrix.hpp"
 #include "bench/petsc/structure_ends.hpp"
 
@@ -58,7 +59,9 @@ LinearSolver mass_solver(Mat M) {
 class Model final : public DistributedModel {
  public:
   /// @param M  null for I
-  Model(Matrix K, Matrix M, StructureEnds ends) : K_(std::move(K)), M_(std::move(M)), ends_(std::move(ends)) {
+  /// @param C  of general damping, else null
+  Model(Matrix K, Matrix M, Matrix C, StructureEnds ends)
+      : K_(std::move(K)), M_(std::move(M)), C_(std::move(C)), ends_(std::move(ends)) {
     const Vector shape = find_ends(K_, M_, ends_);
     // Small eigenproblems are solved by every rank for itself, maybe by processors that round in other ways.
     std::array<double, 5> numbers{ends_.kappa_max, ends_.alpha, ends_.beta, ends_.negative.value_or(0), ends_.residual};
@@ -68,9 +71,11 @@ class Model final : public DistributedModel {
     check(MatCreateVecs(K_, x_.out(), out_.out()), of_products);
     noise_ = own_rows(fixed_vector(K_));
     shape_ = static_cast<Vec>(shape) ? own_rows(shape) : std::vector<double>(noise_.size(), 0.0);
-    if (!M_) return;
-    check(VecDuplicate(out_, product_.out()), of_products);
-    solver_ = mass_solver(M_);
+    if (M_) {
+      check(VecDuplicate(out_, product_.out()), of_products);
+      solver_ = mass_solver(M_);
+    }
+    if (C_) find_most_damping();
   }
 
   [[nodiscard]] const StructureEnds& ends() const override { return ends_; }
@@ -97,6 +102,13 @@ class Model final : public DistributedModel {
       throw std::runtime_error("the mass is not divided by: conjugate gradients do not converge; see whether the mass matrix "
                                "is positive definite, or lump it");
   }
+  SumEnd largest_of_sum(double a, double b, double tolerance) override {
+    const double size = std::abs(a) * ends_.gamma_max + std::abs(b) * ends_.kappa_max;
+    return shared(petsc::largest_of_sum(damped(), a, b, tolerance * size));
+  }
+  std::vector<std::complex<double>> largest_damped(std::size_t most) override {
+    return petsc::largest_damped(damped(), most);
+  }
   void add_up(std::span<double> numbers) override {
     MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_SUM, world);
   }
@@ -107,12 +119,39 @@ class Model final : public DistributedModel {
   }
 
  private:
+  [[nodiscard]] Damped damped() const { return {.K = K_, .C = C_, .M = M_, .divide_by_M = solver_}; }
+  /// What rank 0 has, on all ranks.
+  static SumEnd shared(SumEnd end) {
+    MPI_Bcast(&end, sizeof(end), MPI_BYTE, 0, world);
+    return end;
+  }
+  /// @throws std::runtime_error  where damping excites
+  void find_most_damping() {
+    PetscReal size = 0;
+    check(MatNorm(C_, NORM_INFINITY, &size), of_products);
+    // Its sign does not depend on M.
+    if (negative_end(C_, nullptr, ends_.unknowns, size))
+      throw std::runtime_error("the damping matrix has a negative eigenvalue: it excites motion, and --engine petsc takes "
+                               "damping that does not; leave out --engine");
+    if (M_) {
+      // No row of M is less than its diagonal, as far as a bound of the size needs to know.
+      Vector diagonal;
+      check(VecDuplicate(out_, diagonal.out()), of_products);
+      check(MatGetDiagonal(M_, diagonal), of_products);
+      PetscReal least = 0;
+      check(VecMin(diagonal, nullptr, &least), of_products);
+      size /= least;
+    }
+    const SumEnd most = shared(petsc::largest_of_sum(damped(), 1, 0, 1e-6 * size));
+    if (!most.converged) throw std::runtime_error("the largest damping did not converge; leave out --engine");
+    ends_.gamma_max = most.value + most.residual;
+  }
   void multiply(Mat A, const double* x, double* out) {
     const Placed in(x_, x), result(out_, out);
     check(MatMult(A, x_, out_), of_products);
   }
 
-  Matrix K_, M_;
+  Matrix K_, M_, C_;
   StructureEnds ends_;
   std::vector<double> shape_, noise_;
   Vector x_, out_, product_;
@@ -139,20 +178,32 @@ std::unique_ptr<DistributedModel> read_model(const DistributedStructure& structu
   PetscInt rows = 0;
   check(MatGetSize(K, &rows, nullptr), structure.stiffness);
   ends.unknowns = rows;
+  Matrix C;
   if (!structure.damping.empty()) {
-    const Matrix C = matrix_of(structure.damping);
+    C = matrix_of(structure.damping);
     require_same_shape(K, structure.stiffness, C, structure.damping);
-    std::tie(ends.alpha, ends.beta) = rayleigh_of(C, K, M, mass, structure.damping);
+    require_symmetric(C, structure.damping);
+    if (const auto rayleigh = rayleigh_of(C, K, M, mass, structure.damping)) {
+      std::tie(ends.alpha, ends.beta) = *rayleigh;
+      C = Matrix();
+    } else {
+      ends.general_damping = true;
+    }
   }
-  ends.alpha += structure.alpha;
-  ends.beta += structure.beta;
+  if (ends.general_damping) {
+    add_rayleigh(C, structure.alpha, structure.beta, K, M, mass);
+  } else {
+    ends.alpha += structure.alpha;
+    ends.beta += structure.beta;
+  }
   if (!ends.coupled_mass) {
     M = Matrix();
     check(VecReciprocal(mass), structure.mass);
     check(VecSqrtAbs(mass), structure.mass);
     check(MatDiagonalScale(K, mass, mass), structure.stiffness);
+    if (C) check(MatDiagonalScale(C, mass, mass), structure.damping);
   }
-  return std::make_unique<Model>(std::move(K), std::move(M), std::move(ends));
+  return std::make_unique<Model>(std::move(K), std::move(M), std::move(C), std::move(ends));
 }
 
 }  // namespace hmax::petsc

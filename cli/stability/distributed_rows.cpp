@@ -93,6 +93,8 @@ Json model_json(const Problem& pair, const Linearised& near, const StructureEnds
           {"residual", ends.residual},
           {"solver", ends.solver},
           {"iterations", ends.iterations},
+          {"damping", ends.general_damping ? "general" : "proportional"},
+          {"gamma_max", ends.general_damping ? Json(ends.gamma_max) : Json()},
           {"alpha", ends.alpha},
           {"beta", ends.beta}};
 }
@@ -117,9 +119,12 @@ void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& ch
   const std::unique_ptr<DistributedModel> model = engine.read(structure);
   const StructureEnds& ends = model->ends();
   const Problem pair = pair_with_ends(choice.id(), ends);
-  const Linearised near = linearised(pair, ends);
+  Linearised near;
   std::vector<Prediction> predictions;
-  for (const Method& method : chosen) predictions.push_back(predicted(method, near));
+  engine.together([&] {
+    near = linearised(pair, *model);
+    for (const Method& method : chosen) predictions.push_back(predicted(method, near));
+  });
   if (verified) verify_all(predictions, chosen, near, engine, *model);
   std::vector<LimitRow> rows;
   for (const Prediction& prediction : predictions) {

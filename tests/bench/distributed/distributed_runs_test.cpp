@@ -2,14 +2,20 @@
 #include <algorithm>
 #include <barrier>
 #include <cmath>
+#include <complex>
+#include <limits>
+#include <span>
 #include <thread>
+#include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/distributed/distributed_runs.hpp"
 #include "bench/distributed/limits_from_ends.hpp"
 #include "bench/limits/predict.hpp"
+#include "problems/matrices/matrix_model.hpp"
 
 namespace hmax {
 namespace {
@@ -32,7 +38,7 @@ struct Chain {
     goings.resize(static_cast<std::size_t>(ranks), Going::on);
   }
 
-  MatrixXd K;
+  MatrixXd K, C;  ///< C of general damping
   VectorXd x, shape;
   StructureEnds ends;
   std::barrier<> meeting;
@@ -65,6 +71,29 @@ class Rows final : public DistributedModel {
   void reduced_stiffness_times(const double* x, double* out) override {
     stiffness_times(x, out);
     if (count_ > 0 && ++products_ == breaks_at) out[0] = std::numeric_limits<double>::infinity();
+  }
+  SumEnd largest_of_sum(double a, double b, double /*tolerance*/) override {
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> all(a * chain_.C + b * chain_.K);
+    const VectorXd u = all.eigenvectors().rightCols(1);
+    return {.value = all.eigenvalues()[u.size() - 1], .residual = 0, .gamma = u.dot(chain_.C * u), .kappa = u.dot(chain_.K * u),
+            .converged = true};
+  }
+  std::vector<std::complex<double>> largest_damped(std::size_t most) override {
+    const Eigen::Index n = chain_.K.rows();
+    MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
+    A.topRightCorner(n, n).setIdentity();
+    A.bottomRows(n) << -chain_.K, -chain_.C;
+    const Eigen::VectorXcd values = Eigen::EigenSolver<MatrixXd>(A, false).eigenvalues();
+    std::vector<Complex> upper;
+    for (const Complex lambda : values)
+      if (lambda.imag() >= 0) upper.push_back(lambda);
+    std::ranges::sort(upper, [](Complex a, Complex b) { return std::abs(a) > std::abs(b); });
+    std::vector<Complex> pairs;
+    for (const Complex lambda : std::span(upper).first(std::min(most, upper.size()))) {
+      pairs.push_back(lambda);
+      if (lambda.imag() != 0) pairs.push_back(std::conj(lambda));
+    }
+    return pairs;
   }
   void add_up(std::span<double> numbers) override {
     chain_.sums[rank_].assign(numbers.begin(), numbers.end());
@@ -110,10 +139,10 @@ std::vector<Prediction> verified(const std::string& method, int ranks, const Str
     processes.emplace_back([&, rank] {
       const Method stepped = find_method(method);
       const Problem pair = pair_with_ends("chain", chain.ends);
-      const Linearised near = linearised(pair, chain.ends);
+      Rows own(chain, rank);
+      const Linearised near = linearised(pair, own);
       rows[rank] = predict(stepped, near);
       if (share != 1) rows[rank].h_max = share * *rows[rank].h_max;
-      Rows own(chain, rank);
       if (rank == 0) own.breaks_at = breaks_at;
       verify(rows[rank], stepped, near, own, [] { return false; });
     });
@@ -164,6 +193,72 @@ TEST(DistributedRuns, TakeAtLeastOneRowOfEachProcess) {
     EXPECT_FALSE(row.observed);
     EXPECT_NE(row.note.find("fewer"), std::string::npos) << row.note;
   }
+}
+
+/// A damper at every seventh body.
+MatrixXd dampers(Eigen::Index unknowns, double strength) {
+  MatrixXd C = MatrixXd::Zero(unknowns, unknowns);
+  for (Eigen::Index i = 3; i < unknowns; i += 7) C(i, i) = strength;
+  return C;
+}
+
+/// The prediction from all modes of matrices that are here.
+Prediction from_all_modes(const Method& method, const MatrixXd& K, const MatrixXd& C) {
+  MatrixModel model;
+  model.K = K.sparseView();
+  model.C = C.sparseView();
+  model.facts.damped = true;
+  model.mass = VectorXd::Ones(K.rows());
+  for (Eigen::Index i = 0; i < K.rows(); ++i) model.unknowns.push_back(i);
+  Problem problem;
+  problem.id = "chain";
+  problem.y0 = VectorXd::Zero(2 * K.rows());
+  problem.t_end = 1;
+  problem.system = system_of(model, 0, 0);
+  return predict(method, linearised(problem));
+}
+
+TEST(DistributedLimits, AreThoseOfAllModesWhereDampingCouplesThem) {
+  for (const double strength : {0.05, 1.0, 20.0}) {
+    StructureEnds general;
+    general.general_damping = true;
+    general.gamma_max = strength;
+    Chain chain(1, 40, general);
+    chain.C = dampers(40, strength);
+    Rows rows(chain, 0);
+    const Linearised near = linearised(pair_with_ends("chain", chain.ends), rows);
+    for (const char* id : {"rk4", "rk2_heun", "symplectic_euler", "velocity_verlet", "explicit_newmark", "newmark"}) {
+      const Method method = find_method(id);
+      const Prediction row = predict(method, near), all = from_all_modes(method, chain.K, chain.C);
+      ASSERT_TRUE(all.h_max) << id << all.note;
+      if (!row.unstable_from) {
+        EXPECT_EQ(row.bound, all.bound) << id << strength;
+        EXPECT_EQ(std::isfinite(*row.h_max), std::isfinite(*all.h_max)) << id << strength;
+        if (std::isfinite(*all.h_max)) {
+          EXPECT_NEAR(*row.h_max / *all.h_max, 1, 1e-9) << id << strength;
+        }
+        continue;
+      }
+      EXPECT_LE(row.h_max.value_or(0), *all.h_max * (1 + 1e-9)) << id << strength;
+      EXPECT_GE(*row.unstable_from, *all.h_max * (1 - 1e-9)) << id << strength;
+    }
+  }
+}
+
+TEST(DistributedLimits, OfDampingThatCouplesModesAreNotVerified) {
+  StructureEnds general;
+  general.general_damping = true;
+  general.gamma_max = 1;
+  Chain chain(1, 40, general);
+  chain.C = dampers(40, 1);
+  Rows rows(chain, 0);
+  const Method method = find_method("symplectic_euler");
+  const Linearised near = linearised(pair_with_ends("chain", chain.ends), rows);
+  Prediction row = predict(method, near);
+  ASSERT_EQ(row.bound, Bound::stability);
+  verify(row, method, near, rows, [] { return false; });
+  EXPECT_FALSE(row.observed);
+  EXPECT_NE(row.note.find("couples the modes"), std::string::npos);
 }
 
 TEST(DistributedRuns, StepExplicitMethodsOfHmaxAlone) {

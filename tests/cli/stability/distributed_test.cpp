@@ -102,6 +102,9 @@ class Distributed : public testing::Test {
     write("other", [](int i, int j) { return i == j ? 1.0 + i : 0; });
     write("skewed", [](int i, int j) { return i == j ? 2.0 : j == i + 1 ? -1.0 : j == i - 1 ? -0.5 : 0.0; });
     write("massless", [](int i, int j) { return i != j ? 0.0 : i == 6 ? -1.0 : 1.0; });
+    for (const auto& [name, strength] : {std::pair{"weak", 0.05}, {"strong", 30.0}})
+      write(name, [strength](int i, int j) { return i == j && i % 7 == 3 ? strength * spacing / 6 : 0; });
+    write("exciting", [](int i, int j) { return i != j ? 0 : i == 6 ? -1.0 : 1.0 + i; });
     write("buckled", combined(1, stiffness, -100, lumped));
   }
 
@@ -134,6 +137,30 @@ class Distributed : public testing::Test {
     for (const char* rest : {"K.bin,mass=L.bin,damping=R.bin", "K.bin,mass=M.bin --alpha 2 --beta 0.001", "K.mtx,mass=M.mtx",
                              "K.mtx,mass=lumped:M.mtx"})
       expect_as_built_in(ranks, methods + rest);
+  }
+
+  /// Where damping couples the modes: limits of all modes, or between a bound and what is unstable.
+  void expect_damped_as_built_in(int ranks) const {
+    for (const char* matrices : {"K.bin,mass=L.bin,damping=weak.bin", "K.mtx,mass=M.mtx,damping=strong.mtx --alpha 1 --beta 1e-4"}) {
+      const std::string rest = std::string("--json --methods rk4,symplectic_euler,newmark --matrices stiffness=") + matrices;
+      const Told own = shell.hmax("stability predict " + rest), told = petsc(ranks, rest);
+      ASSERT_EQ(told.exit_code, 0) << told.err;
+      EXPECT_EQ(told.json().at("models").at(0).at("damping"), "general");
+      for (std::size_t i = 0; i < 3; ++i) {
+        const json row = told.json().at("rows").at(i), all = own.json().at("rows").at(i);
+        EXPECT_EQ(row.at("bound"), all.at("bound")) << row;
+        if (!all.at("h_max").is_number()) continue;
+        const double h = row.at("h_max"), expected = all.at("h_max");
+        if (row.at("h_unstable").is_null()) {
+          EXPECT_NEAR(h, expected, 1e-10 * expected) << matrices << row;
+        } else {
+          EXPECT_LE(h, expected * (1 + 1e-10)) << matrices << row;
+          if (row.at("h_unstable").is_number()) {
+            EXPECT_GE(row.at("h_unstable").get<double>(), expected * (1 - 1e-10)) << matrices << row;
+          }
+        }
+      }
+    }
   }
 
   void expect_confirmed(int ranks, const std::string& rest) const {
@@ -172,6 +199,13 @@ TEST_F(Distributed, OneProcessAgreesWithTheBuiltInEngine) { expect_all_as_built_
 TEST_F(Distributed, TwoProcessesAgreeWithTheBuiltInEngine) {
   if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
   expect_all_as_built_in(2);
+}
+
+TEST_F(Distributed, DampingThatCouplesTheModesOnOneProcess) { expect_damped_as_built_in(1); }
+
+TEST_F(Distributed, DampingThatCouplesTheModesOnTwoProcesses) {
+  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  expect_damped_as_built_in(2);
 }
 
 TEST_F(Distributed, RunsConfirmLimitsOnOneProcess) { expect_all_confirmed(1); }
@@ -216,7 +250,8 @@ TEST_F(Distributed, RefusesWhatItCannotTakeInOneSentence) {
            {"--matrices stiffness=skewed.bin,mass=L.bin", "skewed.bin is not symmetric"},
            {"--matrices stiffness=skewed.mtx,mass=L.mtx", "skewed.mtx is not symmetric"},
            {"--matrices stiffness=K.bin,mass=massless.bin", "the mass of row 7 is not positive"},
-           {"--matrices stiffness=K.bin,mass=L.bin,damping=other.bin", "damping that couples the modes"},
+           {"--matrices stiffness=K.bin,mass=L.bin,damping=exciting.bin", "has a negative eigenvalue"},
+           {"--matrices stiffness=K.bin,mass=L.bin,damping=skewed.bin", "skewed.bin is not symmetric"},
            {"--matrices stiffness=cut.bin,mass=L.bin", "cut.bin cannot be read: PETSc says"},
            {"--matrices stiffness=none.mtx,mass=L.bin", "none.mtx"},
            {"--matrices jacobian=K.bin", "a jacobian"},
