@@ -74,6 +74,10 @@ void PartFile::write(std::string_view text) {
   }
 }
 
+void PartFile::sync() {
+  if (fsync(descriptor_) != 0) fail();
+}
+
 void PartFile::replace() {
   const int closed = close(descriptor_);
   descriptor_ = -1;

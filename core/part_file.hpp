@@ -23,6 +23,9 @@ class PartFile {
   /// Appends `text`; continues after short writes and after signals (EINTR).
   /// @throws std::system_error when there is no room
   void write(std::string_view text);
+  /// Waits until the part is on the disk (fsync): after replace() a loss of power leaves the old file or the
+  /// new one, never an empty one. @throws std::system_error
+  void sync();
   /// Moves it to the place of its file. @throws std::system_error
   /// Closes the part first: an error that a file system reports late, on close, leaves the old file in
   /// place.

@@ -1,0 +1,104 @@
+#include "core/checkpoint_file.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+
+#include "core/digest.hpp"
+#include "core/part_file.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr std::string_view kind = "hmax checkpoint ";
+constexpr std::string_view header = "hmax checkpoint 1\n";  // the number is the version of this layout
+constexpr std::size_t digest_size = 16;
+
+/// Appends the length of `text` in 8 bytes, and the text.
+void put_text(std::string& out, std::string_view text) {
+  const std::uint64_t size = text.size();
+  out.append(reinterpret_cast<const char*>(&size), sizeof size);
+  out.append(text);
+}
+
+/// Reads what put_text() wrote and shortens `in`; takes no memory for a length before its bytes are there.
+std::string take_text(std::string_view& in) {
+  std::uint64_t size = 0;
+  if (in.size() < sizeof size) throw std::runtime_error("a length is missing");
+  std::memcpy(&size, in.data(), sizeof size);
+  in.remove_prefix(sizeof size);
+  if (in.size() < size) throw std::runtime_error("a text is missing");
+  std::string text(in.substr(0, size));
+  in.remove_prefix(size);
+  return text;
+}
+
+std::string digest_of(std::string_view bytes) {
+  Digest digest;
+  digest.add(bytes);
+  return digest.text();
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, std::string_view why) {
+  throw std::runtime_error("checkpoint " + file.string() + " " + std::string(why));
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint) {
+  std::string bytes(header);
+  put_text(bytes, checkpoint.state);
+  for (const RunFact& fact : checkpoint.facts) {
+    put_text(bytes, fact.name);
+    put_text(bytes, fact.value);
+  }
+  PartFile part(file);
+  part.write(bytes);
+  part.write(digest_of(bytes));
+  part.sync();
+  part.replace();
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in.is_open() || in.bad()) refuse(file, "cannot be read");
+  constexpr std::string_view damaged = "is damaged or truncated; remove it to start from the beginning";
+  if (!bytes.starts_with(kind)) refuse(file, "is not a checkpoint of hmax; give another name");
+  if (bytes.size() < header.size() + digest_size) refuse(file, damaged);
+  std::string_view body = std::string_view(bytes).substr(0, bytes.size() - digest_size);
+  // The digest first: a damaged digit of the version is damage.
+  if (digest_of(body) != bytes.substr(body.size())) refuse(file, damaged);
+  if (!body.starts_with(header))
+    refuse(file, "was written by another version of hmax; remove it to start from the beginning");
+  body.remove_prefix(header.size());
+  try {
+    Checkpoint checkpoint{{}, take_text(body)};
+    while (!body.empty()) {
+      std::string name = take_text(body);
+      checkpoint.facts.push_back({std::move(name), take_text(body)});
+    }
+    return checkpoint;
+  } catch (const std::runtime_error&) {
+    refuse(file, damaged);
+  }
+}
+
+std::optional<std::string> first_difference(const std::vector<RunFact>& checkpoint,
+                                            const std::vector<RunFact>& run) {
+  const auto [theirs, ours] = std::mismatch(checkpoint.begin(), checkpoint.end(), run.begin(), run.end());
+  const bool has_theirs = theirs != checkpoint.end(), has_ours = ours != run.end();
+  if (!has_theirs && !has_ours) return std::nullopt;
+  if (has_theirs && has_ours && theirs->name == ours->name)
+    return ours->name + " is " + theirs->value + " in the checkpoint and " + ours->value + " in this run";
+  if (has_ours && std::none_of(checkpoint.begin(), checkpoint.end(),
+                               [&](const RunFact& fact) { return fact.name == ours->name; }))
+    return ours->name + " is " + ours->value + " in this run and not given in the checkpoint";
+  if (has_theirs)
+    return theirs->name + " is " + theirs->value + " in the checkpoint and not given in this run";
+  return ours->name + " stands twice in this run";
+}
+
+}  // namespace hmax

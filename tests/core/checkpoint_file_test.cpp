@@ -1,0 +1,107 @@
+#include "core/checkpoint_file.hpp"
+
+#include <bit>
+#include <csignal>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+namespace hmax {
+namespace {
+
+/// A folder that is removed with its files.
+struct CheckpointFile : testing::Test {
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("checkpoint_" + std::to_string(getpid()));
+  std::filesystem::path file = folder / "run.checkpoint";
+  void SetUp() override { std::filesystem::create_directory(folder); }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  [[nodiscard]] std::string bytes() const {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  void put(const std::string& text) const { std::ofstream(file, std::ios::binary) << text; }
+  [[nodiscard]] std::string refusal() const {
+    try {
+      read_checkpoint(file);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+Checkpoint sample() {
+  StateBytes state;
+  state.put(std::int64_t{123456789012345});
+  for (const double value : {-0.0, 0.1, std::numeric_limits<double>::denorm_min()}) state.put(value);
+  return {{{"method", "rk4"}, {"h", "0.001"}}, state.bytes()};
+}
+
+/// Never returns: an error ends the child by abort, and not in the tests of its parent.
+[[noreturn]] void write_without_end(const std::filesystem::path& file) noexcept {
+  for (int i = 0;; ++i) write_checkpoint(file, {{{"n", std::to_string(i)}}, std::string(1 << 16, 'b')});
+}
+
+TEST_F(CheckpointFile, KeepsEveryBit) {
+  write_checkpoint(file, sample());
+  const Checkpoint read = read_checkpoint(file);
+  EXPECT_EQ(read.facts, sample().facts);
+  StateBytes state(read.state);
+  EXPECT_EQ(state.take<std::int64_t>(), 123456789012345);
+  for (const double value : {-0.0, 0.1, std::numeric_limits<double>::denorm_min()})
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(state.take<double>()), std::bit_cast<std::uint64_t>(value));
+  EXPECT_TRUE(state.at_end());
+  EXPECT_THROW(state.take<double>(), std::runtime_error);
+}
+
+TEST_F(CheckpointFile, IsRefusedWhereAnyByteIsDamagedOrMissing) {
+  write_checkpoint(file, sample());
+  const std::string whole = bytes();
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x20);
+    put(damaged);
+    EXPECT_NE(refusal(), "") << "byte " << at;
+    put(whole.substr(0, at));
+    EXPECT_NE(refusal(), "") << "cut at " << at;
+  }
+  put(whole + "x");
+  EXPECT_NE(refusal().find("damaged"), std::string::npos);
+  std::filesystem::remove(file);
+  EXPECT_NE(refusal().find("cannot be read"), std::string::npos);
+}
+
+TEST_F(CheckpointFile, NamesWhatDiffersFirst) {
+  const std::vector<RunFact> run{{"method", "rk4"}, {"h", "0.001"}};
+  EXPECT_EQ(first_difference(run, run), std::nullopt);
+  EXPECT_EQ(first_difference(run, {{"method", "newmark"}, {"h", "0.002"}}),
+            "method is rk4 in the checkpoint and newmark in this run");
+  EXPECT_EQ(first_difference(run, {{"method", "rk4"}}),
+            "h is 0.001 in the checkpoint and not given in this run");
+  EXPECT_EQ(first_difference({{"h", "0.001"}}, run),
+            "method is rk4 in this run and not given in the checkpoint");
+}
+
+TEST_F(CheckpointFile, IsTheOldOrTheNewOneAfterAKill) {
+  write_checkpoint(file, {{{"n", "0"}}, std::string(1 << 16, 'a')});
+  for (int kill_after = 0; kill_after < 20; ++kill_after) {
+    const pid_t child = fork();
+    if (child == 0) write_without_end(file);
+    usleep(static_cast<useconds_t>(500 + 700 * kill_after));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    EXPECT_EQ(read_checkpoint(file).state.size(), std::size_t{1} << 16);
+  }
+}
+
+}  // namespace
+}  // namespace hmax
