@@ -12,7 +12,6 @@ namespace hmax {
 
 namespace {
 
-constexpr std::string_view kind = "hmax checkpoint ";
 constexpr std::string_view header = "hmax checkpoint 1\n";  // the number is the version of this layout
 constexpr std::size_t digest_size = 16;
 
@@ -41,11 +40,18 @@ std::string digest_of(std::string_view bytes) {
   return digest.text();
 }
 
+std::string sentence(const std::filesystem::path& file, std::string_view what) {
+  return "checkpoint " + file.string() + " " + std::string(what);
+}
 [[noreturn]] void refuse(const std::filesystem::path& file, std::string_view why) {
-  throw std::runtime_error("checkpoint " + file.string() + " " + std::string(why));
+  throw std::runtime_error(sentence(file, why));
 }
 
 }  // namespace
+
+std::string damaged_checkpoint(const std::filesystem::path& file) {
+  return sentence(file, "is damaged or truncated; remove it to start from the beginning");
+}
 
 void write_checkpoint(const std::filesystem::path& file, const Checkpoint& checkpoint) {
   std::string bytes(header);
@@ -63,14 +69,17 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
 
 Checkpoint read_checkpoint(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  // Of another file no more is read than its beginning.
+  std::string bytes(checkpoint_opening.size(), ' ');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  const bool is_checkpoint = bytes == checkpoint_opening;
+  if (is_checkpoint) bytes.append(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   if (!in.is_open() || in.bad()) refuse(file, "cannot be read");
-  constexpr std::string_view damaged = "is damaged or truncated; remove it to start from the beginning";
-  if (!bytes.starts_with(kind)) refuse(file, "is not a checkpoint of hmax; give another name");
-  if (bytes.size() < header.size() + digest_size) refuse(file, damaged);
+  if (!is_checkpoint) refuse(file, "is not a checkpoint of hmax; give another name");
+  if (bytes.size() < header.size() + digest_size) throw std::runtime_error(damaged_checkpoint(file));
   std::string_view body = std::string_view(bytes).substr(0, bytes.size() - digest_size);
   // The digest first: a damaged digit of the version is damage.
-  if (digest_of(body) != bytes.substr(body.size())) refuse(file, damaged);
+  if (digest_of(body) != bytes.substr(body.size())) throw std::runtime_error(damaged_checkpoint(file));
   if (!body.starts_with(header))
     refuse(file, "was written by another version of hmax; remove it to start from the beginning");
   body.remove_prefix(header.size());
@@ -82,7 +91,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
     }
     return checkpoint;
   } catch (const std::runtime_error&) {
-    refuse(file, damaged);
+    throw std::runtime_error(damaged_checkpoint(file));
   }
 }
 

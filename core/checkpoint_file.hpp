@@ -1,6 +1,7 @@
 /// The state of a run in a file: what run it is of, and the bytes that it needs to go on.
 #pragma once
 
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <optional>
@@ -12,6 +13,11 @@
 #include <vector>
 
 namespace hmax {
+
+/// What the bytes of a state do not hold, or not in the shape that is asked for.
+struct BadState : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// The bytes of a state, written and read back in the same order: numbers keep every bit.
 class StateBytes {
@@ -25,20 +31,40 @@ class StateBytes {
   requires std::is_arithmetic_v<T>
   void put(T value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
 
+  /// Appends `count` values from `values` on.
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void put_all(const T* values, std::size_t count) {
+    bytes_.append(reinterpret_cast<const char*>(values), count * sizeof(T));
+  }
+
   /// The next value; the type must be that of its put().
-  /// @throws std::runtime_error when fewer bytes are left
+  /// @throws BadState when fewer bytes are left
   template <class T>
   requires std::is_arithmetic_v<T> T take() {
-    if (bytes_.size() - read_ < sizeof(T)) throw std::runtime_error("the state ends too early");
     T value;
-    std::memcpy(&value, bytes_.data() + read_, sizeof value);
-    read_ += sizeof value;
+    take_all(&value, 1);
     return value;
+  }
+  /// The next `count` values, to where `values` has room for them.
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void take_all(T* values, std::size_t count) {
+    expect<T>(count);
+    if (count > 0) std::memcpy(values, bytes_.data() + read_, count * sizeof(T));
+    read_ += count * sizeof(T);
+  }
+  /// @throws BadState when fewer than `count` values of this type are left: asked before memory is taken for
+  /// them
+  template <class T>
+  void expect(std::uint64_t count) const {
+    if (count > left() / sizeof(T)) throw BadState("the state ends too early");
   }
 
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
-  /// Whether every value has been taken.
-  [[nodiscard]] bool at_end() const { return read_ == bytes_.size(); }
+  /// Bytes that have not been taken, and whether there are none.
+  [[nodiscard]] std::size_t left() const { return bytes_.size() - read_; }
+  [[nodiscard]] bool at_end() const { return left() == 0; }
 
  private:
   std::string bytes_;
@@ -56,6 +82,12 @@ struct Checkpoint {
   std::vector<RunFact> facts;  ///< in the order in which differences are told
   std::string state;           ///< StateBytes::bytes()
 };
+
+/// With which every checkpoint begins.
+inline constexpr std::string_view checkpoint_opening = "hmax checkpoint ";
+
+/// What is said of a checkpoint that is damaged.
+std::string damaged_checkpoint(const std::filesystem::path& file);
 
 /// Writes beside `file`, waits for the disk and renames: a process that is killed at any moment leaves the
 /// old file or the new one.

@@ -137,6 +137,12 @@ class FixedStep {
     return Judgement::give_up;
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(n_);
+  }
+
  private:
   /// t0 + n h.
   [[nodiscard]] Real at(std::int64_t n) const { return span_.t0 + static_cast<Real>(n) * h_; }
@@ -217,6 +223,12 @@ class Adaptive {
   Judgement failed(const Stepper&, const Proposal<Real>& step) {
     h_ = step.h / 4;
     return retry_or_give_up(step);
+  }
+
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(h_, controller_);
   }
 
  private:

@@ -35,6 +35,12 @@ class IntegralController {
     return {accept, h * factor};
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(rejected_);
+  }
+
  private:
   Real exponent_;          ///< -1 / (2 q): of err^2
   bool rejected_ = false;  ///< the last attempt was rejected
@@ -71,6 +77,11 @@ class PiController {
     return {true, h * factor};
   }
 
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(previous_, rejected_);
+  }
+
  private:
   Real integral_, proportional_, elementary_;  ///< exponents of squares
   Real previous_ = 1;                          ///< err^2 of the last accepted step, at least 1e-8
@@ -99,6 +110,9 @@ class DeadbandController {
     return {false,
             h * (std::isfinite(error_squared) ? std::max(factor(error_squared), Real(0.2)) : Real(0.1))};
   }
+
+  template <class Visitor>
+  void visit_state(Visitor&) {}  // h alone tells it what to do
 
  private:
   /// 0.9 err^(-1/q).
@@ -130,6 +144,11 @@ class MatlabController {
     return {true, h * factor};
   }
 
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(failed_);
+  }
+
  private:
   Real exponent_;        ///< -1 / (2 q): of err^2
   bool failed_ = false;  ///< the attempt before was rejected
@@ -148,6 +167,11 @@ class AnyController {
   /// Whether runs follow the other rules of MATLAB's solvers too, see Adaptive.
   [[nodiscard]] bool matlab_rules() const {
     return std::holds_alternative<MatlabController<Real>>(controller_);
+  }
+
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(controller_);
   }
 
  private:

@@ -41,6 +41,12 @@ class SampleEvery {
     }
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(j_);
+  }
+
  private:
   Span<Real> span_;
   Real interval_;               ///< signed

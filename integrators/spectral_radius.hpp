@@ -80,6 +80,12 @@ class SpectralRadius {
     return radius_ = static_cast<Real>(margin) * std::max(sigma_before, pair_before);
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(direction_, radius_);
+  }
+
  private:
   /// The direction of the last estimate, or that of f, with a tenth of a vector that has a part in every
   /// component; of length one.

@@ -31,6 +31,12 @@ class TimePart {
   /// For a new run: the next evaluation computes g.
   void forget() { t_ = std::numeric_limits<Real>::quiet_NaN(); }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(t_, part_);
+  }
+
  private:
   /// Whether g of the system is one number of the type Real.
   template <class Sys>

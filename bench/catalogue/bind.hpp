@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "bench/catalogue/kept_sink.hpp"
 #include "bench/catalogue/method.hpp"
 #include "bench/catalogue/run.hpp"
 #include "integrators/control.hpp"
 #include "integrators/integrate.hpp"
+#include "integrators/kept_run.hpp"
 #include "integrators/observers.hpp"
 
 namespace hmax {
@@ -28,7 +30,8 @@ inline constexpr bool steps_are_cheap = StepperT::is_explicit&& is_small_state<t
 /// explicit method on a small state are so cheap that each controller is compiled into a loop of its own.
 /// @param error_order  order of the error estimate; 0 for a method without one, which then only runs at fixed
 /// step
-template <class StepperT, class Real = typename StepperT::Real, class Go>
+/// @tparam each_controller  compiles a loop for each controller, else one for all; the steps are the same
+template <class StepperT, bool each_controller = steps_are_cheap<StepperT>, class Real = typename StepperT::Real, class Go>
 auto with_control(const RunSpec& spec, int error_order, Go&& go) {
   const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol)};
   if constexpr (requires { typename StepperT::Control; }) {
@@ -39,7 +42,7 @@ auto with_control(const RunSpec& spec, int error_order, Go&& go) {
       return go(fixed);
     } else {
       if (!spec.adaptive || error_order == 0) return go(fixed);
-      if constexpr (steps_are_cheap<StepperT>) {
+      if constexpr (each_controller) {
         switch (spec.control) {
           case Controllers::i:
             return go(Adaptive<Real, IntegralController>(tolerances, error_order));
@@ -81,19 +84,33 @@ struct StepperEngine {
   int error_order;
   /// Whether a step is so cheap that watching and counting it would show in its time.
   static constexpr bool is_cheap = steps_are_cheap<StepperT>;
+  static constexpr bool saves_state = SavesState<StepperT>;
 
   template <System Sys, class Observer>
   auto operator()(const Sys& system, Span<real_of<typename Sys::State>> span, typename Sys::State& y,
                   const RunSpec& spec, Observer&& observer) const {
     return with_control<StepperT>(spec, error_order, [&](auto control) {
-      StepperT fresh = stepper;
-      if constexpr (requires { fresh.set_jacobian_update(spec.jacobian); })
-        fresh.set_jacobian_update(spec.jacobian);
-      if constexpr (requires { fresh.set_newton(spec.newton); }) fresh.set_newton(spec.newton);
-      if constexpr (requires { fresh.set_linear_solve(spec.linear_solve); })
-        fresh.set_linear_solve(spec.linear_solve);
-      return integrate(std::move(fresh), system, span, y, control, observer, spec.max_steps);
+      return integrate(fresh(spec), system, span, y, control, observer, spec.max_steps);
     });
+  }
+
+  /// The same for a run that is saved and resumed. @param counts  those of `system`
+  template <System Sys, class Observer>
+  auto kept(const Sys& system, Span<real_of<typename Sys::State>> span, typename Sys::State& y, const RunSpec& spec,
+            Observer& observer, Stats& counts, RunKeeper& keeper) const {
+    return with_control<StepperT, false>(spec, error_order, [&](auto control) {
+      return integrate_kept(fresh(kept_spec(spec)), system, span, y, control, observer, spec.max_steps, counts, keeper);
+    });
+  }
+
+ private:
+  /// A stepper with the options of the run.
+  [[nodiscard]] StepperT fresh(const RunSpec& spec) const {
+    StepperT made = stepper;
+    if constexpr (requires { made.set_jacobian_update(spec.jacobian); }) made.set_jacobian_update(spec.jacobian);
+    if constexpr (requires { made.set_newton(spec.newton); }) made.set_newton(spec.newton);
+    if constexpr (requires { made.set_linear_solve(spec.linear_solve); }) made.set_linear_solve(spec.linear_solve);
+    return made;
   }
 };
 
@@ -130,12 +147,34 @@ class AnyObserver {
       show_(view.t1(), view.y1());
   }
 
+  /// See saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    if (sample_) visit(*sample_);
+  }
+
  private:
   bool samples_;
   Show show_;
   ImplicitWork* work_;
   std::optional<SampleEvery<State, std::reference_wrapper<const Show>>> sample_;
 };
+
+namespace detail {
+/// One run by an engine. Where the sink keeps it, the engine has to know the state of its method.
+template <class Engine, System Sys, class Observer>
+RunEnd<real_of<typename Sys::State>> run_once(const Engine& engine, const Sys& system,
+                                              Span<real_of<typename Sys::State>> span, typename Sys::State& y,
+                                              const RunSpec& spec, Observer& observer, Stats& counts,
+                                              const Sink& sink) {
+  const auto* kept = sink.target<KeptSink>();
+  if (!kept) return engine(system, span, y, spec, observer);
+  if constexpr (requires { requires Engine::saves_state; })
+    return engine.kept(system, span, y, spec, observer, counts, kept->keeper());
+  else
+    throw StateNotSaved{};
+}
+}  // namespace detail
 
 /// A Runner from an engine, a system and an initial state at t = 0; `end_state_extended` is left empty.
 template <class Engine, System Sys>
@@ -146,21 +185,16 @@ Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::
 
   runner.run = [=](const RunSpec& spec, const Sink& sink) {
     const Span<Real> span{0, static_cast<Real>(spec.t_end)};
-    RunRecord record;
     State y = y0;
     Stats counts;
     typename AnyObserver<State>::Show show;
-    if (sink) show = [&sink](Real t, const State& state) { sink(static_cast<double>(t), state); };
+    if (shows_points(sink)) show = [&sink](Real t, const State& state) { sink(static_cast<double>(t), state); };
     AnyObserver<State> observer(span, static_cast<Real>(spec.every), y0, std::move(show), spec.work);
-    const RunEnd<Real> end = engine(Counted<Sys>(system, counts), span, y, spec, observer);
-    record.outcome = end.outcome;
-    record.t = end.t;
-    record.t_state = static_cast<double>(end.t_state);
-    record.note = end.note;
-    record.stats = end.stats;
+    const RunEnd<Real> end =
+        detail::run_once(engine, Counted<Sys>(system, counts), span, y, spec, observer, counts, sink);
+    RunRecord record{end.outcome, end.t, y, static_cast<double>(end.t_state), end.stats, end.note};
     record.stats.rhs += counts.rhs;
     record.stats.jacobian += counts.jacobian;
-    record.y = y;
     return record;
   };
 

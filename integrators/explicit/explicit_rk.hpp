@@ -253,6 +253,13 @@ class ExplicitRk {
     }
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(end_time_, end_part_, first_stage_known_);
+    if (first_stage_known_) visit(k_[0]);
+  }
+
  private:
   /// g(t) at the nodes of one attempt, for systems that split off their dependence on time: once per distinct
   /// node, and before any stage. Nothing in g waits for the state, so the processor begins while the step

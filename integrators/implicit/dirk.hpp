@@ -70,6 +70,24 @@ class Dirk {
   /// Factorisations, Newton iterations and the last failure since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(k_[0], slopes_, slopes_known_, memory_, old_h_, jacobian_, solver_, rounding_, start_known_);
+    visit_work(visit, work_);
+    if constexpr (!explicit_first)
+      if (start_known_) visit(start_slope_);
+    if constexpr (estimates_from_slopes)
+      if (old_h_ != 0) visit(old_slope_);
+  }
+  /// After visit_state() has read it: makes what is not written, masses and factors.
+  template <System Sys>
+  void resumed(const Sys& system) {
+    if (!jacobian_.is_kept()) return;
+    jacobian_.resumed(system);
+    solver_.resumed(jacobian_.matrix(), jacobian_.id());
+  }
+
   /// Sizes the stages, evaluates nothing, forgets slopes, factors and the rate of convergence.
   /// @param y  state of the run, shape (n)
   template <System Sys>

@@ -65,6 +65,20 @@ class ImexRk {
   /// Factorisations, Newton iterations and the last failure since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(nonstiff_[0], stiff_[0], memory_, jacobian_, solver_, rounding_, start_known_);
+    visit_work(visit, work_);
+  }
+  /// After visit_state() has read it: makes what is not written, masses and factors.
+  template <SplitSystem Sys>
+  void resumed(const Sys& system) {
+    if (!jacobian_.is_kept()) return;
+    jacobian_.resumed(StiffPart<Sys>(system));
+    solver_.resumed(jacobian_.matrix(), jacobian_.id());
+  }
+
   /// Sizes the stages, forgets slopes, factors and the rate of convergence.
   /// @param y  state of the run, shape (n)
   template <SplitSystem Sys>

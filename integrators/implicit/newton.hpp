@@ -132,6 +132,12 @@ struct NewtonMemory {
   Real eta = std::numeric_limits<Real>::infinity();
   Real theta = 0;  ///< largest rate of convergence that was seen since it was set to zero
   Real error = 0;  ///< norm of what the last iteration left, as its rate of convergence foretells
+
+  /// See saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(eta, theta, error);
+  }
 };
 
 /// Why an iteration ended.
@@ -251,6 +257,17 @@ NewtonEnd continue_newton(Real mu, NewtonMemory<Real>& memory, std::int64_t& cou
   return NewtonEnd::too_slow;
 }
 
+namespace detail {
+/// M of a Jacobian that was read back, see saved_state.hpp: that of the system where the matrix is a mechanical one.
+template <class Sys, class Matrix>
+void take_mass(const Sys& system, Matrix& J) {
+  if constexpr (is_variant<Matrix>)
+    std::visit([&](auto& held) { take_mass(system, held); }, J);
+  else if constexpr (is_mechanical<Matrix>)
+    J.mass = mass_of(system);
+}
+}  // namespace detail
+
 /// The Jacobian of a method that solves equations, and the rules by which it is renewed. automatic: when the
 /// convergence of an accepted step was slow, or at once when it failed with an old one.
 template <class State, class Matrix>
@@ -332,7 +349,22 @@ class Linearisation {
       due_ = steps_ % update_.every == 0;
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(id_, evaluations_, steps_, due_);
+    if (!due_) visit(J_);
+  }
+  /// After visit_state() has read it: makes what is not written, masses and factors.
+  template <System Sys>
+  void resumed(const Sys& system) {
+    detail::take_mass(system, J_);
+  }
+  /// Whether the matrix at hand serves the next attempt.
+  [[nodiscard]] bool is_kept() const { return !due_; }
+
  private:
+
   template <System Sys>
   void evaluate(const Sys& system, Real t, const State& y, Matrix& J, std::int64_t& id) {
     source_.evaluate(system, t, y, J);
@@ -432,6 +464,21 @@ class ShiftedSolver {
   template <class Vector>
   int solve(Vector& x) {
     return solver_.solve(x);
+  }
+
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(id_, s_, regular_);
+  }
+  /// After visit_state() has read it: the factors of the matrix J with this number, where it is the one that was factored.
+  void resumed(const Matrix& J, std::int64_t id) {
+    if (id != id_) {
+      id_ = 0;  // the next attempt has another matrix
+      return;
+    }
+    set_shifted(J, s_, A_);
+    solver_.factor(A_);
   }
 
  private:

@@ -60,6 +60,21 @@ class RadauIIA5 {
   /// Factorisations, Newton iterations and the last failure since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(old_polynomial_, slope_, slope_known_, memory_, old_h_, jacobian_, real_, complex_, rounding_);
+    visit_work(visit, work_);
+  }
+  /// After visit_state() has read it: makes what is not written, masses and factors.
+  template <System Sys>
+  void resumed(const Sys& system) {
+    if (!jacobian_.is_kept()) return;
+    jacobian_.resumed(system);
+    real_.resumed(jacobian_.matrix(), jacobian_.id());
+    complex_.resumed(jacobian_.matrix(), jacobian_.id());
+  }
+
   /// Sizes all vectors, forgets slopes, factors and the rate of convergence.
   /// @param y  state of the run, shape (n)
   template <System Sys>

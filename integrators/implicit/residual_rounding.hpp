@@ -101,6 +101,12 @@ class ResidualRounding {
     return std::sqrt(norm.squared(correction_, Y));
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(id_, s_, size_, correction_);
+  }
+
  private:
   /// margin s df in correction_.
   template <class Matrix>

@@ -183,6 +183,22 @@ class Rosenbrock {
   /// Factorisations since init(); there are no Newton iterations.
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(jacobian_id_, steps_, jacobian_due_, slope_known_, solver_);
+    visit_work(visit, work_);
+    if (slope_known_) visit(slope_);
+    if (!jacobian_due_) visit(J_);
+  }
+  /// After visit_state() has read it: makes what is not written, masses and factors.
+  template <System Sys>
+  void resumed(const Sys& system) {
+    if (jacobian_due_) return;
+    detail::take_mass(system, J_);
+    solver_.resumed(J_, jacobian_id_);
+  }
+
   /// Whether a step of unchanged size saves a factorisation.
   [[nodiscard]] bool prefers_equal_steps() const { return update_.every == JacobianUpdate::frozen; }
 

@@ -124,6 +124,12 @@ class Adams {
                     explicitly ? past() : newest(), out);
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(f_, starter_, time_part_, spacing_, known_, slope_known_, starting_);
+  }
+
  private:
   using Weights = std::array<Real, max_order>;
 

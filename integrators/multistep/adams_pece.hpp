@@ -175,6 +175,13 @@ class AdamsPece {
     return std::abs(trial_.h) * star(k + 1) * std::sqrt(above);
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(phi_, predicted_slope_, slope_, end_slope_, time_part_, past_, trial_, beta_, sigma_, g_);
+    visit(order_, differences_, end_slope_known_);
+  }
+
  private:
   /// What is known of phi(n) at the present state.
   enum class Differences { none, await_end_slope, known };
@@ -185,6 +192,11 @@ class AdamsPece {
     std::size_t equal = 0;  // how many of the newest have one size, as far as a formula asks
     Real h{};
     std::array<Real, max_order + 1> psi{};
+
+    template <class Visitor>
+    void visit_state(Visitor& visit) {
+      visit(k, equal, h, psi);
+    }
   };
 
   /// |gamma*_i|: the error of order i at equal steps is h |gamma*_i nabla^i f|.

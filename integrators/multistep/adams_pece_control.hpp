@@ -95,6 +95,12 @@ class ShampineGordonControl {
     return shorten(stepper, step, Real(0), eps_, stepper.current_order());
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(h_, failures_, doubling_);
+  }
+
  private:
   /// eps / (rtol |y_i| + atol_i) = 1 / w_i.
   template <class State>

@@ -203,6 +203,20 @@ class GeneralizedAlpha {
   /// Factorisations, iterations, largest error left and the last failure since init().
   [[nodiscard]] ImplicitWork work() const { return work_; }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(a_, K_, C_, factored_h_, rate_, steps_, slow_, linearised_here_);
+    visit_work(visit, work_);
+  }
+  /// After visit_state() has read it: makes what is not written, the factors.
+  template <SecondOrderSystem Sys>
+  void resumed(const Sys&) {
+    const ImplicitWork counted = work_;
+    if (factored_h_ == factored_h_) factor(factored_h_, K_, C_);
+    work_ = counted;
+  }
+
   /// The acceleration at the start of the next step, shape (n).
   [[nodiscard]] const DofsT& acceleration() const { return a_; }
 

@@ -121,6 +121,13 @@ class SymplecticEuler {
         [&](Eigen::Index i) { return end_slope_[n_ + i]; }, theta, out);
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(slope_known_);
+    if (slope_known_) visit(slope_);
+  }
+
  private:
   /// f = (v, a) at both ends of the step, shape (2 n).
   State slope_, end_slope_;
@@ -236,6 +243,13 @@ class KickDriftKick {
     detail::hermite_motion(
         h, y, y_new, [&](Eigen::Index i) { return slope_[n + i]; },
         [&](Eigen::Index i) { return new_slope_[n + i]; }, theta, out);
+  }
+
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(slope_);
+    if constexpr (lumped) visit(damping_, inverse_, inverse_of_);
   }
 
  private:
