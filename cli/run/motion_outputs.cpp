@@ -9,6 +9,7 @@
 
 #include "bench/models/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "cli/run/checkpoint_option.hpp"
 #include "cli/shared/outputs.hpp"
 #include "plots/curves.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
@@ -43,6 +44,12 @@ class Rows {
     last_is_kept_ = (count_ - 1) % stride_ == 0;
   }
 
+  /// See integrators/saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(columns_, last_, count_, stride_, last_is_kept_);
+  }
+
   /// The last row is always kept.
   void finish() {
     if (!last_is_kept_) keep_last();
@@ -75,6 +82,15 @@ Table before_it_leaves(Table table, double times) {
 }
 
 constexpr std::size_t most_drawn = 4000;  // points of a curve
+
+/// Runs once more for the points, kept by the checkpoint if there is one together with what the points change.
+template <class... Members>
+void watch(const WatchedRun& run, RunCheckpoint* checkpoint, const Sink& sink, Members&... members) {
+  if (checkpoint)
+    checkpoint->run(output_part, run.runner, run.spec, kept_output(sink, members...));
+  else
+    run.runner.run(run.spec, sink);
+}
 
 /// Whether half of the points lie in the first thousandth of the time, as those of stiff problems do.
 bool begins_fast(const Table& table) {
@@ -115,10 +131,10 @@ std::string unit_of(const Problem& problem, std::size_t state) {
   return state == 0 ? "m" : "m/s";
 }
 
-std::size_t write_series(const std::filesystem::path& file, const WatchedRun& run) {
+std::size_t write_series(const std::filesystem::path& file, const WatchedRun& run, RunCheckpoint* checkpoint) {
   const TissueBody& body = *run.problem.body;
   std::vector<std::pair<double, std::string>> frames;
-  run.runner.run(run.spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const Sink write_frame = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(frames.size()) > most_frames)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_frames));
@@ -128,12 +144,17 @@ std::size_t write_series(const std::filesystem::path& file, const WatchedRun& ru
                vtu_text(body.origin()->file,
                         {.points = {{"displacement", body.origin()->on_points(displacement)}}, .tetrahedra = {}}));
     frames.emplace_back(t, name);
-  });
+  };
+  watch(run, checkpoint, write_frame, frames);
+  for (const auto& [t, name] : frames)
+    if (!std::filesystem::exists(file.parent_path() / name))
+      throw InputError(fmt::format("{} is missing, the mesh at t = {} s; remove the checkpoint to write all meshes again",
+                                   (file.parent_path() / name).string(), to_text(t)));
   write_file(file, pvd_text(frames));
   return frames.size();
 }
 
-Table points_of(const WatchedRun& run, std::optional<std::size_t> limit) {
+Table points_of(const WatchedRun& run, std::optional<std::size_t> limit, RunCheckpoint* checkpoint) {
   const auto& [problem, method, runner, spec] = run;
   Table table;
   table.notes = {{"problem", problem.id},
@@ -155,7 +176,7 @@ Table points_of(const WatchedRun& run, std::optional<std::size_t> limit) {
   if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
   table.values.resize(table.columns.size());
   Rows rows(table.values, limit);
-  runner.run(spec, [&rows, &table, body = problem.body](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const Sink add = [&rows, &table, body = problem.body](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(table.values[0].size()) > most_points)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
@@ -167,7 +188,8 @@ Table points_of(const WatchedRun& run, std::optional<std::size_t> limit) {
       row.insert(row.end(), y.begin(), y.end());
     }
     rows.add(std::move(row));
-  });
+  };
+  watch(run, checkpoint, add, rows);
   rows.finish();
   return table;
 }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/catalogue/kept_sink.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
@@ -15,6 +16,7 @@
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/tool_report.hpp"
+#include "cli/run/checkpoint_option.hpp"
 #include "cli/run/motion_outputs.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
@@ -42,6 +44,7 @@ struct RunOptions {
   std::string control, jacobian, linear, output, max_steps;
   bool full = false;
   PictureChoice picture;
+  CheckpointChoice checkpoint;
 };
 
 RunSpec spec_of(const RunOptions& options, const Problem& problem) {
@@ -121,9 +124,13 @@ TimedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
   return {std::move(record), thread_cpu_seconds() - start};
 }
 
-/// The run that is reported. Nobody watches it, unless it is long and a person waits at a terminal: then it
+/// The run that is reported, and kept where there is a checkpoint. Nobody watches it, unless it is long and a person waits at a terminal: then it
 /// shows its progress, and ends on Ctrl-C.
-TimedRun reported_run(const Runner& runner, const RunSpec& spec, const Console& console) {
+TimedRun reported_run(const Runner& runner, const RunSpec& spec, RunCheckpoint* checkpoint, const Console& console) {
+  if (checkpoint) {
+    auto [record, cpu_seconds] = checkpoint->run(reported_part, runner, spec);
+    return {std::move(record), cpu_seconds};
+  }
   if (!console.shows_progress()) return timed(runner, spec, {});
   RunSpec first_hundredth = spec;
   first_hundredth.t_end /= 100;
@@ -390,9 +397,9 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
 }
 
 /// @returns how many points or meshes were written
-std::size_t write_output(const RunOptions& options, const WatchedRun& run) {
-  if (is_series(options)) return write_series(options.output, run);
-  const Table table = points_of(run);
+std::size_t write_output(const RunOptions& options, const WatchedRun& run, RunCheckpoint* checkpoint) {
+  if (is_series(options)) return write_series(options.output, run, checkpoint);
+  const Table table = points_of(run, {}, checkpoint);
   write_csv(options.output, table);
   return table.values[0].size();
 }
@@ -463,9 +470,11 @@ void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& re
 
 void run(const RunOptions& options, Console& console) {
   options.picture.check();
+  options.checkpoint.check(options.output, options.picture.file);
   const Problem problem = options.problem.make();
   const Method method = options.method.make();
-  const RunSpec spec = spec_of(options, problem);
+  const RunSpec asked = spec_of(options, problem);
+  const RunSpec spec = options.checkpoint.file.empty() ? asked : kept_spec(asked);
   check(spec, method, problem);
   check_choices(options, problem, method, console.json);
   check_output(options, spec, problem);
@@ -477,12 +486,14 @@ void run(const RunOptions& options, Console& console) {
     console.remark(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
                                is_second_order(problem) ? "displacements at rest" : "states", to_text(random_start_size)));
   const Runner runner = method.bind(problem);
-  const TimedRun result = reported_run(runner, spec, console);
+  const std::unique_ptr<RunCheckpoint> checkpoint =
+      options.checkpoint.open({problem, method, spec, options.method.tableau, options.output, options.every.value_or(0)}, console);
+  const TimedRun result = reported_run(runner, spec, checkpoint.get(), console);
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
   watched.spec.every = options.every.value_or(0);
   std::optional<std::size_t> points;
-  if (!options.output.empty()) points = write_output(options, watched);
+  if (!options.output.empty()) points = write_output(options, watched, checkpoint.get());
   const bool drawn = draw_picture(options, watched, result.record, console);
   if (reached_end) {
     remark_end(problem, spec, result.record, console);
@@ -498,10 +509,24 @@ void run(const RunOptions& options, Console& console) {
       document["output"] = options.output;
       document["points"] = *points;
     }
+    if (checkpoint) document["checkpoint"] = options.checkpoint.file;
     return console.print_json(document);
   }
   console.print(for_people(problem, method, spec, result, !options.method.tableau.empty(), console));
   if (points) console.print(fmt::format("{} points in {}\n", *points, options.output));
+}
+
+/// The run, or where it was stopped to go on later.
+void run_or_stop(const RunOptions& options, Console& console) {
+  try {
+    run(options, console);
+  } catch (const InterruptedRun& at) {
+    console.remark(fmt::format("stopped at t = {} s; the same command goes on from {}", short_number(at.t, 10),
+                               options.checkpoint.file));
+    console.exit_code = Exit::interrupted;
+  } catch (const StateNotSaved&) {
+    throw InputError(without_checkpoints(options.method.make()));
+  }
 }
 
 }  // namespace
@@ -554,8 +579,9 @@ void add_run(CLI::App& app, Console& console) {
       .add_option("--max-steps", options->max_steps,
                   "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default")
       ->type_name("NUMBER");
+  options->checkpoint.add_to(command);
   add_force(command);
-  command.callback([options, &console] { run(*options, console); });
+  command.callback([options, &console] { run_or_stop(*options, console); });
 }
 
 }  // namespace hmax

@@ -14,6 +14,7 @@
 
 #include "bench/input/suggest.hpp"
 #include "cli/shared/last_resort.hpp"
+#include "cli/shared/stop_flag.hpp"
 #include "core/part_file.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -22,7 +23,7 @@ namespace hmax {
 
 namespace {
 
-std::atomic<bool> interrupted{false}, waits_for_task{false};
+std::atomic<bool> interrupted{false}, waits_for_task{false}, saves_first{false};
 
 extern "C" void on_interrupt(int) {
   if (!waits_for_task.load() || interrupted.exchange(true)) {
@@ -32,8 +33,10 @@ extern "C" void on_interrupt(int) {
   }
 }
 
-/// Ends the program as the signal does by itself, which is told to who waits for it.
+/// Ends the program as the signal does by itself, which is told to who waits for it; a task that saves its state is asked
+/// to do that first.
 extern "C" void on_termination(int signal) {
+  if (saves_first.load() && !interrupted.exchange(true)) return;
   remove_part_file();
   std::signal(signal, SIG_DFL);
   raise(signal);
@@ -165,6 +168,11 @@ void Progress::update(double share, std::string_view detail) {
 const std::atomic<bool>& interrupt_flag() {
   waits_for_task = true;
   return interrupted;
+}
+
+const std::atomic<bool>& stop_flag() {
+  saves_first = true;
+  return interrupt_flag();
 }
 
 void install_interrupt_handler() {
