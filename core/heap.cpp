@@ -21,18 +21,14 @@ bool keeps = false;
 
 /// Makes the heap longer and asks for huge pages in the new part.
 void extend_heap() {
-  constexpr int extension = 1 << 30, usual = 128 << 10;
+  constexpr std::size_t extension = 1 << 30;
   constexpr std::uintptr_t huge_page = 2 << 20;
   const auto end_of_heap = [] { return reinterpret_cast<std::uintptr_t>(sbrk(0)); };
   const std::uintptr_t begin = (end_of_heap() + huge_page - 1) / huge_page * huge_page;
-  mallopt(M_TOP_PAD, extension);
-  // A block that the heap has no room for; volatile, lest the compiler leaves both out.
-  void* const volatile block = std::malloc(huge_page);
+  // A block that no hole has room for; volatile, lest the compiler leaves both out.
+  void* const volatile block = std::malloc(extension);
   std::free(block);
-  const std::uintptr_t end = end_of_heap();
-  if (end < begin + extension / 2)
-    mallopt(M_TOP_PAD, usual);
-  else
+  if (const std::uintptr_t end = end_of_heap(); end > begin)
     madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 

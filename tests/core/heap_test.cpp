@@ -1,5 +1,9 @@
 #include "core/heap.hpp"
 
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <unistd.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -9,28 +13,56 @@
 namespace hmax {
 namespace {
 
-constexpr std::size_t numbers = 8 << 20;  // 64 MiB
+constexpr std::int64_t size = 64 << 20, little = size / 8;
 
-/// Of a vector that is freed again.
-std::int64_t peak_with_a_vector() {
-  const std::vector<double> vector(numbers, 1.0);
-  return peak_memory().value_or(0);
+/// Resident memory [bytes].
+std::int64_t memory() {
+  std::int64_t whole = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> whole >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
 }
 
-TEST(Heap, WhatIsFreedStaysAndIsGivenBackBeforeMemoryIsMeasured) {
-  if (!peak_memory()) GTEST_SKIP() << "no peak of the memory on this system";
+/// Uses so much memory and frees it.
+void use() { const std::vector<char> vector(size, 1); }
+
+/// What the heap has beyond a block at its end.
+std::int64_t room() {
+  void* const volatile last = std::malloc(size);
+  const std::int64_t left = static_cast<char*>(sbrk(0)) - static_cast<char*>(last);
+  std::free(last);
+  return left;
+}
+
+class Heap : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!peak_memory()) GTEST_SKIP() << "no peak of the memory on this system";
 #ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "AddressSanitizer keeps what is freed, to find uses of it";
+    GTEST_SKIP() << "AddressSanitizer keeps what is freed, to find uses of it";
 #endif
-  keep_freed_memory();
-  reset_peak_memory();
-  const std::int64_t before = peak_memory().value();
-  constexpr std::int64_t size = numbers * sizeof(double), little = size / 8;
-  for (int time = 0; time < 3; ++time) {
-    EXPECT_NEAR(static_cast<double>(peak_with_a_vector() - before), size, little);
+    keep_freed_memory();
     reset_peak_memory();
-    EXPECT_NEAR(static_cast<double>(peak_memory().value()), static_cast<double>(before), little);
   }
+};
+
+TEST_F(Heap, KeepsWhatIsFreedUntilItIsReturned) {
+  for (int time = 0; time < 3; ++time) {
+    const std::int64_t before = memory();
+    use();
+    EXPECT_NEAR(static_cast<double>(memory() - before), size, little);
+    EXPECT_NEAR(static_cast<double>(peak_memory().value() - before), size, little);
+    reset_peak_memory();
+    EXPECT_NEAR(static_cast<double>(memory() - before), 0, little);
+    EXPECT_NEAR(static_cast<double>(peak_memory().value() - before), 0, little);
+  }
+}
+
+TEST_F(Heap, GrowsInOneStrideAlsoWhereItHasAHole) {
+  auto* hole = new std::vector<char>(size, 1);
+  const std::vector<char> beyond(1 << 20, 1);
+  delete hole;
+  return_freed_memory();
+  EXPECT_GT(room(), 8 * size);
 }
 
 }  // namespace
