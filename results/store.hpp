@@ -72,6 +72,8 @@ class Store {
   void insert(const Row& row);
 
   bool contains(const RowKey& key) const;
+  /// The same of a row that was measured, not explored.
+  bool contains_measured(const RowKey& key) const;
 
   /// An operating point and limits near it, in one transaction; what was stored of the same keys before is
   /// replaced. LimitRow::point of `rows` is not read.

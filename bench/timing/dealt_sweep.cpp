@@ -273,14 +273,17 @@ SweepDealer::~SweepDealer() {
   for (int rank = 1; rank < ranks_.size(); ++rank) ranks_.send(rank, to_bytes(Hand{}));
   int ended = 1;
   for (Pause pause; ended < ranks_.size(); pause.sleep())
-    while (const auto message = ranks_.receive())
-      if (std::holds_alternative<RankEnded>(sweep_message(message->bytes))) ++ended;
+    while (const auto message = ranks_.receive()) try {
+        if (std::holds_alternative<RankEnded>(sweep_message(message->bytes))) ++ended;
+      } catch (const std::exception&) {  // of another hmax, which ends by its own error
+        ++ended;
+      }
 }
 
 SweepSummary SweepDealer::run(const SweepPlan& plan, Store& store,
                               const std::function<void(const SweepProgress&)>& progress,
                               const std::function<bool()>& interrupted) {
-  Sweeper sweeper(plan, store, progress, interrupted);
+  Sweeper sweeper(plan, store, progress, interrupted, are_times_rough(plan, ranks_));
   return sweeper.run([&](const std::vector<SweepTask>& tasks) {
     if (!tasks.empty() && !plan.spec.explore && are_times_rough(plan, ranks_))
       sweeper.warn(

@@ -66,7 +66,7 @@ void explore(Sweeper& sweeper, const std::vector<SweepTask>& tasks) {
 SweepSummary run_sweep(const SweepPlan& plan, Store& store,
                        const std::function<void(const SweepProgress&)>& progress,
                        const std::function<bool()>& interrupted) {
-  Sweeper sweeper(plan, store, progress, interrupted);
+  Sweeper sweeper(plan, store, progress, interrupted, plan.spec.explore);
   return sweeper.run([&](const std::vector<SweepTask>& tasks) { (plan.spec.explore ? explore : measure)(sweeper, tasks); });
 }
 

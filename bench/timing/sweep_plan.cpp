@@ -349,6 +349,11 @@ void mark_published(Store& store) {
           fmt::format("the store '{}' holds rows of a debug build and cannot be published; measure again "
                       "with another --out",
                       store.file().string()));
+  if (const auto rows = store.rows(); std::ranges::any_of(rows, &Row::explored))
+    throw InputError(
+        fmt::format("the store '{}' holds explored rows, whose times are rough, and cannot be published; "
+                    "go on with --resume in one process, without --explore",
+                    store.file().string()));
   store.note("published", "yes");
 }
 

@@ -14,8 +14,10 @@ namespace hmax {
 
 std::vector<std::size_t> Sweeper::missing(const SweepBlock& block) const {
   std::vector<std::size_t> methods;
-  std::ranges::copy_if(block.methods, std::back_inserter(methods),
-                       [&](std::size_t m) { return !store_.contains(row_key(plan_, block, m)); });
+  std::ranges::copy_if(block.methods, std::back_inserter(methods), [&](std::size_t m) {
+    const RowKey key = row_key(plan_, block, m);
+    return !(explores_ ? store_.contains(key) : store_.contains_measured(key));
+  });
   return methods;
 }
 

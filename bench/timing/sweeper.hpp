@@ -15,9 +15,10 @@ namespace hmax {
 class Sweeper {
  public:
   /// The arguments must outlive this.
+  /// @param explores  rows come in explored; otherwise they take the place of explored ones
   Sweeper(const SweepPlan& plan, Store& store, const std::function<void(const SweepProgress&)>& progress,
-          const std::function<bool()>& interrupted)
-      : plan_(plan), store_(store), progress_(progress), interrupted_(interrupted) {}
+          const std::function<bool()>& interrupted, bool explores)
+      : plan_(plan), store_(store), progress_(progress), interrupted_(interrupted), explores_(explores) {}
 
   /// Begins a session where rows are missing.
   /// @param measure  measures all tasks and keeps their rows; SweepEnded ends it and is no error
@@ -47,9 +48,9 @@ class Sweeper {
   Store& store_;
   const std::function<void(const SweepProgress&)>& progress_;
   const std::function<bool()>& interrupted_;
+  bool explores_;
   SweepSummary summary_;
   std::int64_t session_ = 0;
 };
-
 
 }  // namespace hmax

@@ -451,6 +451,14 @@ bool Store::contains(const RowKey& key) const {
   return reporting(impl_->file, [&] { return impl_->id_of(key) != 0; });
 }
 
+bool Store::contains_measured(const RowKey& key) const {
+  return reporting(impl_->file, [&] {
+    Statement query(impl_->db(), "SELECT 1 FROM rows WHERE id = ? AND NOT explored");
+    query.bind(1, impl_->id_of(key));
+    return query.step();
+  });
+}
+
 std::int64_t Store::size() const {
   return reporting(impl_->file, [&] { return sqlite::integer(impl_->db(), "SELECT count(*) FROM rows"); });
 }

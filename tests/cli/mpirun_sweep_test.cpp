@@ -68,8 +68,13 @@ TEST_F(MpirunSweep, HasTheRowsOfASerialSweep) {
     expect_same_rows(shell, "two.sqlite", "one.sqlite");
     for (const Row& row : Store::open_existing(shell / "two.sqlite").rows()) EXPECT_TRUE(row.explored);
     EXPECT_NE(told.json()["warnings"].dump().find("rough"), std::string::npos);
-    // Either form goes on where the other one ended.
-    EXPECT_EQ(shell.hmax(sweep + "--out two.sqlite --resume --json").json()["skipped"], 18);
+    // Either form goes on where the other one ended; one that measures takes the rows anew whose times are
+    // rough.
+    const json again = shell.hmax(sweep + "--out two.sqlite --resume --json").json();
+    EXPECT_EQ(again["skipped"], options.empty() ? 0 : 18);
+    EXPECT_EQ(again["measured"], options.empty() ? 18 : 0);
+    for (const Row& row : Store::open_existing(shell / "two.sqlite").rows())
+      EXPECT_EQ(row.explored, !options.empty());
     EXPECT_EQ(two(sweep + "--out one.sqlite --resume --json").json()["skipped"], 18);
     for (const char* file : {"one.sqlite", "two.sqlite"}) std::filesystem::remove(shell / file);
   }
