@@ -100,7 +100,10 @@ ShowSteps steps_of(const Method& method, const ModeStart& start, Shared shared, 
         show(y);
       });
       const bool ended = record.outcome == Outcome::reached_end;
-      return shared.model.together(ended ? Going::on : Going::ended) == Going::on;
+      const Going all = shared.model.together(ended ? Going::on : Going::ended);
+      // Others have left by it.
+      if (all == Going::interrupted) throw RunsInterrupted{};
+      return all == Going::on;
     } catch (const RunLeft&) {
       return false;
     }

@@ -62,6 +62,9 @@ void set_range(DistributedModel& model, ModeSet& modes) {
   range.rest = range.largest.rest;
   modes.spectrum.lambda = range.largest.lambda;
   if (ends.negative) range.growing = growing_eigenvalue(range.find, range.most_k);
+  if (ends.negative && !range.growing)
+    throw InputError(
+        "K has a negative eigenvalue, and the motion that grows by it did not converge; leave out --engine petsc");
   if (range.growing)
     modes.spectrum.lambda.emplace_back(*range.growing);
   else
