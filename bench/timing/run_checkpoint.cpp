@@ -52,6 +52,7 @@ class RunCheckpoint::Keeper : public RunKeeper {
     StateBytes bytes(part_.output);
     StateLoader load(bytes);
     if (output_.load) output_.load(load);
+    if (!bytes.at_end()) throw BadState("the points are longer than they say");
   }
   void save_output() {
     StateBytes bytes;
@@ -109,6 +110,7 @@ void RunCheckpoint::read() try {
   StateBytes bytes(std::move(found.state));
   StateLoader load(bytes);
   load(parts_);
+  if (!bytes.at_end()) throw BadState("the runs are longer than they say");
   for (Part& part : parts_) part.record.note = part.note;
 } catch (const InputError&) {
   throw;

@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 
 #include "bench/rows/model_digest.hpp"
-#include "cli/shared/stop_flag.hpp"
 #include "core/digest.hpp"
 #include "results/build_info.hpp"
 #include "results/errors.hpp"
+#include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -36,9 +36,10 @@ std::string digest_of_file(const std::string& name) {
 std::vector<RunFact> facts_of(const CheckpointedRun& run) {
   const auto& [problem, method, spec, tableau, output, every] = run;
   const BuildInfo& build = build_info();
+  const Fingerprint here = fingerprint();
   std::vector<RunFact> facts{
       {"hmax", fmt::format("{} ({})", build.version, build.git_revision.substr(0, 12))},
-      {"the compiler", build.compiler},
+      {"the digest of the program", here.program},
       {"the problem", problem.id},
       {"the material", problem.material},
       {"the set of parameters", describe(problem.parameters)},
@@ -101,12 +102,13 @@ void CheckpointChoice::check(const std::string& output, const std::string& pictu
       throw InputError(fmt::format("--checkpoint and {} are one file, {}; give two names", option, file));
 }
 
-std::unique_ptr<RunCheckpoint> CheckpointChoice::open(const CheckpointedRun& run, Console& console) const {
+std::unique_ptr<RunCheckpoint> CheckpointChoice::open(const CheckpointedRun& run, const StopFlag* stop,
+                                                      Console& console) const {
   if (file.empty()) return nullptr;
   CheckpointOptions options{.file = file,
                             .every = every.value_or(60),
                             .facts = facts_of(run),
-                            .stop = [&flag = stop_flag()] { return flag.load(std::memory_order_relaxed); },
+                            .stop = [stop] { return stop->is_set(); },
                             .remark = [&console](const std::string& text) { console.remark(text); }};
   if (console.shows_progress())
     options.progress = [t_end = run.spec.t_end, progress = std::make_shared<Progress>(console, "run")](

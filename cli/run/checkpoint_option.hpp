@@ -10,6 +10,7 @@
 #include "bench/catalogue/method.hpp"
 #include "bench/timing/run_checkpoint.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/stop_flag.hpp"
 
 namespace hmax {
 
@@ -31,8 +32,10 @@ struct CheckpointChoice {
   /// this name
   void check(const std::string& output, const std::string& picture) const;
   /// Null where no file is given. Says on standard error where the run goes on.
+  /// @param stop  what ends the run; null only where no file is given
   /// @throws InputError  see RunCheckpoint
-  [[nodiscard]] std::unique_ptr<RunCheckpoint> open(const CheckpointedRun& run, Console& console) const;
+  [[nodiscard]] std::unique_ptr<RunCheckpoint> open(const CheckpointedRun& run, const StopFlag* stop,
+                                                    Console& console) const;
 };
 
 /// Names of the runs of a command in its checkpoint: the one that is reported, and the one whose points are

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -486,14 +487,21 @@ void run(const RunOptions& options, Console& console) {
     console.remark(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
                                is_second_order(problem) ? "displacements at rest" : "states", to_text(random_start_size)));
   const Runner runner = method.bind(problem);
-  const std::unique_ptr<RunCheckpoint> checkpoint =
-      options.checkpoint.open({problem, method, spec, options.method.tableau, options.output, options.every.value_or(0)}, console);
+  std::optional<StopFlag> stop;
+  if (!options.checkpoint.file.empty()) stop.emplace();
+  const std::unique_ptr<RunCheckpoint> checkpoint = options.checkpoint.open(
+      {problem, method, spec, options.method.tableau, options.output, options.every.value_or(0)},
+      stop ? &*stop : nullptr, console);
   const TimedRun result = reported_run(runner, spec, checkpoint.get(), console);
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
   watched.spec.every = options.every.value_or(0);
   std::optional<std::size_t> points;
   if (!options.output.empty()) points = write_output(options, watched, checkpoint.get());
+  // Nothing saves its state from here on: signals end the program again, also one that came while the last
+  // run ended.
+  if (stop && stop->is_set()) throw Interrupted{};
+  stop.reset();
   const bool drawn = draw_picture(options, watched, result.record, console);
   if (reached_end) {
     remark_end(problem, spec, result.record, console);

@@ -170,10 +170,9 @@ const std::atomic<bool>& interrupt_flag() {
   return interrupted;
 }
 
-const std::atomic<bool>& stop_flag() {
-  saves_first = true;
-  return interrupt_flag();
-}
+StopFlag::StopFlag() { saves_first = waits_for_task = true; }
+StopFlag::~StopFlag() { saves_first = waits_for_task = false; }
+bool StopFlag::is_set() const { return interrupted.load(std::memory_order_relaxed); }
 
 void install_interrupt_handler() {
   std::signal(SIGINT, on_interrupt);

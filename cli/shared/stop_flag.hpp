@@ -1,12 +1,18 @@
 /// How a task that saves its state is told to end.
 #pragma once
 
-#include <atomic>
-
 namespace hmax {
 
-/// interrupt_flag() of a task that saves its state before it ends: from the first call on SIGTERM and SIGHUP
-/// set it too. A second signal ends the program at once.
-const std::atomic<bool>& stop_flag();
+/// While one lives, Ctrl-C, SIGTERM and SIGHUP set a flag in place of ending the program: for a task that
+/// saves its state before it ends. A second signal ends the program at once.
+class StopFlag {
+ public:
+  StopFlag();
+  ~StopFlag();
+  StopFlag(const StopFlag&) = delete;
+  StopFlag& operator=(const StopFlag&) = delete;
+
+  [[nodiscard]] bool is_set() const;
+};
 
 }  // namespace hmax
