@@ -33,7 +33,7 @@ double noise_of(std::size_t count, double radius) {
 }
 
 bool grows(Complex lambda, double noise) {
-  return std::abs(lambda) > noise && lambda.real() > eigenvalue_rounding * std::abs(lambda);
+  return lambda.real() > std::max(noise, eigenvalue_rounding * std::abs(lambda));
 }
 
 template <class Lambdas, class Value>
@@ -43,9 +43,10 @@ double radius_of(const Lambdas& modes, const Value& value) {
   return radius;
 }
 
-/// On the imaginary axis when it is there but for rounding; in the upper half-plane: methods are real.
+/// On the imaginary axis when it is there but for rounding, and where it does not grow; in the upper
+/// half-plane: methods are real.
 Complex cleaned(Complex lambda) {
-  const bool undamped = std::abs(lambda.real()) <= eigenvalue_rounding * std::abs(lambda);
+  const bool undamped = lambda.real() >= -eigenvalue_rounding * std::abs(lambda);
   return {undamped ? 0 : lambda.real(), std::abs(lambda.imag())};
 }
 
@@ -101,7 +102,8 @@ StepLimit largest_stable_step(const Amplification& amplification, std::span<cons
   return over_modes(
       modes.size(), [&](std::size_t i) { return grows(eigenvalues_of(modes[i])[0], noise); },
       [&](std::size_t i) {
-        const MechanicalMode& mode = modes[i];
+        MechanicalMode mode = modes[i];
+        mode.gamma = std::max(mode.gamma, 0.0);
         if (amplification.of_oscillation) return first_exit(amplification.of_oscillation(mode));
         const auto [first, second] = eigenvalues_of(mode);
         double exit = infinity;

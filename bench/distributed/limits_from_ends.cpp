@@ -106,6 +106,11 @@ Linearised linearised(const Problem& pair, DistributedModel& model) {
     set_range(model, near.modes);
     return near;
   }
+  // alpha + beta kappa of motions as slow as nobody knows.
+  if (ends.alpha < -1e-9 * ends.beta * ends.kappa_max)
+    throw InputError(fmt::format(
+        "damping with alpha {:.6g} /s excites slow motions, and --engine petsc does not compute the slow end; leave out --engine",
+        ends.alpha));
   DampingCurve curve{.alpha = ends.alpha, .beta = ends.beta, .kappa_min = least(ends), .kappa_max = ends.kappa_max};
   near.modes.slow_end = std::make_shared<SlowEnd>(curve.kappa_min);
   near.modes.curve = curve;

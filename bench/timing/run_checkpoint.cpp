@@ -51,7 +51,8 @@ class RunCheckpoint::Keeper : public RunKeeper {
   void load_output() const {
     StateBytes bytes(part_.output);
     StateLoader load(bytes);
-    if (output_.load) output_.load(load);
+    if (!output_.load) return;
+    output_.load(load);
     if (!bytes.at_end()) throw BadState("the points are longer than they say");
   }
   void save_output() {

@@ -22,8 +22,9 @@ def matrix(name: str, given: Matrix) -> Any:
         rows, width = given.shape
         if rows != width:  # before memory is taken for a pointer to each column
             raise ValueError(f"{name} has the shape {rows} x {width} but must be square")
-        columns = sparse.csc_matrix(given, dtype=float)
         try:
+            _check_format(given)  # converting what is damaged reads beyond its arrays
+            columns = sparse.csc_matrix(given, dtype=float)
             columns.check_format(full_check=True)
         except (ValueError, TypeError) as error:
             raise ValueError(f"{name} is a damaged sparse matrix ({error}); make it again") from None
@@ -35,6 +36,13 @@ def matrix(name: str, given: Matrix) -> Any:
     if dense.ndim != 2:
         raise ValueError(f"{name} has {dense.ndim} dimensions but must have two; give a square matrix")
     return np.asarray(dense, dtype=float)
+
+
+def _check_format(given: Any) -> None:
+    if sparse.isspmatrix_coo(given):
+        sparse.coo_matrix((given.data, (given.row, given.col)), shape=given.shape)
+    elif hasattr(given, "check_format"):
+        given.check_format(full_check=True)
 
 
 def masses(given: Matrix) -> Any:

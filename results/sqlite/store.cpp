@@ -453,8 +453,11 @@ bool Store::contains(const RowKey& key) const {
 
 bool Store::contains_measured(const RowKey& key) const {
   return reporting(impl_->file, [&] {
-    Statement query(impl_->db(), "SELECT 1 FROM rows WHERE id = ? AND NOT explored");
-    query.bind(1, impl_->id_of(key));
+    const bool may_be_explored = sqlite::integer(impl_->db(), "PRAGMA user_version") > 5;
+    Statement query(
+        impl_->db(),
+        fmt::format("SELECT 1 FROM rows WHERE id = ?{}", may_be_explored ? " AND NOT explored" : "").c_str());
+    query.bind(0, impl_->id_of(key));
     return query.step();
   });
 }

@@ -62,6 +62,18 @@ def test_damaged_sparse_matrices_are_told():
     damaged.indices = np.array([0, 7, 0, 1], dtype=np.int32)
     with pytest.raises(ValueError, match="damaged sparse matrix"):
         limit(K=damaged)
+    for index in (7, -5, 10**9):
+        rows = sparse.csr_matrix(GOOD)
+        rows.indices = np.array([0, index, 0, 1], dtype=np.int32)
+        pairs = sparse.coo_matrix(GOOD)
+        pairs.row = np.array([0, index, 0, 1], dtype=np.int32)
+        for each in (rows, pairs):
+            with pytest.raises(ValueError, match="damaged sparse matrix"):
+                limit(K=each)
+    rows = sparse.csr_matrix(GOOD)
+    rows.indptr = np.array([0, 2, 10**6], dtype=np.int32)
+    with pytest.raises(ValueError, match="damaged sparse matrix"):
+        limit(K=rows)
     damaged = sparse.csc_matrix(GOOD)
     damaged.indptr = np.array([0, 100, 4], dtype=np.int32)
     with pytest.raises(ValueError, match="damaged sparse matrix"):

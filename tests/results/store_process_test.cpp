@@ -176,10 +176,15 @@ TEST(StoreProcess, RowsOfLayout5WereMeasured) {
   Store store = Store::open_existing(scratch / "old");
   ASSERT_EQ(store.size(), 1);
   EXPECT_FALSE(store.rows()[0].explored);
+  EXPECT_TRUE(store.contains_measured(numbered(1).key));
   Row explored = numbered(2);
   explored.explored = true;
   store.begin_session({});
   store.insert(explored);
+  EXPECT_TRUE(store.contains_measured(numbered(1).key));
+  EXPECT_TRUE(store.contains(explored.key));
+  EXPECT_FALSE(store.contains_measured(explored.key));
+  EXPECT_FALSE(store.contains_measured(numbered(3).key));
   EXPECT_EQ(std::ranges::count_if(store.rows(), &Row::explored), 1);
 }
 

@@ -297,6 +297,25 @@ TEST(LargestStableStep, OfAModelThatGrowsNamesTheFastestGrowth) {
   }
 }
 
+/// A free bar on a soft ground, damped along itself: as a whole it moves without damping, beside creep that
+/// is 1e5 times as fast, whose rounding is no growth.
+TEST(LargestStableStep, OfAnUndampedModeBesideStiffDampingIsNoGrowth) {
+  constexpr int n = 30;
+  Eigen::MatrixXd bar = Eigen::MatrixXd::Zero(n, n), M = bar;
+  for (int i = 0; i + 1 < n; ++i) {
+    bar.block<2, 2>(i, i) += 1e4 * Eigen::Matrix2d{{1, -1}, {-1, 1}};
+    M.block<2, 2>(i, i) += Eigen::Matrix2d{{2, 1}, {1, 2}} / 6;
+  }
+  for (const double ground : {4.0, 40.0, 400.0})
+    for (const double beta : {0.01, 0.1, 1.0}) {
+      const Eigen::MatrixXd K = bar + ground * M, C = beta * bar;
+      const StepAnswer rk4 = largest_stable_step("rk4", K, M, C),
+                       newmark = largest_stable_step("newmark", K, M, C);
+      EXPECT_GT(rk4.h_max, 0) << ground << ' ' << beta << ' ' << rk4.status;
+      EXPECT_EQ(newmark.h_max, infinity) << ground << ' ' << beta << ' ' << newmark.status;
+    }
+}
+
 TEST(LargestStableStep, RefusesUnsymmetricMatricesOfALargeCoupledMass) {
   Sparse K = chain(1600, 1);
   K.coeffRef(0, 1) = -2;
