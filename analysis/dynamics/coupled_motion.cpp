@@ -171,9 +171,8 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
   if (!map.lumped.empty() || !singles_leave_at_minus_one(single, map)) return std::nullopt;
   const ScaledMatrices scaled(part);
   const double most_c = scaled.largest_c().bound, most_k = scaled.largest_k().bound;
-  std::optional<CoupledLimit> limit = proved_first_exit(
-      map, [&](double a, double b, double tolerance) { return scaled.largest_of_sum(a, b, most_c, most_k, tolerance); },
-      most_c, most_k, single);
+  std::optional<CoupledLimit> limit =
+      proved_first_exit(map, scaled.largest_of_sum(most_c, most_k), most_c, most_k, single);
   if (limit && limit->displacement.size() > 0)
     limit->displacement = VectorXd(scaled.mass.root_solve(limit->displacement)).normalized();
   return limit;

@@ -45,6 +45,7 @@ using MotionOf = std::function<Eigen::Vector2d(const Eigen::Ref<const Eigen::Vec
 /// @param degree  of the method in zeta; as many states at the start are left out
 /// @param h       [s]
 /// @param steps   >= 4 degree
+/// @param disturbance  share of the motion, without unit, that other motions may have
 std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf& motion, std::size_t degree,
                                            double h, std::int64_t steps, double disturbance = 1e-6);
 

@@ -369,11 +369,4 @@ std::optional<double> growing_eigenvalue(const FindLargestOfSum& find, double mo
   return lambda;
 }
 
-std::optional<double> growing_eigenvalue(const MechanicalPart& part) {
-  const ScaledMatrices scaled(part);
-  const double most_k = scaled.largest_k().bound, most_c = scaled.largest_c().bound;
-  return growing_eigenvalue(
-      [&](double a, double b, double tolerance) { return scaled.largest_of_sum(a, b, most_c, most_k, tolerance); }, most_k);
-}
-
 }  // namespace hmax

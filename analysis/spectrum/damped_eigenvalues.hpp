@@ -80,7 +80,5 @@ DampedEigenvalues many_damped_eigenvalues(const ScaledMatrices& matrices, const 
 /// @param find    of symmetric K and C, C without negative eigenvalues
 /// @param most_k  about the largest eigenvalue of k [1/s^2]
 std::optional<double> growing_eigenvalue(const FindLargestOfSum& find, double most_k);
-/// The same of matrices that are here.
-std::optional<double> growing_eigenvalue(const MechanicalPart& part);
 
 }  // namespace hmax

@@ -54,25 +54,27 @@ Eigen::VectorXcd ScaledMatrices::shape_of(const Eigen::VectorXcd& x) const {
 LargestEigenpair ScaledMatrices::largest_k(double tolerance) const { return largest(k, mass, tolerance); }
 LargestEigenpair ScaledMatrices::largest_c(double tolerance) const { return largest(c, mass, tolerance); }
 
-LargestOfSum ScaledMatrices::largest_of_sum(double a, double b, double most_c, double most_k, double tolerance) const {
-  // Shifted so that no eigenvalue is negative.
-  const double shift = std::max(-a, 0.0) * most_c + std::max(-b, 0.0) * most_k;
-  Eigen::VectorXd damped(size()), stiffened(size());
-  LanczosPair pair = largest_eigenpair(
-      [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
-        c(x, damped);
-        k(x, y);
-        y = shift * x + a * damped + b * y;
-      },
-      size(), {.tolerance = tolerance});
-  c(pair.vector, damped);
-  k(pair.vector, stiffened);
-  return {.value = pair.value - shift,
-          .residual = pair.residual,
-          .gamma = pair.vector.dot(damped),
-          .kappa = pair.vector.dot(stiffened),
-          .converged = pair.converged,
-          .vector = std::move(pair.vector)};
+FindLargestOfSum ScaledMatrices::largest_of_sum(double most_c, double most_k) const {
+  return [this, most_c, most_k](double a, double b, double tolerance) -> LargestOfSum {
+    // Shifted so that no eigenvalue is negative.
+    const double shift = std::max(-a, 0.0) * most_c + std::max(-b, 0.0) * most_k;
+    Eigen::VectorXd damped(size()), stiffened(size());
+    LanczosPair pair = largest_eigenpair(
+        [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+          c(x, damped);
+          k(x, y);
+          y = shift * x + a * damped + b * y;
+        },
+        size(), {.tolerance = tolerance});
+    c(pair.vector, damped);
+    k(pair.vector, stiffened);
+    return {.value = pair.value - shift,
+            .residual = pair.residual,
+            .gamma = pair.vector.dot(damped),
+            .kappa = pair.vector.dot(stiffened),
+            .converged = pair.converged,
+            .vector = std::move(pair.vector)};
+  };
 }
 
 }  // namespace hmax

@@ -48,9 +48,9 @@ struct ScaledMatrices {
   /// The largest eigenvalues, by iteration until residuals are at most `tolerance` of them.
   [[nodiscard]] LargestEigenpair largest_k(double tolerance = 1e-6) const;
   [[nodiscard]] LargestEigenpair largest_c(double tolerance = 1e-6) const;
-  /// By Lanczos iteration, with residuals of `tolerance`.
-  /// @param most_c, most_k  no less than the largest eigenvalues
-  [[nodiscard]] LargestOfSum largest_of_sum(double a, double b, double most_c, double most_k, double tolerance) const;
+  /// The largest eigenvalues of sums a c + b k, by Lanczos iteration. This must outlive it.
+  /// @param most_c, most_k  no less than the largest eigenvalues of c [1/s] and k [1/s^2]
+  [[nodiscard]] FindLargestOfSum largest_of_sum(double most_c, double most_k) const;
 };
 
 }  // namespace hmax

@@ -127,7 +127,7 @@ bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
   const auto matrices = std::make_shared<const ScaledMatrices>(part);
   constexpr double roughly = 1e-3;
   const LargestEigenpair k = matrices->largest_k(roughly), c = matrices->largest_c(roughly);
-  if (may_buckle(model, k.bound, is_body)) range.growing = growing_eigenvalue(part);
+  if (may_buckle(model, k.bound, is_body)) range.growing = growing_eigenvalue(matrices->largest_of_sum(c.bound, k.bound), k.bound);
   const auto search = std::make_shared<DampedSearch>(matrices, k, c);
   constexpr Eigen::Index most_products = 1000, few_products = 300;
   range.largest = search->first(1, most_products);

@@ -39,6 +39,7 @@ def matrix(name: str, given: Matrix) -> Any:
 
 
 def _check_format(given: Any) -> None:
+    """Raises ValueError where the indices of a sparse matrix point beyond its arrays."""
     if sparse.isspmatrix_coo(given):
         sparse.coo_matrix((given.data, (given.row, given.col)), shape=given.shape)
     elif hasattr(given, "check_format"):

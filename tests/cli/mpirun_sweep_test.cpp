@@ -4,23 +4,14 @@
 
 #include "results/compare.hpp"
 #include "results/store.hpp"
-#include "tests/cli/program.hpp"
+#include "tests/cli/mpirun.hpp"
 
 namespace hmax {
 namespace {
 
 using nlohmann::json;
 
-bool is_built() {
-  const json report = Shell().hmax("doctor --json").json();
-  for (const json& part : report.at("optional"))
-    if (part.at("name") == "OpenMPI") return part.at("present");
-  return false;
-}
-
-// Open MPI starts as root, and more processes than cores, only when it is told to.
-const std::string as_root = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; ";
-const std::string on_two = "mpirun -n 2 --oversubscribe " HMAX_PROGRAM " ";
+const std::string on_two = mpirun_two + HMAX_PROGRAM " ";
 
 void expect_same_rows(const Shell& shell, const std::string& found, const std::string& expected) {
   const std::vector<Row> rows = Store::open_existing(shell / found).rows(), others = Store::open_existing(shell / expected).rows();
@@ -35,8 +26,8 @@ void expect_same_rows(const Shell& shell, const std::string& found, const std::s
 class MpirunSweep : public testing::Test {
  protected:
   void SetUp() override {
-    if (!is_built()) GTEST_SKIP() << "this build has no MPI: libopenmpi-dev was missing";
-    if (line("timeout 60 mpirun -n 2 --oversubscribe true").exit_code != 0) GTEST_SKIP() << "mpirun starts no two processes here";
+    if (!is_built_with("OpenMPI")) GTEST_SKIP() << "this build has no MPI: libopenmpi-dev was missing";
+    if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
   }
   [[nodiscard]] Told line(const std::string& command) const { return shell.line(as_root + command); }
   [[nodiscard]] Told two(const std::string& arguments) const { return line("timeout 180 " + on_two + arguments); }
@@ -144,7 +135,7 @@ TEST_F(MpirunSweep, AnotherMpirunIsRefused) {
 }
 
 TEST(MpirunSweeps, ABuildWithoutMpiSaysSo) {
-  if (is_built()) GTEST_SKIP() << "this build has MPI";
+  if (is_built_with("OpenMPI")) GTEST_SKIP() << "this build has MPI";
   expect_refused(Shell().line("OMPI_COMM_WORLD_SIZE=2 hmax " + std::string(quick)), "built without MPI");
 }
 

@@ -8,24 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "tests/cli/program.hpp"
+#include "tests/cli/mpirun.hpp"
 
 namespace hmax {
 namespace {
 
 using nlohmann::json;
-
-bool is_built() {
-  const json report = Shell().hmax("doctor --json").json();
-  for (const json& part : report.at("optional"))
-    if (part.at("name") == "SLEPc") return part.at("present");
-  return false;
-}
-
-// Open MPI starts as root, and more processes than cores, only when it is told to.
-const std::string mpirun = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 180 mpirun -n 2 --oversubscribe ";
-
-bool has_mpirun() { return Shell().line(mpirun + "true").exit_code == 0; }
 
 constexpr int nodes = 59;
 constexpr double spacing = 1.0 / (nodes + 1);
@@ -90,7 +78,7 @@ void write_petsc(const std::filesystem::path& file, const Entry& entry) {
 class Distributed : public testing::Test {
  protected:
   void SetUp() override {
-    if (!is_built()) GTEST_SKIP() << "this build has no engine petsc: petsc-dev or slepc-dev was missing";
+    if (!is_built_with("SLEPc")) GTEST_SKIP() << "this build has no engine petsc: petsc-dev or slepc-dev was missing";
     const auto write = [&](const std::string& name, const Entry& entry) {
       write_market(shell / (name + ".mtx"), entry);
       write_petsc(shell / (name + ".bin"), entry);
@@ -111,7 +99,7 @@ class Distributed : public testing::Test {
   /// `--engine petsc` on so many processes.
   [[nodiscard]] Told petsc(int ranks, const std::string& rest) const {
     const std::string command = "stability predict --engine petsc " + rest;
-    return ranks == 1 ? shell.hmax(command) : shell.line(mpirun + HMAX_PROGRAM " " + command);
+    return ranks == 1 ? shell.hmax(command) : shell.line(as_root + "timeout 180 " + mpirun_two + HMAX_PROGRAM " " + command);
   }
 
   void expect_as_built_in(int ranks, const std::string& rest) const {
@@ -197,21 +185,21 @@ TEST_F(Distributed, FastestModeOfABarIsThatOfTheClosedForm) {
 TEST_F(Distributed, OneProcessAgreesWithTheBuiltInEngine) { expect_all_as_built_in(1); }
 
 TEST_F(Distributed, TwoProcessesAgreeWithTheBuiltInEngine) {
-  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
   expect_all_as_built_in(2);
 }
 
 TEST_F(Distributed, DampingThatCouplesTheModesOnOneProcess) { expect_damped_as_built_in(1); }
 
 TEST_F(Distributed, DampingThatCouplesTheModesOnTwoProcesses) {
-  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
   expect_damped_as_built_in(2);
 }
 
 TEST_F(Distributed, RunsConfirmLimitsOnOneProcess) { expect_all_confirmed(1); }
 
 TEST_F(Distributed, RunsConfirmLimitsOnTwoProcesses) {
-  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
   expect_all_confirmed(2);
 }
 
@@ -263,7 +251,7 @@ TEST_F(Distributed, RefusesWhatItCannotTakeInOneSentence) {
 }
 
 TEST_F(Distributed, TwoProcessesTellAnErrorOnce) {
-  if (!has_mpirun()) GTEST_SKIP() << "mpirun starts no two processes here";
+  if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
   for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx", "stiffness=K.bin,mass=L.bin --out here"}) {
     const Told told = petsc(2, fmt::format("--methods rk4 --matrices {}", files));
     EXPECT_EQ(told.exit_code, 2);
@@ -279,7 +267,7 @@ TEST(DistributedEngine, UnknownNamesAreRefused) {
 }
 
 TEST(DistributedEngine, ABuildWithoutItSaysSo) {
-  if (is_built()) GTEST_SKIP() << "this build has the engine";
+  if (is_built_with("SLEPc")) GTEST_SKIP() << "this build has the engine";
   expect_refused(Shell().hmax("stability predict --engine petsc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"), "built without");
 }
 
