@@ -1,10 +1,10 @@
 #include "analysis/dynamics/basins.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "core/parallel_for.hpp"
@@ -23,16 +23,14 @@ Trap::Trap(const Vector2d& equilibrium, const Matrix2d& J, const Vector2d& size)
   const Matrix2d A = size.cwiseInverse().asDiagonal() * J * size.asDiagonal();
   if (!(A.trace() < 0) || !(A.determinant() > 0))
     throw std::invalid_argument("a trap is for stable equilibria: both eigenvalues need negative real parts");
-  // A^T P + P A = -1 for P = (p, q; q, s), row by row.
-  Eigen::Matrix3d equations;
-  // Lyapunov's equation in the three numbers of the symmetric P.
-  equations << 2 * A(0, 0), 2 * A(1, 0), 0,  //
-      A(0, 1), A.trace(), A(1, 0),           //
-      0, 2 * A(0, 1), 2 * A(1, 1);
-  const Eigen::Vector3d solution = equations.fullPivLu().solve(Eigen::Vector3d(-1, 0, -1));
-  P_ << solution(0), solution(1), solution(1), solution(2);
+  // Lyapunov's equation A^T P + P A = -1: P = c (d 1 + B^T B), where B A = -d 1.
+  const double d = A.determinant(), c = -1 / (2 * A.trace() * d);
+  const Matrix2d B = A - A.trace() * Matrix2d::Identity();
+  P_ = c * (d * Matrix2d::Identity() + B.transpose() * B);
+  // The singular values of B: their squares have the sum |B|^2 and the product d^2.
+  const double sum = B.squaredNorm(), largest = (sum + std::sqrt(std::max(0.0, sum * sum - 4 * d * d))) / 2;
   // u^T P u >= p_min |u|^2, so u^T P u < 1e-6 p_min gives |u| < 1e-3.
-  bound_ = 1e-6 * Eigen::SelfAdjointEigenSolver<Matrix2d>(P_).eigenvalues()(0);
+  bound_ = 1e-6 * c * (d + d * d / largest);
 }
 
 double Basins::share(int of) const {

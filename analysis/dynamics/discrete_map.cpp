@@ -4,8 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include "analysis/spectrum/eigen_solvers.hpp"
 
 namespace hmax {
 namespace {
@@ -73,7 +72,7 @@ Multipliers multipliers_of(const MatrixXd& D) {
   if (D.rows() == 2) {
     for (const auto& value : eigenvalues_2x2(Eigen::Matrix2d(D))) mu.push_back(value);
   } else {
-    const Eigen::VectorXcd values = D.eigenvalues();
+    const Eigen::VectorXcd values = eigenvalues_of(D);
     mu.assign(values.begin(), values.end());
   }
   std::ranges::stable_sort(mu, [](const auto& a, const auto& b) {
@@ -127,7 +126,7 @@ std::optional<VectorXd> newton_fixed_point(const VectorFunction& map, const Box&
     const MatrixXd G = rough_jacobian(map, y, size) - MatrixXd::Identity(y.size(), y.size());
     if (!G.allFinite()) return std::nullopt;
     // In sizes of the box, so that components of different units weigh alike.
-    VectorXd d = (G * size.asDiagonal()).completeOrthogonalDecomposition().solve(-g);
+    VectorXd d = minimum_norm_solution(G * size.asDiagonal(), -g);
     if (!d.allFinite()) return std::nullopt;
     length = d.norm();
     // A step across the box is a leap into the dark.

@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include "analysis/spectrum/eigen_solvers.hpp"
 
 namespace hmax {
 
@@ -67,15 +66,13 @@ std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf&
     for (Eigen::Index j = 0; j < p; ++j) before.block(2 * n, j, 2, 1) = state(j) / largest;
     next.segment(2 * n, 2) = state(p) / largest;
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-9);
-  const Eigen::VectorXd c = solver.compute(before).solve(-next);
+  const Eigen::VectorXd c = minimum_norm_solution(before, -next, 1e-9);
   if (!((before * c + next).cwiseAbs().maxCoeff() <= disturbance)) return std::nullopt;
   // The companion matrix of the recurrence.
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(p, p);
   companion.topRightCorner(p - 1, p - 1).setIdentity();
   companion.bottomRows(1) = -c.transpose();
-  return std::log(companion.eigenvalues().cwiseAbs().maxCoeff());
+  return std::log(eigenvalues_of(companion).cwiseAbs().maxCoeff());
 }
 
 std::int64_t steps_to_see(const ExpectedGrowth& expected) {

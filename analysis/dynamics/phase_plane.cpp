@@ -8,7 +8,8 @@
 #include <stdexcept>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
+
+#include "analysis/spectrum/eigen_solvers.hpp"
 
 namespace hmax {
 namespace {
@@ -60,9 +61,8 @@ std::optional<Vector2d> newton(const PlanarField& field, const Window& window, c
     if (!f.allFinite() || !J.allFinite()) return std::nullopt;
     if (f.isZero(0)) break;
     // Minimum-norm step: on a line of equilibria J is singular and the nearest point of the line is wanted.
-    const Matrix2d scaled = J * size.asDiagonal();
     // J S (d / S) = -f with S the sizes of the window.
-    Vector2d d = scaled.completeOrthogonalDecomposition().solve(-f);
+    Vector2d d = minimum_norm_solution(J * size.asDiagonal(), -f);
     if (!d.allFinite()) return std::nullopt;
     const double length = d.norm();
     if (length > 1) d /= length;  // near a fold of f the full step may leave for infinity

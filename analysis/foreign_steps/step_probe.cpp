@@ -6,11 +6,10 @@
 #include <limits>
 #include <numeric>
 
-#include <Eigen/QR>
-
 #include "analysis/foreign_steps/hidden_state.hpp"
 #include "analysis/foreign_steps/observed_steps.hpp"
 #include "analysis/foreign_steps/step_derivative.hpp"
+#include "analysis/spectrum/eigen_solvers.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -107,7 +106,7 @@ void Probe::look_at_start() {
   if (const Eigen::SparseMatrix<double> declared = engine_.pattern(); declared.size() > 0)
     pattern_ = StepPattern(coordinates_.pattern(declared));
   if (!engine_.after(home, start_, settings_.h0, 1).allFinite())
-    throw InputError("a step of h0 from the start is not finite; take a smaller --h0");
+    throw InputError("a step of h0 from the start is not finite; take a smaller h0");
   if (settings_.motion) found_.state = ProbedState::motion;
   const std::vector<std::string> remarks =
       examine_hidden_state(engine_, coordinates_, scale_, home, start_, settings_.h0)
@@ -137,9 +136,9 @@ void Probe::judge_start() {
   Index most = 0;
   coordinates_.of(start_, next).cwiseQuotient(scale_).cwiseAbs().maxCoeff(&most);
   const Index i = coordinates_.component(most);
-  found_.status.push_back("the state is no equilibrium, a step of h0 changes its number " + std::to_string(i) + " by " +
-                          rounded_text(next[i] - start_[i], 2) +
-                          ": h_max is that of this state; --motion T follows the motion");
+  found_.status.push_back("the state is no equilibrium, a step of h0 changes its number " +
+                          std::to_string(i) + " by " + rounded_text(next[i] - start_[i], 2) +
+                          ": h_max is that of this state; give the length of a motion to follow it");
 }
 
 /// The same scales in balance: of like size in positions and velocities, from what a step of size h makes of them.
@@ -238,11 +237,9 @@ VectorXd Probe::rest_at(double h) {
         pattern_.pays() ? derivative.grouped_matrix(pattern_) : std::nullopt;
     const Eigen::MatrixXd J = grouped ? Eigen::MatrixXd(*grouped) : derivative.matrix(pattern_);
     if (!J.allFinite()) break;
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> system;
     const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n) - J;
-    system.setThreshold(std::max(1e-12, derivative.error() / A.norm()));
-    system.compute(A);
-    const VectorXd tried = coordinates_.at(y, VectorXd(system.solve(step)).cwiseProduct(scale_));
+    const double threshold = std::max(1e-12, derivative.error() / A.norm());
+    const VectorXd tried = coordinates_.at(y, minimum_norm_solution(A, step, threshold).cwiseProduct(scale_));
     const double now = distance_of_step(tried, h);
     if (!(now < 0.5 * left)) break;
     y = tried;
@@ -281,14 +278,14 @@ void Probe::explain_growth_at_least() {
   found_.h_max = nan;
   const StepSpectrum row = found_.rows.front();
   if (found_.state == ProbedState::motion || !std::isfinite(row.spectral_radius)) {
-    found_.status.push_back("steps of h0 cannot be done; take a smaller --h0");
+    found_.status.push_back("steps of h0 cannot be done; take a smaller h0");
     return;
   }
   const double of_half = at(settings_.h0 / 2).spectral_radius - 1, of_whole = row.spectral_radius - 1;
   found_.status.push_back(
       std::abs(2 * of_half - of_whole) < 0.2 * of_whole
           ? "motions grow at every step size, at half of h0 half as much a step: the model itself is unstable at this state"
-          : "motions grow at h0 already; take a smaller --h0");
+          : "motions grow at h0 already; take a smaller h0");
 }
 
 void Probe::find_limit() {
@@ -480,10 +477,11 @@ std::string_view name_of(ProbedState state) {
 ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings) {
   const auto is_size = [](double h) { return std::isfinite(h) && h > 0; };
   if (!is_size(settings.h0) || !is_size(settings.h1) || settings.h1 < settings.h0)
-    throw InputError("step sizes are from --h0 " + to_text(settings.h0) + " to --h1 " + to_text(settings.h1) +
+    throw InputError("step sizes are from h0 " + to_text(settings.h0) + " to h1 " + to_text(settings.h1) +
                      "; give two positive numbers, the smaller one first");
   if (settings.motion && !(*settings.motion >= settings.h1 && std::isfinite(*settings.motion)))
-    throw InputError("--motion " + to_text(*settings.motion) + " is shorter than a step of --h1; give its length in seconds");
+    throw InputError("motion " + to_text(*settings.motion) +
+                     " is shorter than a step of h1; give its length in seconds");
   return Probe(engine, settings).run();
 }
 

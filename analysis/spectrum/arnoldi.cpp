@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/QR>
-
 #include "analysis/spectrum/eigen_solvers.hpp"
 
 namespace hmax {
@@ -69,7 +67,7 @@ class KrylovSpace {
     for (Index i = 0; i < kept; ++i)
       parts.col(i) = ritz.values[static_cast<std::size_t>(i)].imag() < 0 ? VectorXd(ritz.vectors.col(i).imag())
                                                                         : VectorXd(ritz.vectors.col(i).real());
-    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(parts).householderQ() * MatrixXd::Identity(size_, kept);
+    const MatrixXd Q = orthonormal_basis(parts);
     const MatrixXd T = Q.transpose() * H_.topLeftCorner(size_, size_) * Q;
     const Eigen::RowVectorXd below = H_.row(size_).head(size_) * Q;
     const MatrixXd front = V_.leftCols(size_) * Q;

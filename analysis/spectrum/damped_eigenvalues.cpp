@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/QR>
-
 #include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/tall_products.hpp"
@@ -134,8 +132,7 @@ class QuadraticSpace {
       S.col(count++) = shapes_.col(static_cast<Index>(i)).real();
       if (values_[i].imag() != 0) S.col(count++) = shapes_.col(static_cast<Index>(i)).imag();
     }
-    const Eigen::HouseholderQR<MatrixXd> qr(S.leftCols(count));
-    const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(size_, count);
+    const MatrixXd Q = orthonormal_basis(S.leftCols(count));
     for (MatrixXd* vectors : {&V_, &MV_, &KV_, &CV_})
       if (vectors->size() > 0) vectors->leftCols(count) = (vectors->leftCols(size_) * Q).eval();
     for (MatrixXd* projected : {&k_of_V_, &c_of_V_})

@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include <Eigen/QR>
+
 namespace Eigen {
 template class EigenSolver<MatrixXd>;
+template class FullPivLU<MatrixXd>;
+template class PartialPivLU<MatrixXd>;
+template class PartialPivLU<MatrixXcd>;
 template class SelfAdjointEigenSolver<MatrixXd>;
 }  // namespace Eigen
 
@@ -24,6 +29,22 @@ SortedEigenpairs::SortedEigenpairs(const Eigen::MatrixXd& A) {
     vectors.col(static_cast<Eigen::Index>(values.size())) = unsorted.col(i).normalized();
     values.push_back(lambda[i]);
   }
+}
+
+Eigen::VectorXcd eigenvalues_of(const Eigen::MatrixXd& A) {
+  return Eigen::EigenSolver<Eigen::MatrixXd>(A, false).eigenvalues();
+}
+
+Eigen::VectorXd minimum_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
+                                      std::optional<double> threshold) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  if (threshold) solver.setThreshold(*threshold);
+  return solver.compute(A).solve(b);
+}
+
+Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& A) {
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(A).householderQ() *
+         Eigen::MatrixXd::Identity(A.rows(), A.cols());
 }
 
 }  // namespace hmax

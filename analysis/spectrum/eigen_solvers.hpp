@@ -1,13 +1,18 @@
-/// Eigen's dense eigenvalue solvers, compiled once: they are what takes longest to compile.
+/// Eigen's dense solvers, compiled once: they are what takes longest to compile.
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 namespace Eigen {
 extern template class EigenSolver<MatrixXd>;
+extern template class FullPivLU<MatrixXd>;
+extern template class PartialPivLU<MatrixXd>;
+extern template class PartialPivLU<MatrixXcd>;
 extern template class SelfAdjointEigenSolver<MatrixXd>;
 }  // namespace Eigen
 
@@ -21,5 +26,17 @@ struct SortedEigenpairs {
   /// @param A  shape (n, n), finite; 25 n^3 operations
   explicit SortedEigenpairs(const Eigen::MatrixXd& A);
 };
+
+/// The eigenvalues of a real matrix, shape (n, n), in Eigen's order.
+Eigen::VectorXcd eigenvalues_of(const Eigen::MatrixXd& A);
+
+/// The shortest x with the least |A x - b|, by a complete orthogonal decomposition.
+/// @param A  shape (m, n), of any rank
+/// @param threshold  pivots below this share of the largest are zero; Eigen's default otherwise
+Eigen::VectorXd minimum_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
+                                      std::optional<double> threshold = std::nullopt);
+
+/// Orthonormal columns that span those of A, shape (m, n), m >= n.
+Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& A);
 
 }  // namespace hmax
