@@ -470,7 +470,7 @@ void add_mesh(CLI::App& app, Console& console) {
                   "Dihedral angle below which a tetrahedron is a sliver [degrees]; 5 by default")
       ->type_name("DEGREES");
   add_unit(check_command, *options);
-  add_support(check_command, options->supports);
+  add_support(check_command, options->supports, "none by default");
   check_command.callback(with_sentences(check_mesh, options, console));
 
   add_mesh_writers(group, options, console);

@@ -18,13 +18,15 @@
 
 namespace hmax {
 
-void add_support(CLI::App& command, std::vector<std::string>& sets) {
+void add_support(CLI::App& command, std::vector<std::string>& sets, std::string_view otherwise) {
   command
       .add_option(
           "--support", sets,
-          "Points of a mesh that are fixed, instead of one end: the NAME of a group or region of the file, "
-          "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
-          "may be repeated")
+          fmt::format(
+              "Points of a mesh that are fixed, {}: the NAME of a group or region of the file, "
+              "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
+              "may be repeated",
+              otherwise))
       ->type_name("SET")
       ->take_all()
       ->allow_extra_args(false);

@@ -28,7 +28,9 @@ struct MeshOptions {
 };
 
 /// --support, sets of points as of bench/models/support_sets.hpp
-void add_support(CLI::App& command, std::vector<std::string>& sets);
+/// @param otherwise  what holds where there is no such option
+void add_support(CLI::App& command, std::vector<std::string>& sets,
+                 std::string_view otherwise = "instead of one end");
 
 /// --matrices with --alpha --beta
 struct MatrixOptions {

@@ -161,7 +161,7 @@ TEST(ProbePlugin, AlongAMotionNeighboursDecide) {
   EXPECT_NEAR(motion.observed, motion.h_max, 0.1 * motion.h_max);
   const ProbedLimit start = probed("stiffening:0.2", {.h0 = 1e-3, .h1 = 1});
   EXPECT_EQ(start.state, ProbedState::initial);
-  EXPECT_NE(status_of(start).find("--motion T follows the motion"), std::string::npos);
+  EXPECT_NE(status_of(start).find("give the length of a motion to follow it"), std::string::npos);
 }
 
 TEST(ProbePlugin, HiddenStateIsNamed) {
@@ -216,10 +216,11 @@ TEST(ProbePlugin, BadStartsAndStepsAreRefused) {
   };
   EXPECT_EQ(error("start:nan", {.h0 = 1e-3, .h1 = 1}), "number 1 of the state at the start is not finite");
   EXPECT_EQ(error("chain", {.h0 = 1, .h1 = 0.1}),
-            "step sizes are from --h0 1 to --h1 0.1; give two positive numbers, the smaller one first");
+            "step sizes are from h0 1 to h1 0.1; give two positive numbers, the smaller one first");
   EXPECT_EQ(error("chain", {.h0 = 1e-3, .h1 = 0.1, .motion = 0.01}),
-            "--motion 0.01 is shorter than a step of --h1; give its length in seconds");
-  EXPECT_EQ(error("crash", {.h0 = 0.1, .h1 = 1}), "a step of h0 from the start is not finite; take a smaller --h0");
+            "motion 0.01 is shorter than a step of h1; give its length in seconds");
+  EXPECT_EQ(error("crash", {.h0 = 0.1, .h1 = 1}),
+            "a step of h0 from the start is not finite; take a smaller h0");
 }
 
 }  // namespace

@@ -51,6 +51,21 @@ TEST(MatricesOfAUser, ExportedFromABodyTheyHaveItsLimits) {
   }
 }
 
+TEST(MatricesOfAUser, ExportedWithoutAnEquilibriumTheyAreThoseOfRestAndTheCodeSaysSo) {
+  const Shell shell;
+  for (const std::string free : {"stability matrices --mesh cube:n=2 --set support=0 --output out",
+                                 "mesh convert cube:n=2 --gravity 0,0,-9.81 --matrices out"}) {
+    SCOPED_TRACE(free);
+    const Told told = shell.hmax(free + " --json --force");
+    EXPECT_EQ(told.exit_code, 1);
+    EXPECT_EQ(told.json().at("state_kind"), "rest");
+    EXPECT_TRUE(told.json().at("status").is_string()) << told.out;
+  }
+  const Told asked =
+      shell.hmax("stability matrices --mesh cube:n=2 --set support=0 --at rest --output out --json --force");
+  EXPECT_EQ(asked.exit_code, 0) << asked.err;
+}
+
 TEST(MatricesOfAUser, ExportedFromAMeshTheyHaveTheLimitsOfItsBody) {
   const Shell shell;
   // Every kind of element and of damping; free, and held.
