@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 
+#include "core/dense_solvers.hpp"
 #include "core/parallel_for.hpp"
 
 namespace hmax {

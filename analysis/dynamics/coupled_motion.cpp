@@ -9,8 +9,8 @@
 #include <Eigen/LU>
 
 #include "analysis/amplification/structural_amplification.hpp"
-#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 

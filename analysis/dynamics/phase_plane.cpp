@@ -9,7 +9,7 @@
 
 #include <Eigen/LU>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {

@@ -9,7 +9,7 @@
 #include "analysis/foreign_steps/hidden_state.hpp"
 #include "analysis/foreign_steps/observed_steps.hpp"
 #include "analysis/foreign_steps/step_derivative.hpp"
-#include "analysis/spectrum/eigen_solvers.hpp"
+#include "core/dense_solvers.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 

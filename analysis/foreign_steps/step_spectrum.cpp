@@ -9,9 +9,9 @@
 #include <Eigen/SparseCore>
 
 #include "analysis/foreign_steps/step_derivative.hpp"
-#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/step_limits/step_map_limit.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {

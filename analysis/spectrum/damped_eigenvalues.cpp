@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/tall_products.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/tall_products.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {

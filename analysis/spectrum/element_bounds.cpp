@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {

@@ -14,10 +14,10 @@
 #endif
 
 #include "analysis/spectrum/davidson.hpp"
-#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 #include "analysis/spectrum/spectrum.hpp"
+#include "core/dense_solvers.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/panel_factor.hpp"
 #include "results/errors.hpp"

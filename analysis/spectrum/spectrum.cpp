@@ -12,7 +12,7 @@
 #include <Eigen/SVD>
 #include <fmt/format.h>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
+#include "core/dense_solvers.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

@@ -7,8 +7,7 @@
 #include <queue>
 #include <vector>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
-
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {

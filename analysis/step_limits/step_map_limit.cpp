@@ -6,8 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "analysis/spectrum/eigen_solvers.hpp"
 #include "analysis/spectrum/lanczos.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {

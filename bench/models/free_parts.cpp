@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <ranges>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/dense_solvers.hpp"
 #include "problems/mesh/mesh_parts.hpp"
 
 namespace hmax {
@@ -65,9 +65,7 @@ Eigen::MatrixXd free_motions(const TissueBody& body) {
   }
   // Orthonormal with the root of M before them; free motions of different parts are already.
   const Eigen::VectorXd root = body.mass().cwiseSqrt();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> factors(root.asDiagonal() * motions);
-  motions = factors.householderQ() * Eigen::MatrixXd::Identity(body.dofs(), count);
-  return root.cwiseInverse().asDiagonal() * motions;
+  return root.cwiseInverse().asDiagonal() * orthonormal_basis(root.asDiagonal() * motions);
 }
 
 std::vector<std::vector<Eigen::Index>> loose_dofs(const TissueBody& body) {

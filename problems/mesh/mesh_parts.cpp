@@ -5,10 +5,9 @@
 #include <iterator>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 
+#include "core/dense_solvers.hpp"
 #include "problems/mesh/topology.hpp"
 
 namespace hmax {
@@ -118,10 +117,8 @@ Eigen::MatrixXd motions_left(const TetMesh& mesh, const std::vector<Index>& poin
   Index count = 0;
   while (count < 6 && squares.eigenvalues()[count] <= nothing) ++count;
   if (count == 0) return {};
-  const Eigen::MatrixXd all =
-      rigid_motions(mesh, points, centre, size) * squares.eigenvectors().leftCols(count);
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(all).householderQ() *
-         Eigen::MatrixXd::Identity(all.rows(), count);
+  return orthonormal_basis(rigid_motions(mesh, points, centre, size) *
+                           squares.eigenvectors().leftCols(count));
 }
 
 }  // namespace

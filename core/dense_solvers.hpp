@@ -18,7 +18,8 @@ extern template class SelfAdjointEigenSolver<MatrixXd>;
 
 namespace hmax {
 
-/// The eigenpairs of a real matrix, the largest modulus first; conjugates, which have one modulus, side by side.
+/// The eigenpairs of a real matrix, the largest modulus first; conjugates, which have one modulus, side by
+/// side.
 struct SortedEigenpairs {
   std::vector<std::complex<double>> values;  ///< none where the QR algorithm does not converge
   Eigen::MatrixXcd vectors;                  ///< columns of length 1, shape (n, n)

@@ -1,4 +1,4 @@
-#include "analysis/spectrum/eigen_solvers.hpp"
+#include "core/dense_solvers.hpp"
 
 #include <algorithm>
 #include <numeric>
