@@ -231,7 +231,7 @@ Cost cost_of(const Case& c, Task task) {
   const double tetrahedra = static_cast<double>(c.mesh.tetrahedron_count()),
                edges = static_cast<double>(c.edges.cols());
   if (task == Task::force) return {210, 104 + 96 * points / tetrahedra};
-  if (task == Task::springs) return {31, 24 + 96 * points / edges};
+  if (task == Task::springs) return {31, 20 + 96 * points / edges};
   return {588, 128 + 32 * points / tetrahedra + 2 * 96 * edges / tetrahedra +
                    8 * static_cast<double>(c.K.nonZeros()) / tetrahedra};
 }

@@ -176,27 +176,58 @@ void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t 
   }
 }
 
-template <class Lanes>
-void spring_force(const SpringBlock* blocks, std::size_t count, double b, const double* x, double* f) {
+/// T / l = k L (s + b s^3) / l of some lanes as k L (1 / L - 1 / l) (1 + b s^2) with s = l / L - 1, where d
+/// leads from the near to the far end. Points that coincide have d = 0 and meet no force.
+template <class Lanes, bool cubic, class V>
+inline V spring_pull(const SpringBlock& block, std::size_t lane, V b, const V* d) {
+  const V one = Lanes::splat(1), now = Lanes::root(dot<Lanes>(d, d) + Lanes::splat(1e-300));
+  const V per_length = Lanes::load(block.per_length + lane);
+  const V pull = Lanes::load(block.tension + lane) * (per_length - one / now);
+  if constexpr (!cubic) return pull;
+  const V s = now * per_length - one;
+  return pull * (one + b * (s * s));
+}
+
+template <class Lanes, bool cubic>
+void spring_slices(const SpringSlice* slices, std::size_t count, const SpringBlock* blocks,
+                   const SpringEnds* ends, double coefficient, const double* x, double* f) {
   using V = typename Lanes::V;
-  const V one = Lanes::splat(1), cubic = Lanes::splat(b);
-  for (std::size_t n = 0; n < count; ++n)
-    for (std::size_t lane = 0; lane < SpringBlock::lanes; lane += Lanes::width) {
-      const SpringBlock& block = blocks[n];
-      V d[3];
-      Lanes::columns(Lanes::minus(Lanes::rows(x, block.rows[1] + lane), Lanes::rows(x, block.rows[0] + lane)),
-                     d);
-      // T / l = k L (s + b s^3) / l with s = l / L - 1. Points that coincide have d = 0 and meet no force.
-      const V now = Lanes::root(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + Lanes::splat(1e-300));
-      const V s = now * Lanes::load(block.per_length + lane) - one;
-      const V pull = Lanes::load(block.tension + lane) * s * (one + cubic * (s * s)) / now;
-      const typename Lanes::Rows rows = Lanes::back(pull * d[0], pull * d[1], pull * d[2]);
-#pragma GCC unroll 8
-      for (std::size_t i = 0; i < Lanes::width; ++i) {
-        Lanes::add(f + block.rows[0][lane + i], Lanes::row(rows, i));
-        Lanes::subtract(f + block.rows[1][lane + i], Lanes::row(rows, i));
-      }
+  constexpr std::size_t width = Lanes::width, parts = SpringSlice::lanes / width;
+  const V b = Lanes::splat(coefficient);
+  for (const SpringSlice* slice = slices; slice != slices + count; ++slice) {
+    V near[parts][3], sum[parts][3];
+    for (std::size_t part = 0; part < parts; ++part) {
+      Lanes::columns(Lanes::rows(x, slice->rows + part * width), near[part]);
+      for (int i = 0; i < 3; ++i) sum[part][i] = Lanes::splat(0);
     }
+    // All lanes of a block before the next, so that the order of the sums is the same for every width.
+    for (std::int32_t k = slice->begin; k < slice->end; ++k)
+      for (std::size_t part = 0; part < parts; ++part) {
+        V d[3];
+        Lanes::columns(Lanes::rows(x, ends[k].rows + part * width), d);
+        for (int i = 0; i < 3; ++i) d[i] -= near[part][i];
+        const V pull = spring_pull<Lanes, cubic>(blocks[k], part * width, b, d);
+        for (int i = 0; i < 3; ++i) d[i] *= pull, sum[part][i] += d[i];
+        const typename Lanes::Rows rows = Lanes::back(d[0], d[1], d[2]);
+#pragma GCC unroll 8
+        for (std::size_t i = 0; i < width; ++i)
+          Lanes::subtract(f + ends[k].rows[part * width + i], Lanes::row(rows, i));
+      }
+    for (std::size_t part = 0; part < parts; ++part) {
+      const typename Lanes::Rows rows = Lanes::back(sum[part][0], sum[part][1], sum[part][2]);
+#pragma GCC unroll 8
+      for (std::size_t i = 0; i < width; ++i)
+        Lanes::add(f + slice->rows[part * width + i], Lanes::row(rows, i));
+    }
+  }
+}
+
+/// The time of a spring is that from its root to its last sum, over the springs that the processor holds at
+/// once: linear ones leave out what they do not need.
+template <class Lanes>
+void spring_force(const SpringSlice* slices, std::size_t count, const SpringBlock* blocks,
+                  const SpringEnds* ends, double b, const double* x, double* f) {
+  (b == 0 ? spring_slices<Lanes, false> : spring_slices<Lanes, true>)(slices, count, blocks, ends, b, x, f);
 }
 
 /// The table of one instruction set.

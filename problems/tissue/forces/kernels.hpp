@@ -23,12 +23,23 @@ struct TetSlots {
   std::int32_t block[6][TetBlock::lanes];
 };
 
-/// Eight springs with phi = s + b s^3.
-struct alignas(64) SpringBlock {
+/// Eight points and the springs that begin at them, in sliced ELLPACK form: the k-th springs of all eight are
+/// block begin + k. Unused lanes repeat a spring with no stiffness.
+struct SpringSlice {
   static constexpr std::size_t lanes = 8;
-  std::int32_t rows[2][lanes];  ///< as of tetrahedra
-  double per_length[lanes];     ///< 1 / L [1/m]
-  double tension[lanes];        ///< k L [N]
+  std::int32_t rows[lanes];  ///< of the points, as of tetrahedra
+  std::int32_t begin, end;   ///< of its blocks
+};
+
+/// One spring of each of eight points, with phi = s + b s^3.
+struct alignas(64) SpringBlock {
+  double per_length[SpringSlice::lanes];  ///< 1 / L [1/m]
+  double tension[SpringSlice::lanes];     ///< k L [N]
+};
+
+/// Where the rows of the points begin at which the springs of a block end.
+struct SpringEnds {
+  std::int32_t rows[SpringSlice::lanes];
 };
 
 /// The loops, compiled for one instruction set. Displacements u, positions x and forces f are rows of four
@@ -53,8 +64,10 @@ struct TissueKernels {
   ///   c = V lambda / 2 (tr(B) - 3) - V mu.
   void (*green_stiffness)(const TetBlock* blocks, const TetSlots* slots, std::size_t count, const double* u,
                           double* pairs);
-  /// f += forces of springs with the cubic coefficient b.
-  void (*spring_force)(const SpringBlock* blocks, std::size_t count, double b, const double* x, double* f);
+  /// f += forces of springs with the cubic coefficient b. The forces at the points of a slice are summed
+  /// before they are added: a spring reads and writes one row. 31 operations, 20 bytes a spring.
+  void (*spring_force)(const SpringSlice* slices, std::size_t count, const SpringBlock* blocks,
+                       const SpringEnds* ends, double b, const double* x, double* f);
 };
 
 /// Those of instruction_sets(), in its order.

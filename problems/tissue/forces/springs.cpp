@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -64,6 +65,25 @@ std::optional<double> cubic_coefficient(const SpringLaw& law) {
 }
 
 }  // namespace
+
+/// The springs that begin at each point.
+class SpringSet::ByPoint {
+ public:
+  ByPoint(const std::vector<Spring>& springs, std::size_t points)
+      : first_(points + 1, 0), springs_(springs.size()) {
+    const auto point = [&](std::size_t i) { return static_cast<std::size_t>(springs[i].points[0]); };
+    for (std::size_t i = 0; i < springs.size(); ++i) ++first_[point(i) + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::size_t i = 0; i < springs.size(); ++i) springs_[next[point(i)]++] = i;
+  }
+  [[nodiscard]] std::span<const std::size_t> of(std::size_t point) const {
+    return std::span(springs_).subspan(first_[point], first_[point + 1] - first_[point]);
+  }
+
+ private:
+  std::vector<std::size_t> first_, springs_;
+};
 
 double ExponentialSpring::phi(double s) const { return std::expm1(b * s) / b; }
 double ExponentialSpring::slope(double s) const { return std::exp(b * s); }
@@ -145,18 +165,44 @@ SpringSet::SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, 
     slots_.push_back(pattern.slots(spring.points));
     has_dampers_ = has_dampers_ || spring.damper > 0;
   }
-  if (!cubic_coefficient(law_) || springs_.empty()) return;
-  // Springs are dealt to blocks as tetrahedra are, see GreenElements.
-  constexpr std::size_t lanes = SpringBlock::lanes, window = 16;
-  blocks_.resize((springs_.size() + lanes - 1) / lanes);
-  for (std::size_t n = 0; n < blocks_.size(); ++n) {
-    const std::size_t start = n / window * window, width = std::min(window, blocks_.size() - start);
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t wanted = start * lanes + lane * width + (n - start);
-      const std::size_t i = std::min(wanted, springs_.size() - 1);
-      for (std::size_t a = 0; a < 2; ++a) blocks_[n].rows[a][lane] = 4 * springs_[i].points[a];
-      blocks_[n].per_length[lane] = 1 / length_[i];
-      blocks_[n].tension[lane] = wanted < springs_.size() ? springs_[i].stiffness * length_[i] : 0;
+  if (cubic_coefficient(law_)) make_slices(static_cast<std::size_t>(rest.cols()));
+}
+
+void SpringSet::make_slices(std::size_t points) {
+  const ByPoint springs(springs_, points);
+  std::vector<std::size_t> order;
+  for (std::size_t point = 0; point < points; ++point)
+    if (!springs.of(point).empty()) order.push_back(point);
+  // Points near each other with as many springs share a slice, so that few lanes stay unused.
+  constexpr std::size_t lanes = SpringSlice::lanes, window = 16 * lanes;
+  for (std::size_t begin = 0; begin < order.size(); begin += window) {
+    const std::span<std::size_t> near(order.begin() + static_cast<std::ptrdiff_t>(begin),
+                                      std::min(window, order.size() - begin));
+    std::stable_sort(near.begin(), near.end(), [&](std::size_t a, std::size_t b) {
+      return springs.of(a).size() > springs.of(b).size();
+    });
+    for (std::size_t n = 0; n < near.size(); n += lanes)
+      add_slice(springs, near.subspan(n, std::min(lanes, near.size() - n)));
+  }
+}
+
+void SpringSet::add_slice(const ByPoint& springs, std::span<const std::size_t> points) {
+  const std::size_t begin = blocks_.size(), most = springs.of(points.front()).size();
+  SpringSlice& slice = slices_.emplace_back();
+  slice.begin = static_cast<std::int32_t>(begin);
+  slice.end = static_cast<std::int32_t>(begin + most);
+  blocks_.resize(begin + most);
+  ends_.resize(begin + most);
+  for (std::size_t lane = 0; lane < SpringSlice::lanes; ++lane) {
+    const std::size_t point = points[std::min(lane, points.size() - 1)];
+    const std::span<const std::size_t> here = springs.of(point);
+    slice.rows[lane] = 4 * static_cast<Index>(point);
+    for (std::size_t k = 0; k < most; ++k) {
+      const std::size_t i = here[std::min(k, here.size() - 1)];
+      const bool used = lane < points.size() && k < here.size();
+      blocks_[begin + k].per_length[lane] = 1 / length_[i];
+      blocks_[begin + k].tension[lane] = used ? springs_[i].stiffness * length_[i] : 0;
+      ends_[begin + k].rows[lane] = 4 * springs_[i].points[1];
     }
   }
 }
@@ -176,7 +222,8 @@ double SpringSet::energy(const NodeRows& x) const {
 
 void SpringSet::add_force(const NodeRows& x, NodeRows& f) const {
   if (const auto cubic = cubic_coefficient(law_)) {
-    kernels_->spring_force(blocks_.data(), blocks_.size(), *cubic, &x.front().x, &f.front().x);
+    kernels_->spring_force(slices_.data(), slices_.size(), blocks_.data(), ends_.data(), *cubic, &x.front().x,
+                           &f.front().x);
     return;
   }
   std::visit(

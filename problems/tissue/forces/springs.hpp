@@ -110,9 +110,16 @@ class SpringSet {
   [[nodiscard]] Eigen::Matrix3d stiffness(const NodeRows& x, std::size_t i) const;
 
  private:
+  class ByPoint;
+  void make_slices(std::size_t points);
+  void add_slice(const ByPoint& springs, std::span<const std::size_t> points);
+
   std::vector<Spring> springs_;
-  std::vector<double> length_;       // L [m]
-  std::vector<SpringBlock> blocks_;  // the same once more, for laws that the kernels know
+  std::vector<double> length_;  // L [m]
+  // The same once more, for laws that the kernels know.
+  std::vector<SpringSlice> slices_;
+  std::vector<SpringBlock> blocks_;
+  std::vector<SpringEnds> ends_;
   std::vector<std::array<Index, 4>> slots_;
   SpringLaw law_;
   const TissueKernels* kernels_;

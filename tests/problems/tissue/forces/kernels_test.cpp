@@ -177,6 +177,33 @@ TEST(TissueKernels, EveryInstructionSetGivesForcesAndStiffnessOfTheSameBits) {
   }
 }
 
+TEST(TissueKernels, EverySpringActsOnceWhateverTheNumbersOfSpringsAtItsPoints) {
+  // Points at which none, one or many springs begin, some of them more than once, for every instruction set.
+  const Parts parts;
+  const auto points = static_cast<Index>(parts.x.size());
+  for (const Index count : {1, 5, 8, 9, 40, 300}) {
+    std::vector<SpringSet::Spring> springs;
+    for (Index i = 0; i < count; ++i)
+      springs.push_back({{(i * i) % 11, 11 + (7 * i) % (points - 11)}, 10.0 + static_cast<double>(i)});
+    NodeRows plain(parts.x.size());
+    for (const auto& spring : springs) {
+      const auto a = static_cast<std::size_t>(spring.points[0]),
+                 z = static_cast<std::size_t>(spring.points[1]);
+      const Eigen::Vector3d d = as_vector(parts.x[z]) - as_vector(parts.x[a]);
+      const double L =
+          (parts.mesh.points.col(spring.points[1]) - parts.mesh.points.col(spring.points[0])).norm();
+      as_vector(plain[a]) += spring.stiffness * (d.norm() - L) * d.normalized();
+      as_vector(plain[z]) -= spring.stiffness * (d.norm() - L) * d.normalized();
+    }
+    // The pattern has no such pairs, and none is needed: points that are supported are in no pair.
+    const BlockPattern none(std::vector<Index>(parts.x.size(), -1), MeshEdges(2, 0));
+    for (const TissueKernels* kernels : available_tissue_kernels()) {
+      const SpringSet set(parts.mesh.points, springs, LinearSpring{}, none, *kernels);
+      EXPECT_LT(distance(parts.forces(set), plain), 1e-12) << kernels->name << ", " << count;
+    }
+  }
+}
+
 TEST(TissueKernels, PointsThatCoincideMeetNoForceOfTheirSpring) {
   const Parts parts;
   NodeRows x(parts.x.size()), f(parts.x.size());
