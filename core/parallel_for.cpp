@@ -38,6 +38,8 @@ std::size_t jobs() {
 
 void set_jobs(std::size_t count) { chosen = count; }
 
+std::size_t threads() { return most > 1 ? std::min(jobs(), most) : 1; }
+
 ThreadLimit::ThreadLimit(std::size_t count) : before_(std::exchange(most, std::min(most, count))) {}
 ThreadLimit::~ThreadLimit() { most = before_; }
 
@@ -46,7 +48,7 @@ ThreadLimit::~ThreadLimit() { most = before_; }
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress,
                   const std::function<bool()>& interrupted) {
-  const std::size_t workers = std::max<std::size_t>(1, std::min({jobs(), most, count}));
+  const std::size_t workers = std::max<std::size_t>(1, std::min(threads(), count));
   std::atomic<std::size_t> next = 0, done = 0;
   /// The index of a piece that threw, and what; one slot for each worker, so that no lock is needed.
   struct Failure {

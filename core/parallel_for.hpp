@@ -18,6 +18,10 @@ std::size_t jobs();
 /// From now on. A program says so once, at its start or by an option. @param count  at least 1
 void set_jobs(std::size_t count);
 
+/// How many threads parallel_for() uses when the calling thread calls it: jobs(), or fewer under ThreadLimit;
+/// 1 inside a piece.
+std::size_t threads();
+
 /// work(i, worker) for i = 0 .. count - 1, begun in this order, none after interrupted() has become true;
 /// worker < jobs(), so that each may have what others must not share, such as users' formulas. What a piece
 /// computes must not depend on the worker: results are the same for any number of threads. What a piece
@@ -56,7 +60,7 @@ template <class Work>
 void parallel_rows(std::size_t rows, std::size_t entries, const Work& work) {
   constexpr std::size_t least_entries = 100'000;
   if (entries < 2 * least_entries) return work(std::size_t{0}, rows);
-  const std::size_t parts = std::min(jobs(), entries / least_entries);
+  const std::size_t parts = std::min(threads(), entries / least_entries);
   parallel_for(parts, [&](std::size_t part, std::size_t) {
     work(rows * part / parts, rows * (part + 1) / parts);
   });

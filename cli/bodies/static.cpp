@@ -17,6 +17,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/outputs.hpp"
+#include "core/parallel_for.hpp"
 #include "plots/draw.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -75,6 +76,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   int frames = 100, each = 1;
   if (!options.frames.empty()) frames = count_of("--frames", options.frames);
   if (!options.per_frame.empty()) each = count_of("--pseudo-dynamic", options.per_frame);
+  const OneThread alone;
   const auto rows = pseudo_dynamic(model, settings, frames, each, thread_cpu_seconds);
   double worst = 0, seconds = 0, lost = 0;
   for (const StaticFrame& row : rows) {
@@ -286,6 +288,7 @@ struct StaticAnswer {
 
 StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const StaticSettings& settings,
                        double scale, Console& console) {
+  const OneThread alone;  // its CPU time is reported
   const double start = thread_cpu_seconds();
   StaticSolution solution = [&] {
     Progress progress(console, "static");

@@ -6,11 +6,13 @@
 #include <fmt/format.h>
 
 #include "bench/timing/timing.hpp"
+#include "core/parallel_for.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
 
 std::vector<StaticWay> all_ways(const StaticModel& model, StaticSettings settings) {
+  const OneThread alone;
   std::vector<StaticWay> ways;
   for (const StaticMethod method : {StaticMethod::newton, StaticMethod::modified_newton})
     for (const InnerSolver inner :

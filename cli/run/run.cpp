@@ -23,6 +23,7 @@
 #include "cli/shared/commands.hpp"
 #include "cli/shared/drawn_svg.hpp"
 #include "cli/shared/outputs.hpp"
+#include "core/parallel_for.hpp"
 #include "integrators/control.hpp"
 #include "integrators/implicit/newton.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
@@ -128,6 +129,7 @@ TimedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
 /// The run that is reported, and kept where there is a checkpoint. Nobody watches it, unless it is long and a person waits at a terminal: then it
 /// shows its progress, and ends on Ctrl-C.
 TimedRun reported_run(const Runner& runner, const RunSpec& spec, RunCheckpoint* checkpoint, const Console& console) {
+  const OneThread alone;  // its CPU time is reported
   if (checkpoint) {
     auto [record, cpu_seconds] = checkpoint->run(reported_part, runner, spec);
     return {std::move(record), cpu_seconds};

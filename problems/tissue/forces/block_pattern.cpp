@@ -65,27 +65,34 @@ BlockPattern::Index BlockPattern::pair(Index i, Index j) const {
   return lower_[at(low)] + static_cast<Index>(std::lower_bound(from, to, high) - from);
 }
 
-void BlockPattern::begin(Pairs& pairs) const {
+void BlockPattern::begin(Index column, Pairs& pairs) const {
   pairs.next.resize(at(columns()));
-  for (std::size_t j = 0; j < pairs.next.size(); ++j) pairs.next[j] = lower_[j] % pairs.ring;
-  pairs.diagonal.assign(9 * at(columns()), 0);
+  for (std::size_t j = 0; j < pairs.next.size(); ++j) {
+    Index block = lower_[j];
+    if (static_cast<Index>(j) < column) {
+      const auto to = rows_.begin() + first_[j + 1], from = to - (lower_[j + 1] - lower_[j]);
+      block += static_cast<Index>(std::lower_bound(from, to, column) - from);
+    }
+    pairs.next[j] = block % pairs.ring;
+  }
+}
+
+void BlockPattern::skip(Index begin, Index end, Pairs& pairs) const {
+  for (std::size_t j = at(begin); j < at(end); ++j) {
+    const Index own = first_[j + 1] - (lower_[j + 1] - lower_[j]) - 1;
+    for (Index k = first_[j]; k < own; ++k) std::fill_n(pairs.take(pairs.next[at(rows_[at(k)])]), 12, 0.0);
+  }
 }
 
 void BlockPattern::write(Index begin, Index end, Pairs& pairs, double* values) const {
-  double* const rows = &pairs.rows.front().x;
-  const auto take = [&](Index& place) {
-    double* const block = rows + 12 * static_cast<std::ptrdiff_t>(place);
-    if (++place == pairs.ring) place = 0;
-    return block;
-  };
   for (std::size_t j = at(begin); j < at(end); ++j) {
     const Index from = first_[j], count = first_[j + 1] - from, step = 3 * count;
     const Index own = count - 1 - (lower_[j + 1] - lower_[j]);
     double* const column = values + 9 * static_cast<std::ptrdiff_t>(from);
-    double* const sum = pairs.diagonal.data() + 9 * j;
+    double* const sum = pairs.diagonal.data() + 9 * (j - at(begin));
     // Above the diagonal stand the transposed blocks (j, i): in each column the next one.
     for (Index k = 0; k < own; ++k) {
-      double* const pair = take(pairs.next[at(rows_[at(from + k)])]);
+      double* const pair = pairs.take(pairs.next[at(rows_[at(from + k)])]);
       for (Index c = 0; c < 3; ++c)
         for (Index r = 0; r < 3; ++r) {
           column[c * step + 3 * k + r] = pair[4 * r + c];
@@ -95,7 +102,7 @@ void BlockPattern::write(Index begin, Index end, Pairs& pairs, double* values) c
     }
     Index place = pairs.next[j];
     for (Index k = own + 1; k < count; ++k) {
-      const double* const pair = take(place);
+      const double* const pair = pairs.take(place);
       for (Index c = 0; c < 3; ++c)
         for (Index r = 0; r < 3; ++r) {
           column[c * step + 3 * k + r] = pair[4 * c + r];

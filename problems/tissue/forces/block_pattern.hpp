@@ -70,17 +70,25 @@ class BlockPattern {
   struct Pairs {
     NodeRows rows;
     Index ring = 0;
-    std::vector<double> diagonal;  ///< what is not among the pairs, one column of blocks after the other
+    std::vector<double> diagonal;  ///< of the columns that are written next: what is not among the pairs
     std::vector<Index> next;  ///< of each column: the place of its first block whose other column was not
                               ///< written
+    /// The block at a place, which moves on to the next.
+    double* take(Index& place) {
+      double* const block = &rows.front().x + 12 * static_cast<std::ptrdiff_t>(place);
+      if (++place == ring) place = 0;
+      return block;
+    }
   };
-  /// Begins a matrix: no column was written.
-  void begin(Pairs& pairs) const;
+  /// Begins a matrix: columns before this one are taken for written.
+  void begin(Index column, Pairs& pairs) const;
 
-  /// Writes the next columns, up to `end`, of the matrix of forces that act between points alone, each row of
-  /// which sums to zero. What pairs with a supported point add to the diagonal block of a column must be in
+  /// Writes the next columns, begin .. end - 1, of the matrix of forces that act between points alone, each
+  /// row of which sums to zero. What pairs with a supported point add to the diagonal blocks must be in
   /// `diagonal` by then.
   void write(Index begin, Index end, Pairs& pairs, double* values) const;
+  /// Passes over the next columns: as write(), without a matrix.
+  void skip(Index begin, Index end, Pairs& pairs) const;
 
   /// Gives A this pattern. A matrix that has it already keeps its memory and its values: columns as long and
   /// blocks that begin in the same rows.

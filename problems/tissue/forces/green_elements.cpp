@@ -15,6 +15,8 @@ using Eigen::Matrix3d;
 constexpr std::size_t lanes = TetBlock::lanes;
 constexpr std::size_t window = 16;        // blocks that are dealt to at once
 constexpr std::size_t batch_windows = 8;  // whose elements come before what they finish is written
+// Elements for a thread, a tenth of a millisecond.
+constexpr std::size_t least_forces = 10'000, least_stiffness = 2'000;
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
@@ -78,6 +80,14 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
         }
     }
   }
+  for (std::size_t begin = 0; begin < blocks_.size(); begin += window) {
+    const std::size_t end = std::min(begin + window, blocks_.size());
+    Index lowest = mesh.point_count(), highest = 0;
+    for (std::size_t n = begin; n < end; ++n)
+      for (const auto& rows : blocks_[n].rows)
+        for (const Index row : rows) lowest = std::min(lowest, row / 4), highest = std::max(highest, row / 4);
+    strips_.add_group(end, lowest, highest);
+  }
   std::vector<Index> lowest;
   lowest.reserve(order.size());
   for (const auto& p : order) lowest.push_back(p[0]);
@@ -88,11 +98,14 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
 void GreenElements::make_batches(const BlockPattern& pattern, std::span<const Index> lowest) {
   // Elements come in the order of their lowest points: all that is left of that of the next one is finished.
   constexpr std::size_t size = batch_windows * window;
-  Index oldest = 0, needed = 0, columns = 0, point = 0, last = 0;
+  Index oldest = 0, needed = 0, columns = 0, point = 0, last = 0, highest = 0;
   for (std::size_t begin = 0; begin < blocks_.size(); begin += size) {
     const std::size_t end = std::min(begin + size, blocks_.size());
-    for (std::size_t n = begin; n < end; ++n)
+    for (std::size_t n = begin; n < end; ++n) {
       for (const auto& pair : slots_[n].block) last = std::max(last, *std::max_element(pair, pair + lanes));
+      for (const auto& rows : blocks_[n].rows)
+        for (const Index row : rows) highest = std::max(highest, pattern.free()[at(row / 4)]);
+    }
     ring_ = std::max(ring_, last + 1 - needed);
     if (end == blocks_.size())
       columns = pattern.columns();
@@ -102,7 +115,7 @@ void GreenElements::make_batches(const BlockPattern& pattern, std::span<const In
     // A block is written in both columns that it belongs to.
     while (oldest < columns && pattern.last_row(oldest) < columns) ++oldest;
     needed = pattern.first_pair(oldest);
-    batches_.push_back({end, columns});
+    batches_.push_back({end, columns, highest});
   }
   for (TetSlots& slots : slots_)
     for (auto& pair : slots.block)
@@ -164,32 +177,74 @@ double GreenElements::energy_density(const NodeRows& u, std::size_t i) const {
 }
 
 void GreenElements::add_force(const NodeRows& u, NodeRows& f) const {
-  kernels_->green_force(blocks_.data(), blocks_.size(), &u.front().x, &f.front().x);
+  add_by_strips(strips_, size() / least_forces, f, [&](std::size_t begin, std::size_t end, double* rows) {
+    kernels_->green_force(blocks_.data() + begin, end - begin, &u.front().x, rows);
+  });
+}
+
+std::vector<GreenElements::Strip> GreenElements::stiffness_strips(std::size_t count) const {
+  std::vector<Strip> strips;
+  Index first = 0;
+  std::size_t batch = 0, longest = 0;
+  for (std::size_t part = 1; part <= count; ++part) {
+    while (batches_[batch].end < blocks_.size() * part / count) ++batch;
+    const Index last = batches_[batch].columns;
+    if (last == first) continue;
+    const auto begin = std::partition_point(batches_.begin(), batches_.end(),
+                                            [&](const Batch& b) { return b.highest < first; });
+    strips.push_back({first, last, at(begin - batches_.begin())});
+    longest = std::max(longest, batch + 1 - strips.back().batch);
+    first = last;
+  }
+  if (4 * longest > 3 * batches_.size()) strips.clear();
+  return strips;
 }
 
 void GreenElements::write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const {
+  // The calling thread keeps them: others end with their work.
+  thread_local std::vector<BlockPattern::Pairs> kept(1);
+  std::vector<BlockPattern::Pairs>& own = kept;
+  const std::size_t most = size() / least_stiffness, count = most > 1 ? std::min(threads(), most) : 1;
+  std::vector<Strip> strips;
+  if (count > 1) strips = stiffness_strips(count);
+  if (strips.size() < 2) return write_strip(u, pattern, {0, pattern.columns(), 0}, own.front(), values);
+  if (own.size() < strips.size()) own.resize(strips.size());
+  parallel_for(strips.size(),
+               [&](std::size_t i, std::size_t) { write_strip(u, pattern, strips[i], own[i], values); });
+}
+
+void GreenElements::write_strip(const NodeRows& u, const BlockPattern& pattern, const Strip& strip,
+                                BlockPattern::Pairs& pairs, double* values) const {
   // All rows are zero before and after.
-  thread_local BlockPattern::Pairs pairs;
   const std::size_t blocks = at(ring_) + rim_.size() + 1;
   if (pairs.rows.size() < 3 * blocks) pairs.rows.assign(3 * blocks, {});
   pairs.ring = ring_;
-  pattern.begin(pairs);
-  std::size_t begin = 0, on_rim = 0;
-  Index columns = 0;
-  for (const Batch& batch : batches_) {
-    kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch.end - begin, &u.front().x,
+  auto batch = batches_.begin() + static_cast<std::ptrdiff_t>(strip.batch);
+  std::size_t begin = strip.batch == 0 ? 0 : (batch - 1)->end;
+  Index columns = strip.batch == 0 ? 0 : std::min((batch - 1)->columns, strip.first);
+  pattern.begin(columns, pairs);
+  auto on_rim = static_cast<std::size_t>(std::lower_bound(rim_.begin(), rim_.end(), columns) - rim_.begin());
+  for (; columns < strip.last; ++batch) {
+    kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch->end - begin, &u.front().x,
                               &pairs.rows.front().x);
-    for (; on_rim < rim_.size() && rim_[on_rim] < batch.columns; ++on_rim)
+    pairs.diagonal.assign(9 * at(batch->columns - columns), 0.0);
+    for (; on_rim < rim_.size() && rim_[on_rim] < batch->columns; ++on_rim)
       for (std::size_t c = 0; c < 3; ++c) {
         NodeRow& row = pairs.rows[3 * (at(ring_) + on_rim) + c];
-        Eigen::Map<Eigen::Vector3d>(&pairs.diagonal[9 * at(rim_[on_rim]) + 3 * c]) -= as_vector(row);
+        Eigen::Map<Eigen::Vector3d>(&pairs.diagonal[9 * at(rim_[on_rim] - columns) + 3 * c]) -=
+            as_vector(row);
         row = {};
       }
-    pattern.write(columns, batch.columns, pairs, values);
-    columns = batch.columns;
-    begin = batch.end;
+    if (batch->columns <= strip.first)
+      pattern.skip(columns, batch->columns, pairs);
+    else
+      pattern.write(columns, batch->columns, pairs, values);
+    columns = batch->columns;
+    begin = batch->end;
   }
-  std::fill_n(pairs.rows.begin() + static_cast<std::ptrdiff_t>(3 * (blocks - 1)), 3, NodeRow{});
+  // Left are pairs of two supported points, and those with the columns of a later strip.
+  const std::size_t left = strip.last < pattern.columns() ? 0 : blocks - 1;
+  std::fill_n(pairs.rows.begin() + static_cast<std::ptrdiff_t>(3 * left), 3 * (blocks - left), NodeRow{});
 }
 
 std::array<GreenElements::Index, 4> GreenElements::corners_at(std::size_t place) const {

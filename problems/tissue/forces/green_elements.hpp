@@ -13,6 +13,7 @@
 #include "problems/tissue/forces/elements.hpp"
 #include "problems/tissue/forces/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
+#include "problems/tissue/forces/point_strips.hpp"
 
 namespace hmax {
 
@@ -48,14 +49,27 @@ class GreenElements final : public Elements {
   struct Batch {
     std::size_t end;  ///< of blocks
     Index columns;    ///< of the stiffness that are finished after them
+    Index highest;    ///< column that they or those before them add to
+  };
+  /// Columns first .. last - 1 of the stiffness, to which no batch before `batch` adds.
+  struct Strip {
+    Index first, last;
+    std::size_t batch;
   };
 
   void make_batches(const BlockPattern& pattern, std::span<const Index> lowest);
   void place_rim(const BlockPattern& pattern);
+  /// At most so many strips of all columns with about as many blocks; none where one would need most of the
+  /// blocks.
+  [[nodiscard]] std::vector<Strip> stiffness_strips(std::size_t count) const;
+  /// The columns of a strip: all batches that add to them, in their order.
+  void write_strip(const NodeRows& u, const BlockPattern& pattern, const Strip& strip,
+                   BlockPattern::Pairs& pairs, double* values) const;
 
   const TissueKernels* kernels_;
   std::vector<TetBlock> blocks_;
   std::vector<TetSlots> slots_;
+  PointStrips strips_;
   std::vector<Batch> batches_;
   Index ring_ = 0;            ///< blocks of pairs whose sums are not finished, at most
   std::vector<Index> rim_;    ///< columns of pairs with a supported point, whose blocks follow the ring

@@ -181,8 +181,15 @@ void SpringSet::make_slices(std::size_t points) {
     std::stable_sort(near.begin(), near.end(), [&](std::size_t a, std::size_t b) {
       return springs.of(a).size() > springs.of(b).size();
     });
+    Index lowest = std::numeric_limits<Index>::max(), highest = 0;
     for (std::size_t n = 0; n < near.size(); n += lanes)
       add_slice(springs, near.subspan(n, std::min(lanes, near.size() - n)));
+    for (const std::size_t point : near)
+      for (const std::size_t i : springs.of(point)) {
+        const auto [low, high] = std::minmax(springs_[i].points[0], springs_[i].points[1]);
+        lowest = std::min(lowest, low), highest = std::max(highest, high);
+      }
+    strips_.add_group(slices_.size(), lowest, highest);
   }
 }
 
@@ -222,9 +229,12 @@ double SpringSet::energy(const NodeRows& x) const {
 
 void SpringSet::add_force(const NodeRows& x, NodeRows& f) const {
   if (const auto cubic = cubic_coefficient(law_)) {
-    kernels_->spring_force(slices_.data(), slices_.size(), blocks_.data(), ends_.data(), *cubic, &x.front().x,
-                           &f.front().x);
-    return;
+    // A thread has a tenth of a millisecond of work.
+    constexpr std::size_t least = 40'000;
+    return add_by_strips(strips_, size() / least, f, [&](std::size_t begin, std::size_t end, double* rows) {
+      kernels_->spring_force(slices_.data() + begin, end - begin, blocks_.data(), ends_.data(), *cubic,
+                             &x.front().x, rows);
+    });
   }
   std::visit(
       [&](const auto& law) {

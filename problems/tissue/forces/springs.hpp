@@ -12,6 +12,7 @@
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
+#include "problems/tissue/forces/point_strips.hpp"
 
 namespace hmax {
 
@@ -120,6 +121,7 @@ class SpringSet {
   std::vector<SpringSlice> slices_;
   std::vector<SpringBlock> blocks_;
   std::vector<SpringEnds> ends_;
+  PointStrips strips_;
   std::vector<std::array<Index, 4>> slots_;
   SpringLaw law_;
   const TissueKernels* kernels_;

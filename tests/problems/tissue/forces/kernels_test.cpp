@@ -1,6 +1,7 @@
 #include "problems/tissue/forces/kernels.hpp"
 
 #include <cstring>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -9,8 +10,10 @@
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/mesh/renumber.hpp"
 #include "problems/tissue/forces/green_elements.hpp"
+#include "problems/tissue/forces/point_strips.hpp"
 #include "problems/tissue/forces/springs.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
+#include "tests/core/jobs.hpp"
 #include "tests/problems/tissue/bodies.hpp"
 
 namespace hmax {
@@ -202,6 +205,87 @@ TEST(TissueKernels, EverySpringActsOnceWhateverTheNumbersOfSpringsAtItsPoints) {
       EXPECT_LT(distance(parts.forces(set), plain), 1e-12) << kernels->name << ", " << count;
     }
   }
+}
+
+/// Many elements, numbered along the box or at random, and what threads compute of them.
+struct ManyElements {
+  explicit ManyElements(const TetMesh& mesh) : parts(mesh, mesh.tetrahedron_count()) {
+    const MeshEdges edges = edges_of(parts.mesh);
+    for (const auto& edge : edges.colwise()) springs.push_back({{edge[0], edge[1]}, 100});
+  }
+  static TetMesh mesh(bool at_random) {
+    const TetMesh box = box_mesh({0.6, 0.1, 0.1}, {60, 14, 14});
+    if (!at_random) return renumbered(box, local_order(box));
+    Renumbering mixed;
+    for (Index i = 0; i < box.point_count(); ++i) mixed.points.push_back(i * 7 % box.point_count());
+    for (Index i = 0; i < box.tetrahedron_count(); ++i) mixed.tetrahedra.push_back(i);
+    return renumbered(box, mixed);
+  }
+  Parts parts;
+  std::vector<SpringSet::Spring> springs;
+};
+
+TEST(TissueKernels, ForcesAndStiffnessHaveTheSameBitsForAnyNumberOfThreads) {
+  for (const bool at_random : {false, true}) {
+    const ManyElements many(ManyElements::mesh(at_random));
+    const Parts& parts = many.parts;
+    const GreenElements green(parts.mesh, parts.materials, parts.pattern);
+    const SpringSet springs(parts.mesh.points, many.springs, LinearSpring{}, parts.pattern);
+    Eigen::SparseMatrix<double> K;
+    parts.pattern.shape(K);
+    const auto computed = [&](std::size_t threads) {
+      const Jobs limit(threads);
+      NodeRows elastic(parts.x.size(), {1, 2, 3, 0}), pulls = elastic;
+      // Twice: the first leaves its rows behind.
+      for (int i = 0; i < 2; ++i) {
+        green.add_force(parts.u, elastic);
+        springs.add_force(parts.x, pulls);
+        K.coeffs().setConstant(7);
+        green.write_stiffness(parts.u, parts.pattern, K.valuePtr());
+      }
+      return std::tuple(elastic, pulls, Eigen::VectorXd(K.coeffs()));
+    };
+    const auto [elastic, pulls, stiffness] = computed(1);
+    for (const std::size_t threads : {2, 5}) {
+      const auto [other_elastic, other_pulls, other_stiffness] = computed(threads);
+      EXPECT_TRUE(same_bits(elastic, other_elastic)) << threads;
+      EXPECT_TRUE(same_bits(pulls, other_pulls)) << threads;
+      EXPECT_EQ(stiffness, other_stiffness) << threads;
+    }
+  }
+}
+
+TEST(PointStrips, HoldAllThatActsOnThem) {
+  PointStrips groups;
+  // Group i has the blocks 2 i and 2 i + 1, which act on the points 10 i to 10 i + 24, but for one far point.
+  constexpr int count = 40, points = 10 * count + 20;
+  const auto lowest = [](int i) { return i == 30 ? 285 : 10 * i; };
+  const auto highest = [](int i) { return i == 12 ? 155 : 10 * i + 24; };
+  for (int i = 0; i < count; ++i)
+    groups.add_group(2 * static_cast<std::size_t>(i) + 2, lowest(i), highest(i));
+  ASSERT_EQ(groups.blocks(), 80U);
+  for (const std::size_t most : {2, 3, 5, 8}) {
+    const auto strips = groups.divide(points, most);
+    ASSERT_EQ(strips.size(), most);
+    EXPECT_EQ(strips.back().last, points);
+    for (std::size_t s = 0; s < strips.size(); ++s) {
+      EXPECT_EQ(strips[s].first, s == 0 ? 0 : strips[s - 1].last);
+      EXPECT_LT(strips[s].end - strips[s].begin, 80 / most + 16);
+      for (int i = 0; i < count; ++i) {
+        const auto block = 2 * static_cast<std::size_t>(i);
+        const bool taken = strips[s].begin <= block && block + 2 <= strips[s].end;
+        const bool acts = highest(i) >= strips[s].first && lowest(i) < strips[s].last;
+        EXPECT_TRUE(taken || !acts) << s << ", " << i;
+        if (!taken) continue;
+        EXPECT_LE(strips[s].lowest, lowest(i));
+        EXPECT_GE(strips[s].highest, highest(i));
+      }
+    }
+  }
+  // Where each group acts on all points a thread would have to compute all.
+  PointStrips mixed;
+  for (std::size_t i = 0; i < 40; ++i) mixed.add_group(i + 1, 0, 99);
+  EXPECT_EQ(mixed.divide(100, 4).size(), 1U);
 }
 
 TEST(TissueKernels, PointsThatCoincideMeetNoForceOfTheirSpring) {
