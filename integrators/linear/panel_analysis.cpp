@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
-
+#include "integrators/linear/elimination_order.hpp"
 #include "integrators/linear/panel_kernels.hpp"
 
 namespace hmax {
@@ -15,17 +13,6 @@ namespace {
 
 using Index = PanelAnalysis::Index;
 using Indices = std::vector<Index>;
-
-/// An undirected graph: the neighbours of v, without v, are to[first[v]], ..., to[first[v + 1] - 1]. Each
-/// edge is stored at both ends.
-struct Graph {
-  Indices first{0}, to;
-
-  [[nodiscard]] Index size() const { return static_cast<Index>(first.size()) - 1; }  ///< vertices
-  [[nodiscard]] std::span<const Index> of(Index v) const {
-    return std::span(to).subspan(first[v], first[v + 1] - first[v]);
-  }
-};
 
 /// The unknowns of a pattern, those that have one and the same taken for one: the graph of a body,
 /// whose points have three unknowns each, then has a third of the vertices.
@@ -61,23 +48,6 @@ struct Groups {
   [[nodiscard]] Index count() const { return graph.size(); }
   [[nodiscard]] Index size(Index g) const { return first[g + 1] - first[g]; }  ///< unknowns of group g
 };
-
-/// The vertices in an order of approximate minimum degree, which keeps the fill of L small: vertex order[k]
-/// is eliminated as the k-th, shape (n) [davis2016survey].
-Indices minimum_degree(const Graph& graph) {
-  const Index n = graph.size();
-  Eigen::SparseMatrix<double> pattern(n, n);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Index v = 0; v < n; ++v) {
-    entries.emplace_back(v, v, 1);
-    for (const Index u : graph.of(v)) entries.emplace_back(u, v, 1);
-  }
-  // With the diagonal, as Eigen's ordering asks for it.
-  pattern.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> order;
-  Eigen::AMDOrdering<Index>()(pattern, order);
-  return {order.indices().data(), order.indices().data() + n};
-}
 
 /// The graph with vertex order[k] called k. Neighbours of a vertex need not ascend afterwards.
 /// @param order  a permutation of the vertices, shape (n)
@@ -143,30 +113,90 @@ Indices postorder(const Indices& parent) {
   return order;
 }
 
+/// Sums of squares: from^2 excluded ... to^2, that is sum_{from < m <= to} m^2. In double, since the cube of
+/// a height of some thousands is beyond 32 bits.
+double squares(double from, double to) {
+  // 1 + 4 + ... + m^2
+  const auto up_to = [](double m) { return m * (m + 1) * (2 * m + 1) / 6; };
+  return up_to(to) - up_to(from);
+}
+
+/// The vertices of a graph in the order of their elimination.
+struct Elimination {
+  Indices order;   ///< group of each vertex
+  Indices parent;  ///< in the elimination tree
+  Graph graph;     ///< edges to later and to earlier vertices
+  Indices size;    ///< unknowns of each vertex
+  Indices height;  ///< rows of L below each vertex, counted in unknowns
+
+  /// @param given  vertex given[k] of the graph of the groups is the k-th
+  Elimination(const Groups& groups, Indices given) : order(std::move(given)) {
+    // As given first, then a postorder of that tree: subtrees become contiguous, the fill stays the same.
+    const Graph as_given = renamed(groups.graph, order);
+    const Indices tree = elimination_tree(as_given);
+    // A tree of any order is that of its postorder, renamed.
+    const Indices after = postorder(tree);
+    Indices name(after.size());
+    const Indices before = std::move(order);
+    for (std::size_t k = 0; k < after.size(); ++k) name[after[k]] = static_cast<Index>(k);
+    order.clear();
+    for (const Index v : after) {
+      order.push_back(before[v]);
+      parent.push_back(tree[v] < 0 ? -1 : name[tree[v]]);
+      size.push_back(groups.size(before[v]));
+    }
+    graph = renamed(as_given, after);
+    count_rows();
+  }
+  [[nodiscard]] Index count() const { return graph.size(); }
+
+  /// Operations of a factorisation, by the columns of L: see PanelAnalysis::work, but without the zeros that
+  /// panels add.
+  [[nodiscard]] double work() const {
+    double sum = 0;
+    for (Index v = 0; v < count(); ++v) sum += squares(height[v], height[v] + size[v]);
+    return sum;
+  }
+
+ private:
+  /// Row i of L has an entry in every vertex on the way up from a neighbour to i. So the heights grow row by
+  /// row.
+  void count_rows() {
+    height.assign(parent.size(), 0);
+    Indices seen(parent.size(), -1);
+    for (Index i = 0; i < count(); ++i) {
+      seen[i] = i;
+      for (Index v : graph.of(i))
+        for (; v < i && seen[v] != i; v = parent[v]) {
+          seen[v] = i;
+          height[v] += size[i];
+        }
+    }
+  }
+};
+
+/// The order of least work: by minimum degree, or where that leaves more work than nested dissection takes,
+/// the better one of the two.
+Elimination best_elimination(const Groups& groups) {
+  Elimination best(groups, minimum_degree(groups.graph));
+  if (best.work() < dissection_work(groups.graph)) return best;
+  Indices sizes;
+  for (Index g = 0; g < groups.count(); ++g) sizes.push_back(groups.size(g));
+  if (Indices order = nested_dissection(groups.graph, sizes); !order.empty())
+    if (Elimination dissected(groups, std::move(order)); dissected.work() < best.work()) return dissected;
+  return best;
+}
+
 /// Panels in the making: each is known by its last vertex, to which the others point.
 class Merging {
  public:
-  /// @param graph   in the order of elimination, which is a postorder of `parent`
-  /// @param parent  elimination tree of the graph
-  /// @param size    unknowns of each vertex
-  Merging(const Graph& graph, Indices parent, Indices size)
-      : parent_(std::move(parent)),
-        width_(std::move(size)),
-        height_(parent_.size(), 0),
+  explicit Merging(const Elimination& vertices)
+      : parent_(vertices.parent),
+        width_(vertices.size),
+        height_(vertices.height),
         zeros_(parent_.size(), 0),
         into_(parent_.size()) {
     std::iota(into_.begin(), into_.end(), 0);
-    // Row i of L has an entry in every vertex on the way up from a neighbour to i. So the heights, rows of L
-    // below each vertex counted in unknowns, grow row by row.
-    Indices seen(parent_.size(), -1);
-    for (Index i = 0; i < graph.size(); ++i) {
-      seen[i] = i;
-      for (Index v : graph.of(i))
-        for (; v < i && seen[v] != i; v = parent_[v]) {
-          seen[v] = i;
-          height_[v] += width_[i];
-        }
-    }
     // First, children whose rows are the unknowns and rows of their parent: no zeros are added.
     merge([](double, double, double zeros) { return zeros == 0; });
     // A few zeros are cheaper than many small panels [ashcraft1989influence]: the narrower the panel, the
@@ -220,46 +250,15 @@ class Merging {
   Indices into_;               ///< next vertex on the way to the last one of the panel
 };
 
-/// Sums of squares: from^2 excluded ... to^2, that is sum_{from < m <= to} m^2. In double, since the cube of
-/// a height of some thousands is beyond 32 bits.
-double squares(double from, double to) {
-  // 1 + 4 + ... + m^2
-  const auto up_to = [](double m) { return m * (m + 1) * (2 * m + 1) / 6; };
-  return up_to(to) - up_to(from);
-}
-
-/// The vertices of a graph in the order of their elimination.
-struct Elimination {
-  Indices order;   ///< group of each vertex
-  Indices parent;  ///< in the elimination tree
-  Graph graph;     ///< edges to later and to earlier vertices
-  Indices size;    ///< unknowns of each vertex
-
-  explicit Elimination(const Groups& groups) : order(minimum_degree(groups.graph)) {
-    // By degree first, then a postorder of that tree: subtrees become contiguous, the fill stays the same.
-    const Graph by_degree = renamed(groups.graph, order);
-    const Indices tree = elimination_tree(by_degree);
-    // A tree of any order is that of its postorder, renamed.
-    const Indices after = postorder(tree);
-    Indices name(after.size());
-    const Indices before = std::move(order);
-    for (std::size_t k = 0; k < after.size(); ++k) name[after[k]] = static_cast<Index>(k);
-    order.clear();
-    for (const Index v : after) {
-      order.push_back(before[v]);
-      parent.push_back(tree[v] < 0 ? -1 : name[tree[v]]);
-      size.push_back(groups.size(before[v]));
-    }
-    graph = renamed(by_degree, after);
-  }
-  [[nodiscard]] Index count() const { return graph.size(); }
-};
-
 /// Fills a plan, by steps that need those before them.
 class Planner {
  public:
   Planner(PanelAnalysis& plan, std::span<const Index> outer, std::span<const Index> inner)
-      : plan_(plan), outer_(outer), inner_(inner), groups_(outer, inner), vertices_(groups_) {}
+      : plan_(plan),
+        outer_(outer),
+        inner_(inner),
+        groups_(outer, inner),
+        vertices_(best_elimination(groups_)) {}
 
   /// The vertices of each panel, by merging; then panel_ and members_.
   void gather_panels();
@@ -300,7 +299,7 @@ class Planner {
 void Planner::gather_panels() {
   const Index n = vertices_.count();
   // Which vertices make a panel.
-  Merging merging(vertices_.graph, vertices_.parent, vertices_.size);
+  Merging merging(vertices_);
   Indices number(n, -1);
   for (Index v = 0; v < n; ++v)
     if (merging.panel_of(v) == v) {

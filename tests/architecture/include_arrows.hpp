@@ -50,11 +50,13 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^muParser", "^problems/formula[a-z_]*\\.cpp$"},
     {"^toml", "\\.cpp$"},
     {"^sqlite3", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},
-    {"^results/sqlite/", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},  // the wrapper: SQLite stays behind the store
+    {"^results/sqlite/",
+     "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},  // the wrapper: SQLite stays behind the store
     {"^CLI/", "^cli/"},
     {"^pybind11/", "^python/bindings/"},
     {"^cmark", "^plots/pages/markdown_page\\.cpp$"},
     {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
+    {"^metis", "^integrators/linear/elimination_order\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},
 };
 
