@@ -10,9 +10,10 @@ namespace hmax {
 
 /// The plan of P A P^T = L D L^T for a symmetric pattern, and of its multifrontal computation. Neighbouring
 /// unknowns with one pattern, as the three of a point of a body have it, are taken for one. They are ordered
-/// by minimum degree; columns of L that have the same rows below them, or nearly so, make a panel, which is
-/// stored as a dense matrix. What the elimination of a panel leaves to later ones, its update, is a dense
-/// matrix too, that of its rows, and goes to one other panel, its parent.
+/// by minimum degree or nested dissection, whichever leaves less work; columns of L that have the same rows
+/// below them, or nearly so, make a panel, which is stored as a dense matrix. What the elimination of a panel
+/// leaves to later ones, its update, is a dense matrix too, that of its rows, and goes to one other panel,
+/// its parent.
 /// @source [liu1992multifrontal]; [davis2016survey] 4 and 7 for the order and the structure of L
 struct PanelAnalysis {
   using Index = int;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <functional>
 #include <new>
 #include <span>
 #include <type_traits>
@@ -12,6 +13,7 @@
 
 #include <Eigen/SparseCore>
 
+#include "core/parallel_for.hpp"
 #include "integrators/linear/panel_analysis.hpp"
 #include "integrators/linear/panel_kernels.hpp"
 #include "integrators/linear/panel_loops.hpp"
@@ -83,7 +85,8 @@ const PanelKernels<Scalar>& panel_kernels() {
 /// are only as good as their pivots. Multifrontal: each panel takes up its entries of A and the updates of
 /// its children, is eliminated as a dense matrix, and leaves its own update to its parent. Arithmetic so runs
 /// over numbers that lie side by side, with one list of rows for all columns of a panel. The same input gives
-/// the same bits on every processor. Nothing is allocated after the first factor().
+/// the same bits on every processor and for any number of threads, which share large panels. After the first
+/// factor() nothing but threads is allocated.
 /// @source [liu1992multifrontal]
 template <class Scalar>
 class PanelFactor {
@@ -168,6 +171,10 @@ class PanelFactor {
 
  private:
   using Panel = PanelAnalysis::Panel;
+  using Size = std::ptrdiff_t;
+  /// Operations of a panel from which on threads share them: half a millisecond, of which starting them takes
+  /// a tenth.
+  static constexpr double least_shared_work = 1e7;
   using AlignedVector = std::vector<Scalar, detail::AlignedAllocator<Scalar>>;
   /// Of a panel: triangle of its own unknowns, and the rows below.
   struct Parts {
@@ -209,18 +216,67 @@ class PanelFactor {
     for (std::size_t c = first; c < waiting_.size(); ++c) join_unknowns(plan_.panels[waiting_[c]], panel);
     Scalar* const d = d_.data() + panel.first;
     // L and d of the columns; U = -B D B^T goes to the parent.
-    kernels_->eliminate(T, B, w, h, d);
+    const bool shared = static_cast<double>(w) * (w + h) * (w + h) > least_shared_work;
+    eliminate_columns(panel, d, shared);
     // The kernels do not look at their pivots. After a failure the updates that still wait are of no use, and
     // the next factor() begins without them.
     for (Index i = 0; i < w; ++i) {
       if (!(std::abs(d[i]) > 0) || !std::isfinite(std::abs(d[i]))) return false;
       inverse_[panel.first + i] = Scalar(1) / d[i];
     }
-    if (h > 0) kernels_->update(B, w, h, d, update(panel));
+    write_update(panel, d, shared);
     for (std::size_t c = first; c < waiting_.size(); ++c) join_rows(plan_.panels[waiting_[c]], panel);
     waiting_.resize(first);
     if (h > 0) waiting_.push_back(static_cast<Index>(p));
     return true;
+  }
+
+  /// L and d of the columns of a panel, one block of them after the other. Rows below a block do not depend
+  /// on one another.
+  void eliminate_columns(const Panel& panel, Scalar* d, bool shared) {
+    const auto [T, B] = parts(panel);
+    const Size w = panel.width, wide = PanelShape::padded(w), tall = PanelShape::padded(panel.height);
+    for (Size s = 0; s < w; s += PanelShape::block) {
+      kernels_->diagonal(T, w, s, d);
+      in_stretches(s + PanelShape::block, wide, shared,
+                   [&](Size from, Size to) { kernels_->below(T, w, s, d, T + from, wide, to - from); });
+    }
+    in_stretches(0, tall, shared, [&](Size from, Size to) {
+      for (Size s = 0; s < w; s += PanelShape::block) kernels_->below(T, w, s, d, B + from, tall, to - from);
+    });
+  }
+
+  /// U = -B diag(d) B^T of a panel, for its parent.
+  void write_update(const Panel& panel, const Scalar* d, bool shared) {
+    const Scalar* const B = parts(panel).B;
+    in_stretches(
+        0, panel.height, shared,
+        [&](Size from, Size to) {
+          kernels_->update(B, panel.width, panel.height, d, update(panel), from, to);
+        },
+        // The left columns of a lower triangle are the long ones: equal shares of the area.
+        [](double share) { return 1 - std::sqrt(1 - share); });
+  }
+
+  /// work(begin, end) for all that is from `from` to `to`: in one piece, or where threads share it in
+  /// stretches that begin at multiples of 8, which the kernels ask for. Numbers do not depend on where that
+  /// is.
+  /// @param place  where a share of the work, 0 to 1, ends between `from` and `to`, 0 to 1
+  template <class Work, class Place = std::identity>
+  static void in_stretches(Size from, Size to, bool shared, const Work& work, const Place& place = {}) {
+    if (from >= to) return;
+    if (!shared) return work(from, to);
+    // Two for each thread: one that is held up leaves the rest to the others.
+    const std::size_t count = 2 * jobs();
+    const auto edge = [&](std::size_t i) {
+      if (i == count) return to;
+      const double share = place(static_cast<double>(i) / static_cast<double>(count));
+      return from + static_cast<Size>(static_cast<double>(to - from) * share) / PanelShape::lanes *
+                        PanelShape::lanes;
+    };
+    parallel_for(count, [&](std::size_t i, std::size_t) {
+      if (edge(i) < edge(i + 1)) work(edge(i), edge(i + 1));
+    });
   }
 
   /// Copies the entries of A that belong to a panel, in runs that are contiguous on both sides.

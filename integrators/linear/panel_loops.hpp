@@ -17,8 +17,8 @@ using Index = std::ptrdiff_t;
 
 /// So many columns are subtracted from a tile before it is written back, and so many rows of them serve all
 /// tiles beside one another: both stay in the caches. A block of A of this shape has 256 KiB in doubles, the
-/// factors of one tile at most 8 KiB. `depth` is a multiple of 8, so that blocks begin at aligned addresses.
-inline constexpr Index depth = 128, rows_at_once = 256;
+/// factors of one tile at most 8 KiB.
+inline constexpr Index depth = PanelShape::block, rows_at_once = PanelShape::rows_at_once;
 
 /// A number as a type, so that loops over it are unrolled.
 template <int N>
@@ -171,51 +171,67 @@ inline void factor_diagonal(Scalar* T, Index ldt, Scalar* d, DiagonalBlock<NC, S
   }
 }
 
-/// PanelKernels::eliminate, from left to right: a group of columns takes the updates of the columns before
-/// it in its block, is factored, and every complete block of `depth` columns then updates all columns after
-/// it. Within a block the columns look back, from block to block they push ahead: the first keeps sums in
-/// registers, the second passes over the rest of the panel once for `depth` columns.
-/// @param T, B  shapes (padded w, w) and (padded h, w);  @param d  shape (w), written
-template <class Lanes>
-void eliminate(typename Lanes::Scalar* T, typename Lanes::Scalar* B, Index w, Index h,
-               typename Lanes::Scalar* d) {
-  using Scalar = typename Lanes::Scalar;
-  constexpr Index NB = Lanes::columns;
-  const Index ldt = PanelShape::padded(w), ldb = PanelShape::padded(h);
-  Scalar factors[depth * Lanes::columns];
-  for (Index s = 0; s < w; s += depth) {
-    // Columns s, ..., end - 1 are finished before the others see them.
-    const Index end = w - s < depth ? w : s + depth;
-    for (Index j = s; j < end; j += NB)
-      with_count<Lanes::columns>(end - j, [&]<int NC>(Count<NC>) {
-        // 1 / d_p and d_p L(c, p) of these columns, for the rows below them.
-        DiagonalBlock<NC, Scalar> block{};
-        Scalar* const own = T + j * ldt;
-        // Columns s, ..., j - 1 act on the diagonal block, which is then factored,
-        scale<Lanes, NC>(T + s * ldt + j, ldt, d + s, j - s, factors);
-        // (NB rows also where the last group has fewer columns: the others are padding)
-        tiles<Lanes, NC, false>(j, j + NB, own, ldt, T + s * ldt, ldt, factors, j - s, Nothing{});
-        factor_diagonal<Lanes, NC>(own + j, ldt, d + j, block);
-        // and on the rows below it in T and in B, which end as columns of L.
-        tiles<Lanes, NC, false>(j + NB, ldt, own, ldt, T + s * ldt, ldt, factors, j - s, block);
-        tiles<Lanes, NC, false>(0, ldb, B + j * ldb, ldb, B + s * ldb, ldb, factors, j - s, block);
-      });
-    if (end == w) break;
-    const Scalar* const done = T + s * ldt + end;
-    // All columns after the block: the lower triangle of T, and B.
-    subtract_product<Lanes>(T + end * ldt + end, ldt, ldt - end, w - end, done, ldt, done, ldt, d + s,
-                            end - s, true, false);
-    subtract_product<Lanes>(B + end * ldb, ldb, ldb, w - end, B + s * ldb, ldb, done, ldt, d + s, end - s,
-                            false, false);
+/// The same block once it is factored, for the rows below it.
+template <int NC, class Scalar>
+inline void read_diagonal(const Scalar* T, Index ldt, const Scalar* d, DiagonalBlock<NC, Scalar>& block) {
+  for (int p = 0; p < NC; ++p) {
+    block.inverse[p] = Scalar(1) / d[p];
+    for (int r = p + 1; r < NC; ++r) block.factor[r][p] = d[p] * T[p * ldt + r];
   }
 }
 
-/// PanelKernels::update, U = -B diag(d) B^T, shape (padded h, h): U needs no zeros first.
+/// PanelKernels::diagonal, a few columns at a time: they take what the columns before them subtract, and are
+/// factored.
+template <class Lanes>
+void diagonal(typename Lanes::Scalar* T, Index w, Index s, typename Lanes::Scalar* d) {
+  using Scalar = typename Lanes::Scalar;
+  constexpr Index NB = Lanes::columns;
+  const Index ldt = PanelShape::padded(w), n = PanelShape::block_at(s, w), rows = PanelShape::padded(n);
+  Scalar* const own = T + s * ldt + s;
+  subtract_product<Lanes>(own, ldt, rows, n, T + s, ldt, T + s, ldt, d, s, true, false);
+  Scalar factors[depth * Lanes::columns];
+  for (Index j = 0; j < n; j += NB)
+    with_count<Lanes::columns>(n - j, [&]<int NC>(Count<NC>) {
+      DiagonalBlock<NC, Scalar> block{};
+      Scalar* const C = own + j * ldt;
+      scale<Lanes, NC>(own + j, ldt, d + s, j, factors);
+      // (NB rows also where the last group has fewer columns: the others are padding)
+      tiles<Lanes, NC, false>(j, j + NB, C, ldt, own, ldt, factors, j, Nothing{});
+      factor_diagonal<Lanes, NC>(C + j, ldt, d + s + j, block);
+      tiles<Lanes, NC, false>(j + NB, rows, C, ldt, own, ldt, factors, j, block);
+    });
+}
+
+/// PanelKernels::below, for blocks of rows that stay in the caches.
+template <class Lanes>
+void below(const typename Lanes::Scalar* T, Index w, Index s, const typename Lanes::Scalar* d,
+           typename Lanes::Scalar* C, Index ldc, Index rows) {
+  using Scalar = typename Lanes::Scalar;
+  constexpr Index NB = Lanes::columns;
+  const Index ldt = PanelShape::padded(w), n = PanelShape::block_at(s, w);
+  const Scalar* const own = T + s * ldt + s;
+  Scalar factors[depth * Lanes::columns];
+  for (Index top = 0; top < rows; top += rows_at_once) {
+    const Index count = rows - top < rows_at_once ? rows - top : rows_at_once;
+    Scalar *const first = C + top, *const here = first + s * ldc;
+    subtract_product<Lanes>(here, ldc, count, n, first, ldc, T + s, ldt, d, s, false, false);
+    for (Index j = 0; j < n; j += NB)
+      with_count<Lanes::columns>(n - j, [&]<int NC>(Count<NC>) {
+        DiagonalBlock<NC, Scalar> block{};
+        read_diagonal<NC>(own + j * ldt + j, ldt, d + s + j, block);
+        scale<Lanes, NC>(own + j, ldt, d + s, j, factors);
+        tiles<Lanes, NC, false>(0, count, here + j * ldc, ldc, here, ldc, factors, j, block);
+      });
+  }
+}
+
+/// PanelKernels::update: U needs no zeros first.
 template <class Lanes>
 void update(const typename Lanes::Scalar* B, Index w, Index h, const typename Lanes::Scalar* d,
-            typename Lanes::Scalar* U) {
+            typename Lanes::Scalar* U, Index from, Index to) {
   const Index ld = PanelShape::padded(h);
-  subtract_product<Lanes>(U, ld, ld, h, B, ld, B, ld, d, w, true, true);
+  subtract_product<Lanes>(U + from * ld + from, ld, ld - from, to - from, B + from, ld, B + from, ld, d, w,
+                          true, true);
 }
 
 /// y <- y - A x for NC columns and the rows from `from` to `to`, multiples of the width; x has shape (NC).
@@ -301,7 +317,7 @@ void backward(const typename Lanes::Scalar* T, const typename Lanes::Scalar* B, 
 /// @param name  a literal: it is kept
 template <class Lanes>
 constexpr PanelKernels<typename Lanes::Scalar> kernels_of(const char* name) {
-  return {name, eliminate<Lanes>, update<Lanes>, forward<Lanes>, backward<Lanes>};
+  return {name, diagonal<Lanes>, below<Lanes>, update<Lanes>, forward<Lanes>, backward<Lanes>};
 }
 
 }  // namespace hmax::panel_loops

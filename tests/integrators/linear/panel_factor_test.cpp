@@ -10,6 +10,8 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "tests/core/jobs.hpp"
+
 namespace hmax {
 namespace {
 
@@ -138,6 +140,24 @@ TEST(PanelFactor, HasTheSameBitsWithEveryInstructionSet) {
       EXPECT_EQ(solutions.back(), solutions.front()) << kernels->name;
     }
   }
+}
+
+TEST(PanelFactor, HasTheSameBitsForAnyNumberOfThreads) {
+  // The panels on top are large enough to be shared.
+  const auto A = symmetric<double>(3000, grid(10, 3), 9);
+  PanelFactor<double> factor;
+  factor.analyse(A);
+  ASSERT_GT(factor.work(), 2e7);
+  std::vector<Eigen::VectorXd> solutions;
+  for (const std::size_t threads : {1, 2, 5}) {
+    const Jobs jobs(threads);
+    ASSERT_TRUE(factor.factor(A));
+    solutions.emplace_back(Eigen::VectorXd::LinSpaced(A.rows(), -1, 2));
+    factor.solve(solutions.back());
+    EXPECT_EQ(solutions.back(), solutions.front()) << threads << " threads";
+  }
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(A.rows(), -1, 2);
+  EXPECT_LT((A * solutions.front() - b).norm(), 1e-12 * b.norm());
 }
 
 TEST(PanelFactor, RefusesAPivotThatIsZeroOrNotFinite) {
