@@ -10,6 +10,7 @@
 #include "bench/models/planar.hpp"
 #include "integrators/control.hpp"
 #include "integrators/ensemble/lane_rk.hpp"
+#include "integrators/ensemble/lane_runs.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/integrate.hpp"
 
@@ -50,23 +51,29 @@ struct Destiny {
 };
 
 /// So many runs side by side: four registers of the widest kind for each number.
-using Lanes = LaneRk<tableaux::Dop853, Oscillator, 32>;
+using Lanes = LaneRk<tableaux::Dop853, Vector2d, 32>;
 using Norm = RmsNorm<double>;
-using Attempt = void (*)(Lanes&, const Oscillator&, const Norm&);
+using Attempt = void (*)(Lanes&, const Oscillator&);
+
+constexpr Norm norm{basin_tolerances.rtol, basin_tolerances.atol};
+
+[[gnu::always_inline]] inline void attempt(Lanes& lanes, const Oscillator& system) {
+  const double force = system.at(0);
+  lanes.attempt([&](auto, std::size_t, const Vector2d& y, Vector2d& dydt)
+                    __attribute__((always_inline)) { system.rhs_at(force, y, dydt); });
+  lanes.weigh(norm);
+}
 
 // The attribute compiles these bodies alone, with all they call, for their instruction set: inline functions
 // that other code shares keep the instructions that every processor has.
-[[gnu::flatten]] void attempt_portable(Lanes& lanes, const Oscillator& system, const Norm& norm) {
-  lanes.attempt(system, norm);
-}
+[[gnu::flatten]] void attempt_portable(Lanes& lanes, const Oscillator& system) { attempt(lanes, system); }
 #ifdef __x86_64__
-[[gnu::flatten, gnu::target("avx2")]] void attempt_avx2(Lanes& lanes, const Oscillator& system,
-                                                        const Norm& norm) {
-  lanes.attempt(system, norm);
+[[gnu::flatten, gnu::target("avx2")]] void attempt_avx2(Lanes& lanes, const Oscillator& system) {
+  attempt(lanes, system);
 }
-[[gnu::flatten, gnu::target("avx512f,avx512vl")]] void attempt_avx512(Lanes& lanes, const Oscillator& system,
-                                                                      const Norm& norm) {
-  lanes.attempt(system, norm);
+[[gnu::flatten, gnu::target("avx512f,avx512vl")]] void attempt_avx512(Lanes& lanes,
+                                                                      const Oscillator& system) {
+  attempt(lanes, system);
 }
 #endif
 
@@ -78,102 +85,53 @@ Attempt attempt_of([[maybe_unused]] InstructionSet set) {
   return attempt_portable;
 }
 
-/// The error of one lane, as a control asks a stepper for it.
-struct LaneError {
-  double squared;
-  double error_squared(double /*h*/, const Vector2d& /*y*/, const Vector2d& /*y_new*/,
-                       const Norm& /*norm*/) const {
-    return squared;
-  }
-};
-
-/// Runs of many starts: the loop of integrate() with every lane at a step of a run of its own.
-class LaneRuns {
+/// Runs of many starts, as LaneRuns asks for them.
+class FateRuns {
  public:
-  LaneRuns(const Oscillator& system, const Destiny& destiny, Attempt attempt)
-      : system_(system), destiny_(destiny), attempt_(attempt) {}
+  using Control = Adaptive<double, DeadbandController>;
+
+  FateRuns(const Oscillator& system, const Destiny& destiny, InstructionSet set)
+      : system_(system), destiny_(destiny), attempt_(attempt_of(set)) {}
 
   void operator()(std::span<const Vector2d> starts, std::span<int> fates) {
     starts_ = starts;
     fates_ = fates;
     next_ = 0;
-    for (std::size_t lane = 0; lane < Lanes::lanes; ++lane) begin(lane);
-    while (std::ranges::any_of(runs_, [](const auto& run) { return run.has_value(); })) {
-      for (std::size_t lane = 0; lane < Lanes::lanes; ++lane) propose(lane);
-      attempt_(lanes_, system_, norm);
-      for (std::size_t lane = 0; lane < Lanes::lanes; ++lane) judge(lane);
-    }
+    LaneRuns<Lanes, Control> runs(adaptive_attempts);
+    runs(*this, lanes_, system_);
   }
 
- private:
-  using Control = Adaptive<double, DeadbandController>;
-  static constexpr Norm norm{basin_tolerances.rtol, basin_tolerances.atol};
-
-  struct Run {
-    std::size_t start;  ///< its number
-    Control control{basin_tolerances, tableaux::Dop853::error_order};
-    Proposal<double> step{};
-    double t = 0;
-    std::int64_t attempts = 0;
-  };
-
-  /// Gives a lane the next start whose fate takes steps, or rest where there is none.
-  void begin(std::size_t lane) {
-    runs_[lane].reset();
-    lanes_.set_step(lane, 0);
+  /// The next start whose fate takes steps.
+  std::optional<Control> begin(std::size_t lane) {
     for (; next_ < starts_.size(); ++next_) {
       const Vector2d& y = starts_[next_];
       fates_[next_] = is_bounded(y) ? destiny_.of(y) : unbounded;
       if (fates_[next_] != undecided) continue;
-      lanes_.start(system_, lane, y);
-      Run& run = runs_[lane].emplace(Run{.start = next_++});
-      LaneError none{};
-      run.control.start(none, system_, {0, destiny_.longest}, y);
-      return;
+      Vector2d slope;
+      system_.rhs(0, y, slope);
+      lanes_.start(lane, y, slope);
+      number_[lane] = next_++;
+      Control control(basin_tolerances, tableaux::Dop853::error_order);
+      control.start(lanes_, system_, {0, destiny_.longest}, y);
+      return control;
     }
+    return std::nullopt;
+  }
+  void attempt() { attempt_(lanes_, system_); }
+  void move(std::size_t from, std::size_t to) { number_[to] = number_[from]; }
+  bool is_over(std::size_t lane, const Vector2d& y) {
+    return (fates_[number_[lane]] = destiny_.of(y)) != undecided;
+  }
+  void end(std::size_t lane, Outcome outcome, const Vector2d& /*y*/) {
+    if (outcome == Outcome::diverged || outcome == Outcome::step_too_small) fates_[number_[lane]] = unbounded;
   }
 
-  void end(std::size_t lane, int fate) {
-    fates_[runs_[lane]->start] = fate;  // NOLINT(bugprone-unchecked-optional-access): it runs
-    begin(lane);
-  }
-
-  /// The next step of a lane; a run that has none ends.
-  void propose(std::size_t lane) {
-    while (runs_[lane]) {
-      Run& run = *runs_[lane];
-      run.step = run.control.propose(run.t);
-      if (run.attempts++ == adaptive_attempts) {
-        end(lane, undecided);
-      } else if (run.step.t_next == run.t) {
-        end(lane, unbounded);
-      } else {
-        lanes_.set_step(lane, run.step.h);
-        return;
-      }
-    }
-  }
-
-  /// What becomes of the attempt of a lane.
-  void judge(std::size_t lane) {
-    if (!runs_[lane]) return;
-    Run& run = *runs_[lane];
-    const Vector2d there = lanes_.candidate(lane);
-    const Judgement judgement =
-        run.control.judge(LaneError{lanes_.error_squared(lane)}, system_, run.step, there, there);
-    if (judgement == Judgement::give_up) return end(lane, unbounded);
-    if (judgement == Judgement::retry) return;
-    const int fate = is_bounded(there) ? destiny_.of(there) : unbounded;
-    if (fate != undecided || run.step.last) return end(lane, fate);
-    lanes_.accept(lane);
-    run.t = run.step.t_next;
-  }
-
+ private:
   Oscillator system_;
   Destiny destiny_;
   Attempt attempt_;
   Lanes lanes_;
-  std::array<std::optional<Run>, Lanes::lanes> runs_;  ///< nothing in lanes that rest
+  std::array<std::size_t, Lanes::lanes> number_{};  ///< of the start in each lane
   std::span<const Vector2d> starts_;
   std::span<int> fates_;
   std::size_t next_ = 0;  ///< the first start that no lane has taken
@@ -209,8 +167,7 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
                         const std::vector<Equilibrium>& equilibria, InstructionSet set) {
   const auto* oscillator = std::get_if<Oscillator>(&problem.system);
   if (oscillator && !problem.stiff && !is_driven(problem))
-    return [runs = std::make_shared<LaneRuns>(*oscillator, Destiny(problem, window, equilibria),
-                                              attempt_of(set))](
+    return [runs = std::make_shared<FateRuns>(*oscillator, Destiny(problem, window, equilibria), set)](
                std::span<const Vector2d> starts, std::span<int> fates) { (*runs)(starts, fates); };
   return [fate_of = fate_of_starts(problem, window, equilibria)](std::span<const Vector2d> starts,
                                                                  std::span<int> fates) {

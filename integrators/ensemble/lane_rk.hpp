@@ -10,63 +10,112 @@
 
 namespace hmax {
 
-/// N independent states of one autonomous system, and what ExplicitRk<StaticCoefficients<Method>> would
-/// compute of each: the same operations in the same order, so the same bits. No lane depends on another.
+/// N independent states, and what ExplicitRk<StaticCoefficients<Method>> would compute of each: the same
+/// operations in the same order, so the same bits. No lane depends on another.
 ///
 /// Numbers of all lanes stand side by side. The compiler turns the loops over lanes into vector operations of
 /// whatever instruction set the caller is compiled for, which changes times, not results: nothing is
 /// contracted or reordered.
-/// @tparam Method  first same as last, with an error estimate, like tableaux::Dop853
-/// @tparam Sys     whose g(t) does not change; its rhs_at() has to be inlined
-/// @tparam N       lanes; some registers full, so that additions of some fill the latency of others
+///
+/// Who calls attempt() gives the slopes, slope(i, lane, y, dydt) with the number of a stage i, so that lanes
+/// may have systems and times of their own, or share what is the same for all.
+/// @tparam Method  like tableaux::Dop853
+/// @tparam StateT  small and of fixed size, shape (n)
+/// @tparam N       lanes, a multiple of 8; some registers full, so that additions of some fill the latency of
+///                 others
 /// @source [hairer1993solving] II.4, II.10, as ExplicitRk
-template <class Method, TimeSplitSystem Sys, std::size_t N>
+template <class Method, class StateT, std::size_t N>
 class LaneRk {
   using Coefficients = StaticCoefficients<Method>;
-  static_assert(Coefficients::fsal && Coefficients::has_error);
   static constexpr std::size_t stages = Coefficients::stages();
+  static constexpr std::size_t group = 8;  ///< numbers in a register of the widest kind
 
  public:
-  using State = typename Sys::State;
+  using State = StateT;
   using Real = real_of<State>;
   static constexpr std::size_t lanes = N;
   static_assert(is_small_state<State>);
+  static_assert(N % group == 0);
 
-  /// Puts a state into a lane and evaluates its first slope.
-  /// @param y  shape (n)
-  void start(const Sys& system, std::size_t lane, const State& y) {
-    State slope = y;
-    system.rhs_at(system.at(Real(0)), y, slope);
+  /// Attempts are made in the first `count` lanes and those that share a register with them.
+  void use(std::size_t count) { groups_ = (count + group - 1) / group; }
+  /// How many these are.
+  [[gnu::always_inline]] [[nodiscard]] std::size_t used() const { return groups_ * group; }
+
+  /// Puts a state into a lane.
+  /// @param y      shape (n)
+  /// @param slope  f(t, y), shape (n); read where the last stage of a step is the first of the next
+  void start(std::size_t lane, const State& y, const State& slope) {
     set(y_, lane, y);
     set(k_[0], lane, slope);
   }
 
-  /// The size of the next attempt of a lane; 0 for one that rests.
-  void set_step(std::size_t lane, Real h) { h_[lane] = h; }
+  /// Puts the state of a lane and its first slope into another one.
+  void move(std::size_t from, std::size_t to) { start(to, get(y_, from), get(k_[0], from)); }
 
-  /// A step of every lane from its state: y_new and the square of its error in this norm.
-  /// @param norm  carries the tolerances, as in ExplicitRk::error_squared
-  template <class Norm>
-  [[gnu::always_inline]] void attempt(const Sys& system, const Norm& norm) {
-    const auto g = system.at(Real(0));
+  /// The next attempt of a lane: from t with a size of h; 0 for one that rests.
+  void set_step(std::size_t lane, Real t, Real h) {
+    t_[lane] = t;
+    h_[lane] = h;
+  }
+
+  /// t + c_I h, where stage I of a lane stands.
+  template <std::size_t I>
+  [[gnu::always_inline]] [[nodiscard]] Real stage_time(std::integral_constant<std::size_t, I>,
+                                                       std::size_t lane) const {
+    return t_[lane] + static_cast<Real>(Coefficients::node(I)) * h_[lane];
+  }
+
+  /// A step of every lane from its state: y_new.
+  /// @param slope  called as slope(i, lane, y, dydt): writes f at the node of stage i; has to be inlined. A
+  ///               method whose last stage is not the first of the next step asks for stage 0 too.
+  template <class Slope>
+  [[gnu::always_inline]] void attempt(const Slope& slope) {
+    if constexpr (!Coefficients::fsal) evaluate<0>(slope);
     [&]<std::size_t... I>(std::index_sequence<I...>) __attribute__((always_inline)) {
-      (evaluate<I + 1>(system, g), ...);
+      (evaluate<I + 1>(slope), ...);
     }
     (std::make_index_sequence<stages - 1>{});
-    weigh(norm);
+    if constexpr (!Coefficients::fsal)
+      for (std::size_t lane = 0; lane < used(); ++lane) {
+        const State end = end_of_step(lane);
+        for_each_component<State>(
+            [&](Eigen::Index i) { y_new_[static_cast<std::size_t>(i)][lane] = end[i]; });
+      }
+  }
+
+  /// The square of the error of the last attempt of every lane in this norm, see error_squared().
+  /// @param norm  carries the tolerances, as in ExplicitRk::error_squared
+  template <class Norm>
+  [[gnu::always_inline]] void weigh(const Norm& norm) {
+    for (std::size_t lane = 0; lane < used(); ++lane) {
+      const Real e = weighted_square<typename Coefficients::ErrorWeights>(lane, norm);
+      if constexpr (Coefficients::has_low_error) {
+        const Real e_low = weighted_square<typename Coefficients::LowErrorWeights>(lane, norm);
+        const Real denominator = e + Real(0.01) * e_low;
+        // Divided in every lane, used where it is not 0 / 0: a choice between two numbers is no branch.
+        const Real quotient = e * e / denominator;
+        error_squared_[lane] = denominator == 0 ? Real(0) : quotient;
+      } else {
+        error_squared_[lane] = e;
+      }
+    }
   }
 
   /// Of the last attempt, at most 1 where it is good enough.
   [[nodiscard]] Real error_squared(std::size_t lane) const { return error_squared_[lane]; }
+  /// Where the next attempt begins, shape (n).
+  [[nodiscard]] State state(std::size_t lane) const { return get(y_, lane); }
   /// The candidate of the last attempt, shape (n).
   [[nodiscard]] State candidate(std::size_t lane) const { return get(y_new_, lane); }
 
-  /// Commits the last attempt of a lane: its last slope is the first of the next step.
-  void accept(std::size_t lane) {
-    for (std::size_t d = 0; d < n; ++d) {
+  /// Commits the last attempt of a lane. Its last slope is the first of the next step if the method has that.
+  [[gnu::always_inline]] void accept(std::size_t lane) {
+    for_each_component<State>([&](Eigen::Index i) {
+      const auto d = static_cast<std::size_t>(i);
       y_[d][lane] = y_new_[d][lane];
-      k_[0][d][lane] = k_[stages - 1][d][lane];
-    }
+      if constexpr (Coefficients::fsal) k_[0][d][lane] = k_[stages - 1][d][lane];
+    });
   }
 
  private:
@@ -82,27 +131,49 @@ class LaneRk {
     return y;
   }
 
-  /// Stage I of every lane, k_I = f(y + h sum_j a_Ij k_j). The argument of the last one is y_new.
-  template <std::size_t I, class Part>
-  [[gnu::always_inline]] void evaluate(const Sys& system, const Part& g) {
+  /// y + h sum_i b_i k_i of a lane.
+  [[gnu::always_inline]] State end_of_step(std::size_t lane) const {
+    State end;
+    for_each_component<State>([&](Eigen::Index i) {
+      const auto d = static_cast<std::size_t>(i);
+      const auto term = [&](std::size_t j) { return k_[j][d][lane]; };
+      end[i] = y_[d][lane] + detail::weighted_sum<decltype(Coefficients::weights()), Real>(h_[lane], term);
+    });
+    return end;
+  }
+
+  /// The argument of stage I of a lane, y + h sum_j a_Ij k_j.
+  template <std::size_t I>
+  [[gnu::always_inline]] State argument_of(std::size_t lane) const {
     using Row = decltype(Coefficients::stage_row(std::integral_constant<std::size_t, I>{}));
-    using Weights = decltype(Coefficients::weights());
-    for (std::size_t lane = 0; lane < N; ++lane) {
-      State argument, slope;
+    State argument;
+    for_each_component<State>([&](Eigen::Index i) {
+      const auto d = static_cast<std::size_t>(i);
+      if constexpr (detail::next_weight<Row>(0) >= Row::size)
+        argument[i] = y_[d][lane];
+      else
+        argument[i] = detail::fold_weights<Row, Real, detail::next_weight<Row>(0)>(
+            h_[lane], [&](std::size_t j) { return k_[j][d][lane]; }, Real(y_[d][lane]));
+    });
+    return argument;
+  }
+
+  /// Stage I of every lane, k_I = f(argument). The argument of the last one is y_new if its slope is the
+  /// first of the next step.
+  template <std::size_t I, class Slope>
+  [[gnu::always_inline]] void evaluate(const Slope& slope) {
+    constexpr bool at_end = Coefficients::fsal && I + 1 == stages;
+    for (std::size_t lane = 0; lane < used(); ++lane) {
+      State argument, dydt;
+      if constexpr (at_end)
+        argument = end_of_step(lane);
+      else
+        argument = argument_of<I>(lane);
+      slope(std::integral_constant<std::size_t, I>{}, lane, argument, dydt);
       for_each_component<State>([&](Eigen::Index i) {
         const auto d = static_cast<std::size_t>(i);
-        const auto term = [&](std::size_t j) { return k_[j][d][lane]; };
-        if constexpr (I + 1 == stages)
-          argument[i] = y_[d][lane] + detail::weighted_sum<Weights, Real>(h_[lane], term);
-        else
-          argument[i] =
-              detail::fold_weights<Row, Real, detail::next_weight<Row>(0)>(h_[lane], term, Real(y_[d][lane]));
-      });
-      system.rhs_at(g, argument, slope);
-      for_each_component<State>([&](Eigen::Index i) {
-        const auto d = static_cast<std::size_t>(i);
-        k_[I][d][lane] = slope[i];
-        if constexpr (I + 1 == stages) y_new_[d][lane] = argument[i];
+        k_[I][d][lane] = dydt[i];
+        if constexpr (at_end) y_new_[d][lane] = argument[i];
       });
     }
   }
@@ -118,26 +189,10 @@ class LaneRk {
     return norm.squared(get(y_, lane), get(y_new_, lane), [&](Eigen::Index i) { return error[i]; });
   }
 
-  /// As ExplicitRk::error_squared.
-  template <class Norm>
-  [[gnu::always_inline]] void weigh(const Norm& norm) {
-    for (std::size_t lane = 0; lane < N; ++lane) {
-      const Real e = weighted_square<typename Coefficients::ErrorWeights>(lane, norm);
-      if constexpr (Coefficients::has_low_error) {
-        const Real e_low = weighted_square<typename Coefficients::LowErrorWeights>(lane, norm);
-        const Real denominator = e + Real(0.01) * e_low;
-        // Divided in every lane, used where it is not 0 / 0: a choice between two numbers is no branch.
-        const Real quotient = e * e / denominator;
-        error_squared_[lane] = denominator == 0 ? Real(0) : quotient;
-      } else {
-        error_squared_[lane] = e;
-      }
-    }
-  }
-
+  std::size_t groups_ = N / group;
   alignas(64) Lanes y_{}, y_new_{};
   alignas(64) std::array<Lanes, stages> k_{};  ///< slopes, [stage][component][lane]
-  alignas(64) std::array<Real, N> h_{}, error_squared_{};
+  alignas(64) std::array<Real, N> t_{}, h_{}, error_squared_{};
 };
 
 }  // namespace hmax
