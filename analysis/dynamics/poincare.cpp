@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <variant>
 
 #include "core/parallel_for.hpp"
 
@@ -53,15 +54,34 @@ Mean mean_of(const std::vector<double>& series) {
 
 }  // namespace
 
+namespace {
+
+/// The computation alone, with the only map.
+/// @param make  makes it of the map
+template <class Make>
+auto alone(const VectorFunction& map, const Make& make) {
+  MapCalls calls;
+  auto task = make(OneMap(calls, 0));
+  task.start();
+  one_by_one([&](std::size_t) { return map; })(calls);
+  return task.result();
+}
+
 // The start itself is the first look where skip = 0.
-std::vector<VectorXd> looks(const VectorFunction& map, VectorXd y, int skip, int count) {
+MapTask<std::vector<VectorXd>> look(OneMap map, VectorXd y, int skip, int count) {
   if (skip < 0 || count < 0) throw std::invalid_argument("the looks at a motion cannot be fewer than none");
   std::vector<VectorXd> seen;
   for (int i = 0; i < skip + count && y.allFinite(); ++i) {
     if (i >= skip) seen.push_back(y);
-    y = map(y);
+    y = co_await map(std::move(y));
   }
-  return seen;
+  co_return seen;
+}
+
+}  // namespace
+
+std::vector<VectorXd> looks(const VectorFunction& map, VectorXd y, int skip, int count) {
+  return alone(map, [&](OneMap one) { return look(one, std::move(y), skip, count); });
 }
 
 // All pairs of looks p apart must agree, so the whole stretch is periodic, not only its end.
@@ -87,10 +107,11 @@ std::optional<int> period_of(const std::vector<VectorXd>& looks, double toleranc
   return std::nullopt;
 }
 
+namespace {
+
 // A finite separation of 1e-6 stands for the tangent vector: terms of second order change the growth by the
 // order of 1e-6.
-Exponent largest_lyapunov(const VectorFunction& map, VectorXd y, const VectorXd& scale,
-                          const ExponentLimits& limits) {
+MapTask<Exponent> lyapunov(OneMap map, VectorXd y, VectorXd scale, ExponentLimits limits) {
   constexpr double separation = 1e-6, infinity = std::numeric_limits<double>::infinity();
   constexpr int turning = 20;  // until the separation points where neighbours part fastest
   // Any direction but an invariant one.
@@ -98,24 +119,31 @@ Exponent largest_lyapunov(const VectorFunction& map, VectorXd y, const VectorXd&
   apart *= separation / apart.cwiseQuotient(scale).norm();
   std::vector<double> grown;
   for (int next = std::max(limits.least, batches), i = -turning;; ++i) {
-    const VectorXd there = map(y);
+    auto [there, beside] = co_await map(y, y + apart);
     // The separation after one application, |apart| = separation before.
-    apart = map(y + apart) - there;
+    apart = beside - there;
     const double growth = apart.cwiseQuotient(scale).norm() / separation;
     const int count = std::max(i + 1, 0);
-    y = there;
-    if (!std::isfinite(growth)) return {std::nan(""), std::nan(""), count, y};
+    y = std::move(there);
+    if (!std::isfinite(growth)) co_return Exponent{std::nan(""), std::nan(""), count, y};
     // Both orbits met: the separation is lost to rounding.
-    if (growth == 0) return {-infinity, 0, count, y};
+    if (growth == 0) co_return Exponent{-infinity, 0, count, y};
     apart /= growth;
     if (i >= 0) grown.push_back(std::log(growth));
     if (count < next) continue;
     const auto [value, error] = mean_of(grown);
     if (count >= limits.most || error <= std::max(limits.relative * std::abs(value), limits.absolute))
-      return {value, error, count, y};
+      co_return Exponent{value, error, count, y};
     // The error is looked at again after a quarter more.
     next = std::min(limits.most, count + count / 4);
   }
+}
+
+}  // namespace
+
+Exponent largest_lyapunov(const VectorFunction& map, VectorXd y, const VectorXd& scale,
+                          const ExponentLimits& limits) {
+  return alone(map, [&](OneMap one) { return lyapunov(one, std::move(y), scale, limits); });
 }
 
 std::string_view name_of(Settling settling) {
@@ -132,8 +160,9 @@ std::string_view name_of(Settling settling) {
   return "diverges";
 }
 
-Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
-               const ExponentLimits& limits) {
+namespace {
+
+MapTask<Settled> settled(OneMap map, std::vector<VectorXd> seen, int count, ExponentLimits limits) {
   constexpr int block = 256, patience = 3000;
   Settled motion{.settling = Settling::diverges, .looks = std::move(seen)};
   // Whether the last looks repeat, or there are none any more.
@@ -148,57 +177,138 @@ Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
     motion.looks.assign(last.end() - std::min(std::max(count, *motion.period), expected), last.end());
     return true;
   };
-  if (ended(motion.looks, count) || motion.looks.empty()) return motion;
+  if (ended(motion.looks, count) || motion.looks.empty()) co_return motion;
   VectorXd size = VectorXd::Constant(motion.looks[0].size(), 1e-12);
   for (const VectorXd& y : motion.looks) size = size.cwiseMax(y.cwiseAbs());
   // Components that hardly move are measured by the largest.
   size = size.cwiseMax(1e-3 * size.maxCoeff());
   while (motion.followed < patience) {
     // The next 256 looks behind those that are known.
-    const auto last = looks(map, map(motion.looks.back()), 0, block);
+    VectorXd next = co_await map(motion.looks.back());
+    const auto last = co_await look(map, std::move(next), 0, block);
     motion.followed += block;
-    if (ended(last, block)) return motion;
+    if (ended(last, block)) co_return motion;
     motion.looks.assign(last.end() - std::min(count, block), last.end());
   }
-  motion.exponent = largest_lyapunov(map, motion.looks.back(), size, limits);
-  motion.followed += motion.exponent->count + block;
-  if (ended(looks(map, motion.exponent->end, 0, block), block)) return motion;
-  motion.settling = motion.exponent->positive() ? Settling::chaotic : Settling::unsettled;
-  return motion;
+  const Exponent exponent = co_await lyapunov(map, motion.looks.back(), size, limits);
+  motion.exponent = exponent;
+  motion.followed += exponent.count + block;
+  const auto last = co_await look(map, exponent.end, 0, block);
+  if (ended(last, block)) co_return motion;
+  motion.settling = exponent.positive() ? Settling::chaotic : Settling::unsettled;
+  co_return motion;
 }
 
-// The exponent is computed to 30 % of itself: only its sign is used.
+}  // namespace
+
+Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
+               const ExponentLimits& limits) {
+  return alone(map, [&](OneMap one) { return settled(one, std::move(seen), count, limits); });
+}
+
+namespace {
+
+/// The motions of all values, by computations of several threads.
+class Diagram {
+ public:
+  Diagram(std::size_t values, VectorXd y0, int skip, int count, const std::function<bool(double)>& going)
+      : motions_(values), y0_(std::move(y0)), skip_(skip), count_(count), going_(going) {
+    tell(0);
+  }
+
+  /// Takes one value after the other, each with a computation of its own.
+  /// @param tells  whether the thread is the one that asks `going`
+  void work(const MapEnsemble& ensemble, bool tells) {
+    std::vector<MapTask<std::monostate>> tasks;
+    MapCalls calls(
+        [&] {
+          const std::size_t value = next_++;
+          if (value >= motions_.size()) return false;
+          tasks.push_back(at(OneMap(calls, value), value, tells));
+          tasks.back().start();
+          return true;
+        },
+        [&] { return ended_.load(); });
+    ensemble(calls);
+    for (auto& task : tasks)
+      if (task.has_ended()) task.result();
+  }
+
+  /// Takes all values in their order in one computation.
+  void follow(const MapEnsemble& ensemble) {
+    MapCalls calls({}, [&] { return ended_.load(); });
+    auto task = along_branch(calls);
+    task.start();
+    ensemble(calls);
+    if (task.has_ended()) task.result();
+  }
+
+  /// The columns up to the first that is missing.
+  std::vector<BifurcationColumn> columns(const std::vector<double>& values) && {
+    std::vector<BifurcationColumn> columns;
+    for (std::size_t i = 0; i < values.size() && motions_[i]; ++i)
+      columns.push_back({values[i], std::move(*motions_[i])});
+    return columns;
+  }
+
+ private:
+  void tell(std::size_t done) {
+    if (going_ && !going_(static_cast<double>(done) / static_cast<double>(motions_.size()))) ended_ = true;
+  }
+
+  /// The motion at one value. The exponent is computed to 30 % of itself: only its sign is used.
+  MapTask<Settled> motion_from(OneMap map, VectorXd start) {
+    auto first = co_await look(map, std::move(start), skip_, count_);
+    Settled motion = co_await settled(map, std::move(first), count_, {.relative = 0.3});
+    co_return motion;
+  }
+
+  MapTask<std::monostate> at(OneMap map, std::size_t value, bool tells) {
+    motions_[value] = co_await motion_from(map, y0_);
+    const std::size_t done = ++done_;
+    if (tells) tell(done);
+    co_return std::monostate{};
+  }
+
+  MapTask<std::monostate> along_branch(MapCalls& calls) {
+    VectorXd start = y0_;
+    for (std::size_t value = 0; value < motions_.size() && !ended_; ++value) {
+      Settled motion = co_await motion_from(OneMap(calls, value), start);
+      if (motion.settling != Settling::diverges && !motion.looks.empty()) start = motion.looks.back();
+      motions_[value] = std::move(motion);
+      tell(value + 1);
+    }
+    co_return std::monostate{};
+  }
+
+  std::vector<std::optional<Settled>> motions_;
+  VectorXd y0_;
+  int skip_, count_;
+  const std::function<bool(double)>& going_;
+  std::atomic<std::size_t> next_ = 0, done_ = 0;  ///< values that are begun, and done
+  std::atomic<bool> ended_ = false;
+};
+
+}  // namespace
+
+std::vector<BifurcationColumn> bifurcation(const std::vector<MapEnsemble>& ensembles,
+                                           const std::vector<double>& values, const VectorXd& y0, int skip,
+                                           int count, bool follow, const std::function<bool(double)>& going) {
+  Diagram diagram(values.size(), y0, skip, count, going);
+  if (follow)
+    diagram.follow(ensembles.front());
+  else
+    parallel_for(std::min(ensembles.size(), values.size()),
+                 [&](std::size_t i, std::size_t worker) { diagram.work(ensembles[i], worker == 0); });
+  return std::move(diagram).columns(values);
+}
+
 std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(double)>& map_at,
                                            const std::vector<double>& values, const VectorXd& y0, int skip,
                                            int count, bool follow, const std::function<bool(double)>& going) {
-  const ExponentLimits sign_alone{.relative = 0.3};
-  const auto motion_at = [&](double value, const VectorXd& start) {
-    const VectorFunction map = map_at(value);
-    return settle(map, looks(map, start, skip, count), count, sign_alone);
-  };
-  const auto share = [&](std::size_t done) {
-    return static_cast<double>(done) / static_cast<double>(values.size());
-  };
-  std::vector<BifurcationColumn> columns;
-  if (follow) {
-    VectorXd start = y0;
-    for (const double value : values) {
-      if (going && !going(share(columns.size()))) break;
-      Settled motion = motion_at(value, start);
-      if (motion.settling != Settling::diverges && !motion.looks.empty()) start = motion.looks.back();
-      columns.push_back({value, std::move(motion)});
-    }
-    return columns;
-  }
-  std::vector<std::optional<Settled>> motions(values.size());
-  std::atomic<bool> ended = going && !going(0);
-  parallel_for(
-      values.size(), [&](std::size_t i, std::size_t) { motions[i] = motion_at(values[i], y0); },
-      [&](std::size_t done) { ended = ended || (going && !going(share(done))); },
-      [&] { return ended.load(); });
-  for (std::size_t i = 0; i < values.size() && motions[i]; ++i)
-    columns.push_back({values[i], std::move(*motions[i])});
-  return columns;
+  const std::vector<MapEnsemble> ensembles(
+      std::max<std::size_t>(1, jobs()), one_by_one([&](std::size_t value) { return map_at(values[value]); }));
+  return bifurcation(ensembles, values, y0, skip, count, follow, going);
 }
 
 }  // namespace hmax

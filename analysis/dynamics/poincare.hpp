@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "analysis/dynamics/differences.hpp"
+#include "analysis/dynamics/map_calls.hpp"
 #include "integrators/control.hpp"
 #include "integrators/controller.hpp"
 #include "integrators/explicit/explicit_rk.hpp"
@@ -131,11 +132,20 @@ struct BifurcationColumn {
 /// Looks for each value of a parameter. Each motion is judged by `settle`, the exponent only as well as its
 /// sign takes.
 /// A bifurcation diagram plots the looks over the parameter: period doubling shows as branches that split.
+/// Motions of several values are followed at a time, so that an ensemble can apply their maps side by side;
+/// each is what it is alone.
+/// @param ensembles  of the period maps, numbered as the values; one for each thread, at least one
 /// @param skip, count  looks that are not kept, and kept, at each value
-/// @param map_at  the period map of a value; called by several threads at once unless the branch is followed
 /// @param follow  each value starts where the one before has ended, instead of at y0: the branch is followed
 /// @param going   called by the calling thread with the share that is done; when it returns false the diagram
-///                ends, after the values that other threads have begun
+///                ends with the values that are done up to the first that is not
+std::vector<BifurcationColumn> bifurcation(const std::vector<MapEnsemble>& ensembles,
+                                           const std::vector<double>& values, const Eigen::VectorXd& y0,
+                                           int skip, int count, bool follow,
+                                           const std::function<bool(double)>& going = {});
+
+/// The same with one map at a time in each thread.
+/// @param map_at  the period map of a value; called by several threads at once unless the branch is followed
 std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(double)>& map_at,
                                            const std::vector<double>& values, const Eigen::VectorXd& y0,
                                            int skip, int count, bool follow,
