@@ -63,15 +63,21 @@ Figure phase_portrait(const PhaseView& view) {
   return figure;
 }
 
+bool is_strobed(const PhaseOptions& options) { return options.poincare || !options.bifurcation.empty(); }
+
+/// With a stroboscopic view the method is that of its motions.
+bool shows_map(const PhaseOptions& options) {
+  return !is_strobed(options) && (!options.method.method.empty() || !options.method.tableau.empty());
+}
+
 /// One view at a time.
 void require_one_view(const PhaseOptions& options) {
-  const bool map = !options.method.method.empty() || !options.method.tableau.empty();
-  const int views = map + options.poincare + options.basins + !options.bifurcation.empty();
+  const int views = shows_map(options) + options.poincare + options.basins + !options.bifurcation.empty();
   if (views > 1)
     throw InputError(
-        "--method, --basins, --poincare and --bifurcation are views of their own; ask for one of them at a "
-        "time");
-  const bool strobed = options.poincare || !options.bifurcation.empty();
+        "the map of --method, --basins, --poincare and --bifurcation are views of their own; ask for one of "
+        "them at a time");
+  const bool strobed = is_strobed(options);
   if (!strobed && (options.period || !options.periods.empty() || !options.skip.empty()))
     throw InputError("--period, --periods and --skip need --poincare or --bifurcation; add one of them");
   if (options.bifurcation.empty() &&
@@ -85,8 +91,7 @@ void require_one_view(const PhaseOptions& options) {
 
 /// The name of the figure of the view that is asked for.
 std::string figure_name(const PhaseOptions& options) {
-  const bool map = !options.method.method.empty() || !options.method.tableau.empty();
-  return map                           ? "map"
+  return shows_map(options)            ? "map"
          : options.basins              ? "basins"
          : options.poincare            ? "poincare"
          : options.bifurcation.empty() ? "phase"
@@ -99,7 +104,7 @@ void phase(const PhaseOptions& options, Console& console) {
     check_figure_files(options.output, figure_name(options));
   else
     refuse_style_without_figure("--output FOLDER");
-  if (!options.method.method.empty() || !options.method.tableau.empty()) return phase_map(options, console);
+  if (shows_map(options)) return phase_map(options, console);
   if (!options.basins && !options.cells.empty())
     throw InputError("--cells is the grid of --basins; add --basins, or leave it out");
   if (options.basins) return phase_basins(options, console);
@@ -120,9 +125,11 @@ void phase(const PhaseOptions& options, Console& console) {
 
 /// The state once in each period of the force, alone or over a parameter.
 void add_section_options(CLI::App& command, PhaseOptions& options) {
-  command.add_flag("--poincare", options.poincare,
-                   fmt::format("Show the Poincare section: the state once in each period of the force, at {}",
-                               in_words(stroboscope_tolerances)));
+  command.add_flag(
+      "--poincare", options.poincare,
+      fmt::format("Show the Poincare section: the state once in each period of the force, at {} or "
+                  "by steps of --method",
+                  in_words(stroboscope_tolerances)));
   command
       .add_option("--bifurcation", options.bifurcation,
                   "Show the bifurcation diagram over this parameter, from --from to --to")
@@ -379,11 +386,15 @@ void add_phase(CLI::App& app, Console& console) {
         "--set w=1 --periods 500"),
        ("hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 60 --set c=0.05 --set k1=0 "
         "--set k3=1 --set m=1 --set w=1 --output results/runs/phase"),
+       ("hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 400 --set c=0.05 --set k1=0 "
+        "--set k3=1 --set m=1 --set w=1 --method rk4 --h 0.02"),
        "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
   options->problem.add_to(command);
   options->method.add_to(command);
-  add_number(command, "--h", options->h, "Step size of the method, whose map of the plane is analysed [s]");
+  add_number(command, "--h", options->h,
+             "Step size of the method, whose map of the plane is analysed [s]; with --poincare and "
+             "--bifurcation at most, so that steps divide the period");
   command
       .add_option(
           "--window", options->window,
@@ -395,7 +406,10 @@ void add_phase(CLI::App& app, Console& console) {
   command.add_flag("--basins", options->basins,
                    fmt::format("Show the basins of attraction of the stable equilibria, at {}",
                                in_words(basin_tolerances)));
-  command.add_option("--cells", options->cells, "Columns of the grid of initial states; 120 by default")
+  command
+      .add_option("--cells", options->cells,
+                  "Columns of the grid of initial states, or columns and rows, like 200,200; 120 by default, "
+                  "with three rows for four columns")
       ->type_name("NUMBER");
   add_section_options(command, *options);
   command

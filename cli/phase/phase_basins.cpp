@@ -33,6 +33,17 @@ void require_attractor(const PhaseView& view) {
         view.problem.id));
 }
 
+/// Columns and rows of --cells, "200" or "200,100".
+std::pair<int, int> grid_of(const std::string& cells) {
+  const std::size_t comma = std::min(cells.find(','), cells.size());
+  const std::int64_t columns = cells.empty() ? 120 : parse_count("--cells", cells.substr(0, comma), 2);
+  const std::int64_t rows =
+      comma == cells.size() ? (columns * 3 + 3) / 4 : parse_count("--cells", cells.substr(comma + 1), 2);
+  if (const std::int64_t most = std::max(columns, rows); most > 4000)
+    throw InputError(fmt::format("--cells is {}, more than the limit of 4000; take fewer", most));
+  return {static_cast<int>(columns), static_cast<int>(rows)};
+}
+
 Figure picture(const PhaseView& view, const Basins& found) {
   std::vector<std::string> labels;
   std::vector<int> number(view.equilibria.size(), -1);  // among those that attract
@@ -72,18 +83,15 @@ Figure picture(const PhaseView& view, const Basins& found) {
 void phase_basins(const PhaseOptions& options, Console& console) {
   const PhaseView view = view_of(options);
   require_attractor(view);
-  const std::int64_t columns = options.cells.empty() ? 120 : parse_count("--cells", options.cells, 2);
-  if (columns > 4000)
-    throw InputError(fmt::format("--cells is {}, more than the limit of 4000; take fewer", columns));
+  const auto [columns, rows] = grid_of(options.cells);
   Progress progress(console, "basins");
   const auto& interrupted = interrupt_flag();
-  const auto rows = static_cast<int>((columns * 3 + 3) / 4);
   // A problem for each thread: formulas have one workspace each.
   std::vector<FatesOf> fates_of;
   while (fates_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
     fates_of.push_back(fates_of_starts(fates_of.empty() ? view.still : frozen(options.problem.make(), 0),
                                        view.window, view.equilibria));
-  const Basins found = basins(fates_of, view.window, static_cast<int>(columns), rows, [&](double share) {
+  const Basins found = basins(fates_of, view.window, columns, rows, [&](double share) {
     progress.update(share);
     return !interrupted;
   });

@@ -8,7 +8,9 @@
 #include "analysis/dynamics/poincare.hpp"
 #include "bench/models/parameter_units.hpp"
 #include "bench/models/planar.hpp"
+#include "bench/step_maps/period_maps.hpp"
 #include "cli/phase/phase.hpp"
+#include "core/parallel_for.hpp"
 #include "plots/dynamics.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -39,6 +41,29 @@ Looks looks_of(const PhaseOptions& options, int count) {
   return {number("--periods", options.periods, count, 1), number("--skip", options.skip, 200, 0)};
 }
 
+/// Those of --method and --h; nothing where motions are adaptive.
+std::optional<FixedSteps> fixed_steps_of(const PhaseOptions& options) {
+  const bool named = !options.method.method.empty() || !options.method.tableau.empty();
+  if (!named && options.h)
+    throw InputError("--h is a step of a method; name one with --method, or leave --h out");
+  if (!named) return std::nullopt;
+  if (!options.h) throw InputError("no step size is given; add --h in seconds");
+  return FixedSteps{options.method.make(), *options.h};
+}
+
+/// Adds tolerances, or method and h, of the motions: null where they have none.
+void add_motions(Json& document, const std::optional<FixedSteps>& steps) {
+  document["tolerances"] = steps ? Json() : to_json(stroboscope_tolerances);
+  document["method"] = steps ? Json(steps->method.id) : Json();
+  document["h"] = steps ? Json(steps->h) : Json();
+}
+
+/// "rtol 1e-11, atol 1e-11" or "rk4, steps of at most 0.02 s"
+std::string motions_in_words(const std::optional<FixedSteps>& steps) {
+  return steps ? fmt::format("{}, steps of at most {} s", steps->method.id, to_text(steps->h))
+               : in_words(stroboscope_tolerances);
+}
+
 /// A window that holds the points and the motion through the first of them over one period.
 Window around(const Problem& problem, const std::vector<VectorXd>& points, double period) {
   constexpr double everywhere = 1e300;
@@ -58,6 +83,7 @@ Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : 
 
 struct Section {
   double drive_period;
+  std::optional<FixedSteps> steps;
   Looks looks;
   std::vector<VectorXd> points;
   Settled motion;
@@ -74,12 +100,14 @@ struct Section {
 Section section_of(const Problem& problem, const PhaseOptions& options) {
   const double period = drive_period(problem, options.period);
   const Looks seen = looks_of(options, 2000);
-  const VectorFunction map = stroboscope(problem, period);
+  const auto steps = fixed_steps_of(options);
+  const VectorFunction map = stroboscope(problem, period, steps);
   const auto points = looks(map, problem.y0, seen.skip, seen.count);
   const Settled motion = settle(map, points, seen.count, {});
   const bool whole = static_cast<int>(points.size()) == seen.count;
   Section section{
       .drive_period = period,
+      .steps = steps,
       .looks = seen,
       .points = points,
       .motion = motion,
@@ -92,7 +120,7 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
     section.exponent =
         largest_lyapunov(map, motion.looks.back(), around(problem, motion.looks, period).size());
   constexpr std::int64_t short_of_divergence = 5'000;  // steps; what diverges takes any number of them
-  section.periodic = search_fixed_points(stroboscope(problem, period, short_of_divergence),
+  section.periodic = search_fixed_points(stroboscope(problem, period, steps, short_of_divergence),
                                          {section.searched.lower, section.searched.upper});
   return section;
 }
@@ -162,12 +190,13 @@ Figure picture(const Problem& problem, const Section& section) {
   std::string title = verdict(section);
   title = title.substr(0, title.find(','));
   title[0] = 'T';
-  return {
-      .title = title,
-      .panels = {panel},
-      .footer = fmt::format("{}: {}; {} looks after {} periods of {} s", problem.id, describe_acting(problem),
-                            section.looks.count, section.looks.skip, short_name(section.drive_period)),
-      .panel_height = 440};
+  return {.title = title,
+          .panels = {panel},
+          .footer =
+              fmt::format("{}: {}; {} looks after {} periods of {} s{}", problem.id, describe_acting(problem),
+                          section.looks.count, section.looks.skip, short_name(section.drive_period),
+                          section.steps ? "; " + motions_in_words(section.steps) : ""),
+          .panel_height = 440};
 }
 
 /// The values of --from ... --to.
@@ -192,6 +221,25 @@ std::vector<double> values_of(const PhaseOptions& options) {
 Problem with_value(ProblemChoice choice, const std::string& parameter, double value) {
   choice.set.push_back(parameter + "=" + to_text(value));
   return choice.make();
+}
+
+/// The period of the force at each value. Where the parameter takes the force away, the looks keep the period
+/// that it has beside.
+std::vector<double> periods_of_force(const PhaseOptions& options, const std::vector<double>& values) {
+  const auto at = [&](double value) { return with_value(options.problem, options.bifurcation, value); };
+  std::optional<double> beside;  // of the first value with a force
+  std::vector<double> periods;
+  for (const double value : values) {
+    const Problem problem = at(value);
+    if (options.period || is_driven(problem)) {
+      periods.push_back(drive_period(problem, options.period));
+      continue;
+    }
+    for (std::size_t i = 0; i < values.size() && !beside; ++i)
+      if (const Problem other = at(values[i]); is_driven(other)) beside = drive_period(other, {});
+    periods.push_back(beside ? *beside : drive_period(problem, {}));
+  }
+  return periods;
 }
 
 /// "4", "chaotic", "not settled" or "diverges"
@@ -277,7 +325,7 @@ Json section_document(const Problem& problem, const Section& section) {
   for (const FixedPoint& point : section.periodic.points) periodic.push_back(fixed_point_document(point));
   const Settled& motion = section.motion;
   return {{"drive_period", section.drive_period},
-          {"tolerances", to_json(stroboscope_tolerances)},
+          {"tolerances", Json()},
           {"skip", section.looks.skip},
           {"section", points},
           {"settling", name_of(motion.settling)},
@@ -315,7 +363,7 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
   if (section.exponent && std::isfinite(section.exponent->value))
     text += fmt::format("\nlargest Lyapunov exponent {} 1/s (95 %, {} periods)\n", with_error(section),
                         section.exponent->count);
-  return text + fmt::format("\nmotions: {}\n", in_words(stroboscope_tolerances));
+  return text + fmt::format("\nmotions: {}\n", motions_in_words(section.steps));
 }
 
 }  // namespace
@@ -325,6 +373,7 @@ void phase_poincare(const PhaseOptions& options, Console& console) {
   const Section section = section_of(problem, options);
   Json document = document_of(problem);
   document.update(section_document(problem, section));
+  add_motions(document, section.steps);
   std::string text = headline(problem) + report_of(problem, section, console);
   if (!options.output.empty() && !section.points.empty())
     deliver(picture(problem, section), options, document, text, console);
@@ -338,22 +387,20 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   const std::string& name = options.bifurcation;
   const Problem first = with_value(options.problem, name, values.front());
   const Looks seen = looks_of(options, 64);
-  // Where the parameter takes the force away, the looks keep the period that it has beside.
-  const auto period_of_force = [&](const Problem& problem) {
-    if (!options.period && !is_driven(problem))
-      for (const double value : values)
-        if (const Problem other = with_value(options.problem, name, value); is_driven(other))
-          return drive_period(other, {});
-    return drive_period(problem, options.period);
-  };
-  const auto map_at = [&](double value) {
-    const Problem problem = with_value(options.problem, name, value);
-    return stroboscope(problem, period_of_force(problem));
-  };
+  const auto steps = fixed_steps_of(options);
+  const auto problem_at = [&](std::size_t i) { return with_value(options.problem, name, values[i]); };
+  const std::vector<double> periods = periods_of_force(options, values);
+  // One motion after the other makes no ensemble.
+  std::vector<MapEnsemble> ensembles;
+  if (options.follow)
+    ensembles.push_back(
+        one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); }));
+  else
+    ensembles = period_maps(problem_at, periods, steps, jobs());
   Progress progress(console, "bifurcation");
   const auto& interrupted = interrupt_flag();
   const auto columns =
-      bifurcation(map_at, values, first.y0, seen.skip, seen.count, options.follow, [&](double share) {
+      bifurcation(ensembles, values, first.y0, seen.skip, seen.count, options.follow, [&](double share) {
         progress.update(share);
         return !interrupted;
       });
@@ -362,9 +409,8 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   Json document = document_of(first);
   document["parameters"].erase(name);
   Json list = Json::array();
-  for (const BifurcationColumn& column : columns)
-    list.push_back(column_document(column, period_of_force(with_value(options.problem, name, column.value))));
-  document["tolerances"] = to_json(stroboscope_tolerances);
+  for (std::size_t i = 0; i < columns.size(); ++i) list.push_back(column_document(columns[i], periods[i]));
+  add_motions(document, steps);
   document["parameter"] = name;
   document["skip"] = seen.skip;
   document["follow"] = options.follow;
@@ -374,7 +420,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   TextTable table({"settles to", name + " from", "to"});
   for (const Stretch& stretch : stretches(columns))
     table.add({stretch.what, short_name(stretch.from), short_name(stretch.to)});
-  text += table.text(console) + fmt::format("motions: {}\n", in_words(stroboscope_tolerances));
+  text += table.text(console) + fmt::format("motions: {}\n", motions_in_words(steps));
   if (!options.output.empty()) {
     const auto names = axis_names(first);
     std::string parameters;
@@ -383,9 +429,10 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
     deliver({.title = fmt::format("{}: what the motion settles to, over {}", first.id, name),
              .panels = {diagram(columns, with_unit(first, name), names[0])},
              .footer = fmt::format(
-                 "{}{}; {} looks after {} periods, {}", first.id, parameters, seen.count, seen.skip,
+                 "{}{}; {} looks after {} periods, {}{}", first.id, parameters, seen.count, seen.skip,
                  options.follow ? "each value from where the one before has ended"
-                                : fmt::format("each value from y0 = {}", describe(first.y0))),
+                                : fmt::format("each value from y0 = {}", describe(first.y0)),
+                 steps ? "; " + motions_in_words(steps) : ""),
              .panel_height = 440},
             options, document, text, console);
   }

@@ -293,6 +293,34 @@ TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
   EXPECT_TRUE(all.at("search").at("cut_short"));
 }
 
+/// Steps of order 8 that are short enough show what adaptive ones show; long ones of order 1 do not.
+TEST(Phase, FollowsMotionsByStepsOfAMethod) {
+  const Shell shell;
+  const std::string ueda = "liver_forced --set m=1 --set c=0.05 --set k1=0 --set k3=1 --set w=1 ";
+  const std::string diagram = ueda + "--bifurcation P --from 5.7 --to 5.8 --points 3 ";
+  const Json adaptive = phase(shell, diagram);
+  const Json fixed = phase(shell, diagram + "--method dop_853 --h 0.05");
+  EXPECT_EQ(adaptive.at("method"), nullptr);
+  EXPECT_EQ(fixed.at("tolerances"), nullptr);
+  EXPECT_EQ(fixed.at("method"), "dop_853");
+  EXPECT_EQ(fixed.at("h"), 0.05);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(fixed.at("columns")[i].at("period"), 3);
+    EXPECT_EQ(adaptive.at("columns")[i].at("period"), 3);
+  }
+  EXPECT_NE(shell.hmax("phase --problem " + diagram + "--method dop_853 --h 0.05")
+                .out.find("motions: dop_853, steps of at most 0.05 s"),
+            std::string::npos);
+  const Json section = phase(shell, "liver_forced --poincare --periods 20 --method rk4 --h 0.1");
+  EXPECT_EQ(section.at("period"), 1);
+  EXPECT_EQ(section.at("method"), "rk4");
+  // Undamped by the step: a liver that this size makes unstable.
+  const Told unstable =
+      shell.hmax("phase --problem liver_forced --poincare --method explicit_euler --h 4 --json");
+  EXPECT_EQ(unstable.exit_code, 1);
+  EXPECT_EQ(unstable.json().at("settling"), "diverges");
+}
+
 TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   const Shell shell;
   const Json document =
@@ -335,7 +363,12 @@ TEST(Phase, RefusesLooksThatSayNothing) {
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --periods 0"), "--periods");
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --skip -1"), "--skip");
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --period 0"), "--period is 0");
-  expect_refused(shell.hmax("phase --problem liver_forced --poincare --method rk4 --h 1"), "one of them");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --h 1"), "--method");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --method rk4"), "--h");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --method rk4 --h 0"), "positive");
+  expect_refused(
+      shell.hmax("phase --problem liver_forced --bifurcation P --from 0 --to 1 --method ode113 --h 1"),
+      "chooses its steps itself");
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --at 1"), "--at");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --window 0,1,0,1"), "--window");
   expect_refused(shell.hmax("phase --problem liver_forced --skip 3"), "--poincare");
@@ -367,6 +400,13 @@ TEST(Phase, TheBasinsOfTheDoubleWellMirrorEachOther) {
 
 /// A linear liver comes to rest from everywhere; a softening one breaks beyond its saddles, where the energy
 /// of the undamped motion says it must.
+TEST(Phase, BasinsHaveTheRowsThatAreAskedFor) {
+  const Shell shell;
+  const std::string basins = "liver_cubic --set k1=-1 --set c=0.5 --basins --window -3,3,-3,3 --cells ";
+  EXPECT_EQ(phase(shell, basins + "6").at("cells"), Json({6, 5}));
+  EXPECT_EQ(phase(shell, basins + "4,7").at("cells"), Json({4, 7}));
+}
+
 TEST(Phase, BasinsEndWhereTheMotionBreaksAway) {
   const Shell shell;
   const Json linear = phase(shell, "liver_linear --basins --cells 10 --window -5,5,-5,5");
@@ -386,6 +426,10 @@ TEST(Phase, RefusesBasinsOfNothing) {
   expect_refused(shell.hmax("phase --problem liver_cubic --set c=0 --basins"), "nothing has a basin");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1"), "--cells");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1e6"), "--cells");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,"), "--cells");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,1"), "--cells");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,20,30"), "--cells");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,1e6"), "--cells");
   expect_refused(shell.hmax("phase --problem liver_cubic --cells 10"), "--basins");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --poincare"), "one of them");
 }
