@@ -15,8 +15,8 @@ using Eigen::Matrix3d;
 constexpr std::size_t lanes = TetBlock::lanes;
 constexpr std::size_t window = 16;        // blocks that are dealt to at once
 constexpr std::size_t batch_windows = 8;  // whose elements come before what they finish is written
-// Elements for a thread, a tenth of a millisecond.
-constexpr std::size_t least_forces = 10'000, least_stiffness = 2'000;
+// Elements for a thread, a quarter of a millisecond: to start threads takes half of that.
+constexpr std::size_t least_forces = 25'000, least_stiffness = 4'000;
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
