@@ -408,8 +408,7 @@ void add_phase(CLI::App& app, Console& console) {
                                in_words(basin_tolerances)));
   command
       .add_option("--cells", options->cells,
-                  "Columns of the grid of initial states, or columns and rows, like 200,200; 120 by default, "
-                  "with three rows for four columns")
+                  "Columns of the grid of initial states, or columns and rows, like 200,200; 120 by default")
       ->type_name("NUMBER");
   add_section_options(command, *options);
   command
