@@ -326,10 +326,10 @@ MapEnsemble shared_periods(std::string_view id, const std::shared_ptr<const Driv
   return ensemble;
 }
 
-/// The size of steps that divides the period.
+/// The size of steps that divides the period; one that is no size stays, and steps_map() refuses it.
 double size_of_steps(const FixedSteps& steps, double period) {
-  const auto count = fixed_step_count(period, steps.h);
-  return count > 0 ? period / static_cast<double>(count) : steps.h;
+  if (!(steps.h > 0) || !std::isfinite(steps.h)) return steps.h;
+  return period / static_cast<double>(fixed_step_count(period, steps.h));
 }
 
 }  // namespace
