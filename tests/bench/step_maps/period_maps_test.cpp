@@ -34,7 +34,7 @@ std::vector<Problem> various() {
     problems.push_back(liver(set));
   }
   problems.push_back(liver({{"m", 1}, {"c", 0.1}, {"k1", 0}, {"k3", 0}, {"w", 1}}));
-  problems.push_back(liver({{"c", -3}, {"w", 1}}));
+  problems.push_back(liver({{"k1", 1}, {"k3", -1}, {"c", 0.5}, {"w", 1}}));
   return problems;
 }
 
