@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <memory>
 #include <random>
+#include <variant>
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "bench/limits/mode_range.hpp"
+#include "bench/limits/structure_start.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 
 namespace hmax {
@@ -46,30 +48,21 @@ ModeStart dense_start(const Linearised& near, const VectorXd& rest, Complex want
   return start;
 }
 
-/// (v^T M v + q^T K q)^1/2 of the distance from rest, which no undamped motion changes.
-Distance energy_from(const VectorXd& rest, const MechanicalPart& part) {
-  return [rest, mass = part.mass, K = part.K, d = VectorXd(),
-          Kq = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
-    const Eigen::Index n = mass.size();
-    d = y - rest;
-    std::visit([&](const auto& held) { Kq.noalias() = held * d.head(n); }, K);
-    const double twice = d.head(n).dot(Kq) + d.tail(n).dot(mass.times(VectorXd(d.tail(n))));
-    return std::isfinite(twice) ? std::sqrt(std::max(twice, 0.0)) : std::numeric_limits<double>::infinity();
-  };
+StructureProducts products_of(const MechanicalPart& part) {
+  const auto K = std::make_shared<const AnyMatrix>(part.K);
+  return {.mass_times = [mass = std::make_shared<const MassMatrix<double>>(part.mass)](
+                            const VectorXd& x) -> VectorXd { return mass->times(x); },
+          .stiffness_times =
+              [K](const VectorXd& x) {
+                return std::visit([&](const auto& held) -> VectorXd { return held * x; }, *K);
+              },
+          .add_up = {}};
 }
 
-/// From a displacement and a velocity, with velocities of a hundredth of their energy norm in everything
-/// else.
-ModeStart energy_start(const MechanicalPart& part, const VectorXd& rest, const VectorXd& q,
-                       const VectorXd& v) {
-  ModeStart start{.rest = rest, .displacement = VectorXd(2 * q.size()), .distance = energy_from(rest, part)};
-  start.displacement << q, v;
-  const VectorXd noise = part.mass.root_solve(start_vector(q.size()));
-  const double size = start.distance(rest + start.displacement);
-  start.displacement.tail(q.size()) +=
-      0.01 * size / std::sqrt(noise.dot(part.mass.times(noise))) * noise;
-  start.displacement.normalize();
-  start.mode_alone = true;
+/// From a displacement and a velocity, and a hundredth of everything else.
+ModeStart start_of(const MechanicalPart& part, const StructureProducts& products, const VectorXd& rest,
+                   const VectorXd& q, const VectorXd& v) {
+  ModeStart start = energy_start(products, rest, q, v, part.mass.root_solve(start_vector(q.size())));
   start.large = part.mass.size() > most_cheaply_factored;
   return start;
 }
@@ -112,55 +105,17 @@ StructureMode structure_mode(const Linearised& near, Complex wanted) {
           std::abs(lambda[0] - lambda[1]) <= 1 / defective_condition * std::abs(lambda[0])};
 }
 
-/// |u^T ((lambda M + C) q + M v)|: for symmetric M, C, K that row is the left eigenvector of the mode, so
-/// that no other takes part.
-Distance amplitude_from(const VectorXd& rest, const MechanicalPart& part, const StructureMode& mode) {
-  const VectorXcd of_velocity = part.mass.times(mode.shape);
-  const VectorXcd of_position = mode.lambda * of_velocity + std::get<Sparse>(part.C) * mode.shape;
-  return [rest, of_position, of_velocity, d = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
-    const Eigen::Index n = of_position.size();
-    d = y - rest;
-    const double re = of_position.real().dot(d.head(n)) + of_velocity.real().dot(d.tail(n));
-    const double im = of_position.imag().dot(d.head(n)) + of_velocity.imag().dot(d.tail(n));
-    return std::hypot(re, im);
-  };
-}
-
-/// @param row  M u, shape (dofs)
-MotionOf motion_along(const VectorXd& row, const VectorXd& rest, double h) {
-  return [rest, row, h](const Eigen::Ref<const VectorXd>& y) {
-    const Eigen::Index n = row.size();
-    return Eigen::Vector2d(row.dot(y.head(n) - rest.head(n)) / h, row.dot(y.tail(n) - rest.tail(n)));
-  };
-}
-
-Distance distance_beside_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
-                               Distance distance) {
-  return [rest, shape, row = VectorXd(part.mass.times(shape)), distance = std::move(distance),
-          left = VectorXd()](const Eigen::Ref<const VectorXd>& y) mutable {
-    const Eigen::Index n = row.size();
-    left = y;
-    left.head(n) -= row.dot(y.head(n) - rest.head(n)) * shape;
-    left.tail(n) -= row.dot(y.tail(n) - rest.tail(n)) * shape;
-    return distance(left);
-  };
-}
-
-/// Follows the motion of a shape, u^T M u = 1.
-void follow(ModeStart& start, const MechanicalPart& part, const VectorXd& shape) {
-  start.motion = [rest = start.rest, row = VectorXd(part.mass.times(shape))](double h) {
-    return motion_along(row, rest, h);
-  };
-  start.beside = distance_beside_shape(part, start.rest, shape, start.distance);
-}
-
 ModeStart structure_start(const Linearised& near, const VectorXd& rest, Complex wanted) {
   const MechanicalPart& part = *near.point.model.mechanical;
   const StructureMode mode = structure_mode(near, wanted);
-  ModeStart start = energy_start(part, rest, mode.shape.real(), (mode.lambda * mode.shape).real());
+  const StructureProducts products = products_of(part);
+  ModeStart start = start_of(part, products, rest, mode.shape.real(), (mode.lambda * mode.shape).real());
   start.defective = mode.defective;
-  if (part.decouples()) follow(start, part, mode.shape.real());
-  if (!start.defective) start.amplitude = amplitude_from(rest, part, mode);
+  if (part.decouples()) follow(start, products, mode.shape.real());
+  if (start.defective) return start;
+  const VectorXcd of_velocity = part.mass.times(mode.shape);
+  const VectorXcd of_position = mode.lambda * of_velocity + std::get<Sparse>(part.C) * mode.shape;
+  start.amplitude = amplitude_from(rest, of_position, of_velocity, products);
   return start;
 }
 
@@ -193,8 +148,9 @@ VectorXd shape_of_mode(const Linearised& near, const MechanicalMode& mode) {
 
 ModeStart start_from_shape(const MechanicalPart& part, const VectorXd& rest, const VectorXd& shape,
                            double h) {
-  ModeStart start = energy_start(part, rest, shape, 2 / h * shape);
-  follow(start, part, shape / std::sqrt(shape.dot(part.mass.times(shape))));
+  const StructureProducts products = products_of(part);
+  ModeStart start = start_of(part, products, rest, shape, 2 / h * shape);
+  follow(start, products, shape / std::sqrt(shape.dot(part.mass.times(shape))));
   start.disturbance = 1e-3;
   return start;
 }

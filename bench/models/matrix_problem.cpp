@@ -16,6 +16,7 @@
 #include "bench/input/suggest.hpp"
 #include "bench/models/free_parts.hpp"
 #include "core/size_limits.hpp"
+#include "problems/matrices/exchanged.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -364,10 +365,7 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   if (!facts.redundant.empty())
     remarks.push_back(fmt::format("the constraints of {} ({}) follow from others and are left out",
                                   counted(static_cast<Index>(facts.redundant.size()), "Lagrange multiplier"), rows_in_words(*model, facts.redundant)));
-  if (facts.look_swapped)
-    remarks.push_back(
-        "no entry of the stiffness is negative, and most rows of the mass sum to zero, as if both were exchanged; check "
-        "which file is stiffness= and which is mass=");
+  if (facts.look_swapped) remarks.emplace_back(exchanged_matrices);
   if (!facts.symmetric_K)
     remarks.push_back(
         "the stiffness is not symmetric, so the model has no energy and may grow by itself; check the file if a "
