@@ -305,7 +305,7 @@ class Dirk {
           *continuation, attempt_memory_, work_.newton,
           [&] {
             residual();
-            return largest_component(d_);
+            return norm_.largest(d_);
           },
           [&](Real mu) -> std::optional<Real> {
             // ((1 + mu) I - h gamma J) = (1 + mu) (I - h gamma / (1 + mu) J), J at the iterate.

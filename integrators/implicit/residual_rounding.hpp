@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <type_traits>
 #include <variant>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/distributed_equations.hpp"
 #include "integrators/mechanical.hpp"
 #include "integrators/state.hpp"
 #include "integrators/system.hpp"
@@ -72,6 +74,7 @@ class ResidualRounding {
   /// Takes |X| where the system has an offset; forgets the correction.
   template <System Sys>
   void init(const Sys& system) {
+    distributed_ = DistributedEquations::of_this_run();
     offset_.setZero(system.dim());
     if constexpr (OffsetSystem<Sys>)
       if (has_offset(system)) system.offset(offset_);
@@ -89,7 +92,7 @@ class ResidualRounding {
   template <class Matrix, class Norm, class Solve>
   Real operator()(bool estimate, const Matrix& J, std::int64_t id, Real s, const State& Y, const State& z,
                   const Norm& norm, const Solve& solve) {
-    const Real size = largest_component(Y);
+    const Real size = norm.largest(Y);
     if (id != id_ || s != s_ || size > 2 * size_ || size < size_ / 2) {
       if (!estimate) return 0;
       id_ = id;
@@ -116,7 +119,10 @@ class ResidualRounding {
     numbers_ = offset_;
     for (Eigen::Index i = 0; i < Y.size(); ++i) numbers_[i] += abs(Y[i]) + abs(z[i]);
     correction_ = numbers_;
-    detail::absolute_product(J, numbers_, correction_);
+    if (distributed_)
+      bound_product();
+    else
+      detail::absolute_product(J, numbers_, correction_);
     constexpr Real unit = margin * std::numeric_limits<Real>::epsilon();
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       // The high bits of a product with the golden ratio are without order.
@@ -125,6 +131,16 @@ class ResidualRounding {
     }
   }
 
+  /// |J| (q, v) of rows that have entries in columns of other processes: as large as their eigenvalues make
+  /// it.
+  void bound_product() {
+    const Eigen::Index n = numbers_.size() / 2;
+    correction_.head(n) = numbers_.tail(n);
+    correction_.tail(n) = static_cast<Real>(distributed_->largest_stiffness()) * numbers_.head(n) +
+                          static_cast<Real>(distributed_->largest_damping()) * numbers_.tail(n);
+  }
+
+  std::shared_ptr<const DistributedEquations> distributed_;  ///< of the run; null where it is of one process
   /// |X|, the sizes of the numbers that f reads, and the correction, shape (n).
   State offset_ = blank_state<State>(), numbers_ = offset_, correction_ = offset_;
   /// Of which matrix and size of Y the correction is.

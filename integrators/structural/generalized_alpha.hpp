@@ -6,9 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
+#include "core/distributed_equations.hpp"
 #include "integrators/implicit/jacobian.hpp"
 #include "integrators/implicit/newton_settings.hpp"
 #include "integrators/linear/linear_solver.hpp"
@@ -121,6 +124,7 @@ class GeneralizedAlpha {
   template <SecondOrderSystem Sys>
   void init(const Sys& system, Real t, const State& y) {
     const Eigen::Index n = system.dofs();
+    distributed_ = DistributedEquations::of_this_run();
     take_mass(system);
     q_ = y.head(n);
     v_ = y.tail(n);
@@ -260,6 +264,7 @@ class GeneralizedAlpha {
   /// K and C at (t, q_, v_). K has no part in a method whose positions do not depend on a_new.
   template <SecondOrderSystem Sys>
   void linearise(const Sys& system, Real t, MatrixT& K, MatrixT& C) const {
+    if (distributed_) return;  // has them
     system.damping(t, q_, v_, C);
     if (beta_ == 0)
       K = C;
@@ -284,12 +289,24 @@ class GeneralizedAlpha {
   bool factor(Real h, const MatrixT& K, const MatrixT& C) {
     const Real share = (1 - alpha_f_) / (1 - alpha_m_);
     const Real c = share * gamma_ * h, k = share * beta_ * h * h;
+    if (distributed_) {
+      ++work_.factorisations;
+      inverse_ = distributed_->inverse(static_cast<double>(c), static_cast<double>(k));
+      return inverse_ != nullptr;
+    }
     if (couples())
       set_combination(M_.coupled()->matrix(), c, C, k, K, A_);
     else
       set_combination(mass_, c, C, k, K, A_);
     ++work_.factorisations;
     return solver_.factor(A_);
+  }
+
+  /// x = A^-1 x. @returns iterations of conjugate gradients, 0 where factors solve
+  int solve(DofsT& x) {
+    if constexpr (std::is_same_v<DofsT, Eigen::VectorXd>)
+      if (distributed_) return inverse_->apply(x.data());
+    return solver_.solve(x);
   }
 
   /// The a_new of q_new = q, from 0 = h v + h^2 ((1/2 - beta) a + beta a_new); a_new = a where q_new does
@@ -331,7 +348,7 @@ class GeneralizedAlpha {
         detail::for_each_dof(y, [&](Eigen::Index i) {
           force_[i] = force_[i] * share - mass_[i] * (a_new_[i] + alpha_m_ * share * a_[i]);
         });
-      work_.linear_iterations += solver_.solve(force_);
+      work_.linear_iterations += solve(force_);
       a_new_ += force_;
       update_candidate(y, h, y_new);
       ++work_.newton;
@@ -373,11 +390,12 @@ class GeneralizedAlpha {
   /// The Euclidean norm of n numbers from `first` on; of one number without a root.
   template <class Vector>
   Real norm(const Vector& vector, Eigen::Index first) const {
-    using std::abs;
-    if constexpr (DofsT::SizeAtCompileTime == 1)
-      return abs(vector[first]);
-    else
-      return vector.segment(first, mass_.size()).norm();
+    using std::abs, std::sqrt;
+    if constexpr (DofsT::SizeAtCompileTime == 1) return abs(vector[first]);
+    const auto part = vector.segment(first, mass_.size());
+    if (distributed_)
+      return sqrt(static_cast<Real>(distributed_->sum(static_cast<double>(part.squaredNorm()))));
+    return part.norm();
   }
 
   /// y_new of a_new_, by Newmark's formulas.
@@ -401,6 +419,8 @@ class GeneralizedAlpha {
                          // and at the iterates of Newton's method
   MatrixT A_ = K_;
   LinearSolver<MatrixT> solver_;
+  std::shared_ptr<const DistributedEquations> distributed_;  ///< of the run; null where it is of one process
+  std::shared_ptr<DistributedEquations::Inverse> inverse_;   ///< then in the place of A_ and its solver
   Real offset_ = 0;               ///< the norm of the positions that q is added to, with their rounding
   Real factored_h_ = 0;           ///< the h of the factors of K_ and C_; NaN: there are none
   Real rate_ = 1, new_rate_ = 1;  ///< of convergence, in the last accepted step and the last attempt
