@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "core/distributed_equations.hpp"
+
 namespace hmax {
 
 /// A matrix by rows: columns and values of row i lie in [first[i], first[i + 1]). All counts from 0.
@@ -21,9 +23,30 @@ struct MatrixRows {
   std::vector<double> value;        ///< shape (entries)
 };
 
-/// M q'' + (C + alpha M + beta K) q' + K q = 0 with matrices in files.
+/// A structure whose rows each process makes by itself, some at a time. K has no negative eigenvalue.
+struct StructurePieces {
+  /// Of some rows; columns count over all of them. C without rows where there is none.
+  struct Rows {
+    MatrixRows stiffness, damping;
+    std::vector<double> mass;  ///< shape (rows) [kg]
+  };
+  /// Entries of K in each of some rows: in the columns of the same unknowns, and in others.
+  struct Lengths {
+    std::vector<int> inside, outside;
+  };
+  std::int64_t unknowns = 0;
+  int together = 1;  ///< ranges begin and end at multiples of that, as the three displacements of a point do
+  bool has_damping = false;  ///< beside alpha M + beta K
+  /// Of rows begin to end, of which there is one at least.
+  /// @throws std::exception  one sentence
+  std::function<Rows(std::int64_t begin, std::int64_t end)> rows;
+  std::function<Lengths(std::int64_t begin, std::int64_t end)> lengths;
+};
+
+/// M q'' + (C + alpha M + beta K) q' + K q = 0 with matrices in files, or in pieces.
 struct DistributedStructure {
   std::string stiffness, mass, damping;  ///< files; damping may be empty
+  std::optional<StructurePieces> pieces;  ///< in the place of files
   bool lumped = false;                   ///< masses are the sums of the rows of M
   double alpha = 0, beta = 0;            ///< [1/s], [s]
   /// Reads a file that the library behind the engine cannot: called by rank 0 alone, which then deals out the rows.
@@ -37,6 +60,7 @@ struct StructureEnds {
   std::int64_t unknowns = 0;
   std::int64_t entries = 0;   ///< of K
   bool coupled_mass = false;  ///< M is not diagonal
+  bool look_exchanged = false;  ///< K has the entries of a mass, and M those of a stiffness
   double alpha = 0, beta = 0;  ///< with those of the damping matrix [1/s], [s]
   double kappa_max = 0;        ///< [1/s^2]
   double residual = 0;         ///< of kappa_max, relative
@@ -82,6 +106,8 @@ class DistributedModel {
   virtual void stiffness_times(const double* x, double* out) = 0;
   virtual void mass_times(const double* x, double* out) = 0;
   virtual void reduced_stiffness_times(const double* x, double* out) = 0;
+  /// (a M + b K)^-1 M. Where that is singular or not positive definite its apply() throws.
+  virtual std::unique_ptr<DistributedEquations::Inverse> inverse_of_sum(double a, double b) = 0;
   /// Where damping is general: to `tolerance` of |a| gamma_max + |b| kappa_max.
   virtual SumEnd largest_of_sum(double a, double b, double tolerance) = 0;
   /// Where damping is general: up to `most` eigenvalues of (lambda^2 M + lambda C + K) u = 0 of largest modulus,
@@ -89,6 +115,8 @@ class DistributedModel {
   virtual std::vector<std::complex<double>> largest_damped(std::size_t most) = 0;
   /// Each number becomes its sum over all processes, the same on all of them.
   virtual void add_up(std::span<double> numbers) = 0;
+  /// The largest of the numbers of all processes; not finite where one is not.
+  virtual double largest(double own) = 0;
   /// What all processes do, where this one would.
   virtual Going together(Going going) = 0;
 };
@@ -105,11 +133,12 @@ class DistributedEngine {
   [[nodiscard]] virtual int ranks() const = 0;
   /// "PETSc 3.18.5, SLEPc 3.18.2"
   [[nodiscard]] virtual std::string version() const = 0;
-  /// Reads the matrices and finds the ends of their spectrum. Called by all ranks together; each reads only its rows of
-  /// files that the library reads itself. The engine has to outlive the model.
-  /// @throws InputError  the same one on all ranks: for files that cannot be read, matrices that are not symmetric,
-  /// masses that are not positive, an iteration that does not end
-  virtual std::unique_ptr<DistributedModel> read(const DistributedStructure& structure) = 0;
+  /// Reads or assembles the matrices and finds the ends of their spectrum. Called by all ranks together; each
+  /// reads only its rows of files that the library reads itself, and makes only its rows of pieces. The
+  /// engine has to outlive the model.
+  /// @throws InputError  the same one on all ranks: for files that cannot be read, matrices that are not
+  /// symmetric, masses that are not positive, an iteration that does not end
+  virtual std::unique_ptr<DistributedModel> read(DistributedStructure structure) = 0;
   /// Does work that all ranks do together.
   /// @throws InputError  on all ranks what one of them throws as std::exception
   virtual void together(const std::function<void()>& work) = 0;

@@ -11,8 +11,9 @@
 
 namespace hmax {
 
-/// Why a method cannot step rows that are dealt out; empty where it can. Steps of the others are sums of vectors and
-/// accelerations, which each process makes of its rows with the code of the method.
+/// Why a method cannot step rows that are dealt out; empty where it can. Each process makes steps of its rows
+/// with the code of the method; accelerations, equations and norms are those of all
+/// (core/distributed_equations.hpp).
 std::string why_not_stepped(const Method& method);
 
 /// The user ended the runs; thrown on all processes.

@@ -32,12 +32,7 @@ MatrixRows rows_of(const std::string& name, bool is_mass) {
   if (file.rows == file.columns && file.storage == Storage::general && is_one_triangle(file) && !file.entries.empty())
     throw InputError(
         fmt::format("{} holds one triangle of a matrix, and --engine petsc takes whole ones; write both triangles", name));
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> matrix = assembled(file, file.rows, file.columns);
-  MatrixRows rows{.rows = matrix.rows(), .columns = matrix.cols(), .first = {}, .column = {}, .value = {}};
-  rows.first.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.rows() + 1);
-  rows.column.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
-  rows.value.assign(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros());
-  return rows;
+  return matrix_rows(assembled(file, file.rows, file.columns));
 }
 
 /// As set_range() of bench/limits/mode_range.hpp, with the model in the place of matrices.
@@ -73,6 +68,14 @@ void set_range(DistributedModel& model, ModeSet& modes) {
 
 }  // namespace
 
+MatrixRows matrix_rows(const Eigen::SparseMatrix<double, Eigen::RowMajor>& matrix) {
+  MatrixRows rows{.rows = matrix.rows(), .columns = matrix.cols(), .first = {}, .column = {}, .value = {}};
+  rows.first.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.rows() + 1);
+  rows.column.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
+  rows.value.assign(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros());
+  return rows;
+}
+
 Problem pair_with_ends(const std::string& id, const StructureEnds& ends) {
   // Both matrices have the vectors (1, 1) and (1, -1).
   const auto with_values = [](double of_sum, double of_difference) {
@@ -94,12 +97,13 @@ Problem pair_with_ends(const std::string& id, const StructureEnds& ends) {
   return pair;
 }
 
-Linearised linearised(const Problem& pair, DistributedModel& model) {
+Linearised linearised(const Problem& pair, DistributedModel& model, StateKind kind) {
   const StructureEnds& ends = model.ends();
   Linearised near{.point = operating_point(pair, 0, pair.y0)};
-  near.point.kind = StateKind::matrices;
+  near.point.kind = kind;
   near.point.at_equilibrium = true;
-  near.point.state = fmt::format("the matrices, {} states", 2 * ends.unknowns);
+  near.point.state =
+      fmt::format("{}, {} states", kind == StateKind::rest ? "rest" : "the matrices", 2 * ends.unknowns);
   near.point.radius_bound = nullptr;
   if (ends.general_damping) {
     near.point.model.mechanical->damping = Damping::general;
@@ -130,7 +134,7 @@ DistributedStructure distributed_structure(const MatrixFiles& files, double alph
   refuse(files.stiffness_series || files.damping_series, "series of matrices");
   refuse(files.one_triangle, "storage=triangle");
   refuse(files.drop_constraints, "drop=constraints");
-  return {.stiffness = files.stiffness, .mass = files.mass, .damping = files.damping, .lumped = files.lumped,
+  return {.stiffness = files.stiffness, .mass = files.mass, .damping = files.damping, .pieces = {}, .lumped = files.lumped,
           .alpha = alpha, .beta = beta, .read = rows_of};
 }
 

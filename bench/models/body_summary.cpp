@@ -58,24 +58,27 @@ void judge_loads(const BodySummary& summary, std::vector<std::string>& sentences
 
 }  // namespace
 
-BodySummary summary_of(const TissueBody& body) {
-  const TissueSettings& settings = body.settings();
-  const TetMesh& mesh = body.mesh();
+BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
+  const auto region_count = [](const TetMesh& of) {
+    return of.regions.empty() ? std::size_t{1} : static_cast<std::size_t>(std::ranges::max(of.regions)) + 1;
+  };
+  const std::vector<TissueMaterial>& materials = settings.materials;
   const auto span = [&](double TissueMaterial::*what) {
-    const auto [least, most] = std::ranges::minmax(settings.materials, {}, what);
+    const auto [least, most] = std::ranges::minmax(materials, {}, what);
     return BodySummary::Span{least.*what, most.*what};
   };
-  const Eigen::VectorXd added = body.added_mass();
+  std::vector<TetMesh::Index> held;
+  for (const Support& support : settings.supports)
+    held.insert(held.end(), support.points.begin(), support.points.end());
+  std::ranges::sort(held);
+  held.erase(std::ranges::unique(held).begin(), held.end());
   BodySummary summary{.young = span(&TissueMaterial::young),
                       .poisson = span(&TissueMaterial::poisson),
                       .density = span(&TissueMaterial::density),
-                      .regions = settings.materials.size(),
-                      .mass = (body.point_mass() - added).sum(),
-                      .added_mass = added.sum(),
-                      .heavier = (added.array() > 0).count(),
+                      .regions = std::max(materials.size(), region_count(mesh)),
                       .size = mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff(),
                       .points = mesh.point_count(),
-                      .held = mesh.point_count() - static_cast<Eigen::Index>(body.free_points().size()),
+                      .held = static_cast<Eigen::Index>(held.size()),
                       .gravity = settings.gravity};
   for (const SphereTool& tool : settings.tools) {
     summary.travel = std::max(summary.travel, tool.travel.norm());
@@ -87,12 +90,24 @@ BodySummary summary_of(const TissueBody& body) {
     summary.force = std::max(summary.force, load.force.norm());
   if (settings.skin.kind != SkinSettings::Kind::none) summary.skin = settings.skin.young;
   if (settings.model.is_of_springs()) summary.poisson.fill(poisson_of_springs);
-  if (settings.total_mass) {
-    double volume = 0;
-    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) volume += signed_volume(corners_of(mesh, t));
-    summary.density.fill(summary.mass / volume);
-    summary.from_mass = true;
+  double volume = 0, mass = 0;
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    const double of_tetrahedron = signed_volume(corners_of(mesh, t));
+    volume += of_tetrahedron;
+    mass += of_tetrahedron *
+            materials[materials.size() == 1 ? 0 : static_cast<std::size_t>(mesh.region(t))].density;
   }
+  summary.mass = settings.total_mass.value_or(mass);
+  summary.from_mass = settings.total_mass.has_value();
+  if (summary.from_mass) summary.density.fill(summary.mass / volume);
+  return summary;
+}
+
+BodySummary summary_of(const TissueBody& body) {
+  BodySummary summary = summary_of(body.mesh(), body.settings());
+  const Eigen::VectorXd added = body.added_mass();
+  summary.added_mass = added.sum();
+  summary.heavier = (added.array() > 0).count();
   return summary;
 }
 

@@ -32,6 +32,8 @@ struct BodySummary {
 };
 
 BodySummary summary_of(const TissueBody& body);
+/// The same of what a body is made of, without what mass_step adds.
+BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings);
 
 /// "E 5500 Pa, nu 0.45, 1060 kg/m^3; 1.52 kg in a box of 220 x 148 x 160 mm; 12 of 181 points held".
 std::string in_words(const BodySummary& summary);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bench/petsc/distributed_matrix.hpp"
 #include "bench/petsc/structure_ends.hpp"
 
 namespace hmax::petsc {
@@ -50,17 +51,6 @@ Complex refined(const Damped& matrices, Complex lambda, Vec x, Vec y) {
   const Complex nearest = std::abs(plus - lambda) < std::abs(minus - lambda) ? plus : minus;
   // Of a nearly double eigenvalue the quadratic is nearly singular.
   return std::abs(nearest - lambda) < 1e-6 * std::abs(lambda) ? nearest : lambda;
-}
-
-Matrix identity_like(Mat K) {
-  Matrix identity;
-  PetscInt rows = 0;
-  check(MatGetLocalSize(K, &rows, nullptr), of_damped);
-  check(MatCreateAIJ(world, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr, identity.out()), of_damped);
-  check(MatAssemblyBegin(identity, MAT_FINAL_ASSEMBLY), of_damped);
-  check(MatAssemblyEnd(identity, MAT_FINAL_ASSEMBLY), of_damped);
-  check(MatShift(identity, 1), of_damped);
-  return identity;
 }
 
 PolynomialSolver solver_of(const Damped& matrices, Mat M, std::size_t most) {
@@ -132,7 +122,7 @@ SumEnd largest_of_sum(const Damped& matrices, double a, double b, double toleran
 }
 
 std::vector<Complex> largest_damped(const Damped& matrices, std::size_t most) {
-  const Matrix identity = matrices.M ? Matrix() : identity_like(matrices.K);
+  const Matrix identity = matrices.M ? Matrix() : diagonal_like(matrices.K, 1);
   const PolynomialSolver pep = solver_of(matrices, matrices.M ? matrices.M : static_cast<Mat>(identity), most);
   check(PEPSolve(pep), of_damped);
   PetscInt found = 0;

@@ -144,6 +144,57 @@ Matrix read_matrix(const std::string& file, const ReadRows& read) {
   return matrix;
 }
 
+Matrix diagonal_like(Mat A, double value) {
+  const std::string what = "a diagonal matrix is not made";
+  Matrix diagonal;
+  PetscInt rows = 0;
+  check(MatGetLocalSize(A, &rows, nullptr), what);
+  check(MatCreateAIJ(world, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr,
+                     diagonal.out()),
+        what);
+  PetscInt begin = 0, end = 0;
+  check(MatGetOwnershipRange(diagonal, &begin, &end), what);
+  for (PetscInt i = begin; i < end; ++i) check(MatSetValue(diagonal, i, i, value, INSERT_VALUES), what);
+  check(MatAssemblyBegin(diagonal, MAT_FINAL_ASSEMBLY), what);
+  check(MatAssemblyEnd(diagonal, MAT_FINAL_ASSEMBLY), what);
+  return diagonal;
+}
+
+void store_diagonal(Mat A, const std::string& file) {
+  PetscBool here = PETSC_FALSE, anywhere = PETSC_FALSE;
+  PetscInt rows = 0;
+  check(MatGetLocalSize(A, &rows, nullptr), file);
+  if (rows > 0) check(MatMissingDiagonal(A, &here, nullptr), file);
+  MPI_Allreduce(&here, &anywhere, 1, MPIU_BOOL, MPI_LOR, world);
+  if (anywhere) check(MatAXPY(A, 1, diagonal_like(A, 0), DIFFERENT_NONZERO_PATTERN), file);
+}
+
+bool look_exchanged(Mat K, Mat M) {
+  const std::string what = "rows are not looked at";
+  Vector least, sums, sizes;
+  check(MatCreateVecs(K, nullptr, least.out()), what);
+  check(MatGetRowMin(K, least, nullptr), what);
+  PetscReal of_all = 0;
+  check(VecMin(least, nullptr, &of_all), what);
+  if (of_all < 0) return false;
+  check(VecDuplicate(least, sums.out()), what);
+  check(VecDuplicate(least, sizes.out()), what);
+  check(MatGetRowSum(M, sums), what);
+  check(MatGetRowMaxAbs(M, sizes, nullptr), what);
+  PetscInt own = 0, all = 0;
+  const PetscScalar *sum = nullptr, *size = nullptr;
+  check(VecGetLocalSize(sums, &own), what);
+  check(VecGetSize(sums, &all), what);
+  check(VecGetArrayRead(sums, &sum), what);
+  check(VecGetArrayRead(sizes, &size), what);
+  PetscInt zero = 0;
+  for (PetscInt i = 0; i < own; ++i) zero += size[i] > 0 && std::abs(sum[i]) <= 1e-9 * size[i] ? 1 : 0;
+  check(VecRestoreArrayRead(sums, &sum), what);
+  check(VecRestoreArrayRead(sizes, &size), what);
+  MPI_Allreduce(MPI_IN_PLACE, &zero, 1, MPIU_INT, MPI_SUM, world);
+  return 2 * zero > all;
+}
+
 void require_same_shape(Mat A, const std::string& file, Mat B, const std::string& other) {
   PetscInt rows = 0, of_other = 0;
   check(MatGetSize(A, &rows, nullptr), file);

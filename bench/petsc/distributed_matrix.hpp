@@ -24,6 +24,16 @@ Vector lumped_mass(Mat M, bool lumped, const std::string& file);
 /// @throws std::runtime_error  unless A and its transpose agree to 1e-10 of the largest entry
 void require_symmetric(Mat A, const std::string& file);
 
+/// A diagonal matrix of one number, which is stored even where it is 0, with the rows of A.
+Matrix diagonal_like(Mat A, double value);
+
+/// Stores a diagonal entry in every row of A, which preconditioners ask for.
+void store_diagonal(Mat A, const std::string& file);
+
+/// Whether no entry of K is negative, and most rows of M sum to zero, as those of a stiffness do where a
+/// translation makes no force.
+bool look_exchanged(Mat K, Mat M);
+
 /// @throws std::runtime_error  unless both have one shape
 void require_same_shape(Mat A, const std::string& file, Mat B, const std::string& other);
 

@@ -38,6 +38,20 @@ class Owned {
  private:
   Object object_ = nullptr;
 };
+/// A vector of PETSc over memory of somebody else, while this lives.
+class Placed {
+ public:
+  Placed(Vec vector, const double* values) : vector_(vector) {
+    check(VecPlaceArray(vector, values), "a vector is not placed");
+  }
+  ~Placed() { static_cast<void>(VecResetArray(vector_)); }
+  Placed(const Placed&) = delete;
+  Placed& operator=(const Placed&) = delete;
+
+ private:
+  Vec vector_;
+};
+
 using Matrix = Owned<Mat, MatDestroy>;
 using Vector = Owned<Vec, VecDestroy>;
 using Viewer = Owned<PetscViewer, PetscViewerDestroy>;

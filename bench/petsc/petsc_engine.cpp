@@ -1,11 +1,11 @@
 /// The engine petsc: matrices on PETSc, eigenvalues by SLEPc. A module of its own, opened when it is asked for.
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <thread>
+#include <unistd.h>
+#include <utility>
 
 #include "bench/distributed/distributed_engine.hpp"
 #include "bench/petsc/petsc_calls.hpp"
@@ -39,9 +39,9 @@ class Engine final : public DistributedEngine {
     return "PETSc " + number(PetscGetVersionNumber) + ", SLEPc " + number(SlepcGetVersionNumber);
   }
 
-  std::unique_ptr<DistributedModel> read(const DistributedStructure& structure) override {
+  std::unique_ptr<DistributedModel> read(DistributedStructure structure) override {
     std::unique_ptr<DistributedModel> model;
-    together([&] { model = read_model(structure); });
+    together([&] { model = read_model(std::move(structure)); });
     return model;
   }
 

@@ -164,17 +164,18 @@ std::optional<double> negative_end(Mat K, Mat M, std::int64_t unknowns, double k
   const std::string what = "the least eigenvalue is not found";
   const Solver eps = solver_for(K, M, EPS_SMALLEST_REAL, 1e-8);
   check(EPSSetDimensions(eps, 1, static_cast<PetscInt>(std::min<std::int64_t>(unknowns, 40)), PETSC_DEFAULT), what);
-  check(EPSSetTolerances(eps, 1e-8, M ? 60 : 4), what);
+  const bool is_only_end = !(kappa_max > 0);  // then it is the rate of growth
+  check(EPSSetTolerances(eps, 1e-8, is_only_end ? 300 : M ? 60 : 4), what);
   double least = std::numeric_limits<double>::infinity();
   check(EPSMonitorSet(eps, keep_least, &least, nullptr), what);
   check(EPSSolve(eps), what);
-  if (least < -1e-8 * kappa_max) return least;
+  if (least < -1e-8 * std::max(kappa_max, 0.0)) return least;
   return std::nullopt;
 }
 
-Vector find_ends(Mat K, Mat M, StructureEnds& ends) {
+Vector find_ends(Mat K, Mat M, bool is_positive, StructureEnds& ends) {
   Vector shape = find_largest(K, M, ends);
-  if (ends.kappa_max > 0) ends.negative = negative_end(K, M, ends.unknowns, ends.kappa_max);
+  if (!is_positive && shape) ends.negative = negative_end(K, M, ends.unknowns, ends.kappa_max);
   return shape;
 }
 

@@ -35,11 +35,13 @@ void normalise(Vec u, Mat M);
 /// @param M          null for I
 std::optional<double> negative_end(Mat K, Mat M, std::int64_t unknowns, double kappa_max);
 
-/// Finds the largest kappa of K u = kappa M u, and whether one is far below zero. Collective. Without M by Krylov-Schur
-/// iteration; M is never factored: generalised Davidson iteration with its diagonal as a preconditioner.
-/// @param M  null for I
+/// Finds the largest kappa of K u = kappa M u, and whether one is far below zero. Collective. Without M by
+/// Krylov-Schur iteration; M is never factored: generalised Davidson iteration with its diagonal as a
+/// preconditioner.
+/// @param M            null for I
+/// @param is_positive  whether K is known to have no negative eigenvalue
 /// @return  u of kappa_max, u^T M u = 1; no object where K is zero
 /// @throws std::runtime_error  where the iteration does not end
-Vector find_ends(Mat K, Mat M, StructureEnds& ends);
+Vector find_ends(Mat K, Mat M, bool is_positive, StructureEnds& ends);
 
 }  // namespace hmax::petsc

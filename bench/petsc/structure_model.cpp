@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "bench/petsc/assembled_matrices.hpp"
 #include "bench/petsc/damped_ends.hpp"
 #include "bench/petsc/distributed_matrix.hpp"
 #include "bench/petsc/structure_ends.hpp"
+#include "bench/petsc/sum_inverse.hpp"
+#include "problems/matrices/exchanged.hpp"
 
 namespace hmax::petsc {
 namespace {
@@ -29,40 +34,14 @@ std::vector<double> own_rows(Vec vector) {
   return rows;
 }
 
-/// A vector of PETSc over memory of somebody else.
-class Placed {
- public:
-  Placed(Vec vector, const double* values) : vector_(vector) { check(VecPlaceArray(vector, values), of_products); }
-  ~Placed() { static_cast<void>(VecResetArray(vector_)); }
-  Placed(const Placed&) = delete;
-  Placed& operator=(const Placed&) = delete;
-
- private:
-  Vec vector_;
-};
-
-LinearSolver mass_solver(Mat M) {
-  const std::string what = "the mass is not divided by";
-  LinearSolver solver;
-  check(KSPCreate(world, solver.out()), what);
-  check(KSPSetOperators(solver, M, M), what);
-  check(KSPSetType(solver, KSPCG), what);
-  PC diagonal = nullptr;
-  check(KSPGetPC(solver, &diagonal), what);
-  check(PCSetType(diagonal, PCJACOBI), what);
-  check(KSPSetTolerances(solver, 1e-14, 0, PETSC_DEFAULT, 500), what);
-  check(KSPSetNormType(solver, KSP_NORM_NATURAL), what);
-  check(KSPSetUp(solver), what);
-  return solver;
-}
-
 class Model final : public DistributedModel {
  public:
   /// @param M  null for I
   /// @param C  of general damping, else null
-  Model(Matrix K, Matrix M, Matrix C, StructureEnds ends)
+  /// @param is_positive  whether K is known to have no negative eigenvalue
+  Model(Matrix K, Matrix M, Matrix C, StructureEnds ends, bool is_positive)
       : K_(std::move(K)), M_(std::move(M)), C_(std::move(C)), ends_(std::move(ends)) {
-    const Vector shape = find_ends(K_, M_, ends_);
+    const Vector shape = find_ends(K_, M_, is_positive, ends_);
     // Small eigenproblems are solved by every rank for itself, maybe by processors that round in other ways.
     std::array<double, 5> numbers{ends_.kappa_max, ends_.alpha, ends_.beta, ends_.negative.value_or(0), ends_.residual};
     MPI_Bcast(numbers.data(), numbers.size(), MPI_DOUBLE, 0, world);
@@ -73,7 +52,7 @@ class Model final : public DistributedModel {
     shape_ = static_cast<Vec>(shape) ? own_rows(shape) : std::vector<double>(noise_.size(), 0.0);
     if (M_) {
       check(VecDuplicate(out_, product_.out()), of_products);
-      solver_ = mass_solver(M_);
+      solver_ = gradients_for(M_, 500);
     }
     if (C_) find_most_damping();
   }
@@ -94,13 +73,10 @@ class Model final : public DistributedModel {
     if (!M_) return multiply(K_, x, out);
     const Placed in(x_, x), result(out_, out);
     check(MatMult(K_, x_, product_), of_products);
-    check(KSPSolve(solver_, product_, out_), of_products);
-    KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-    check(KSPGetConvergedReason(solver_, &reason), of_products);
-    // A run beyond its limit may come to what is not finite, which it then has to show.
-    if (reason == KSP_DIVERGED_ITS || reason == KSP_DIVERGED_INDEFINITE_MAT)
-      throw std::runtime_error("the mass is not divided by: conjugate gradients do not converge; see whether the mass matrix "
-                               "is positive definite, or lump it");
+    petsc::solve(solver_, product_, out_, "the mass is not divided by");
+  }
+  std::unique_ptr<DistributedEquations::Inverse> inverse_of_sum(double a, double b) override {
+    return petsc::inverse_of_sum(K_, M_, a, b);
   }
   SumEnd largest_of_sum(double a, double b, double tolerance) override {
     const double size = std::abs(a) * ends_.gamma_max + std::abs(b) * ends_.kappa_max;
@@ -111,6 +87,12 @@ class Model final : public DistributedModel {
   }
   void add_up(std::span<double> numbers) override {
     MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_SUM, world);
+  }
+  double largest(double own) override {
+    // MPI_MAX may overlook NaN.
+    double all = std::isfinite(own) ? own : std::numeric_limits<double>::infinity();
+    MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+    return all;
   }
   Going together(Going going) override {
     int least = static_cast<int>(going);
@@ -158,52 +140,84 @@ class Model final : public DistributedModel {
   LinearSolver solver_;
 };
 
-}  // namespace
+/// What is read or assembled. M without an object, and masses, where it is diagonal.
+struct Parts {
+  Matrix K, M, C;
+  Vector mass;
+};
 
-std::unique_ptr<DistributedModel> read_model(const DistributedStructure& structure) {
-  StructureEnds ends;
+Parts read_files(const DistributedStructure& structure) {
+  Parts parts;
   const auto matrix_of = [&](const std::string& name, bool is_mass = false) {
     return read_matrix(name, [&](const std::string& file) { return structure.read(file, is_mass); });
   };
-  Matrix K = matrix_of(structure.stiffness);
-  require_symmetric(K, structure.stiffness);
-  MatInfo info;
-  check(MatGetInfo(K, MAT_GLOBAL_SUM, &info), structure.stiffness);
-  ends.entries = static_cast<std::int64_t>(info.nz_used);
-  Matrix M = matrix_of(structure.mass, true);
-  require_same_shape(K, structure.stiffness, M, structure.mass);
-  Vector mass = lumped_mass(M, structure.lumped, structure.mass);
-  ends.coupled_mass = !static_cast<Vec>(mass);
-  if (ends.coupled_mass) require_symmetric(M, structure.mass);
-  PetscInt rows = 0;
-  check(MatGetSize(K, &rows, nullptr), structure.stiffness);
-  ends.unknowns = rows;
-  Matrix C;
-  if (!structure.damping.empty()) {
-    C = matrix_of(structure.damping);
-    require_same_shape(K, structure.stiffness, C, structure.damping);
-    require_symmetric(C, structure.damping);
-    if (const auto rayleigh = rayleigh_of(C, K, M, mass, structure.damping)) {
+  parts.K = matrix_of(structure.stiffness);
+  require_symmetric(parts.K, structure.stiffness);
+  store_diagonal(parts.K, structure.stiffness);
+  parts.M = matrix_of(structure.mass, true);
+  require_same_shape(parts.K, structure.stiffness, parts.M, structure.mass);
+  parts.mass = lumped_mass(parts.M, structure.lumped, structure.mass);
+  if (parts.mass)
+    parts.M = Matrix();
+  else
+    require_symmetric(parts.M, structure.mass);
+  if (structure.damping.empty()) return parts;
+  parts.C = matrix_of(structure.damping);
+  require_same_shape(parts.K, structure.stiffness, parts.C, structure.damping);
+  require_symmetric(parts.C, structure.damping);
+  return parts;
+}
+
+Parts assembled_parts(const StructurePieces& pieces) {
+  Assembled matrices = assembled(pieces);
+  return {.K = std::move(matrices.K), .M = {}, .C = std::move(matrices.C), .mass = std::move(matrices.mass)};
+}
+
+/// Takes C apart where it is a sum of M and K, and adds the damping of the options.
+void take_damping(const DistributedStructure& structure, Parts& parts, StructureEnds& ends) {
+  if (parts.C) {
+    if (const auto rayleigh = rayleigh_of(parts.C, parts.K, parts.M, parts.mass, structure.damping)) {
       std::tie(ends.alpha, ends.beta) = *rayleigh;
-      C = Matrix();
+      parts.C = Matrix();
     } else {
       ends.general_damping = true;
+      return add_rayleigh(parts.C, structure.alpha, structure.beta, parts.K, parts.M, parts.mass);
     }
   }
-  if (ends.general_damping) {
-    add_rayleigh(C, structure.alpha, structure.beta, K, M, mass);
-  } else {
-    ends.alpha += structure.alpha;
-    ends.beta += structure.beta;
+  ends.alpha += structure.alpha;
+  ends.beta += structure.beta;
+}
+
+}  // namespace
+
+std::unique_ptr<DistributedModel> read_model(DistributedStructure structure) {
+  const std::string what = "the matrices are not scaled";
+  Parts parts = structure.pieces ? assembled_parts(*structure.pieces) : read_files(structure);
+  const bool is_positive = structure.pieces.has_value();
+  structure.pieces.reset();  // with its mesh
+  StructureEnds ends;
+  MatInfo info;
+  check(MatGetInfo(parts.K, MAT_GLOBAL_SUM, &info), what);
+  ends.entries = static_cast<std::int64_t>(info.nz_used);
+  PetscInt rows = 0;
+  check(MatGetSize(parts.K, &rows, nullptr), what);
+  ends.unknowns = rows;
+  ends.coupled_mass = !static_cast<Vec>(parts.mass);
+  ends.look_exchanged = ends.coupled_mass && look_exchanged(parts.K, parts.M);
+  take_damping(structure, parts, ends);
+  if (parts.mass) {
+    check(VecReciprocal(parts.mass), what);
+    check(VecSqrtAbs(parts.mass), what);
+    check(MatDiagonalScale(parts.K, parts.mass, parts.mass), what);
+    if (parts.C) check(MatDiagonalScale(parts.C, parts.mass, parts.mass), what);
   }
-  if (!ends.coupled_mass) {
-    M = Matrix();
-    check(VecReciprocal(mass), structure.mass);
-    check(VecSqrtAbs(mass), structure.mass);
-    check(MatDiagonalScale(K, mass, mass), structure.stiffness);
-    if (C) check(MatDiagonalScale(C, mass, mass), structure.damping);
+  const bool exchanged = ends.look_exchanged;
+  try {
+    return std::make_unique<Model>(std::move(parts.K), std::move(parts.M), std::move(parts.C),
+                                   std::move(ends), is_positive);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(error.what() + (exchanged ? "; " + std::string(exchanged_matrices) : ""));
   }
-  return std::make_unique<Model>(std::move(K), std::move(M), std::move(C), std::move(ends));
 }
 
 }  // namespace hmax::petsc

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/body_summary.hpp"
 #include "bench/models/free_parts.hpp"
 #include "bench/models/matrix_problem.hpp"
 
@@ -16,8 +15,10 @@ std::string body_in_words(const Problem& problem) {
 }
 
 Json body_json(const Problem& problem) {
-  if (!problem.body) return nullptr;
-  const BodySummary body = summary_of(*problem.body);
+  return problem.body ? body_json(summary_of(*problem.body)) : Json();
+}
+
+Json body_json(const BodySummary& body) {
   const auto span = [](const BodySummary::Span& of) { return of[0] == of[1] ? Json(of[0]) : Json(of); };
   return {{"E", span(body.young)},
           {"nu", span(body.poisson)},

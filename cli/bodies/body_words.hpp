@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/models/body_summary.hpp"
 #include "cli/shared/console.hpp"
 
 namespace hmax {
@@ -15,6 +16,7 @@ std::string body_in_words(const Problem& problem);
 /// The same for programs: `{E, nu, rho, regions, mass, size, points, held, gravity, unusual}`; null of what
 /// is no body.
 nlohmann::ordered_json body_json(const Problem& problem);
+nlohmann::ordered_json body_json(const BodySummary& body);
 
 /// What is known of matrices, for programs: `{files, unknowns, rows, mass_sum, ..}`; null of what is none.
 nlohmann::ordered_json matrices_json(const Problem& problem);

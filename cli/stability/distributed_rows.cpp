@@ -3,20 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
+#include "bench/distributed/body_structure.hpp"
 #include "bench/distributed/distributed_runs.hpp"
 #include "bench/distributed/limits_from_ends.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/models/matrix_problem.hpp"
+#include "bench/models/tissue_problem.hpp"
 #include "bench/rows/limit_rows.hpp"
 #include "bench/step_maps/predict_by_steps.hpp"
+#include "cli/bodies/body_words.hpp"
 #include "cli/stability/limit_json.hpp"
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/predicted_rows.hpp"
+#include "problems/matrices/exchanged.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -25,10 +32,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// alpha and beta, whether by their options or by --set.
-DistributedStructure structure_of(const ProblemChoice& choice) {
-  if (choice.own.matrices.empty())
-    throw InputError("--engine petsc takes models of --matrices alone; name stiffness and mass, or leave out --engine");
+/// What the engine is asked of, and of a body what it is.
+struct Asked {
+  DistributedStructure structure;
+  std::vector<std::pair<std::string, double>> parameters;
+  std::optional<BodySummary> body;
+};
+
+/// alpha and beta of matrices, whether by their options or by --set; the whole of a body.
+Asked asked_of(const ProblemChoice& choice) {
+  const std::string id = choice.id();
+  if (is_tissue_id(id)) {
+    BodyInPieces body = body_in_pieces(id, choice.settings());
+    return {.structure = std::move(body.structure),
+            .parameters = std::move(body.parameters),
+            .body = body.summary};
+  }
+  if (!is_matrices_id(id))
+    throw InputError(
+        "--engine petsc takes models of --matrices and --mesh alone; name one, or leave out --engine");
   double alpha = 0, beta = 0;
   for (const auto& [name, value] : choice.settings().parameters) {
     if (name != "alpha" && name != "beta")
@@ -36,7 +58,7 @@ DistributedStructure structure_of(const ProblemChoice& choice) {
     if (!std::isfinite(value)) throw InputError(fmt::format("{} is {} but must be finite; give a number", name, value));
     (name == "alpha" ? alpha : beta) = value;
   }
-  return distributed_structure(matrix_files(choice.id()), alpha, beta);
+  return {.structure = distributed_structure(matrix_files(id), alpha, beta), .parameters = {}, .body = {}};
 }
 
 /// @throws InputError  where none of the methods can be stepped, or one is a formula without code
@@ -44,7 +66,7 @@ void require_steps(const std::vector<Method>& methods) {
   const auto is_stepped = [](const Method& method) { return why_not_stepped(method).empty(); };
   const auto formula = std::ranges::find_if(methods, [](const Method& method) { return !method.bind; });
   if (formula == methods.end() && std::ranges::any_of(methods, is_stepped)) return;
-  throw InputError(fmt::format("{}; leave out --verify, or name explicit methods of `hmax list methods`",
+  throw InputError(fmt::format("{}; leave out --verify, or name other methods of `hmax list methods`",
                                why_not_stepped(formula == methods.end() ? methods.front() : *formula)));
 }
 
@@ -77,12 +99,14 @@ void verify_all(std::vector<Prediction>& rows, const std::vector<Method>& method
   }
 }
 
-Json model_json(const Problem& pair, const Linearised& near, const StructureEnds& ends, const DistributedEngine& engine) {
+Json model_json(const Problem& pair, const Linearised& near, const StructureEnds& ends,
+                const std::optional<BodySummary>& body, const DistributedEngine& engine) {
   Json eigenvalues = Json::array();
   for (const Complex lambda : near.modes.spectrum.lambda) eigenvalues.push_back({lambda.real(), lambda.imag()});
   return {{"problem", pair.id},
           {"state", near.point.state},
           {"state_kind", name_of(near.point.kind)},
+          {"body", body ? body_json(*body) : Json()},
           {"eigenvalues", std::move(eigenvalues)},
           {"engine", engine.version()},
           {"ranks", engine.ranks()},
@@ -110,19 +134,25 @@ std::string words_of(const StructureEnds& ends, const DistributedEngine& engine)
 
 void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& choice, const MethodsChoice& methods,
                               bool verified, Console& console) {
-  const DistributedStructure structure = structure_of(choice);
+  Asked asked;
+  engine.together([&] { asked = asked_of(choice); });
+  if (asked.body)
+    for (const std::string& sentence : unusual_values(*asked.body)) console.remark(sentence);
   // Before minutes are spent on eigenvalues: whatever they are, the methods are the same.
   StructureEnds any;
   any.kappa_max = 1;
   const std::vector<Method> chosen = methods.methods({pair_with_ends(choice.id(), any)});
   if (verified) require_steps(chosen);
-  const std::unique_ptr<DistributedModel> model = engine.read(structure);
+  const std::unique_ptr<DistributedModel> model = engine.read(std::move(asked.structure));
   const StructureEnds& ends = model->ends();
-  const Problem pair = pair_with_ends(choice.id(), ends);
+  if (ends.look_exchanged) console.remark(exchanged_matrices);
+  Problem pair = pair_with_ends(choice.id(), ends);
+  if (asked.body) pair.parameters = asked.parameters;
+  pair.material = choice.material;
   Linearised near;
   std::vector<Prediction> predictions;
   engine.together([&] {
-    near = linearised(pair, *model);
+    near = linearised(pair, *model, asked.body ? StateKind::rest : StateKind::matrices);
     for (const Method& method : chosen) predictions.push_back(predicted(method, near));
   });
   if (verified) verify_all(predictions, chosen, near, engine, *model);
@@ -130,15 +160,19 @@ void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& ch
   for (const Prediction& prediction : predictions) {
     rows.push_back(row_of(prediction, verified));
     rows.back().point.problem = pair.id;
+    rows.back().point.material = pair.material;
   }
   if (verified) judge_runs(rows, console);
   if (console.json) {
     Json list = Json::array();
     for (const LimitRow& row : rows) list.push_back(to_json(row, {}, pair.parameters));
-    console.print_json({{"rows", std::move(list)}, {"models", {model_json(pair, near, ends, engine)}}});
+    console.print_json(
+        {{"rows", std::move(list)}, {"models", {model_json(pair, near, ends, asked.body, engine)}}});
   } else {
-    console.print(limit_table(rows, {.verified = verified, .from_start = false, .path = {}}, console) + fmt::format("\n{}: {}\n", pair.id, near.point.state) +
-                  words_of(ends, engine) + words_of_notes(rows));
+    console.print(limit_table(rows, {.verified = verified, .from_start = false, .path = {}}, console) +
+                  fmt::format("\n{}: {}\n", pair.id, near.point.state) +
+                  (asked.body ? in_words(*asked.body) + "\n" : "") + words_of(ends, engine) +
+                  words_of_notes(rows));
   }
   console.flush();
 }

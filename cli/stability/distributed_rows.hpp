@@ -1,4 +1,5 @@
-/// Limits of matrices that lie in pieces on many processes: hmax stability predict --engine petsc.
+/// Limits of matrices, and of bodies at rest, that lie in pieces on many processes: hmax stability predict
+/// --engine petsc.
 #pragma once
 
 #include <array>
@@ -14,7 +15,8 @@ namespace hmax {
 inline constexpr std::array<std::string_view, 2> engine_names{"hmax", "petsc"};
 
 /// Predicts, verifies where that is asked for, and prints; called by all ranks.
-/// @throws InputError  for models other than symmetric matrices, and where none of the methods can be verified
+/// @throws InputError  for models other than symmetric matrices and bodies, and where none of the methods can
+/// be verified
 void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& problem, const MethodsChoice& methods, bool verified,
                               Console& console);
 

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/models/matrix_problem.hpp"
+#include "bench/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/outputs.hpp"
@@ -130,10 +131,14 @@ void refuse_beside_engine(const PredictOptions& options) {
   constexpr std::string_view remove = "remove it, or leave out --engine";
   refuse(!options.out.empty(), "--out", "keep what --json prints");
   refuse(!options.along.empty() && options.along != path_names[2], "--along", remove);
-  refuse(!options.materials.empty() || !options.problem.material.empty(), "materials", remove);
+  const bool is_body = !options.problem.body.mesh.empty() || is_tissue_id(options.problem.problem);
+  refuse(!options.materials.empty(), "--materials", "take one with --material, or leave out --engine");
+  refuse(!is_body && !options.problem.material.empty(), "materials of matrices", remove);
   refuse(!options.jacobian.empty() || !options.linear.empty(), "--jacobian and --linear", remove);
   refuse(!options.problem.y0.empty(), "--y0", remove);
-  refuse(!options.at.at.empty(), "--at", remove);
+  refuse(!is_body && !options.at.at.empty(), "--at of matrices", remove);
+  if (is_body && options.at.at != "rest")
+    throw InputError("--engine petsc takes a body at rest alone; add --at rest, or leave out --engine");
 }
 
 void predict_rows(const PredictOptions& options, Console& console) {
@@ -207,9 +212,10 @@ void add_stability_predict(CLI::App& stability, Console& console) {
                    "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
                    "could be verified");
   command
-      .add_option("--engine", options->engine,
-                  "What finds the eigenvalues of --matrices: hmax, or petsc, which under `mpirun -n N` deals out the rows to N "
-                  "processes; hmax by default")
+      .add_option(
+          "--engine", options->engine,
+          "What finds the eigenvalues of --matrices, and of a mesh --at rest: hmax, or petsc, which under `mpirun -n N` "
+          "deals out the rows to N processes; hmax by default")
       ->type_name("hmax|petsc");
   options->at.add_to(command);
   command
