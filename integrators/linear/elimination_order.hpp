@@ -24,12 +24,12 @@ struct Graph {
 std::vector<Graph::Index> minimum_degree(const Graph& graph);
 
 /// The same by nested dissection: a small separator splits the graph in halves, which are eliminated before
-/// it and split in turn. The same graph gives the same order in every thread and every call.
-/// @param size  unknowns of each vertex, shape (n)
+/// it and split in turn. The same graph gives the same order in every thread and every call; no thread
+/// of another library may use rand() meanwhile.
 /// @returns     empty where hmax was built without METIS
 /// @throws std::bad_alloc
 /// @source [karypis1998fast]
-std::vector<Graph::Index> nested_dissection(const Graph& graph, std::span<const Graph::Index> size);
+std::vector<Graph::Index> nested_dissection(const Graph& graph);
 
 /// Operations of a factorisation that take as long as nested_dissection(): an order that needs no more of
 /// them is good enough.

@@ -180,9 +180,7 @@ struct Elimination {
 Elimination best_elimination(const Groups& groups) {
   Elimination best(groups, minimum_degree(groups.graph));
   if (best.work() < dissection_work(groups.graph)) return best;
-  Indices sizes;
-  for (Index g = 0; g < groups.count(); ++g) sizes.push_back(groups.size(g));
-  if (Indices order = nested_dissection(groups.graph, sizes); !order.empty())
+  if (Indices order = nested_dissection(groups.graph); !order.empty())
     if (Elimination dissected(groups, std::move(order)); dissected.work() < best.work()) return dissected;
   return best;
 }
