@@ -172,9 +172,8 @@ class PanelFactor {
  private:
   using Panel = PanelAnalysis::Panel;
   using Size = std::ptrdiff_t;
-  /// Operations of a panel from which on threads share them: half a millisecond, of which starting them takes
-  /// a tenth.
-  static constexpr double least_shared_work = 1e7;
+  /// Operations that are worth a thread: a quarter of a millisecond.
+  static constexpr std::size_t least_shared_work = 5'000'000;
   using AlignedVector = std::vector<Scalar, detail::AlignedAllocator<Scalar>>;
   /// Of a panel: triangle of its own unknowns, and the rows below.
   struct Parts {
@@ -216,15 +215,14 @@ class PanelFactor {
     for (std::size_t c = first; c < waiting_.size(); ++c) join_unknowns(plan_.panels[waiting_[c]], panel);
     Scalar* const d = d_.data() + panel.first;
     // L and d of the columns; U = -B D B^T goes to the parent.
-    const bool shared = static_cast<double>(w) * (w + h) * (w + h) > least_shared_work;
-    eliminate_columns(panel, d, shared);
+    eliminate_columns(panel, d);
     // The kernels do not look at their pivots. After a failure the updates that still wait are of no use, and
     // the next factor() begins without them.
     for (Index i = 0; i < w; ++i) {
       if (!(std::abs(d[i]) > 0) || !std::isfinite(std::abs(d[i]))) return false;
       inverse_[panel.first + i] = Scalar(1) / d[i];
     }
-    write_update(panel, d, shared);
+    write_update(panel, d);
     for (std::size_t c = first; c < waiting_.size(); ++c) join_rows(plan_.panels[waiting_[c]], panel);
     waiting_.resize(first);
     if (h > 0) waiting_.push_back(static_cast<Index>(p));
@@ -233,24 +231,25 @@ class PanelFactor {
 
   /// L and d of the columns of a panel, one block of them after the other. Rows below a block do not depend
   /// on one another.
-  void eliminate_columns(const Panel& panel, Scalar* d, bool shared) {
+  void eliminate_columns(const Panel& panel, Scalar* d) {
     const auto [T, B] = parts(panel);
     const Size w = panel.width, wide = PanelShape::padded(w), tall = PanelShape::padded(panel.height);
     for (Size s = 0; s < w; s += PanelShape::block) {
       kernels_->diagonal(T, w, s, d);
-      in_stretches(s + PanelShape::block, wide, shared,
+      // A row takes the products of the columns up to the end of the block.
+      in_stretches(s + PanelShape::block, wide, PanelShape::block * (s + PanelShape::block),
                    [&](Size from, Size to) { kernels_->below(T, w, s, d, T + from, wide, to - from); });
     }
-    in_stretches(0, tall, shared, [&](Size from, Size to) {
+    in_stretches(0, tall, w * w, [&](Size from, Size to) {
       for (Size s = 0; s < w; s += PanelShape::block) kernels_->below(T, w, s, d, B + from, tall, to - from);
     });
   }
 
   /// U = -B diag(d) B^T of a panel, for its parent.
-  void write_update(const Panel& panel, const Scalar* d, bool shared) {
+  void write_update(const Panel& panel, const Scalar* d) {
     const Scalar* const B = parts(panel).B;
     in_stretches(
-        0, panel.height, shared,
+        0, panel.height, Size{panel.width} * panel.height,
         [&](Size from, Size to) {
           kernels_->update(B, panel.width, panel.height, d, update(panel), from, to);
         },
@@ -258,16 +257,20 @@ class PanelFactor {
         [](double share) { return 1 - std::sqrt(1 - share); });
   }
 
-  /// work(begin, end) for all that is from `from` to `to`: in one piece, or where threads share it in
+  /// work(begin, end) for all that is from `from` to `to`: in one piece, or where it is worth threads in
   /// stretches that begin at multiples of 8, which the kernels ask for. Numbers do not depend on where that
   /// is.
+  /// @param operations  of one row or column
   /// @param place  where a share of the work, 0 to 1, ends between `from` and `to`, 0 to 1
   template <class Work, class Place = std::identity>
-  static void in_stretches(Size from, Size to, bool shared, const Work& work, const Place& place = {}) {
+  static void in_stretches(Size from, Size to, Size operations, const Work& work, const Place& place = {}) {
     if (from >= to) return;
-    if (!shared) return work(from, to);
+    const auto worth =
+        static_cast<std::size_t>(to - from) * static_cast<std::size_t>(operations) / least_shared_work;
+    const std::size_t workers = worth > 1 ? std::min(threads(), worth) : 1;
+    if (workers == 1) return work(from, to);
     // Two for each thread: one that is held up leaves the rest to the others.
-    const std::size_t count = 2 * jobs();
+    const std::size_t count = 2 * workers;
     const auto edge = [&](std::size_t i) {
       if (i == count) return to;
       const double share = place(static_cast<double>(i) / static_cast<double>(count));
