@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <Eigen/Core>
@@ -50,7 +51,8 @@ class MapCalls {
     if (--*call.open == 0) call.task.resume();
   }
 
-  void add(const MapCall& call) { waiting_.push_back(call); }
+  /// All of them or, where there is no memory, none.
+  void add(std::span<const MapCall> calls) { waiting_.insert(waiting_.end(), calls.begin(), calls.end()); }
 
  private:
   std::function<bool()> begin_, ended_;
@@ -91,7 +93,9 @@ class OneMap {
 
     [[nodiscard]] bool await_ready() const { return false; }
     void await_suspend(std::coroutine_handle<> task) {
-      for (Eigen::VectorXd& y : states) calls->add({number, &y, &open, task});
+      std::array<MapCall, N> made;
+      for (std::size_t i = 0; i < N; ++i) made[i] = {number, &states[i], &open, task};
+      calls->add(made);
     }
     auto await_resume() {
       if constexpr (N == 1)

@@ -63,7 +63,7 @@ auto alone(const VectorFunction& map, const Make& make) {
   MapCalls calls;
   auto task = make(OneMap(calls, 0));
   task.start();
-  one_by_one([&](std::size_t) { return map; })(calls);
+  one_by_one([&](std::size_t) { return VectorFunction(std::cref(map)); })(calls);
   return task.result();
 }
 
@@ -228,8 +228,17 @@ class Diagram {
           tasks.back().start();
           return true;
         },
-        [&] { return ended_.load(); });
-    ensemble(calls);
+        // Motions may take many images: the thread that tells asks in between, too.
+        [&, asked = std::size_t{0}]() mutable {
+          if (tells && ++asked % 1024 == 0) tell(done_);
+          return ended_.load();
+        });
+    try {
+      ensemble(calls);
+    } catch (...) {
+      ended_ = true;
+      throw;
+    }
     for (auto& task : tasks)
       if (task.has_ended()) task.result();
   }
@@ -264,7 +273,12 @@ class Diagram {
   }
 
   MapTask<std::monostate> at(OneMap map, std::size_t value, bool tells) {
-    motions_[value] = co_await motion_from(map, y0_);
+    try {
+      motions_[value] = co_await motion_from(map, y0_);
+    } catch (...) {
+      ended_ = true;  // for all threads
+      throw;
+    }
     const std::size_t done = ++done_;
     if (tells) tell(done);
     co_return std::monostate{};

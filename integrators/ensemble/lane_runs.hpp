@@ -116,7 +116,7 @@ class LaneRuns {
     if (judgement == Judgement::retry) return;
     if (judgement == Judgement::give_up)
       return end(client, lanes, lane, Outcome::step_too_small, lanes.state(lane));
-    if (!is_bounded(there)) return end(client, lanes, lane, Outcome::diverged, lanes.state(lane));
+    if (!admits(system, there)) return end(client, lanes, lane, Outcome::diverged, lanes.state(lane));
     if (client.is_over(lane, there)) return end(client, lanes, lane, Outcome::stopped, there);
     if (run.step.last) return end(client, lanes, lane, Outcome::reached_end, there);
     lanes.accept(lane);
