@@ -30,8 +30,8 @@ struct MeshOrigin;  // problems/mesh/files/mesh_import.hpp
 /// shape (dofs), v their velocities [m/s], and y = (q, v) the first-order state, shape (2 dofs). Supported
 /// points are no unknowns. The forces are
 ///   F = elastic(x) + skin(x) + m g + loads(t) + contact(t, x, v) - dampers(x) v - (alpha M + beta K0) v.
-/// From 50,000 elements or 200,000 springs on forces, and from 8000 elements on the stiffness, are computed on as many
-/// threads as parallel_for() has, with the same bits for any number. Nothing is allocated once the system has been called by one thread (OneThread).
+/// Forces of 50,000 St. Venant-Kirchhoff elements or 200,000 springs of a linear or cubic law and the stiffness of 8000
+/// elements take the threads of parallel_for(), with the same bits for any number. On one thread only the first call allocates.
 class TissueBody {
  public:
   using State = Eigen::VectorXd;

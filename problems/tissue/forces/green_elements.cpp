@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include <Eigen/Dense>
 
@@ -82,7 +83,7 @@ GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, co
   }
   for (std::size_t begin = 0; begin < blocks_.size(); begin += window) {
     const std::size_t end = std::min(begin + window, blocks_.size());
-    Index lowest = mesh.point_count(), highest = 0;
+    Index lowest = static_cast<Index>(mesh.point_count()), highest = 0;
     for (std::size_t n = begin; n < end; ++n)
       for (const auto& rows : blocks_[n].rows)
         for (const Index row : rows) lowest = std::min(lowest, row / 4), highest = std::max(highest, row / 4);
@@ -223,6 +224,13 @@ void GreenElements::write_strip(const NodeRows& u, const BlockPattern& pattern, 
   std::size_t begin = strip.batch == 0 ? 0 : (batch - 1)->end;
   Index columns = strip.batch == 0 ? 0 : std::min((batch - 1)->columns, strip.first);
   pattern.begin(columns, pairs);
+  // Nothing is allocated while rows are not zero.
+  Index widest = 0;
+  for (Index from = columns; const Batch& each : std::span(batches_).subspan(strip.batch)) {
+    widest = std::max(widest, each.columns - from);
+    from = std::max(from, each.columns);
+  }
+  pairs.diagonal.reserve(9 * at(widest));
   auto on_rim = static_cast<std::size_t>(std::lower_bound(rim_.begin(), rim_.end(), columns) - rim_.begin());
   for (; columns < strip.last; ++batch) {
     kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch->end - begin, &u.front().x,

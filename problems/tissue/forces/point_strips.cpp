@@ -13,7 +13,7 @@ std::vector<PointStrips::Strip> PointStrips::divide(Index points, std::size_t co
   auto group = groups_.begin();
   for (std::size_t part = 1; part < count; ++part) {
     while (group->end <= blocks() * part / count) ++group;
-    if (group->lowest > first.back()) first.push_back(group->lowest);
+    if (group->lowest > std::max(first.back(), groups_.front().lowest)) first.push_back(group->lowest);
   }
   first.push_back(points);
   std::vector<Strip> strips;

@@ -398,8 +398,6 @@ TEST(Phase, TheBasinsOfTheDoubleWellMirrorEachOther) {
   EXPECT_NE(read_text(shell / "figure/basins.gp").find("boxxyerror"), std::string::npos);
 }
 
-/// A linear liver comes to rest from everywhere; a softening one breaks beyond its saddles, where the energy
-/// of the undamped motion says it must.
 TEST(Phase, BasinsHaveTheRowsThatAreAskedFor) {
   const Shell shell;
   const std::string basins = "liver_cubic --set k1=-1 --set c=0.5 --basins --window -3,3,-3,3 --cells ";
@@ -407,6 +405,8 @@ TEST(Phase, BasinsHaveTheRowsThatAreAskedFor) {
   EXPECT_EQ(phase(shell, basins + "4,7").at("cells"), Json({4, 7}));
 }
 
+/// A linear liver comes to rest from everywhere; a softening one breaks beyond its saddles, where the energy
+/// of the undamped motion says it must.
 TEST(Phase, BasinsEndWhereTheMotionBreaksAway) {
   const Shell shell;
   const Json linear = phase(shell, "liver_linear --basins --cells 10 --window -5,5,-5,5");
