@@ -9,7 +9,6 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "bench/limits/mode_range.hpp"
-#include "bench/limits/structure_start.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 
 namespace hmax {

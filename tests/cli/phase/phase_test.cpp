@@ -296,7 +296,6 @@ TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
 /// Steps of order 8 that are short enough show what adaptive ones show; long ones of order 1 do not.
 TEST(Phase, FollowsMotionsByStepsOfAMethod) {
   const Shell shell;
-  const std::string ueda = "liver_forced --set m=1 --set c=0.05 --set k1=0 --set k3=1 --set w=1 ";
   const std::string diagram = ueda + "--bifurcation P --from 5.7 --to 5.8 --points 3 ";
   const Json adaptive = phase(shell, diagram);
   const Json fixed = phase(shell, diagram + "--method dop_853 --h 0.05");
