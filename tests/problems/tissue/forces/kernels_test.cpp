@@ -51,6 +51,33 @@ struct Parts {
   }
 };
 
+/// The same mesh, in whose numbers neighbours are far apart. @param mesh  a number of points that 7 does not
+/// divide
+TetMesh with_mixed_points(const TetMesh& mesh) {
+  const auto points = static_cast<Index>(mesh.point_count()),
+             tetrahedra = static_cast<Index>(mesh.tetrahedron_count());
+  Renumbering mixed;
+  for (Index i = 0; i < points; ++i) mixed.points.push_back(i * 7 % points);
+  for (Index i = 0; i < tetrahedra; ++i) mixed.tetrahedra.push_back(i);
+  return renumbered(mesh, mixed);
+}
+
+/// What springs of a law add to each point, one after the other. @param law  the pull over the stiffness
+template <class Law>
+NodeRows plain_forces(const Parts& parts, const std::vector<SpringSet::Spring>& springs, const Law& law) {
+  NodeRows plain(parts.x.size());
+  for (const auto& spring : springs) {
+    const auto a = static_cast<std::size_t>(spring.points[0]), z = static_cast<std::size_t>(spring.points[1]);
+    const Eigen::Vector3d d = as_vector(parts.x[z]) - as_vector(parts.x[a]);
+    const double L =
+        (parts.mesh.points.col(spring.points[1]) - parts.mesh.points.col(spring.points[0])).norm();
+    const Eigen::Vector3d pull = spring.stiffness * L * law.phi((d.norm() - L) / L) * d.normalized();
+    as_vector(plain[a]) += pull;
+    as_vector(plain[z]) -= pull;
+  }
+  return plain;
+}
+
 double distance(const NodeRows& a, const NodeRows& b) {
   double largest = 0, scale = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -108,10 +135,7 @@ TEST(TissueKernels, GreenStiffnessAgreesWithThePlainElementsForEveryNumberOfTetr
 TEST(TissueKernels, GreenStiffnessAgreesWhereItIsWrittenColumnsAfterColumns) {
   // A long box, in which sums are finished soon, and one whose points are numbered at random.
   TetMesh box = box_mesh({0.1, 0.1, 0.1}, {40, 4, 4});
-  Renumbering mixed;
-  for (Index i = 0; i < box.point_count(); ++i) mixed.points.push_back(i * 7 % box.point_count());
-  for (Index i = 0; i < box.tetrahedron_count(); ++i) mixed.tetrahedra.push_back(i);
-  for (const TetMesh& mesh : {renumbered(box, local_order(box)), renumbered(box, mixed)}) {
+  for (const TetMesh& mesh : {renumbered(box, local_order(box)), with_mixed_points(box)}) {
     const Parts parts(mesh, mesh.tetrahedron_count());
     Eigen::SparseMatrix<double> expected, K;
     parts.pattern.clear(expected);
@@ -135,18 +159,8 @@ TEST(TissueKernels, SpringForcesAgreeWithThePlainLaws) {
     std::vector<SpringSet::Spring> springs;
     for (Eigen::Index e = 0; e < edges.cols(); ++e)
       springs.push_back({{edges(0, e), edges(1, e)}, 10 + static_cast<double>(e)});
-    NodeRows plain(parts.x.size());
     const CubicSpring law{b};
-    for (const auto& spring : springs) {
-      const auto a = static_cast<std::size_t>(spring.points[0]),
-                 z = static_cast<std::size_t>(spring.points[1]);
-      const Eigen::Vector3d d = as_vector(parts.x[z]) - as_vector(parts.x[a]);
-      const double L =
-          (parts.mesh.points.col(spring.points[1]) - parts.mesh.points.col(spring.points[0])).norm();
-      const Eigen::Vector3d pull = spring.stiffness * L * law.phi((d.norm() - L) / L) * d.normalized();
-      as_vector(plain[a]) += pull;
-      as_vector(plain[z]) -= pull;
-    }
+    const NodeRows plain = plain_forces(parts, springs, law);
     for (const TissueKernels* kernels : available_tissue_kernels()) {
       const SpringSet set(parts.mesh.points, springs, b == 0 ? SpringLaw(LinearSpring{}) : SpringLaw(law),
                           parts.pattern, *kernels);
@@ -188,16 +202,7 @@ TEST(TissueKernels, EverySpringActsOnceWhateverTheNumbersOfSpringsAtItsPoints) {
     std::vector<SpringSet::Spring> springs;
     for (Index i = 0; i < count; ++i)
       springs.push_back({{(i * i) % 11, 11 + (7 * i) % (points - 11)}, 10.0 + static_cast<double>(i)});
-    NodeRows plain(parts.x.size());
-    for (const auto& spring : springs) {
-      const auto a = static_cast<std::size_t>(spring.points[0]),
-                 z = static_cast<std::size_t>(spring.points[1]);
-      const Eigen::Vector3d d = as_vector(parts.x[z]) - as_vector(parts.x[a]);
-      const double L =
-          (parts.mesh.points.col(spring.points[1]) - parts.mesh.points.col(spring.points[0])).norm();
-      as_vector(plain[a]) += spring.stiffness * (d.norm() - L) * d.normalized();
-      as_vector(plain[z]) -= spring.stiffness * (d.norm() - L) * d.normalized();
-    }
+    const NodeRows plain = plain_forces(parts, springs, LinearSpring{});
     // The pattern has no such pairs, and none is needed: points that are supported are in no pair.
     const BlockPattern none(std::vector<Index>(parts.x.size(), -1), MeshEdges(2, 0));
     for (const TissueKernels* kernels : available_tissue_kernels()) {
@@ -218,10 +223,7 @@ struct ManyElements {
   static TetMesh mesh(bool at_random) {
     const TetMesh box = box_mesh({0.6, 0.1, 0.1}, {60, 14, 14});
     if (!at_random) return renumbered(box, local_order(box));
-    Renumbering mixed;
-    for (Index i = 0; i < box.point_count(); ++i) mixed.points.push_back(i * 7 % box.point_count());
-    for (Index i = 0; i < box.tetrahedron_count(); ++i) mixed.tetrahedra.push_back(i);
-    return renumbered(box, mixed);
+    return with_mixed_points(box);
   }
   Parts parts;
   std::vector<SpringSet::Spring> springs;
