@@ -49,7 +49,7 @@ BodyInPieces body_in_pieces(const std::string& name, const ProblemSettings& sett
   TissueSettings made = tissue_settings(id, parameters, loaded);
   if (!made.tools.empty())
     throw InputError(
-        "--engine petsc does not take --load tool, whose contact is no matter of a body at rest; leave out --load, or --engine");
+        "--engine petsc does not take --load tool: it has no contact; leave out --load, or --engine");
   loaded.origin = nullptr;
   BodyInPieces body{
       .structure = {}, .parameters = named_values(parameters), .summary = summary_of(loaded.mesh, made)};

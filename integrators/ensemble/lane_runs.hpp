@@ -35,7 +35,7 @@ class LaneRuns {
   explicit LaneRuns(std::int64_t most_attempts) : most_attempts_(most_attempts) {}
 
   /// Until the client has no more starts and every run has ended.
-  /// @param system  of a type that every run has; its values are not read
+  /// @param system  of the type that every run has; it says which states it admits
   template <class Client, System Sys>
   void operator()(Client& client, LanesT& lanes, const Sys& system) {
     while (fill(client, lanes), used_ > 0) {
