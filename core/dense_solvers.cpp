@@ -1,6 +1,8 @@
 #include "core/dense_solvers.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/QR>
@@ -33,6 +35,17 @@ SortedEigenpairs::SortedEigenpairs(const Eigen::MatrixXd& A) {
 
 Eigen::VectorXcd eigenvalues_of(const Eigen::MatrixXd& A) {
   return Eigen::EigenSolver<Eigen::MatrixXd>(A, false).eigenvalues();
+}
+
+double largest_eigenvalue_of(const Eigen::MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+// Of A and of A^-1 the largest singular value alone: the least one of A would lose digits in A^T A.
+double condition_of(const Eigen::MatrixXd& A) {
+  const Eigen::MatrixXd inverse = A.partialPivLu().inverse(), of_inverse = inverse.transpose() * inverse;
+  if (!of_inverse.allFinite()) return std::numeric_limits<double>::infinity();
+  return std::sqrt(largest_eigenvalue_of(A.transpose() * A) * largest_eigenvalue_of(of_inverse));
 }
 
 Eigen::VectorXd minimum_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,

@@ -31,6 +31,13 @@ struct SortedEigenpairs {
 /// The eigenvalues of a real matrix, shape (n, n), in Eigen's order.
 Eigen::VectorXcd eigenvalues_of(const Eigen::MatrixXd& A);
 
+/// The largest eigenvalue of a symmetric matrix, shape (n, n), n > 0, finite.
+double largest_eigenvalue_of(const Eigen::MatrixXd& A);
+
+/// |A| |A^-1| in the norm of the largest singular value; infinity where A is singular to rounding.
+/// @param A  shape (n, n), n > 0, finite
+double condition_of(const Eigen::MatrixXd& A);
+
 /// The shortest x with the least |A x - b|, by a complete orthogonal decomposition.
 /// @param A  shape (m, n), of any rank
 /// @param threshold  pivots below this share of the largest are zero; Eigen's default otherwise

@@ -18,11 +18,6 @@ using Stiffness = Eigen::Ref<const MatrixXd>;
 
 Index count(std::span<const Index> points) { return static_cast<Index>(points.size()); }
 
-/// Of a symmetric matrix of some twelve rows, by dense QR.
-double largest_eigenvalue(const MatrixXd& A) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-}
-
 /// The part of an element's matrix that belongs to free points, scaled by their share of mass.
 /// M_e^-1/2 K_e M_e^-1/2 with zero rows and columns for points that are held; `share` is the mass at each
 /// point [kg].
@@ -75,7 +70,7 @@ StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mas
     // No eigenvalue is larger than its norms, which say it of nearly all elements.
     const bool smaller =
         std::min(scaled.norm(), scaled.cwiseAbs().rowwise().sum().maxCoeff()) <= bounds.element;
-    if (const double kappa = smaller ? 0 : largest_eigenvalue(scaled); kappa > bounds.element) {
+    if (const double kappa = smaller ? 0 : largest_eigenvalue_of(scaled); kappa > bounds.element) {
       bounds.element = kappa;
       bounds.fastest_element = static_cast<Index>(e);
     }

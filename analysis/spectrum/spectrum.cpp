@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "core/dense_solvers.hpp"
@@ -156,7 +156,7 @@ Eigenvectors decoupled_eigenvectors(const MechanicalPart& part) {
 }
 
 /// The eigenvectors of A, where x = T y are the coordinates that A acts on.
-/// condition = sigma_1 / sigma_n of the eigenvectors of A, each of length 1, by singular values.
+/// condition = sigma_1 / sigma_n of the eigenvectors of A, each of length 1.
 /// @param to, back  T and its inverse, shape (n, n)
 Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const MatrixXd& back) {
   const Index n = A.rows();
@@ -170,15 +170,18 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const M
 
   Eigenvectors result;
   MatrixXcd scaled(n, n);
+  MatrixXd real(n, n);
   for (Index i = 0; i < n; ++i) {
     const Index from = order[static_cast<std::size_t>(i)];
     result.lambda.push_back(values[from]);
     scaled.col(i) = vectors.col(from).normalized();
+    // (x, conj x) = sqrt(2) (Re x, Im x) U with a unitary U, which changes no singular value.
+    const double part = values[from].imag() == 0 ? 1 : std::numbers::sqrt2;
+    real.col(i) = values[from].imag() < 0 ? VectorXd(part * scaled.col(i).imag())
+                                          : VectorXd(part * scaled.col(i).real());
   }
-  // Singular values of V in the coordinates of A: the condition in the norm of energy.
-  const VectorXd singular = Eigen::BDCSVD<MatrixXcd>(scaled).singularValues();
-  const double least = singular[n - 1];
-  result.condition = least > 0 ? singular[0] / least : infinity;
+  // In the coordinates of A: the condition in the norm of energy.
+  result.condition = condition_of(real);
   // A x = lambda x with x = T y: y = T^-1 x, made to length 1 again; rows of V^-1 alike.
   result.right = back * scaled;
   // right = T^-1 scaled L^-1 with the lengths L, so its inverse is L scaled^-1 T.

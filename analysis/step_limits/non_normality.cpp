@@ -20,10 +20,6 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double largest_symmetric_eigenvalue(const MatrixXd& A) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-}
-
 /// sigma_min(z I - T) of an upper triangular T.
 class SmallestSingularValue {
  public:
@@ -261,7 +257,7 @@ NonNormality non_normality(const MatrixXd& J) {
   const double size = J.norm();
   result.relative_departure = size > 0 ? result.departure / size : 0;
   result.spectral_abscissa = T.diagonal().real().maxCoeff();
-  result.numerical_abscissa = largest_symmetric_eigenvalue((J + J.transpose()) / 2);
+  result.numerical_abscissa = largest_eigenvalue_of((J + J.transpose()) / 2);
   return result;
 }
 
@@ -270,7 +266,7 @@ KreissConstant kreiss_constant(const MatrixXd& J) {
   if (scale == 0) return {.value = 1, .bound = 1, .at = infinity};
   const MatrixXcd T = Eigen::ComplexSchur<MatrixXd>(J, false).matrixT();
   if (T.diagonal().real().maxCoeff() > 1e-10 * scale) return unbounded;
-  const double growth = largest_symmetric_eigenvalue((J + J.transpose()) / 2);
+  const double growth = largest_eigenvalue_of((J + J.transpose()) / 2);
   if (growth <= 1e-13 * scale) return {.value = 1, .bound = 1, .at = infinity};
   const Lines lines{J};
   const KreissConstant found = KreissSearch(lines, T, growth).run(std::min(1e-9 * scale, growth));
@@ -280,7 +276,7 @@ KreissConstant kreiss_constant(const MatrixXd& J) {
 KreissConstant kreiss_constant_of_step(const MatrixXd& A) {
   const MatrixXcd T = Eigen::ComplexSchur<MatrixXd>(A, false).matrixT();
   if (T.diagonal().cwiseAbs().maxCoeff() > 1 + 1e-10) return unbounded;
-  const double size = std::sqrt(std::max(0.0, largest_symmetric_eigenvalue(A.transpose() * A)));
+  const double size = std::sqrt(std::max(0.0, largest_eigenvalue_of(A.transpose() * A)));
   if (size <= 1 + 1e-13) return {.value = 1, .bound = 1, .at = infinity};
   const Lines lines{A, true};
   const KreissConstant found = KreissSearch(lines, T, size - 1).run(std::min(1e-9, size - 1));

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "analysis/step_limits/stable_step.hpp"
+#include "core/dense_solvers.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/implicit/jacobian.hpp"
 
@@ -49,7 +49,7 @@ Eigen::VectorXcd spectrum_at(const Sys& system, double t, const typename Sys::St
     std::visit([&](const auto& held) { dense = held; }, J);
   else
     dense = J;
-  return dense.eigenvalues();
+  return eigenvalues_of(dense);
 }
 
 }  // namespace
