@@ -10,9 +10,10 @@
 #include <variant>
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <Eigen/SparseCore>
 
+#include "integrators/linear/block_structure.hpp"
+#include "integrators/linear/blocked_lu.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "integrators/mechanical.hpp"
 
@@ -124,11 +125,7 @@ class DenseLu {
   void resize(Eigen::Index n) {
     factors_.resize(n, n);
     if constexpr (may_be_large) {
-      if (!is_small(n)) {
-        large_.lu = Eigen::PartialPivLU<Matrix>(n);
-        large_.scratch.resize(n);
-        return;
-      }
+      if (!is_small(n)) return large_.resize(n);
     }
     pivots_.resize(n);
   }
@@ -138,13 +135,7 @@ class DenseLu {
   bool factor(const Matrix& A) {
     if (A.rows() != factors_.rows()) resize(A.rows());
     if constexpr (may_be_large) {
-      if (!is_small(A.rows())) {
-        // Eigen's LU reports neither NaN nor a zero pivot.
-        if (!A.allFinite()) return false;
-        large_.lu.compute(A);
-        const auto pivots = large_.lu.matrixLU().diagonal().cwiseAbs();
-        return pivots.allFinite() && pivots.minCoeff() > 0;
-      }
+      if (!is_small(A.rows())) return large_.factor(A);
     }
     // Up to 16 unknowns: our own elimination.
     factors_ = A;
@@ -162,11 +153,7 @@ class DenseLu {
       return;
     }
     if constexpr (may_be_large) {
-      if (!is_small(factors_.rows())) {
-        large_.scratch.noalias() = large_.lu.solve(x);
-        x = large_.scratch;
-        return;
-      }
+      if (!is_small(factors_.rows())) return large_.solve(x);
     }
     // L z = P x
     const Eigen::Index n = size();
@@ -240,19 +227,14 @@ class DenseLu {
   }
 
   using Pivots = Eigen::Matrix<Eigen::Index, Matrix::RowsAtCompileTime, 1>;
-  /// What Eigen's routines need; nothing where the size is fixed and small.
-  struct Large {
-    Eigen::PartialPivLU<Matrix> lu;
-    Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, 1> scratch;
-  };
-  /// In the place of Large.
+  /// In the place of BlockedLu where the size is fixed and small.
   struct Nothing {};
 
   /// L below the diagonal, U above it, 1 / u_kk on it.
   Matrix factors_ = blank_matrix<Matrix>();
   /// Row pivots_[k] was exchanged with row k in step k.
   Pivots pivots_ = blank_matrix<Pivots>();
-  [[no_unique_address]] std::conditional_t<may_be_large, Large, Nothing> large_;
+  [[no_unique_address]] std::conditional_t<may_be_large, BlockedLu<Scalar>, Nothing> large_;
 };
 
 /// Solves A x = b, shape (n, n): dense by LU with partial pivoting, sparse by what fits the matrix.
