@@ -286,6 +286,14 @@ TEST(PointStrips, HoldAllThatActsOnThem) {
       }
     }
   }
+  // Nothing acts on the points below 50, and the first half of the groups begins there.
+  PointStrips above;
+  for (int i = 0; i < 40; ++i) above.add_group(static_cast<std::size_t>(i) + 1, i < 20 ? 50 : 50 + i, 60 + i);
+  const auto of_above = above.divide(110, 4);
+  EXPECT_EQ(of_above.front().first, 0);
+  EXPECT_EQ(of_above.front().begin, 0U);
+  EXPECT_GE(of_above.front().end, 20U);
+  EXPECT_LE(of_above.front().highest, 99);
   // Where each group acts on all points a thread would have to compute all.
   PointStrips mixed;
   for (std::size_t i = 0; i < 40; ++i) mixed.add_group(i + 1, 0, 99);
