@@ -2,10 +2,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
+#include <cstdint>
+#include <deque>
 #include <exception>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
+#include <pthread.h>
 #include <sched.h>
 #include <system_error>
 #include <thread>
@@ -29,6 +35,119 @@ std::size_t usable_cores() {
   return std::max(1U, std::thread::hardware_concurrency());
 }
 
+/// Returns when `value` is no longer `old`. What follows within some 50 us does not put the thread to sleep,
+/// from which it would take as long to wake up.
+template <class T>
+void await_change(const std::atomic<T>& value, T old) {
+  for (int i = 0; i < 100 && value == old; ++i) std::this_thread::yield();
+  value.wait(old);
+}
+
+/// Threads that wait from one call of parallel_for() to the next: a new one takes 0.1 ms to begin.
+class Helpers {
+  struct Helper;
+
+ public:
+  /// Work for several threads. Its owner waits for those that have begun.
+  struct Call {
+    std::function<void(std::size_t who)> labour;
+    std::uint32_t ticket = 0;  ///< another one for each call
+    std::vector<Helper*> helpers{};
+    std::atomic<std::size_t> under_way = 0;
+  };
+
+  /// Those of this process; they end with it. A fork has none of its parent's threads, so it begins with new
+  /// ones.
+  static Helpers& all() {
+    static Helpers* these = [] {
+      pthread_atfork(nullptr, nullptr, [] { these = new Helpers; });
+      return new Helpers;
+    }();
+    return *these;
+  }
+
+  /// Asks for call->labour(who) for who = 1, 2, ... up to `count`, or fewer where the system allows no
+  /// further thread or has no memory for its stack.
+  void begin(const std::shared_ptr<Call>& call, std::size_t count) {
+    call->helpers.reserve(count);
+    const std::scoped_lock hold(lock_);
+    call->ticket = last_ticket_ = std::max<std::uint32_t>(last_ticket_ + 1, 1);
+    for (std::size_t who = 1; who <= count; ++who) {
+      if (idle_.empty() && !start()) return;
+      Helper& helper = *idle_.back();
+      idle_.pop_back();
+      call->helpers.push_back(&helper);
+      ++call->under_way;
+      helper.call = call;
+      helper.who = who;
+      helper.asked = call->ticket;
+      helper.asked.notify_one();
+    }
+  }
+
+  /// Takes the call back from those that have not begun, as on a machine with other work, and waits for the
+  /// others.
+  void end(Call& call) {
+    {
+      const std::scoped_lock hold(lock_);
+      for (Helper* helper : call.helpers)
+        if (std::uint32_t ticket = call.ticket; helper->asked.compare_exchange_strong(ticket, 0)) {
+          helper->call.reset();
+          idle_.push_back(helper);
+          --call.under_way;
+        }
+    }
+    for (std::size_t left = call.under_way; left > 0; left = call.under_way)
+      await_change(call.under_way, left);
+  }
+
+ private:
+  struct Helper {
+    std::shared_ptr<Call> call;
+    std::size_t who = 0;
+    std::atomic<std::uint32_t> asked = 0;  ///< the ticket of `call` until the work begins
+  };
+
+  /// One more idle helper. Signals are for the threads of the program.
+  bool start() {
+    sigset_t others, before;
+    sigfillset(&others);
+    for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT}) sigdelset(&others, own);
+    pthread_sigmask(SIG_SETMASK, &others, &before);
+    const std::size_t already = helpers_.size();
+    try {
+      idle_.reserve(already + 1);
+      Helper& helper = helpers_.emplace_back();
+      std::thread([this, &helper] { serve(helper); }).detach();
+      idle_.push_back(&helper);
+    } catch (const std::system_error&) {
+    } catch (const std::bad_alloc&) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    if (idle_.empty() && helpers_.size() > already) helpers_.pop_back();
+    return !idle_.empty();
+  }
+
+  [[noreturn]] void serve(Helper& self) {
+    for (;;) {
+      await_change(self.asked, std::uint32_t{0});
+      if (self.asked.exchange(0) == 0) continue;
+      const std::shared_ptr<Call> call = std::move(self.call);
+      call->labour(self.who);
+      {
+        const std::scoped_lock hold(lock_);
+        idle_.push_back(&self);
+      }
+      if (--call->under_way == 0) call->under_way.notify_one();
+    }
+  }
+
+  std::mutex lock_;
+  std::uint32_t last_ticket_ = 0;
+  std::deque<Helper> helpers_;
+  std::vector<Helper*> idle_;
+};
+
 }  // namespace
 
 std::size_t jobs() {
@@ -43,8 +162,8 @@ std::size_t threads() { return most > 1 ? std::min(jobs(), most) : 1; }
 ThreadLimit::ThreadLimit(std::size_t count) : before_(std::exchange(most, std::min(most, count))) {}
 ThreadLimit::~ThreadLimit() { most = before_; }
 
-/// The calling thread is worker 0 and works too; `others` are joined at the end of their block, so that
-/// every piece has ended before anything is thrown.
+/// The calling thread is worker 0 and works too, then waits for the others, so that every piece has ended
+/// before anything is thrown.
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress,
                   const std::function<bool()>& interrupted) {
@@ -74,15 +193,13 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
       next = count;
     }
   };
-  {
-    std::vector<std::jthread> others;
-    others.reserve(workers - 1);
-    try {
-      for (std::size_t who = 1; who < workers; ++who) others.emplace_back(labour, who);
-    } catch (const std::system_error&) {
-      // Those that run do all of it.
-    } catch (const std::bad_alloc&) {
-    }
+  if (workers > 1) {
+    const auto call = std::make_shared<Helpers::Call>();
+    call->labour = labour;
+    Helpers::all().begin(call, workers - 1);
+    labour(0);
+    Helpers::all().end(*call);
+  } else {
     labour(0);
   }
   // Indices are handed out in order, so the piece with the least one was begun before the others that

@@ -28,6 +28,7 @@ std::size_t threads();
 /// throws is thrown when all have ended, of several that of the earliest piece. Where the system allows no
 /// further thread, or has no memory for its stack, those that are there do the work, at least the calling
 /// one. Inside a piece, and under OneThread, all pieces are done by the calling thread.
+/// Threads last from call to call, asleep between them; signals go to others.
 /// Threads take the next index from one counter, so that pieces of unequal cost share the cores evenly.
 /// Once a piece has thrown no further ones begin; those under way end. With count = 0 nothing is called.
 /// @param progress  called by the calling thread with the number of pieces that are done
@@ -53,12 +54,12 @@ auto parallel_map(std::size_t count, const Make& make) {
   return values;
 }
 
-/// work(begin, end) for stretches that make up the rows 0 .. rows - 1 of a matrix product: one stretch unless threads
-/// have a tenth of a millisecond of work each. What a row becomes must not depend on where its stretch begins.
+/// work(begin, end) for stretches that make up the rows 0 .. rows - 1 of a matrix product: one stretch unless
+/// threads have some 50 us of work each. What a row becomes must not depend on where its stretch begins.
 /// @param entries  of the matrix, numbers or blocks
 template <class Work>
 void parallel_rows(std::size_t rows, std::size_t entries, const Work& work) {
-  constexpr std::size_t least_entries = 100'000;
+  constexpr std::size_t least_entries = 50'000;
   if (entries < 2 * least_entries) return work(std::size_t{0}, rows);
   const std::size_t parts = std::min(threads(), entries / least_entries);
   parallel_for(parts, [&](std::size_t part, std::size_t) {

@@ -17,7 +17,7 @@ constexpr Index rows_at_once = 8192;
 /// work(stretch, first row, rows) of each stretch of the rows of V.
 template <class Work>
 void by_stretches(const MatrixXd& V, Index columns, const Work& work) {
-  constexpr Index least_numbers = 500'000;  // a tenth of a millisecond
+  constexpr Index least_numbers = 250'000;  // 50 us
   std::optional<OneThread> alone;
   if (V.rows() * columns < least_numbers) alone.emplace();
   const Index stretches = (V.rows() + rows_at_once - 1) / rows_at_once;

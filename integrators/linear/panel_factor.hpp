@@ -172,8 +172,8 @@ class PanelFactor {
  private:
   using Panel = PanelAnalysis::Panel;
   using Size = std::ptrdiff_t;
-  /// Operations that are worth a thread: a quarter of a millisecond.
-  static constexpr std::size_t least_shared_work = 5'000'000;
+  /// Operations that are worth a thread: some 50 us.
+  static constexpr std::size_t least_shared_work = 1'000'000;
   using AlignedVector = std::vector<Scalar, detail::AlignedAllocator<Scalar>>;
   /// Of a panel: triangle of its own unknowns, and the rows below.
   struct Parts {

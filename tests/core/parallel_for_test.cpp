@@ -4,8 +4,12 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <csignal>
+#include <set>
 #include <stdexcept>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -106,6 +110,65 @@ TEST(ParallelFor, LeavesItsThreadsToWhatItsOnlyPieceCalls) {
     });
   });
   EXPECT_TRUE(met);
+}
+
+/// The threads that do two pieces, each of which waits for the other to begin; one where they never meet.
+std::set<std::thread::id> two_that_meet() {
+  std::atomic<int> begun = 0;
+  std::array<std::thread::id, 2> who;
+  parallel_for(2, [&](std::size_t i, std::size_t) {
+    who.at(i) = std::this_thread::get_id();
+    ++begun;
+    for (int wait = 0; wait < 5000 && begun < 2; ++wait)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  return {who.begin(), who.end()};
+}
+
+TEST(ParallelFor, KeepsItsThreadsFromCallToCall) {
+  const Jobs two(2);
+  const auto first = two_that_meet();
+  ASSERT_EQ(first.size(), 2U);
+  EXPECT_EQ(two_that_meet(), first);
+}
+
+TEST(ParallelFor, LeavesSignalsToTheThreadThatCallsIt) {
+  const Jobs two(2);
+  std::array<int, 2> blocked{};
+  std::atomic<int> begun = 0;
+  parallel_for(2, [&](std::size_t, std::size_t worker) {
+    ++begun;
+    for (int wait = 0; wait < 5000 && begun < 2; ++wait)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    sigset_t mask;
+    pthread_sigmask(SIG_SETMASK, nullptr, &mask);
+    blocked.at(worker) = sigismember(&mask, SIGTERM);
+  });
+  EXPECT_EQ(blocked, (std::array<int, 2>{0, 1}));
+}
+
+TEST(ParallelFor, HasThreadsAfterAFork) {
+  const Jobs two(2);
+  ASSERT_EQ(two_that_meet().size(), 2U);
+  const pid_t child = fork();
+  if (child == 0) _exit(static_cast<int>(two_that_meet().size()));
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+}
+
+TEST(ParallelFor, ServesSeveralCallersAtOnce) {
+  const Jobs three(3);
+  std::atomic<int> done = 0;
+  {
+    std::vector<std::jthread> callers;
+    for (int caller = 0; caller < 4; ++caller)
+      callers.emplace_back([&] {
+        for (int call = 0; call < 200; ++call) parallel_for(5, [&](std::size_t, std::size_t) { ++done; });
+      });
+  }
+  EXPECT_EQ(done, 4000);
 }
 
 TEST(OneThread, KeepsParallelForOnTheCallingThread) {

@@ -229,8 +229,8 @@ double SpringSet::energy(const NodeRows& x) const {
 
 void SpringSet::add_force(const NodeRows& x, NodeRows& f) const {
   if (const auto cubic = cubic_coefficient(law_)) {
-    // For a thread, a quarter of a millisecond, see GreenElements.
-    constexpr std::size_t least = 100'000;
+    // For a thread, some 50 us.
+    constexpr std::size_t least = 16'000;
     return add_by_strips(strips_, size() / least, f, [&](std::size_t begin, std::size_t end, double* rows) {
       kernels_->spring_force(slices_.data() + begin, end - begin, blocks_.data(), ends_.data(), *cubic,
                              &x.front().x, rows);
