@@ -37,7 +37,7 @@ class RunCheckpoint::Keeper : public RunKeeper {
     part_.t = t_;
     part_.state = std::move(state);
     save_output();
-    part_.cpu_seconds = cpu_seconds();
+    count_time();
     const std::string failure = checkpoint_.write();
     if (stops_ && !failure.empty())
       throw InputError(failure + "; what was computed since the last checkpoint is lost");
@@ -63,7 +63,10 @@ class RunCheckpoint::Keeper : public RunKeeper {
   }
 
   /// Of this process and those before it.
-  [[nodiscard]] double cpu_seconds() const { return cpu_before_ + thread_cpu_seconds() - cpu_start_; }
+  void count_time() {
+    part_.cpu_seconds = cpu_before_ + cpu_seconds() - cpu_start_;
+    part_.elapsed_seconds = elapsed_before_ + elapsed_seconds() - start_;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -85,7 +88,8 @@ class RunCheckpoint::Keeper : public RunKeeper {
   RunCheckpoint& checkpoint_;
   Part& part_;
   const KeptOutput& output_;
-  double t_ = 0, cpu_start_ = thread_cpu_seconds(), cpu_before_ = part_.cpu_seconds;
+  double t_ = 0, cpu_start_ = cpu_seconds(), cpu_before_ = part_.cpu_seconds;
+  double start_ = elapsed_seconds(), elapsed_before_ = part_.elapsed_seconds;
   bool stops_ = false, told_ = false;
   std::int64_t asked_ = 0,
                stride_ = 1;  ///< calls of is_due() since the clock was read, and between two readings
@@ -160,17 +164,17 @@ CountedRun RunCheckpoint::run(const std::string& name, const Runner& runner, con
   Keeper keeper(*this, part, output);
   if (part.finished) {
     keeper.load_output();
-    return {part.record, part.cpu_seconds};
+    return {part.record, part.cpu_seconds, part.elapsed_seconds};
   }
   part.record = runner.run(spec, KeptSink(output.sink, keeper));
-  part.cpu_seconds = keeper.cpu_seconds();
+  keeper.count_time();
   part.finished = true;
   part.t = part.record.t;
   part.note = part.record.note;
   part.state.clear();
   keeper.save_output();
   if (const std::string failure = write(); !failure.empty() && options_.remark) options_.remark(failure);
-  return {part.record, part.cpu_seconds};
+  return {part.record, part.cpu_seconds, part.elapsed_seconds};
 } catch (const BadState&) {
   throw InputError(damaged_checkpoint(options_.file));
 }

@@ -44,10 +44,10 @@ struct InterruptedRun {
   double t;  ///< where it goes on [s]
 };
 
-/// A run and its CPU time, that of earlier processes included [s].
+/// A run and its times, those of earlier processes included [s].
 struct CountedRun {
   RunRecord record;
-  double cpu_seconds;
+  double cpu_seconds, elapsed_seconds;
 };
 
 /// The runs of one command in one file. Each has a name; what is finished is told at once.
@@ -72,7 +72,7 @@ class RunCheckpoint {
   struct Part {
     std::string name;
     bool finished = false;
-    double t = 0, cpu_seconds = 0;
+    double t = 0, cpu_seconds = 0, elapsed_seconds = 0;
     std::string state, output;  ///< bytes of the run under way, and of its KeptOutput
     RunRecord record{};         ///< of a finished run
     std::string note{};         ///< what its `note` refers to
@@ -80,7 +80,7 @@ class RunCheckpoint {
     template <class Visitor>
     void visit_state(Visitor& visit) {
       Stats& s = record.stats;
-      visit(name, finished, t, cpu_seconds, state, output, note);
+      visit(name, finished, t, cpu_seconds, elapsed_seconds, state, output, note);
       visit(record.outcome, record.t, record.y, record.t_state);
       visit(s.steps, s.rejected, s.rhs, s.jacobian, s.factorisations, s.newton, s.linear_iterations,
             s.newton_error);

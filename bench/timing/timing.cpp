@@ -1,6 +1,7 @@
 #include "bench/timing/timing.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <ctime>
@@ -11,6 +12,12 @@ namespace hmax {
 
 namespace {
 
+double seconds_of(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 double cpu_seconds_of(const std::function<void(std::int64_t)>& candidate, std::int64_t runs) {
   const double before = thread_cpu_seconds();
   candidate(runs);
@@ -19,10 +26,12 @@ double cpu_seconds_of(const std::function<void(std::int64_t)>& candidate, std::i
 
 }  // namespace
 
-double thread_cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+double thread_cpu_seconds() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
+
+double cpu_seconds() { return threads() > 1 ? seconds_of(CLOCK_PROCESS_CPUTIME_ID) : thread_cpu_seconds(); }
+
+double elapsed_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int64_t runs)>> candidates,

@@ -11,6 +11,12 @@ namespace hmax {
 /// CPU time that the calling thread has used so far [s]. One reading costs about 200 ns: time batches.
 double thread_cpu_seconds();
 
+/// The same, where the calling thread may use others with those of all threads of the process [s].
+double cpu_seconds();
+
+/// Of a clock that only goes forwards [s].
+double elapsed_seconds();
+
 struct TimingOptions {
   int repetitions = 9;         ///< samples of each candidate, at least 1
   double min_sample_s = 2e-3;  ///< CPU time of one sample, for the clock to resolve it well [s]

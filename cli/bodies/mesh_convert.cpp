@@ -223,6 +223,7 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
       ->allow_extra_args(false);
   add_support(convert_command, options->supports, "none by default");
   add_number(convert_command, "--h", options->h, "Step size of a scene [s]; 0.01 by default");
+  add_jobs(convert_command);
   add_force(convert_command);
   convert_command.callback(with_sentences(convert, options, console));
 }

@@ -36,6 +36,7 @@ struct StaticOptions {
   bool no_line_search = false;
   std::string compare;
   PictureChoice picture;
+  const CLI::Option* jobs = nullptr;
 };
 
 /// @throws InputError  for what is no count, and for more than anybody waits for
@@ -214,6 +215,9 @@ void refuse_ignored(const StaticOptions& options) {
     for (const auto& [option, given, why] : all)
       if (given) throw InputError(fmt::format("{} {}", option, why));
   };
+  if ((compares || frames) && options.jobs->count() > 0)
+    throw InputError(
+        "--compare, --pseudo-dynamic and --frames compare times of one thread; leave --jobs out");
   if (compares && frames)
     throw InputError("--compare and --pseudo-dynamic or --frames are both given; choose one of them");
   if (compares)
@@ -280,16 +284,18 @@ struct StaticAnswer {
   const Problem& problem;
   const StaticSettings& settings;
   StaticSolution solution;
-  double load_scale, seconds;
+  double load_scale, seconds;  ///< of one thread its CPU time, of several elapsed [s]
+  std::size_t threads;
   std::string outcome, status;
   double least_volume, energy;
   std::optional<ToolReport> tool;
 };
 
 StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const StaticSettings& settings,
-                       double scale, Console& console) {
-  const OneThread alone;  // its CPU time is reported
-  const double start = thread_cpu_seconds();
+                       double scale, std::size_t most, Console& console) {
+  const ThreadLimit limit(most);
+  const auto clock = threads() > 1 ? elapsed_seconds : thread_cpu_seconds;
+  const double start = clock();
   StaticSolution solution = [&] {
     Progress progress(console, "static");
     StaticSettings shown = settings;
@@ -300,14 +306,15 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
                                   short_number(iterate.residual, 3)));
     };
-    return found_equilibrium(problem, scale, shown, thread_cpu_seconds);
+    return found_equilibrium(problem, scale, shown, clock);
   }();
-  const double seconds = thread_cpu_seconds() - start, t = equilibrium_time(*problem.body);
+  const double seconds = clock() - start, t = equilibrium_time(*problem.body);
   StaticAnswer answer{.problem = problem,
                       .settings = settings,
                       .solution = std::move(solution),
                       .load_scale = scale,
                       .seconds = seconds,
+                      .threads = threads(),
                       .outcome = {},
                       .status = {},
                       .least_volume = 0,
@@ -359,6 +366,7 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
                 {"residuals", residuals},
                 {"times", times},
                 {"seconds", answer.seconds},
+                {"threads", answer.threads},
                 {"max_displacement", largest_displacement(answer.solution.q)},
                 {"energy", answer.energy},
                 {"least_volume", answer.least_volume},
@@ -371,7 +379,8 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
 std::string words_of(const StaticAnswer& answer, const Console& console) {
   constexpr std::size_t all = 40, ends = 10;  // of a long history the first and the last rows are shown
   const std::vector<StaticIterate>& history = answer.solution.history;
-  TextTable table({"iteration", "load step", "residual", "time", "inner iterations"});
+  const std::string time = answer.threads > 1 ? fmt::format("elapsed on {} threads", answer.threads) : "time";
+  TextTable table({"iteration", "load step", "residual", time, "inner iterations"});
   for (std::size_t i = 0; i < history.size(); ++i) {
     const StaticIterate& row = history[i];
     if (history.size() > all && i > ends && i + ends < history.size()) {
@@ -403,7 +412,8 @@ void solve(const StaticOptions& options, Console& console) {
   if (!options.per_frame.empty() || !options.frames.empty())
     return print_frames(options, problem, model, settings, console);
 
-  const StaticAnswer answer = answer_of(problem, model, settings, scale, console);
+  const std::size_t most = options.jobs->count() > 0 ? jobs() : 1;
+  const StaticAnswer answer = answer_of(problem, model, settings, scale, most, console);
   if (answer.outcome != "converged") console.exit_code = Exit::failed;
   if (!options.output.empty()) write_csv(options.output, history_of(answer));
   if (options.picture.wanted())
@@ -453,6 +463,7 @@ void add_static(CLI::App& app, Console& console) {
   text("--compare", options->compare,
        "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
   options->picture.add_to(command, "Draw the body in equilibrium and at rest");
+  options->jobs = add_jobs_of_timed(command);
   add_force(command);
   add_figure_style(command);
   command.callback([options, &console] { solve(*options, console); });

@@ -47,6 +47,7 @@ struct RunOptions {
   bool full = false;
   PictureChoice picture;
   CheckpointChoice checkpoint;
+  const CLI::Option* jobs = nullptr;
 };
 
 RunSpec spec_of(const RunOptions& options, const Problem& problem) {
@@ -117,22 +118,29 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
 
 struct TimedRun {
   RunRecord record;
-  double cpu_seconds;
+  double cpu_seconds, elapsed_seconds;
+  std::size_t threads;
+
+  /// Simulated time over the time of one thread, or of several together.
+  [[nodiscard]] double realtime_factor() const {
+    return record.t / (threads > 1 ? elapsed_seconds : cpu_seconds);
+  }
 };
 
 TimedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
-  const double start = thread_cpu_seconds();
+  const double cpu = cpu_seconds(), start = elapsed_seconds();
   RunRecord record = runner.run(spec, sink);
-  return {std::move(record), thread_cpu_seconds() - start};
+  return {std::move(record), cpu_seconds() - cpu, elapsed_seconds() - start, threads()};
 }
 
-/// The run that is reported, and kept where there is a checkpoint. Nobody watches it, unless it is long and a person waits at a terminal: then it
-/// shows its progress, and ends on Ctrl-C.
-TimedRun reported_run(const Runner& runner, const RunSpec& spec, RunCheckpoint* checkpoint, const Console& console) {
-  const OneThread alone;  // its CPU time is reported
+/// The run that is reported, on at most `most` threads, and kept where there is a checkpoint. Nobody watches
+/// it, unless it is long and a person waits at a terminal: then it shows its progress, and ends on Ctrl-C.
+TimedRun reported_run(const Runner& runner, const RunSpec& spec, std::size_t most, RunCheckpoint* checkpoint,
+                      const Console& console) {
+  const ThreadLimit limit(most);
   if (checkpoint) {
-    auto [record, cpu_seconds] = checkpoint->run(reported_part, runner, spec);
-    return {std::move(record), cpu_seconds};
+    auto [record, cpu, elapsed] = checkpoint->run(reported_part, runner, spec);
+    return {std::move(record), cpu, elapsed, threads()};
   }
   if (!console.shows_progress()) return timed(runner, spec, {});
   RunSpec first_hundredth = spec;
@@ -221,7 +229,7 @@ std::vector<double> listed(const Problem& problem, const Eigen::VectorXd& y) {
 
 Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run,
              bool full) {
-  const auto& [record, cpu_seconds] = run;
+  const RunRecord& record = run.record;
   Json parameters = Json::object();
   for (const auto& [name, value] : problem.parameters) parameters[name] = value;
   const Stats& stats = record.stats;
@@ -240,7 +248,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
                   {"newton", stats.newton},
                   {"linear_iterations", stats.linear_iterations},
                   {"newton_error", stats.newton_error}}},
-                {"cpu_seconds", cpu_seconds},
+                {"cpu_seconds", run.cpu_seconds},
                 {"status", record.outcome == Outcome::reached_end ? "" : in_words(record, spec)},
                 {"material", problem.material.empty() ? Json() : Json(problem.material)},
                 {"parameters", parameters},
@@ -257,6 +265,10 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   } else {
     document["h"] = spec.h;
   }
+  if (run.threads > 1) {
+    document["threads"] = run.threads;
+    document["elapsed_seconds"] = run.elapsed_seconds;
+  }
   if (method.needs_jacobian) document["jacobian"] = to_string(spec.jacobian);
   if (problem.body) {
     const BodyEnd end = end_of(*problem.body, record.t_state, record.y);
@@ -266,7 +278,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     if (const auto tool = tool_report(problem, record.t_state, record.y)) document["tool"] = tool->json();
     document["dofs"] = problem.body->dofs();
     document["body"] = body_json(problem);
-    document["realtime_factor"] = record.t / cpu_seconds;
+    document["realtime_factor"] = run.realtime_factor();
     if (method.needs_jacobian) document["linear"] = to_string(spec.linear_solve);
     for (const char* name : {"y", "y0", "states"})
       if (!full || document[name].empty()) document.erase(name);
@@ -290,9 +302,9 @@ std::string largest_states(const Problem& problem, const RunRecord& record) {
   return text;
 }
 
-std::string costs_in_words(const Method& method, const RunRecord& record, double cpu_seconds) {
+std::string costs_in_words(const Method& method, const TimedRun& run) {
   std::string text;
-  const Stats& stats = record.stats;
+  const Stats& stats = run.record.stats;
   text += fmt::format("\nsteps {}   rejected {}   rhs {}", stats.steps, stats.rejected, stats.rhs);
   if (method.needs_jacobian)
     text += fmt::format("   jacobian {}   factorisations {}", stats.jacobian, stats.factorisations);
@@ -302,13 +314,15 @@ std::string costs_in_words(const Method& method, const RunRecord& record, double
                         short_number(static_cast<double>(stats.newton) / static_cast<double>(stats.steps), 3),
                         short_number(stats.newton_error, 2));
   if (stats.linear_iterations > 0) text += fmt::format("   linear iterations {}", stats.linear_iterations);
-  text += fmt::format("   cpu {} s\n", short_number(cpu_seconds, 3));
-  return text;
+  text += fmt::format("   cpu {} s", short_number(run.cpu_seconds, 3));
+  if (run.threads > 1)
+    text += fmt::format("   elapsed {} s on {} threads", short_number(run.elapsed_seconds, 3), run.threads);
+  return text + "\n";
 }
 
 std::string for_people(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run,
                        bool own_tableau, const Console& console) {
-  const auto& [record, cpu_seconds] = run;
+  const RunRecord& record = run.record;
   const bool done = record.outcome == Outcome::reached_end;
   std::string text = fmt::format("{} with {}\n", problem.id, describe_acting(problem));
   if (const std::string words = body_in_words(problem); !words.empty()) text += words + "\n";
@@ -325,7 +339,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   if (record.t_state < record.t)
     text += fmt::format("before that, at t = {} s:\n", short_number(record.t_state, 10));
   if (is_matrices_id(problem.id) && problem.states.size() > most_listed)
-    return text + largest_states(problem, record) + costs_in_words(method, record, cpu_seconds);
+    return text + largest_states(problem, record) + costs_in_words(method, run);
   std::size_t width = 0;
   for (const std::string& state : problem.states) width = std::max(width, state.size());
   for (std::size_t i = 0; i < problem.states.size(); ++i)
@@ -336,11 +350,11 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
     text +=
         fmt::format("  largest displacement  {}\n  energy                {}\n  real-time factor      {}\n",
                     with_unit(1000 * end.max_displacement, "mm"), with_unit(end.energy, "J"),
-                    short_number(record.t / cpu_seconds, 3));
+                    short_number(run.realtime_factor(), 3));
     if (const auto tool = tool_report(problem, record.t_state, record.y))
       text += fmt::format("  tool                  {}\n", tool->words());
   }
-  return text + costs_in_words(method, record, cpu_seconds);
+  return text + costs_in_words(method, run);
 }
 
 /// The body where the run ended.
@@ -394,6 +408,8 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
         "{} does not solve its equations by Newton's method of hmax; leave --newton-tolerance and "
         "--newton-iterations out",
         method.id));
+  if (options.jobs->count() > 0 && !problem.body && !is_matrices_id(problem.id))
+    throw InputError(fmt::format("{} is too small for threads; leave --jobs out", problem.id));
   if (options.full && !(json && problem.body))
     throw InputError(fmt::format("--full applies to {}; {}", problem.body ? "--json only" : "meshes only",
                                  problem.body ? "add --json, or remove it" : "remove it"));
@@ -494,7 +510,8 @@ void run(const RunOptions& options, Console& console) {
   const std::unique_ptr<RunCheckpoint> checkpoint = options.checkpoint.open(
       {problem, method, spec, options.method.tableau, options.output, options.every.value_or(0)},
       stop ? &*stop : nullptr, console);
-  const TimedRun result = reported_run(runner, spec, checkpoint.get(), console);
+  const std::size_t most = options.jobs->count() > 0 ? jobs() : 1;
+  const TimedRun result = reported_run(runner, spec, most, checkpoint.get(), console);
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
   watched.spec.every = options.every.value_or(0);
@@ -590,6 +607,7 @@ void add_run(CLI::App& app, Console& console) {
                   "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default")
       ->type_name("NUMBER");
   options->checkpoint.add_to(command);
+  options->jobs = add_jobs_of_timed(command);
   add_force(command);
   command.callback([options, &console] { run_or_stop(*options, console); });
 }

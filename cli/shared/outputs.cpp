@@ -19,7 +19,9 @@ void add_force(CLI::App& command) {
       "--force", [] { allow_replacing(Replacing::forced); }, "Replace a file that hmax did not write");
 }
 
-CLI::Option* add_jobs(CLI::App& command) {
+namespace {
+
+CLI::Option* add_jobs(CLI::App& command, const std::string& about) {
   return command
       .add_option_function<std::string>(
           "--jobs",
@@ -30,8 +32,20 @@ CLI::Option* add_jobs(CLI::App& command) {
               throw InputError(fmt::format("--jobs is {}; give a number of threads up to {}", threads, most));
             set_jobs(static_cast<std::size_t>(threads));
           },
-          "Number of threads, without influence on results; the number of cores by default")
+          about)
       ->type_name("NUMBER");
+}
+
+}  // namespace
+
+CLI::Option* add_jobs(CLI::App& command) {
+  return add_jobs(command, "Number of threads, without influence on results; the number of cores by default");
+}
+
+CLI::Option* add_jobs_of_timed(CLI::App& command) {
+  return add_jobs(
+      command,
+      "Number of threads, without influence on results, of several with the elapsed time; 1 by default");
 }
 
 void add_figure_style(CLI::App& command) {

@@ -18,6 +18,8 @@ void add_force(CLI::App& command);
 
 /// The option --jobs of a command that works on all cores: how many threads, with the same results.
 CLI::Option* add_jobs(CLI::App& command);
+/// The same of a command whose times are those of one thread unless this option is given.
+CLI::Option* add_jobs_of_timed(CLI::App& command);
 
 /// The option --style of a command that draws figures: for a page or for a slide.
 void add_figure_style(CLI::App& command);

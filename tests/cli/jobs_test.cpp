@@ -1,5 +1,6 @@
 /// --jobs changes no byte of what a command prints.
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/cli/program.hpp"
 
@@ -52,15 +53,69 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(JobsOption, IsOnEveryCommandThatStartsThreads) {
   const Shell shell;
   for (const std::string command :
-       {"advise", "check", "phase", "reproduce all", "reproduce oscillators", "reproduce stability", "reproduce tissue",
-        "stability gallery", "stability map", "stability matrices", "stability modes", "stability predict",
-        "stability region", "sweep --explore"})
+       {"advise", "check", "mesh convert liver liver.vtu", "phase", "reproduce all", "reproduce oscillators",
+        "reproduce stability", "reproduce tissue", "run", "stability gallery", "stability map",
+        "stability matrices", "stability modes", "stability predict", "stability region", "static",
+        "sweep --explore"})
     for (const char* wrong : {"0", "-1", "1.5", "many", "1025"}) {
       const Told told = shell.hmax(command + " --jobs " + wrong);
       EXPECT_EQ(told.exit_code, 2) << command;
       EXPECT_NE(told.err.find("--jobs is "), std::string::npos) << command << "\n" << told.err;
       EXPECT_EQ(told.err.find('\n'), told.err.size() - 1) << told.err;
     }
+}
+
+/// A run and an equilibrium on threads are the same, and tell elapsed times.
+TEST(JobsOfRun, ChangeTimesAlone) {
+  const Shell shell;
+  const std::string body =
+      " --mesh ball:n=8 --model fem_green --set E=50000 --json";
+  for (const std::string command :
+       {"run" + body + " --method linearly_implicit_euler --h 0.01 --t-end 0.05 --full", "static" + body}) {
+    const auto answer = [&](const std::string& jobs) {
+      const Told told = shell.hmax(command + jobs);
+      EXPECT_EQ(told.exit_code, 0) << told.err;
+      return nlohmann::ordered_json::parse(told.out);
+    };
+    auto one = answer(""), two = answer(" --jobs 2");
+    EXPECT_EQ(two["threads"], 2);
+    if (command.starts_with("run")) {
+      EXPECT_GT(two["elapsed_seconds"], 0.0);
+      EXPECT_DOUBLE_EQ(two["realtime_factor"], 0.05 / two["elapsed_seconds"].get<double>());
+    }
+    for (auto* each : {&one, &two})
+      for (const char* time :
+           {"cpu_seconds", "elapsed_seconds", "realtime_factor", "threads", "seconds", "times"})
+        each->erase(time);
+    EXPECT_EQ(one.dump(), two.dump()) << command;
+  }
+}
+
+TEST(JobsOfRun, AreForWhatIsLargeEnough) {
+  const Shell shell;
+  const Told small = shell.hmax("run --problem liver_linear --method rk4 --h 0.01 --jobs 2");
+  EXPECT_EQ(small.exit_code, 2);
+  EXPECT_EQ(small.err, "hmax: liver_linear is too small for threads; leave --jobs out\n");
+  const Told compared = shell.hmax("static --mesh phantom --load press --compare out --jobs 2");
+  EXPECT_EQ(compared.exit_code, 2);
+  EXPECT_NE(compared.err.find("compare times of one thread; leave --jobs out"), std::string::npos)
+      << compared.err;
+}
+
+TEST(SpeedUp, ComparesAnswersAndTimesOfThreads) {
+  const Shell shell;
+  if (shell.line("python3 --version").exit_code != 0) GTEST_SKIP() << "there is no python3";
+  const std::string script = "'" HMAX_SOURCE_DIR "/scripts/speed-up' ";
+  const Told told = shell.line(script + "'" HMAX_PROGRAM "' --only map --repeat 1");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.out.find("| | 1 thread | 2 threads | gain on 2 |"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("| map | "), std::string::npos) << told.out;
+  // A program whose answer is its number of threads.
+  write_text(shell / "fake", "#!/bin/sh\nfor last; do :; done\necho \"[$last]\"\n");
+  const Told differs = shell.line("chmod +x fake; " + script + "fake --only map --repeat 1");
+  EXPECT_EQ(differs.exit_code, 1);
+  EXPECT_EQ(differs.err, "map: answers differ between numbers of threads\n");
+  EXPECT_EQ(shell.line(script + "--only maps").exit_code, 2);
 }
 
 TEST(JobsOfGallery, ChangeNoPicture) {
