@@ -30,8 +30,10 @@ TEST(Checkpoint, ARunThatIsKilledGoesOnWithTheSameAnswer) {
     const Told stopped =
         shell.line(fmt::format("timeout -s {} 0.5 '" HMAX_PROGRAM "' {} >first; echo $?; ls", signal, command));
     ASSERT_NE(stopped.out.find("run.checkpoint"), std::string::npos) << stopped.out << stopped.err;
-    EXPECT_EQ(stopped.out.find(".part"), std::string::npos) << stopped.out;
-    if (std::string(signal) != "KILL" && read_text(shell / "first").empty()) {
+    // SIGKILL in the middle of a saving leaves its part, which nobody reads.
+    const bool killed = std::string(signal) == "KILL";
+    if (!killed) EXPECT_EQ(stopped.out.find(".part"), std::string::npos) << stopped.out;
+    if (!killed && read_text(shell / "first").empty()) {
       EXPECT_NE(stopped.err.find("the same command goes on from run.checkpoint"), std::string::npos)
           << stopped.err;
     }
