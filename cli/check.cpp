@@ -3,11 +3,11 @@
 #include <memory>
 #include <set>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/timing/accuracy_suite.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/errors.hpp"
 
@@ -113,15 +113,13 @@ void add_check(CLI::App& app, Console& console) {
       "Run the accuracy suite and compare it with the baseline; exit 1 when a row changed",
       {"hmax check", "hmax check --methods rk4,ode45 --json", "hmax check --update --baseline mine.csv"});
   auto options = std::make_shared<CheckOptions>();
-  command.add_flag("--update", options->update, "Rewrite the baseline and show the changes");
-  command.add_option("--methods", options->methods, "Only these ids, aliases or families")->type_name("A,B");
-  command
-      .add_option("--baseline", options->baseline,
-                  "File of the baseline; results/baseline/accuracy.csv of the source folder by default")
-      ->type_name("FILE");
+  add_flag(command, "--update", options->update, "Rewrite the baseline and show the changes");
+  add_text(command, "--methods", options->methods, "Only these ids, aliases or families", "A,B");
+  add_text(command, "--baseline", options->baseline,
+           "File of the baseline; results/baseline/accuracy.csv of the source folder by default", "FILE");
   add_force(command);
   add_jobs(command);
-  command.callback([options, &console] { check_accuracy(*options, console); });
+  set_callback(command, [options, &console] { check_accuracy(*options, console); });
 }
 
 }  // namespace hmax

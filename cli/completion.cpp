@@ -11,6 +11,7 @@
 #include "bench/models/tissue_choice.hpp"
 #include "bench/timing/sweep_file.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/tissue/tissue_model.hpp"
@@ -161,10 +162,8 @@ void add_completion(CLI::App& app, Console& console) {
   CLI::App& command = add_command(app, console, "completion", "Print the completion script of a shell",
                                   {"hmax completion bash", "hmax completion zsh", "hmax completion fish"});
   auto shell = std::make_shared<std::string>();
-  command.add_option("shell", *shell, fmt::format("One of {}", fmt::join(shells, ", ")))
-      ->required()
-      ->type_name("");
-  command.callback([shell, &app, &console] {
+  require(add_text(command, "shell", *shell, fmt::format("One of {}", fmt::join(shells, ", ")), ""));
+  set_callback(command, [shell, &app, &console] {
     const std::string chosen = parse_choice("the shell", *shell, shells);
     const std::string text = chosen == "bash" ? bash(app) : chosen == "zsh" ? zsh(app) : fish(app);
     if (console.json) return console.print_json({{"shell", chosen}, {"script", text}});

@@ -1,9 +1,9 @@
 /// hmax doctor and hmax info: what this build was made of, and on which machine it runs.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "core/instruction_set.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/build_info.hpp"
@@ -109,13 +109,13 @@ void add_doctor(CLI::App& app, Console& console) {
   CLI::App& doctor =
       add_command(app, console, "doctor",
                   "Show the optional parts of this build, and how to add missing ones", {"hmax doctor"});
-  doctor.callback([&console] {
+  set_callback(doctor, [&console] {
     if (console.json) return console.print_json(report());
     console.print(parts_for_people(console));
   });
   CLI::App& info = add_command(app, console, "info", "Show the build and the machine that times depend on",
                                {"hmax info --json"});
-  info.callback([&console] {
+  set_callback(info, [&console] {
     if (console.json) return console.print_json(report());
     console.print(machine_for_people());
   });

@@ -1,7 +1,6 @@
 /// hmax list methods | problems | models | materials
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +8,7 @@
 #include "bench/documents/method_json.hpp"
 #include "bench/documents/number_json.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/tissue/tissue_model.hpp"
 #include "results/errors.hpp"
@@ -120,8 +120,8 @@ void add_list(CLI::App& app, Console& console) {
       add_command(app, console, "list", "List the methods, problems, mesh models or materials",
                   {"hmax list methods", "hmax list problems --json", "hmax list materials"});
   auto what = std::make_shared<std::string>();
-  command.add_option("what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")))->type_name("");
-  command.callback([what, &console] {
+  add_text(command, "what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")), "");
+  set_callback(command, [what, &console] {
     if (what->empty())
       throw InputError(fmt::format("say what to list, {} or {}; for instance `hmax list {}`",
                                    fmt::join(list_topics.begin(), list_topics.end() - 1, ", "),

@@ -6,12 +6,12 @@
 #include <limits>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -178,7 +178,7 @@ void add_order(CLI::App& app, Console& console) {
   add_number(
       command, "--t-end", options->t_end,
       "Time at which the error is measured [s]; that of seven within the first 10 s with the steadiest slope by default");
-  command.callback([options, &console] { order(*options, console); });
+  set_callback(command, [options, &console] { order(*options, console); });
 }
 
 }  // namespace hmax

@@ -8,12 +8,12 @@
 #include <map>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "cli/shared/temporary_folder.hpp"
@@ -224,33 +224,33 @@ void add_precision(CLI::App& app, Console& console) {
        "hmax precision --problem liver_forced --methods explicit_runge_kutta --output "
        "results/runs/precision"});
   auto options = std::make_shared<PrecisionOptions>();
-  const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
-    return command.add_option(flag, value, description)->type_name(type);
-  };
   options->problem.add_to(command);
-  text("--methods,--method", options->methods, "Ids, aliases or families of `hmax list methods`, or all",
-       "A,B");
-  text("--rtol", options->rtol, "Tolerances of adaptive methods; 1e-3 to 1e-12 by default", "NUMBERS");
-  text("--h", options->h,
-       "Step sizes of methods without error estimate [s]; 1/32 of the run and smaller by default", "NUMBERS");
+  add_text(command, "--methods,--method", options->methods,
+           "Ids, aliases or families of `hmax list methods`, or all", "A,B");
+  add_text(command, "--rtol", options->rtol, "Tolerances of adaptive methods; 1e-3 to 1e-12 by default",
+           "NUMBERS");
+  add_text(command, "--h", options->h,
+           "Step sizes of methods without error estimate [s]; 1/32 of the run and smaller by default",
+           "NUMBERS");
   add_number(command, "--atol-over-rtol", options->atol_over_rtol,
              "Absolute over relative tolerance; 1 by default");
-  text(
-      "--error", options->error,
+  add_text(
+      command, "--error", options->error,
       "Error: end, at the end; max, the largest at any accepted step; l2, the root mean square over time; end for "
       "stiff problems, else max, by default",
       "NAME");
   add_number(command, "--budget", options->budget, "CPU time limit of a run [s]; 0.5 by default");
   add_control(command, options->control);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  text("--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
+  add_text(command, "--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
   add_shard(command, options->shard);
-  text("--store", options->store, "Keep the rows in this store, a file that ends in .sqlite", "FILE");
-  text("--output", options->output, "Draw the figure precision.svg, .png and .pdf into this folder",
-       "FOLDER");
+  add_text(command, "--store", options->store, "Keep the rows in this store, a file that ends in .sqlite",
+           "FILE");
+  add_text(command, "--output", options->output,
+           "Draw the figure precision.svg, .png and .pdf into this folder", "FOLDER");
   add_force(command);
   add_figure_style(command);
-  command.callback([options, &console] { precision(*options, console); });
+  set_callback(command, [options, &console] { precision(*options, console); });
 }
 
 }  // namespace hmax

@@ -3,7 +3,6 @@
 #include <memory>
 #include <numbers>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,6 +12,7 @@
 #include "bench/plugin/plugin_stepper.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -126,17 +126,17 @@ void add_probe(CLI::App& app, Console& console) {
                                    "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
                                    "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
   const auto options = std::make_shared<ProbeOptions>();
-  command.add_option("--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h")
-      ->type_name("FILE.so[:NAME[:ARGUMENT]]");
+  add_text(command, "--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h",
+           "FILE.so[:NAME[:ARGUMENT]]");
   add_number(command, "--h0", options->h0, "The smallest step size [s]");
   add_number(command, "--h1", options->h1, "The largest step size [s]");
   add_number(command, "--motion", options->motion,
              "Growth of neighbours along the motion of this length [s], instead of one step at the start");
   add_patience(command, options->patience);
-  command.add_flag("--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
-  command.add_option("--example", options->example, "Write the header and two examples into this folder, and end")
-      ->type_name("FOLDER");
-  command.callback([options, &console] { probe(*options, console); });
+  add_flag(command, "--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
+  add_text(command, "--example", options->example,
+           "Write the header and two examples into this folder, and end", "FOLDER");
+  set_callback(command, [options, &console] { probe(*options, console); });
 }
 
 }  // namespace hmax

@@ -3,13 +3,13 @@
 #include <array>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/named_stores.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/compare.hpp"
 #include "results/errors.hpp"
@@ -256,24 +256,22 @@ void add_export(CLI::App& app, Console& console) {
                                    "hmax export livers --of limits --format csv",
                                    "hmax export results/runs/study.sqlite --format gbench"});
   auto options = std::make_shared<ExportOptions>();
-  command.add_option("store", options->store, "File of the store, or its name under results/runs")
-      ->required()
-      ->type_name("");
+  require(
+      add_text(command, "store", options->store, "File of the store, or its name under results/runs", ""));
   std::string formats;
   for (const ExportFormat& each : export_formats())
     formats += fmt::format("{}{}{}", formats.empty() ? "" : ", ", each.name,
                            each.description.empty() ? "" : fmt::format(" ({})", each.description));
-  command.add_option("--format", options->format, fmt::format("{}; {} by default", formats, options->format))
-      ->type_name("NAME");
-  command
-      .add_option("--of", options->of,
-                  "runs, which `hmax sweep` measured; limits of `hmax stability predict --out`; advice of `hmax advise "
-                  "--out`; runs by default")
-      ->type_name("NAME");
-  command.add_option("--output", options->output, "File to write; standard output by default")
-      ->type_name("FILE");
+  add_text(command, "--format", options->format, fmt::format("{}; {} by default", formats, options->format),
+           "NAME");
+  add_text(
+      command, "--of", options->of,
+      "runs, which `hmax sweep` measured; limits of `hmax stability predict --out`; advice of `hmax advise "
+      "--out`; runs by default",
+      "NAME");
+  add_text(command, "--output", options->output, "File to write; standard output by default", "FILE");
   add_force(command);
-  command.callback([options, &console] { export_rows(*options, console); });
+  set_callback(command, [options, &console] { export_rows(*options, console); });
 }
 
 void add_compare(CLI::App& app, Console& console) {
@@ -286,14 +284,13 @@ void add_compare(CLI::App& app, Console& console) {
     bool all = false;
   };
   auto options = std::make_shared<Options>();
-  command.add_option("A", options->a, "Store to compare with: its file, or its name under results/runs")
-      ->required()
-      ->type_name("");
-  command.add_option("B", options->b, "Store that is compared: its file, or its name under results/runs")
-      ->required()
-      ->type_name("");
-  command.add_flag("--all", options->all, "Also show the rows without a difference");
-  command.callback([options, &console] { compare_stores(options->a, options->b, options->all, console); });
+  require(add_text(command, "A", options->a,
+                   "Store to compare with: its file, or its name under results/runs", ""));
+  require(add_text(command, "B", options->b,
+                   "Store that is compared: its file, or its name under results/runs", ""));
+  add_flag(command, "--all", options->all, "Also show the rows without a difference");
+  set_callback(command,
+               [options, &console] { compare_stores(options->a, options->b, options->all, console); });
 }
 
 void add_merge(CLI::App& app, Console& console) {
@@ -306,15 +303,12 @@ void add_merge(CLI::App& app, Console& console) {
     std::vector<std::string> inputs;
   };
   auto options = std::make_shared<Options>();
-  command
-      .add_option("OUT", options->out,
-                  "Store to write or to add to: a name under results/runs, or a file that ends in .sqlite")
-      ->required()
-      ->type_name("");
-  command.add_option("IN", options->inputs, "Stores to read: their files, or names under results/runs")
-      ->required()
-      ->type_name("");
-  command.callback([options, &console] { merge(options->out, options->inputs, console); });
+  require(add_text(command, "OUT", options->out,
+                   "Store to write or to add to: a name under results/runs, or a file that ends in .sqlite",
+                   ""));
+  require(add_arguments(command, "IN", options->inputs,
+                        "Stores to read: their files, or names under results/runs"));
+  set_callback(command, [options, &console] { merge(options->out, options->inputs, console); });
 }
 
 }  // namespace hmax

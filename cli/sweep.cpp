@@ -5,7 +5,6 @@
 #include <iterator>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/models/tissue_problem.hpp"
@@ -15,6 +14,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "plots/draw.hpp"
@@ -88,7 +88,7 @@ SweepRequest flags_of(const SweepOptions& options) {
 /// @throws InputError  for what asks for times that exploring does not measure
 SweepSpec spec_of(const SweepOptions& options, const SweepRequest& request) {
   SweepSpec spec = spec_from(request);
-  if (options.jobs->count() > 0 && !options.explore)
+  if (is_given(options.jobs) && !options.explore)
     throw InputError("a sweep is measured on one thread; add --explore, or leave --jobs out");
   if (!options.explore) return spec;
   if (options.publish) throw InputError("--explore measures no times that are fit to publish; leave --publish out");
@@ -290,7 +290,7 @@ SweepRequest request_of(const SweepOptions& options) {
 
 /// @throws InputError  for what asks for times where ranks that share a node measure none
 void refuse_beside_ranks(const SweepOptions& options, const SweepPlan& plan, const Ranks& ranks) {
-  if (options.jobs->count() > 0)
+  if (is_given(options.jobs))
     throw InputError("--jobs is of one process; leave it out, and start as many processes as there are cores");
   if (!are_times_rough(plan, ranks)) return;
   if (options.publish || !options.output.empty())
@@ -360,6 +360,20 @@ void sweep(const SweepOptions& options, Console& console) {
   }
 }
 
+/// How steps are chosen.
+void add_step_options(CLI::App& command, SweepOptions& options) {
+  add_text(command, "--h", options.h, "Step sizes [s]; the nine of the study by default", "NUMBERS");
+  add_text(command, "--readings", options.readings,
+           "What a step means: fixed, sampled or both; both by default", "A,B");
+  add_flag(command, "--fixed", options.fixed, "Integrate with steps of h");
+  add_flag(command, "--sampled", options.sampled,
+           "Step adaptively and output every h, as MATLAB does for 0:h:T");
+  add_text(command, "--rtol", options.rtol,
+           "Tolerance of --sampled, or without --h the tolerances to sweep; 1e-6 by default", "NUMBERS");
+  add_number(command, "--atol", options.atol, "Absolute tolerance; equal to --rtol by default");
+  add_control(command, options.control);
+}
+
 }  // namespace
 
 void add_sweep(CLI::App& app, Console& console) {
@@ -373,54 +387,47 @@ void add_sweep(CLI::App& app, Console& console) {
        "results/runs/tolerances",
        "hmax sweep --mesh phantom --model mass_spring --methods rk4,symplectic_euler --h 2e-3,1e-3 --fixed --t-end 0.2 "
        "--out phantom"});
-  command.footer(command.get_footer() + "\nUnder `mpirun -n N` the processes share the sweep, see docs/howto/cluster.md.");
+  add_footer(command, "Under `mpirun -n N` the processes share the sweep, see docs/howto/cluster.md.");
   auto options = std::make_shared<SweepOptions>();
-  const auto text = [&](const char* flag, std::string& value, const char* description, const char* type) {
-    command.add_option(flag, value, description)->type_name(type);
-  };
-  text("file", options->file, "A sweep in a file, see docs/reference/sweep.md; flags go before it",
-       "FILE.toml");
-  text("--problem,--problems", options->problems, "Ids of `hmax list problems`, or files of formulas", "A,B");
+  add_text(command, "file", options->file,
+           "A sweep in a file, see docs/reference/sweep.md; flags go before it", "FILE.toml");
+  add_text(command, "--problem,--problems", options->problems,
+           "Ids of `hmax list problems`, or files of formulas", "A,B");
   options->body.add_to(command);
   options->own.add_to(command);
-  text("--materials,--material", options->materials, "Ids of `hmax list materials`, or all", "A,B");
-  command.add_option("--set", options->set, "Change a parameter, like c=6; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->take_all()
-      ->allow_extra_args(false);
-  text("--y0", options->y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
-  text("--methods,--method", options->methods,
-       "Ids, aliases or families of `hmax list methods`, or all; those of the study by default", "A,B");
-  text("--tableau", options->tableaux, "Files with explicit tableaux of your own", "A,B");
-  text("--h", options->h, "Step sizes [s]; the nine of the study by default", "NUMBERS");
-  text("--readings", options->readings, "What a step means: fixed, sampled or both; both by default", "A,B");
-  command.add_flag("--fixed", options->fixed, "Integrate with steps of h");
-  command.add_flag("--sampled", options->sampled,
-                   "Step adaptively and output every h, as MATLAB does for 0:h:T");
-  text("--rtol", options->rtol,
-       "Tolerance of --sampled, or without --h the tolerances to sweep; 1e-6 by default", "NUMBERS");
-  add_number(command, "--atol", options->atol, "Absolute tolerance; equal to --rtol by default");
-  add_control(command, options->control);
+  add_text(command, "--materials,--material", options->materials, "Ids of `hmax list materials`, or all",
+           "A,B");
+  add_repeated(command, "--set", options->set, "Change a parameter, like c=6; may be repeated", "NAME=VALUE");
+  add_text(command, "--y0", options->y0, "Initial state, one number for each component, like 0.5,1",
+           "NUMBERS");
+  add_text(command, "--methods,--method", options->methods,
+           "Ids, aliases or families of `hmax list methods`, or all; those of the study by default", "A,B");
+  add_text(command, "--tableau", options->tableaux, "Files with explicit tableaux of your own", "A,B");
+  add_step_options(command, *options);
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  text("--repeats", options->repeats, "Timed repetitions, at least 9, or 1 with --explore; 9, or 1 with --explore, by default", "NUMBER");
+  add_text(command, "--repeats", options->repeats,
+           "Timed repetitions, at least 9, or 1 with --explore; 9, or 1 with --explore, by default",
+           "NUMBER");
   add_shard(command, options->shard);
-  text("--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
-  text(
-      "--out", options->out,
+  add_text(command, "--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
+  add_text(
+      command, "--out", options->out,
       "Name of the store under results/runs/, or a file that ends in .sqlite; sweep, or that of FILE.toml, by default",
       "NAME");
-  text("--output", options->output,
-       "Draw cost and error into this folder: sweep.svg, .png and .pdf; of several problems sweep_1.svg and so on", "FOLDER");
+  add_text(
+      command, "--output", options->output,
+      "Draw cost and error into this folder: sweep.svg, .png and .pdf; of several problems sweep_1.svg and so on",
+      "FOLDER");
   add_figure_style(command);
   add_force(command);
-  command.add_flag("--resume", options->resume, "Continue an interrupted sweep: measure the missing rows");
-  command.add_flag("--publish", options->publish,
-                   "Mark the store as fit to publish; refused for debug builds");
-  command.add_flag(
-      "--explore", options->explore,
+  add_flag(command, "--resume", options->resume, "Continue an interrupted sweep: measure the missing rows");
+  add_flag(command, "--publish", options->publish,
+           "Mark the store as fit to publish; refused for debug builds");
+  add_flag(
+      command, "--explore", options->explore,
       "Measure on all cores, many rows at once: the times are rough, and no figure or comparison takes them");
   options->jobs = add_jobs(command);
-  command.callback([options, &console] { sweep(*options, console); });
+  set_callback(command, [options, &console] { sweep(*options, console); });
 }
 
 }  // namespace hmax

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -21,6 +20,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
@@ -214,37 +214,33 @@ void add_advise(CLI::App& app, Console& console) {
   add_number(command, "--budget", options->budget,
              "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
              "default");
-  command
-      .add_option("--methods", options->methods,
-                  fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
-                              fmt::join(simulator_methods(), ", ")))
-      ->type_name("A,B");
-  command.add_option("--frames", options->frames, "Number of frames that the best methods are timed for; 1000 by default")
-      ->type_name("N");
-  command
-      .add_option("--motion", options->motion,
-                  "Motion of a body in place of the probing motion: CSV with the columns t [s] and fx, fy, fz [N] or x, "
-                  "y, z [m], forces or displacements")
-      ->type_name("FILE");
-  command
-      .add_option("--motion-at", options->motion_at,
-                  "Points that --motion acts on, as --support, which displacements need; the far end of the body by default; may be "
-                  "repeated")
-      ->type_name("SET")
-      ->take_all()
-      ->allow_extra_args(false);
-  command
-      .add_option("--out", options->out,
-                  "Store of the advice, one row a method: a file that ends in .sqlite, or a name under results/runs; none "
-                  "by default")
-      ->type_name("STORE");
-  command
-      .add_option("--output", options->output,
-                  "Page of HTML with the whole answer and its figures, which needs no other file; none by default")
-      ->type_name("FILE.html");
+  add_text(command, "--methods", options->methods,
+           fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
+                       fmt::join(simulator_methods(), ", ")),
+           "A,B");
+  add_text(command, "--frames", options->frames,
+           "Number of frames that the best methods are timed for; 1000 by default", "N");
+  add_text(
+      command, "--motion", options->motion,
+      "Motion of a body in place of the probing motion: CSV with the columns t [s] and fx, fy, fz [N] or x, "
+      "y, z [m], forces or displacements",
+      "FILE");
+  add_repeated(
+      command, "--motion-at", options->motion_at,
+      "Points that --motion acts on, as --support, which displacements need; the far end of the body by default; may be "
+      "repeated",
+      "SET");
+  add_text(
+      command, "--out", options->out,
+      "Store of the advice, one row a method: a file that ends in .sqlite, or a name under results/runs; none "
+      "by default",
+      "STORE");
+  add_text(command, "--output", options->output,
+           "Page of HTML with the whole answer and its figures, which needs no other file; none by default",
+           "FILE.html");
   add_force(command);
   add_jobs(command);
-  command.callback([options, &console] { advise_on(*options, console); });
+  set_callback(command, [options, &console] { advise_on(*options, console); });
 }
 
 }  // namespace hmax

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "cli/shared/options.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
 #include "results/errors.hpp"
@@ -140,16 +140,13 @@ BodyColours mesh_quality_colours() {
 }
 
 void PictureChoice::add_to(CLI::App& command, const std::string& description, bool of_body) {
-  command.add_option("--picture", file, description)->type_name("FILE.svg");
+  add_text(command, "--picture", file, description, "FILE.svg");
   if (of_body)
-    command
-        .add_option(
-            "--colour", colour,
-            "Coloured quantity of the picture: displacement or energy_density; displacement by default")
-        ->type_name("NAME");
-  command
-      .add_option("--from", from, "Direction from which the picture looks, z is up; 0.45,-1,0.5 by default")
-      ->type_name("X,Y,Z");
+    add_text(command, "--colour", colour,
+             "Coloured quantity of the picture: displacement or energy_density; displacement by default",
+             "NAME");
+  add_text(command, "--from", from, "Direction from which the picture looks, z is up; 0.45,-1,0.5 by default",
+           "X,Y,Z");
 }
 
 void PictureChoice::check() const {

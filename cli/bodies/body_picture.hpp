@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 #include "plots/drawn/bodies.hpp"
 #include "plots/figure.hpp"
 #include "problems/tissue/body.hpp"

@@ -8,7 +8,6 @@
 #include <ranges>
 #include <set>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/models/mesh_choice.hpp"
@@ -16,6 +15,7 @@
 #include "cli/bodies/body_picture.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/mesh_parts.hpp"
@@ -431,24 +431,19 @@ std::string second_order_in_words(const MeshFile& file) {
 }
 
 void add_mesh_argument(CLI::App& command, MeshCommand& options) {
-  command
-      .add_option(
-          "mesh,--mesh", options.mesh,
-          "A file (.msh .vtk .vtu .node .ele .mesh .veg), or liver, phantom, beam, cube, ball; parameters like "
-          "ball:n=6, all take :refine=K and :mend=N")
-      ->required();
+  require(add_text(
+      command, "mesh,--mesh", options.mesh,
+      "A file (.msh .vtk .vtu .node .ele .mesh .veg), or liver, phantom, beam, cube, ball; parameters like "
+      "ball:n=6, all take :refine=K and :mend=N"));
 }
 
 void add_unit(CLI::App& command, MeshCommand& options) {
-  command
-      .add_option("--unit", options.unit,
-                  "Unit of the coordinates of a file: m, cm, mm or a number of metres")
-      ->type_name("UNIT");
+  add_text(command, "--unit", options.unit,
+           "Unit of the coordinates of a file: m, cm, mm or a number of metres", "UNIT");
 }
 
 void add_mesh(CLI::App& app, Console& console) {
-  CLI::App& group = *app.add_subcommand("mesh", "Inspect, check, make and convert tetrahedral meshes");
-  group.require_subcommand(1);
+  CLI::App& group = add_group(app, "mesh", "Inspect, check, make and convert tetrahedral meshes");
 
   auto options = std::make_shared<MeshCommand>();
   CLI::App& info_command =
@@ -459,19 +454,17 @@ void add_mesh(CLI::App& app, Console& console) {
   add_unit(info_command, *options);
   options->picture.add_to(info_command, "Draw the surface, coloured by the worst tetrahedron nearby", false);
   add_force(info_command);
-  info_command.callback(with_sentences(info, options, console));
+  set_callback(info_command, with_sentences(info, options, console));
 
   CLI::App& check_command =
       add_command(group, console, "check", "Find defects and slivers of a mesh; exit 1 if there are any",
                   {"hmax mesh check liver", "hmax mesh check phantom --slivers 20"});
   add_mesh_argument(check_command, *options);
-  check_command
-      .add_option("--slivers", options->slivers,
-                  "Dihedral angle below which a tetrahedron is a sliver [degrees]; 5 by default")
-      ->type_name("DEGREES");
+  add_text(check_command, "--slivers", options->slivers,
+           "Dihedral angle below which a tetrahedron is a sliver [degrees]; 5 by default", "DEGREES");
   add_unit(check_command, *options);
   add_support(check_command, options->supports, "none by default");
-  check_command.callback(with_sentences(check_mesh, options, console));
+  set_callback(check_command, with_sentences(check_mesh, options, console));
 
   add_mesh_writers(group, options, console);
 }

@@ -10,6 +10,7 @@
 
 #include "bench/models/mesh_choice.hpp"
 #include "cli/bodies/body_picture.hpp"
+#include "cli/shared/options.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {

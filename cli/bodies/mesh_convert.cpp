@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
@@ -12,6 +11,7 @@
 #include "cli/bodies/matrix_files.hpp"
 #include "cli/bodies/mesh.hpp"
 #include "cli/shared/choices.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
@@ -170,9 +170,7 @@ void make(const MeshCommand& options, Console& console) {
 }
 
 void add_output(CLI::App& command, MeshCommand& options) {
-  command.add_option("--output", options.output, "File to write: .msh, .vtu or .scn")
-      ->type_name("FILE")
-      ->required();
+  require(add_text(command, "--output", options.output, "File to write: .msh, .vtu or .scn", "FILE"));
   add_force(command);
 }
 
@@ -184,17 +182,16 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
       {"hmax mesh make ball:n=6,radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"});
   add_mesh_argument(make_command, *options);
   add_output(make_command, *options);
-  make_command.callback(with_sentences(make, options, console));
+  set_callback(make_command, with_sentences(make, options, console));
 
   CLI::App& refine_command =
       add_command(group, console, "refine", "Refine a mesh: cut each tetrahedron into eight",
                   {"hmax mesh refine liver --times 2 --output fine.vtu"});
   add_mesh_argument(refine_command, *options);
-  refine_command.add_option("--times", options->times, "Number of refinements; 1 by default")
-      ->type_name("NUMBER");
+  add_text(refine_command, "--times", options->times, "Number of refinements; 1 by default", "NUMBER");
   add_unit(refine_command, *options);
   add_output(refine_command, *options);
-  refine_command.callback(with_sentences(refine, options, console));
+  set_callback(refine_command, with_sentences(refine, options, console));
 
   CLI::App& convert_command = add_command(
       group, console, "convert", "Convert a mesh to Gmsh, ParaView, a scene of SOFA, or matrices",
@@ -203,29 +200,29 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
        "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber",
        "hmax mesh convert liver --matrices liver --material liver:male_normal"});
   add_mesh_argument(convert_command, *options);
-  convert_command.add_option("output", options->output, "File to write: .msh, .vtu or .scn");
-  convert_command
-      .add_option("--matrices", options->matrices,
-                  "Folder of the stiffness, mass and damping of the body, instead of a file; it is made if needed")
-      ->type_name("FOLDER");
+  add_text(convert_command, "output", options->output, "File to write: .msh, .vtu or .scn");
+  add_text(convert_command, "--matrices", options->matrices,
+           "Folder of the stiffness, mass and damping of the body, instead of a file; it is made if needed",
+           "FOLDER");
   add_unit(convert_command, *options);
-  convert_command.add_flag("--fix", options->fix, "Reorient inverted tetrahedra");
-  convert_command.add_flag("--renumber", options->renumber, "Renumber points and tetrahedra, so that neighbours have similar numbers");
-  convert_command.add_option("--model", options->model, "Model of a scene or of matrices; fem_corotational of scenes, fem_green of matrices by default")
-      ->type_name("ID");
-  convert_command.add_option("--material", options->material, "Tissue of a scene or of matrices, like liver:male_normal")
-      ->type_name("ID");
-  convert_command.add_option("--gravity", options->gravity, "Gravity of a scene or of matrices [m/s2]")->type_name("X,Y,Z");
-  convert_command
-      .add_option("--set", options->set, "Change a parameter of a scene or of matrices, like E:tumour=8000; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->take_all()
-      ->allow_extra_args(false);
+  add_flag(convert_command, "--fix", options->fix, "Reorient inverted tetrahedra");
+  add_flag(convert_command, "--renumber", options->renumber,
+           "Renumber points and tetrahedra, so that neighbours have similar numbers");
+  add_text(convert_command, "--model", options->model,
+           "Model of a scene or of matrices; fem_corotational of scenes, fem_green of matrices by default",
+           "ID");
+  add_text(convert_command, "--material", options->material,
+           "Tissue of a scene or of matrices, like liver:male_normal", "ID");
+  add_text(convert_command, "--gravity", options->gravity, "Gravity of a scene or of matrices [m/s2]",
+           "X,Y,Z");
+  add_repeated(convert_command, "--set", options->set,
+               "Change a parameter of a scene or of matrices, like E:tumour=8000; may be repeated",
+               "NAME=VALUE");
   add_support(convert_command, options->supports, "none by default");
   add_number(convert_command, "--h", options->h, "Step size of a scene [s]; 0.01 by default");
   add_jobs(convert_command);
   add_force(convert_command);
-  convert_command.callback(with_sentences(convert, options, console));
+  set_callback(convert_command, with_sentences(convert, options, console));
 }
 
 }  // namespace hmax

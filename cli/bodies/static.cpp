@@ -3,7 +3,6 @@
 #include <cmath>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
@@ -16,6 +15,7 @@
 #include "cli/bodies/tool_report.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "core/parallel_for.hpp"
 #include "plots/draw.hpp"
@@ -215,7 +215,7 @@ void refuse_ignored(const StaticOptions& options) {
     for (const auto& [option, given, why] : all)
       if (given) throw InputError(fmt::format("{} {}", option, why));
   };
-  if ((compares || frames) && options.jobs->count() > 0)
+  if ((compares || frames) && is_given(options.jobs))
     throw InputError(
         "--compare, --pseudo-dynamic and --frames compare times of one thread; leave --jobs out");
   if (compares && frames)
@@ -412,7 +412,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (!options.per_frame.empty() || !options.frames.empty())
     return print_frames(options, problem, model, settings, console);
 
-  const std::size_t most = options.jobs->count() > 0 ? jobs() : 1;
+  const std::size_t most = is_given(options.jobs) ? jobs() : 1;
   const StaticAnswer answer = answer_of(problem, model, settings, scale, most, console);
   if (answer.outcome != "converged") console.exit_code = Exit::failed;
   if (!options.output.empty()) write_csv(options.output, history_of(answer));
@@ -437,15 +437,15 @@ void add_static(CLI::App& app, Console& console) {
        "hmax static --mesh phantom --load press --pseudo-dynamic 1 --frames 50 --json"});
   auto options = std::make_shared<StaticOptions>();
   options->problem.add_to(command);
-  const auto text = [&](const std::string& name, std::string& into, const std::string& about,
-                        const std::string& type) { command.add_option(name, into, about)->type_name(type); };
   add_number(command, "--load-scale", options->load_scale, "Factor of the load; 1 by default");
-  text("--solver", options->solver, "Solver: newton, modified_newton or linear; newton by default", "NAME");
-  text("--linear", options->linear, "Linear solver: direct, sor or cg; direct by default", "NAME");
-  text("--load-steps", options->load_steps,
-       "Number of load steps; 1, then 10, or 20 along the path of a tool, by default", "NUMBER");
-  text("--iterations", options->iterations, "Limit of iterations in each load step; 1000 by default",
-       "NUMBER");
+  add_text(command, "--solver", options->solver,
+           "Solver: newton, modified_newton or linear; newton by default", "NAME");
+  add_text(command, "--linear", options->linear, "Linear solver: direct, sor or cg; direct by default",
+           "NAME");
+  add_text(command, "--load-steps", options->load_steps,
+           "Number of load steps; 1, then 10, or 20 along the path of a tool, by default", "NUMBER");
+  add_text(command, "--iterations", options->iterations,
+           "Limit of iterations in each load step; 1000 by default", "NUMBER");
   add_number(command, "--tolerance", options->tolerance,
              "Tolerance of the residual, relative to the load; 1e-9 by default");
   add_number(command, "--linear-tolerance", options->inner_tolerance,
@@ -453,20 +453,21 @@ void add_static(CLI::App& app, Console& console) {
   add_number(
       command, "--relaxation", options->relaxation,
       "Relaxation factor of sor, between 0 and 2; 1.5, with --compare the best for the stiffness at rest, by default");
-  command.add_flag("--no-line-search", options->no_line_search, "Newton's method without line search");
-  text(
-      "--pseudo-dynamic", options->per_frame,
+  add_flag(command, "--no-line-search", options->no_line_search, "Newton's method without line search");
+  add_text(
+      command, "--pseudo-dynamic", options->per_frame,
       "Increase the load frame by frame with this number of iterations in each, and show the error of the frames",
       "NUMBER");
-  text("--frames", options->frames, "Number of frames; 100 by default", "NUMBER");
-  text("--output", options->output, "Write the history of residuals to a CSV file", "FILE");
-  text("--compare", options->compare,
-       "Solve with every solver and draw residuals against iterations and time into this folder", "FOLDER");
+  add_text(command, "--frames", options->frames, "Number of frames; 100 by default", "NUMBER");
+  add_text(command, "--output", options->output, "Write the history of residuals to a CSV file", "FILE");
+  add_text(command, "--compare", options->compare,
+           "Solve with every solver and draw residuals against iterations and time into this folder",
+           "FOLDER");
   options->picture.add_to(command, "Draw the body in equilibrium and at rest");
   options->jobs = add_jobs_of_timed(command);
   add_force(command);
   add_figure_style(command);
-  command.callback([options, &console] { solve(*options, console); });
+  set_callback(command, [options, &console] { solve(*options, console); });
 }
 
 }  // namespace hmax

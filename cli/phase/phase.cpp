@@ -5,11 +5,11 @@
 #include <cmath>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/models/planar.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "plots/draw.hpp"
 #include "results/errors.hpp"
@@ -125,27 +125,21 @@ void phase(const PhaseOptions& options, Console& console) {
 
 /// The state once in each period of the force, alone or over a parameter.
 void add_section_options(CLI::App& command, PhaseOptions& options) {
-  command.add_flag(
-      "--poincare", options.poincare,
-      fmt::format("Show the Poincare section: the state once in each period of the force, at {} or "
-                  "by steps of --method",
-                  in_words(stroboscope_tolerances)));
-  command
-      .add_option("--bifurcation", options.bifurcation,
-                  "Show the bifurcation diagram over this parameter, from --from to --to")
-      ->type_name("NAME");
+  add_flag(command, "--poincare", options.poincare,
+           fmt::format("Show the Poincare section: the state once in each period of the force, at {} or "
+                       "by steps of --method",
+                       in_words(stroboscope_tolerances)));
+  add_text(command, "--bifurcation", options.bifurcation,
+           "Show the bifurcation diagram over this parameter, from --from to --to", "NAME");
   add_number(command, "--from", options.from, "First value of the parameter");
   add_number(command, "--to", options.to, "Last value of the parameter");
-  command.add_option("--points", options.points, "Number of values of the parameter; 200 by default")
-      ->type_name("NUMBER");
-  command.add_flag("--follow", options.follow,
-                   "Start each value at the end of the previous one, instead of at y0");
-  command
-      .add_option("--periods", options.periods,
-                  "Recorded periods; 2000, with --bifurcation 64 for each value, by default")
-      ->type_name("NUMBER");
-  command.add_option("--skip", options.skip, "Discarded periods before them; 200 by default")
-      ->type_name("NUMBER");
+  add_text(command, "--points", options.points, "Number of values of the parameter; 200 by default",
+           "NUMBER");
+  add_flag(command, "--follow", options.follow,
+           "Start each value at the end of the previous one, instead of at y0");
+  add_text(command, "--periods", options.periods,
+           "Recorded periods; 2000, with --bifurcation 64 for each value, by default", "NUMBER");
+  add_text(command, "--skip", options.skip, "Discarded periods before them; 200 by default", "NUMBER");
   add_number(command, "--period", options.period,
              "Period of the force [s]; that of the oscillator by default");
 }
@@ -395,31 +389,27 @@ void add_phase(CLI::App& app, Console& console) {
   add_number(command, "--h", options->h,
              "Step size of the method, whose map of the plane is analysed [s]; with --poincare and "
              "--bifurcation at most, so that steps divide the period");
-  command
-      .add_option(
-          "--window", options->window,
-          "Part of the plane, with --poincare the part searched for motions of one period; the range of "
-          "the motion from y0 by default")
-      ->type_name("XMIN,XMAX,VMIN,VMAX");
+  add_text(command, "--window", options->window,
+           "Part of the plane, with --poincare the part searched for motions of one period; the range of "
+           "the motion from y0 by default",
+           "XMIN,XMAX,VMIN,VMAX");
   add_number(command, "--at", options->at,
              "Time at which the field of a driven problem is shown [s]; 0 by default");
-  command.add_flag("--basins", options->basins,
-                   fmt::format("Show the basins of attraction of the stable equilibria, at {}",
-                               in_words(basin_tolerances)));
-  command
-      .add_option("--cells", options->cells,
-                  "Columns of the grid of initial states, or columns and rows, like 200,200; 120 by default")
-      ->type_name("NUMBER");
+  add_flag(command, "--basins", options->basins,
+           fmt::format("Show the basins of attraction of the stable equilibria, at {}",
+                       in_words(basin_tolerances)));
+  add_text(command, "--cells", options->cells,
+           "Columns of the grid of initial states, or columns and rows, like 200,200; 120 by default",
+           "NUMBER");
   add_section_options(command, *options);
-  command
-      .add_option("--output", options->output,
-                  fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
-                              in_words(orbit_tolerances)))
-      ->type_name("FOLDER");
+  add_text(command, "--output", options->output,
+           fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
+                       in_words(orbit_tolerances)),
+           "FOLDER");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  command.callback([options, &console] { phase(*options, console); });
+  set_callback(command, [options, &console] { phase(*options, console); });
 }
 
 }  // namespace hmax

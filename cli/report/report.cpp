@@ -4,11 +4,11 @@
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "cli/shared/commands.hpp"
 #include "cli/shared/named_stores.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "plots/pages/store_report.hpp"
 #include "results/build_info.hpp"
@@ -102,16 +102,12 @@ void add_report(CLI::App& app, Console& console) {
       app, console, "report", "Write result stores as one page of HTML: advice, runs, limits",
       {"hmax report --output report.html", "hmax report study limits.sqlite --output report.html --json"});
   const auto options = std::make_shared<ReportOptions>();
-  command
-      .add_option(
-          "store", options->stores,
-          "Files of stores, or their names under results/runs; every store in results/runs and its folders by default")
-      ->type_name("");
-  command.add_option("--output", options->output, "Page to write, a file that ends in .html")
-      ->required()
-      ->type_name("FILE");
+  add_arguments(
+      command, "store", options->stores,
+      "Files of stores, or their names under results/runs; every store in results/runs and its folders by default");
+  require(add_text(command, "--output", options->output, "Page to write, a file that ends in .html", "FILE"));
   add_force(command);
-  command.callback([options, &console] { report(*options, console); });
+  set_callback(command, [options, &console] { report(*options, console); });
 }
 
 }  // namespace hmax

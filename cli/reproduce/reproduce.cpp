@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,6 +15,7 @@
 #include "cli/reproduce/source_items.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "plots/figure.hpp"
@@ -160,16 +160,14 @@ void add_all(CLI::App& reproduce, Console& console) {
   CLI::App& all = add_command(reproduce, console, "all", "Reproduce both sources, with one page that links their parts",
                               {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"});
   auto options = std::make_shared<AllOptions>();
-  all.add_option("--output", options->folder, "Folder of the page and of the parts")->capture_default_str();
-  all.add_option("--part", options->names, "Parts: oscillators, stability, tissue; all by default")
-      ->delimiter(',')
-      ->type_name("A,B");
-  all.add_flag("--quick", options->quick, "The quick form of tissue; takes three minutes instead of ten");
-  all.footer(all.get_footer() + "\nA part that the same program has finished in FOLDER is not made again.");
+  show_default(add_text(all, "--output", options->folder, "Folder of the page and of the parts"));
+  add_list(all, "--part", options->names, "Parts: oscillators, stability, tissue; all by default", "A,B");
+  add_flag(all, "--quick", options->quick, "The quick form of tissue; takes three minutes instead of ten");
+  add_footer(all, "A part that the same program has finished in FOLDER is not made again.");
   add_force(all);
   add_figure_style(all);
   add_jobs(all);
-  all.callback([options, &console] {
+  set_callback(all, [options, &console] {
     refuse_copies("hmax reproduce");
     reproduce_all(*options, console);
   });
@@ -180,16 +178,14 @@ void add_oscillator_study(CLI::App& reproduce, Console& console) {
                                       "Reproduce every figure and table of the liver oscillator study",
                                       {"hmax reproduce oscillators --output results/runs/oscillators"});
   auto folder = std::make_shared<std::string>("results/runs/oscillators");
-  oscillators.add_option("--output", *folder, "Folder of the report and of its stores")
-      ->capture_default_str();
-  oscillators.footer(oscillators.get_footer() +
-                     "\nWhat was measured before is kept in FOLDER/*.sqlite and not measured again.");
+  show_default(add_text(oscillators, "--output", *folder, "Folder of the report and of its stores"));
+  add_footer(oscillators, "What was measured before is kept in FOLDER/*.sqlite and not measured again.");
   add_force(oscillators);
   add_figure_style(oscillators);
   add_jobs(oscillators);
   auto shard = std::make_shared<std::string>();
   add_shard(oscillators, *shard);
-  oscillators.callback([&console, folder, shard] {
+  set_callback(oscillators, [&console, folder, shard] {
     if (shard->empty()) refuse_copies("hmax reproduce");
     show(reproduce_oscillator_part(*folder, console, shard_from(*shard)), console);
   });
@@ -201,13 +197,13 @@ void add_stability_study(CLI::App& reproduce, Console& console) {
                   "Predict and observe the step limits of every method on every model of the study",
                   {"hmax reproduce stability --output results/runs/stability"});
   auto folder = std::make_shared<std::string>("results/runs/stability");
-  stability.add_option("--output", *folder, "Folder of the report")->capture_default_str();
+  show_default(add_text(stability, "--output", *folder, "Folder of the report"));
   add_force(stability);
   add_figure_style(stability);
   add_jobs(stability);
   auto shard = std::make_shared<std::string>();
   add_shard(stability, *shard);
-  stability.callback([&console, folder, shard] {
+  set_callback(stability, [&console, folder, shard] {
     if (shard->empty()) refuse_copies("hmax reproduce");
     show(reproduce_limits(*folder, console, shard_from(*shard)), console);
   });
@@ -218,16 +214,16 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
                                  "Compare springs with finite elements on the phantom and the liver",
                                  {"hmax reproduce tissue --output results/runs/tissue"});
   auto folder = std::make_shared<std::string>("results/runs/tissue");
-  tissue.add_option("--output", *folder, "Folder of the report")->capture_default_str();
+  show_default(add_text(tissue, "--output", *folder, "Folder of the report"));
   auto options = std::make_shared<TissueOptions>();
-  tissue.add_flag("--quick", options->quick,
-                  "Step limits on the phantom instead of the liver and at a few points; takes seconds");
-  tissue.add_flag("--scale", options->scale,
-                  "Also costs of meshes of a thousand to a million tetrahedra; takes minutes and gigabytes");
+  add_flag(tissue, "--quick", options->quick,
+           "Step limits on the phantom instead of the liver and at a few points; takes seconds");
+  add_flag(tissue, "--scale", options->scale,
+           "Also costs of meshes of a thousand to a million tetrahedra; takes minutes and gigabytes");
   add_force(tissue);
   add_figure_style(tissue);
   add_jobs(tissue);
-  tissue.callback([&console, folder, options] {
+  set_callback(tissue, [&console, folder, options] {
     refuse_copies("hmax reproduce");
     show(reproduce_tissue_part(*folder, *options, console), console);
   });
@@ -239,7 +235,7 @@ void add_reproduce(CLI::App& app, Console& console) {
   CLI::App& reproduce =
       add_command(app, console, "reproduce", "Reproduce a published study",
                   {"hmax reproduce all --quick", "hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
-  reproduce.require_subcommand(1);
+  require_subcommand(reproduce);
   add_all(reproduce, console);
   add_oscillator_study(reproduce, console);
   add_stability_study(reproduce, console);

@@ -6,10 +6,10 @@
 #include <iterator>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/rows/model_digest.hpp"
+#include "cli/shared/options.hpp"
 #include "core/digest.hpp"
 #include "results/build_info.hpp"
 #include "results/errors.hpp"
@@ -80,12 +80,10 @@ void tell(Console& console, const RunCheckpoint& checkpoint, const std::string& 
 }  // namespace
 
 void CheckpointChoice::add_to(CLI::App& command) {
-  command
-      .add_option(
-          "--checkpoint", file,
-          "Save the state of the run to FILE now and then, at its end, on Ctrl-C and on SIGTERM; the same "
-          "command goes on from there, with the same bits")
-      ->type_name("FILE");
+  add_text(command, "--checkpoint", file,
+           "Save the state of the run to FILE now and then, at its end, on Ctrl-C and on SIGTERM; the same "
+           "command goes on from there, with the same bits",
+           "FILE");
   add_number(command, "--checkpoint-every", every, "Time between two checkpoints [s]; 60 by default");
 }
 

@@ -10,6 +10,7 @@
 #include "bench/catalogue/method.hpp"
 #include "bench/timing/run_checkpoint.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/stop_flag.hpp"
 
 namespace hmax {

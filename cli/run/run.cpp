@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
@@ -22,6 +21,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/drawn_svg.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "core/parallel_for.hpp"
 #include "integrators/control.hpp"
@@ -408,7 +408,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
         "{} does not solve its equations by Newton's method of hmax; leave --newton-tolerance and "
         "--newton-iterations out",
         method.id));
-  if (options.jobs->count() > 0 && !problem.body && !is_matrices_id(problem.id))
+  if (is_given(options.jobs) && !problem.body && !is_matrices_id(problem.id))
     throw InputError(fmt::format("{} is too small for threads; leave --jobs out", problem.id));
   if (options.full && !(json && problem.body))
     throw InputError(fmt::format("--full applies to {}; {}", problem.body ? "--json only" : "meshes only",
@@ -510,7 +510,7 @@ void run(const RunOptions& options, Console& console) {
   const std::unique_ptr<RunCheckpoint> checkpoint = options.checkpoint.open(
       {problem, method, spec, options.method.tableau, options.output, options.every.value_or(0)},
       stop ? &*stop : nullptr, console);
-  const std::size_t most = options.jobs->count() > 0 ? jobs() : 1;
+  const std::size_t most = is_given(options.jobs) ? jobs() : 1;
   const TimedRun result = reported_run(runner, spec, most, checkpoint.get(), console);
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
@@ -577,39 +577,31 @@ void add_run(CLI::App& app, Console& console) {
   add_number(command, "--rtol", options->rtol, "Relative tolerance of an adaptive run, which needs --atol too; no default");
   add_number(command, "--atol", options->atol, "Absolute tolerance of an adaptive run, which needs --rtol too; no default");
   add_control(command, options->control);
-  command
-      .add_option(
-          "--jacobian", options->jacobian,
-          "When an implicit method updates its Jacobian: auto, exact, every:K steps or frozen; auto by default")
-      ->type_name("POLICY");
-  command
-      .add_option("--linear", options->linear,
-                  "Linear solver of implicit methods on sparse mechanical systems: auto, direct, cg, "
-                  "cg:TOLERANCE or cg:TOLERANCE,ITERATIONS; auto by default")
-      ->type_name("SOLVER");
+  add_text(
+      command, "--jacobian", options->jacobian,
+      "When an implicit method updates its Jacobian: auto, exact, every:K steps or frozen; auto by default",
+      "POLICY");
+  add_text(command, "--linear", options->linear,
+           "Linear solver of implicit methods on sparse mechanical systems: auto, direct, cg, "
+           "cg:TOLERANCE or cg:TOLERANCE,ITERATIONS; auto by default",
+           "SOLVER");
   add_number(command, "--newton-tolerance", options->newton_tolerance,
              "Error tolerance of Newton's method at fixed steps, relative to the largest number of the "
              "state; the rounding error of the forces by default");
-  command
-      .add_option("--newton-iterations", options->newton_iterations,
-                  "Limit of Newton's method for each stage; 50, adaptive 7 by default")
-      ->type_name("NUMBER");
-  command.add_flag("--full", options->full, "With --json and a mesh: print the whole end state");
+  add_text(command, "--newton-iterations", options->newton_iterations,
+           "Limit of Newton's method for each stage; 50, adaptive 7 by default", "NUMBER");
+  add_flag(command, "--full", options->full, "With --json and a mesh: print the whole end state");
   options->picture.add_to(command, "Draw the body at the end of the run; without a mesh the states over time and an oscillator's orbit");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  command
-      .add_option("--output", options->output,
-                  "Write the motion to a CSV file, or of a body to FILE.pvd for ParaView")
-      ->type_name("FILE");
+  add_text(command, "--output", options->output,
+           "Write the motion to a CSV file, or of a body to FILE.pvd for ParaView", "FILE");
   add_number(command, "--every", options->every, "Interval of the written points [s]; every step by default");
-  command
-      .add_option("--max-steps", options->max_steps,
-                  "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default")
-      ->type_name("NUMBER");
+  add_text(command, "--max-steps", options->max_steps,
+           "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default", "NUMBER");
   options->checkpoint.add_to(command);
   options->jobs = add_jobs_of_timed(command);
   add_force(command);
-  command.callback([options, &console] { run_or_stop(*options, console); });
+  set_callback(command, [options, &console] { run_or_stop(*options, console); });
 }
 
 }  // namespace hmax

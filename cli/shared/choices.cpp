@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -13,55 +12,42 @@
 #include "bench/models/tissue_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/plugin/plugin_model.hpp"
+#include "cli/shared/options.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
 
 void add_support(CLI::App& command, std::vector<std::string>& sets, std::string_view otherwise) {
-  command
-      .add_option(
-          "--support", sets,
-          fmt::format(
-              "Points of a mesh that are fixed, {}: the NAME of a group or region of the file, "
-              "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
-              "may be repeated",
-              otherwise))
-      ->type_name("SET")
-      ->take_all()
-      ->allow_extra_args(false);
+  add_repeated(
+      command, "--support", sets,
+      fmt::format(
+          "Points of a mesh that are fixed, {}: the NAME of a group or region of the file, "
+          "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
+          "may be repeated",
+          otherwise),
+      "SET");
 }
 
 void MeshOptions::add_to(CLI::App& command) {
-  command
-      .add_option("--mesh", mesh,
-                  "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file")
-      ->type_name("NAME");
-  command.add_option("--unit", unit, "Unit of a mesh file: m, cm, mm or a number of metres")
-      ->type_name("UNIT");
-  command
-      .add_option("--model", model,
-                  fmt::format("Model of the body: {}; {} by default", fmt::join(tissue_model_ids(), ", "),
-                              tissue_models().front().id))
-      ->type_name("ID");
-  command
-      .add_option("--load", load,
-                  fmt::format("Load on the body: {}; {} by default", fmt::join(tissue_loads(), ", "),
-                              tissue_loads().front()))
-      ->type_name("ID");
-  command
-      .add_option("--gravity", gravity,
-                  "Gravity on a mesh [m/s2], like 0,-9.81,0; short for --set gx, gy, gz")
-      ->type_name("X,Y,Z");
+  add_text(command, "--mesh", mesh,
+           "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file", "NAME");
+  add_text(command, "--unit", unit, "Unit of a mesh file: m, cm, mm or a number of metres", "UNIT");
+  add_text(command, "--model", model,
+           fmt::format("Model of the body: {}; {} by default", fmt::join(tissue_model_ids(), ", "),
+                       tissue_models().front().id),
+           "ID");
+  add_text(command, "--load", load,
+           fmt::format("Load on the body: {}; {} by default", fmt::join(tissue_loads(), ", "),
+                       tissue_loads().front()),
+           "ID");
+  add_text(command, "--gravity", gravity,
+           "Gravity on a mesh [m/s2], like 0,-9.81,0; short for --set gx, gy, gz", "X,Y,Z");
   add_support(command, supports);
-  command
-      .add_option("--tool-at", tool_at,
-                  "Start of the tip of --load tool [m]; short for --set tool_x, tool_y, tool_z")
-      ->type_name("X,Y,Z");
-  command
-      .add_option("--tool-direction", tool_direction,
-                  "Direction of --load tool, like 0,-1,0; short for --set tool_dx, tool_dy, tool_dz")
-      ->type_name("X,Y,Z");
+  add_text(command, "--tool-at", tool_at,
+           "Start of the tip of --load tool [m]; short for --set tool_x, tool_y, tool_z", "X,Y,Z");
+  add_text(command, "--tool-direction", tool_direction,
+           "Direction of --load tool, like 0,-1,0; short for --set tool_dx, tool_dy, tool_dz", "X,Y,Z");
 }
 
 std::string MeshOptions::problem_id() const {
@@ -94,13 +80,13 @@ std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
 }
 
 void MatrixOptions::add_to(CLI::App& command) {
-  command
-      .add_option("--matrices", matrices,
-                  "Linear model of your own matrices: stiffness=K.mtx,mass=M.mtx[,damping=C.mtx][,initial=q.mtx], or "
-                  "jacobian=J.mtx; Matrix Market, PETSc binary or CalculiX .sti and .mas; mass=lumped:M.mtx sums rows, "
-                  "storage=triangle mirrors files, drop=constraints leaves constraint rows out, stiffness=series:K.txt names "
-                  "matrices at several times")
-      ->type_name("KEY=FILE,...");
+  add_text(
+      command, "--matrices", matrices,
+      "Linear model of your own matrices: stiffness=K.mtx,mass=M.mtx[,damping=C.mtx][,initial=q.mtx], or "
+      "jacobian=J.mtx; Matrix Market, PETSc binary or CalculiX .sti and .mas; mass=lumped:M.mtx sums rows, "
+      "storage=triangle mirrors files, drop=constraints leaves constraint rows out, stiffness=series:K.txt names "
+      "matrices at several times",
+      "KEY=FILE,...");
   add_number(command, "--alpha", alpha, "Rayleigh damping alpha M of matrices or a body [1/s]; short for --set alpha");
   add_number(command, "--beta", beta, "Rayleigh damping beta K of matrices or a body [s]; short for --set beta");
 }
@@ -119,25 +105,18 @@ void add_patience(CLI::App& command, std::optional<double>& seconds) {
 }
 
 void ProblemChoice::add_to(CLI::App& command) {
-  command.add_option("--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml")
-      ->type_name("ID");
+  add_text(command, "--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml",
+           "ID");
   body.add_to(command);
   own.add_to(command);
-  command
-      .add_option("--plugin", plugin,
-                  "Model of your own behind the C interface hmax/plugin.h; `hmax probe --example FOLDER` writes one")
-      ->type_name("FILE.so[:NAME[:ARGUMENT]]");
+  add_text(command, "--plugin", plugin,
+           "Model of your own behind the C interface hmax/plugin.h; `hmax probe --example FOLDER` writes one",
+           "FILE.so[:NAME[:ARGUMENT]]");
   add_patience(command, patience);
-  command.add_option("--set", set, "Change a parameter, like c=6; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->take_all()
-      ->allow_extra_args(false);
-  command
-      .add_option("--material", material,
-                  "An id of `hmax list materials`, with ':light' or ':heavy' after it")
-      ->type_name("ID");
-  command.add_option("--y0", y0, "Initial state, one number for each component, like 0.5,1")
-      ->type_name("NUMBERS");
+  add_repeated(command, "--set", set, "Change a parameter, like c=6; may be repeated", "NAME=VALUE");
+  add_text(command, "--material", material,
+           "An id of `hmax list materials`, with ':light' or ':heavy' after it", "ID");
+  add_text(command, "--y0", y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
 }
 
 std::string ProblemChoice::id() const {
@@ -189,8 +168,8 @@ void ProblemChoice::remark_idle(Console& console, const Problem& made) const {
 }
 
 void MethodChoice::add_to(CLI::App& command) {
-  command.add_option("--method", method, "An id or alias of `hmax list methods`")->type_name("ID");
-  command.add_option("--tableau", tableau, "A file with an explicit tableau of your own")->type_name("FILE");
+  add_text(command, "--method", method, "An id or alias of `hmax list methods`", "ID");
+  add_text(command, "--tableau", tableau, "A file with an explicit tableau of your own", "FILE");
 }
 
 Method MethodChoice::make() const {
@@ -211,11 +190,10 @@ nlohmann::ordered_json to_json(const Tolerances<double>& tolerances) {
 }
 
 void add_control(CLI::App& command, std::string& control) {
-  command
-      .add_option("--control", control,
-                  fmt::format("Step size control: {}; {} by default", fmt::join(controller_names, ", "),
-                              to_string(RunSpec{}.control)))
-      ->type_name("NAME");
+  add_text(command, "--control", control,
+           fmt::format("Step size control: {}; {} by default", fmt::join(controller_names, ", "),
+                       to_string(RunSpec{}.control)),
+           "NAME");
 }
 
 }  // namespace hmax

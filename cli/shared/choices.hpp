@@ -8,6 +8,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 #include "integrators/tolerances.hpp"
 
 namespace hmax {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 
 namespace hmax {
 

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/input/suggest.hpp"
@@ -183,16 +182,6 @@ void install_interrupt_handler() {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-CLI::App& add_command(CLI::App& parent, Console& console, const std::string& name,
-                      const std::string& description, const std::vector<std::string>& examples) {
-  CLI::App& command = *parent.add_subcommand(name, description);
-  command.add_flag("--json", console.json, "Print one JSON document on standard output");
-  std::string footer = examples.size() > 1 ? "Examples:" : "Example:";
-  for (const std::string& example : examples) footer += "\n  " + example;
-  command.footer(footer);
-  return command;
-}
-
 double parse_number(std::string_view what, std::string_view text) {
   if (const auto value = to_number(text)) return *value;
   const bool comma = text.find(',') != std::string_view::npos;
@@ -244,14 +233,6 @@ std::string parse_choice(std::string_view what, std::string_view word,
                          std::span<const std::string_view> choices) {
   if (std::ranges::find(choices, word) != choices.end()) return std::string(word);
   throw InputError(fmt::format("{} is '{}'; {}", what, word, suggestion(word, choices)));
-}
-
-CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,
-                        const std::string& description) {
-  return command
-      .add_option_function<std::string>(
-          name, [&value, name](const std::string& text) { value = parse_number(name, text); }, description)
-      ->type_name("NUMBER");
 }
 
 std::string TextTable::text(const Console& console) const {

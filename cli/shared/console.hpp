@@ -11,11 +11,6 @@
 
 #include <nlohmann/json.hpp>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): not ours
-class App;
-class Option;
-}  // namespace CLI
-
 namespace hmax {
 
 /// Exit codes of the program; docs/reference/cli.md is the contract.
@@ -84,11 +79,6 @@ const std::atomic<bool>& interrupt_flag();
 /// Called once by main.
 void install_interrupt_handler();
 
-/// A subcommand with its --json flag and its examples, which a test runs.
-/// @param examples  whole command lines, one each
-CLI::App& add_command(CLI::App& parent, Console& console, const std::string& name,
-                      const std::string& description, const std::vector<std::string>& examples);
-
 /// The number that `text` holds. NaN and infinity are numbers here: who uses them says what is wrong.
 /// @param what  the option, for the error
 /// @throws InputError naming option, text and remedy
@@ -104,10 +94,6 @@ std::pair<std::string, double> parse_assignment(std::string_view what, std::stri
 /// `word` when it is one of `choices`. @throws InputError with a suggestion
 std::string parse_choice(std::string_view what, std::string_view word,
                          std::span<const std::string_view> choices);
-
-/// An option that holds a number.
-CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,
-                        const std::string& description);
 
 /// Columns of text for people: the first is flush left, numbers flush right.
 class TextTable {

@@ -3,7 +3,6 @@
 #include <array>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "cli/shared/console.hpp"
@@ -15,25 +14,24 @@
 namespace hmax {
 
 void add_force(CLI::App& command) {
-  command.add_flag_callback(
-      "--force", [] { allow_replacing(Replacing::forced); }, "Replace a file that hmax did not write");
+  add_flag(
+      command, "--force", [] { allow_replacing(Replacing::forced); },
+      "Replace a file that hmax did not write");
 }
 
 namespace {
 
 CLI::Option* add_jobs(CLI::App& command, const std::string& about) {
-  return command
-      .add_option_function<std::string>(
-          "--jobs",
-          [](const std::string& count) {
-            constexpr std::int64_t most = 1024;
-            const std::int64_t threads = parse_count("--jobs", count, 1);
-            if (threads > most)
-              throw InputError(fmt::format("--jobs is {}; give a number of threads up to {}", threads, most));
-            set_jobs(static_cast<std::size_t>(threads));
-          },
-          about)
-      ->type_name("NUMBER");
+  return add_text(
+      command, "--jobs",
+      [](const std::string& count) {
+        constexpr std::int64_t most = 1024;
+        const std::int64_t threads = parse_count("--jobs", count, 1);
+        if (threads > most)
+          throw InputError(fmt::format("--jobs is {}; give a number of threads up to {}", threads, most));
+        set_jobs(static_cast<std::size_t>(threads));
+      },
+      about, "NUMBER");
 }
 
 }  // namespace
@@ -49,16 +47,14 @@ CLI::Option* add_jobs_of_timed(CLI::App& command) {
 }
 
 void add_figure_style(CLI::App& command) {
-  command
-      .add_option_function<std::string>(
-          "--style",
-          [](const std::string& name) {
-            constexpr std::array<std::string_view, 2> styles{"page", "slide"};
-            set_figure_style(parse_choice("--style", name, styles) == styles[1] ? FigureStyle::slide
-                                                                                : FigureStyle::page);
-          },
-          "Text size of figures: page or slide; page by default")
-      ->type_name("NAME");
+  add_text(
+      command, "--style",
+      [](const std::string& name) {
+        constexpr std::array<std::string_view, 2> styles{"page", "slide"};
+        set_figure_style(parse_choice("--style", name, styles) == styles[1] ? FigureStyle::slide
+                                                                            : FigureStyle::page);
+      },
+      "Text size of figures: page or slide; page by default", "NAME");
 }
 
 void refuse_style_without_figure(std::string_view option) {

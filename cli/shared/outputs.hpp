@@ -6,10 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace CLI {
-class App;
-class Option;
-}
+#include "cli/shared/options.hpp"
 
 namespace hmax {
 

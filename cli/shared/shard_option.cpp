@@ -1,17 +1,16 @@
 #include "cli/shared/shard_option.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "cli/shared/options.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
 
 void add_shard(CLI::App& command, std::string& shard) {
-  command
-      .add_option("--shard", shard,
-                  "Measure only part I of N, like 3/8, into a store of its own; `hmax merge` makes one of all")
-      ->type_name("I/N");
+  add_text(command, "--shard", shard,
+           "Measure only part I of N, like 3/8, into a store of its own; `hmax merge` makes one of all",
+           "I/N");
 }
 
 std::optional<Shard> shard_from(const std::string& text) {

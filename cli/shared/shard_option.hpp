@@ -6,6 +6,7 @@
 
 #include "bench/timing/sweep.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 
 namespace hmax {
 

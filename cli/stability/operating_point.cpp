@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
+#include "cli/shared/options.hpp"
 #include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -19,11 +19,10 @@ constexpr std::array<std::string_view, 2> words{"equilibrium", "rest"};
 }  // namespace
 
 void OperatingPointChoice::add_to(CLI::App& command) {
-  command
-      .add_option("--at", at,
-                  "Operating point of a body on a mesh: equilibrium under its load, or rest, without "
-                  "displacement; equilibrium by default")
-      ->type_name("rest|equilibrium");
+  add_text(command, "--at", at,
+           "Operating point of a body on a mesh: equilibrium under its load, or rest, without "
+           "displacement; equilibrium by default",
+           "rest|equilibrium");
 }
 
 AskedState OperatingPointChoice::of(const Problem& problem) const {

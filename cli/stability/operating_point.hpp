@@ -6,6 +6,7 @@
 
 #include "bench/limits/predict.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/stability/row_progress.hpp"
 
 namespace CLI {

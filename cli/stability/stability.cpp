@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,6 +14,7 @@
 #include "bench/documents/stability_json.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -127,8 +127,8 @@ void numerical_damping(const DampingOptions& options, Console& console) {
 }  // namespace
 
 void MethodsChoice::add_to(CLI::App& command, const std::string& description) {
-  command.add_option("--methods,--method", names, description)->type_name("A,B");
-  command.add_option("--tableau", tableau, "A file with an explicit tableau of your own")->type_name("FILE");
+  add_text(command, "--methods,--method", names, description, "A,B");
+  add_text(command, "--tableau", tableau, "A file with an explicit tableau of your own", "FILE");
 }
 
 std::vector<Formula> MethodsChoice::formulas() const {
@@ -158,8 +158,7 @@ std::vector<Formula> formulas_of(const std::string& names) {
 }
 
 void add_stability(CLI::App& app, Console& console) {
-  CLI::App& stability = *app.add_subcommand("stability", "Predict the largest stable step, and verify it");
-  stability.require_subcommand(1);
+  CLI::App& stability = add_group(app, "stability", "Predict the largest stable step, and verify it");
   const std::string formulas = "Ids, aliases or families of `hmax list methods`, all, or " +
                                fmt::format("{}", fmt::join(formula_patterns(), ", "));
 
@@ -169,7 +168,7 @@ void add_stability(CLI::App& app, Console& console) {
        "hmax stability limits --method bdf_3,adams_pece:order=4 --json"});
   const auto methods = std::make_shared<MethodsChoice>();
   methods->add_to(limits_command, formulas);
-  limits_command.callback([methods, &console] { limits(*methods, console); });
+  set_callback(limits_command, [methods, &console] { limits(*methods, console); });
 
   add_stability_region(stability, console, formulas);
 
@@ -181,7 +180,7 @@ void add_stability(CLI::App& app, Console& console) {
   add_number(damping_command, "--h", damping->h, "Step size [s]");
   add_number(damping_command, "--frequency", damping->frequency, "Undamped frequency of the mode [Hz]");
   add_number(damping_command, "--zeta", damping->zeta, "Damping ratio of the mode; 0 by default");
-  damping_command.callback([damping, &console] { numerical_damping(*damping, console); });
+  set_callback(damping_command, [damping, &console] { numerical_damping(*damping, console); });
 
   add_stability_predict(stability, console);
   add_stability_gallery(stability, console, formulas);

@@ -4,6 +4,7 @@
 #include "bench/catalogue/formulas.hpp"
 #include "bench/documents/number_json.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 
 namespace hmax {
 

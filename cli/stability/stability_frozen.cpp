@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "bench/limits/steps/linearly_implicit.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/stability/stability.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -98,20 +98,14 @@ void add_stability_frozen(CLI::App& stability, Console& console) {
       {"hmax stability frozen --method linearly_implicit_euler",
        "hmax stability frozen --method linearly_implicit_euler,rosenbrock_23 --every 5 --ratios 1.5,3 --json"});
   const auto options = std::make_shared<FrozenOptions>();
-  command
-      .add_option("--method,--methods", options->methods,
-                  "Ids of `hmax list methods`, or the family rosenbrock")
-      ->type_name("A,B");
-  command
-      .add_option(
-          "--ratios", options->ratios,
-          fmt::format("True stiffness relative to that of the Jacobian; {} by default", options->ratios))
-      ->type_name("NUMBERS");
-  command
-      .add_option("--every", options->every,
-                  "Also with a Jacobian that is updated every K steps while the stiffness rises")
-      ->type_name("K");
-  command.callback([options, &console] { frozen(*options, console); });
+  add_text(command, "--method,--methods", options->methods,
+           "Ids of `hmax list methods`, or the family rosenbrock", "A,B");
+  add_text(command, "--ratios", options->ratios,
+           fmt::format("True stiffness relative to that of the Jacobian; {} by default", options->ratios),
+           "NUMBERS");
+  add_text(command, "--every", options->every,
+           "Also with a Jacobian that is updated every K steps while the stiffness rises", "K");
+  set_callback(command, [options, &console] { frozen(*options, console); });
 }
 
 }  // namespace hmax

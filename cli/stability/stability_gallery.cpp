@@ -6,12 +6,12 @@
 #include <limits>
 #include <tuple>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "analysis/amplification/limits.hpp"
 #include "bench/limits/predict.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
 #include "cli/stability/stability_parts.hpp"
@@ -306,12 +306,12 @@ void add_stability_gallery(CLI::App& stability, Console& console, const std::str
                   {"hmax stability gallery --methods bdf_2,newmark --output results/runs/gallery"});
   const auto methods = std::make_shared<std::string>("all");
   const auto output = std::make_shared<std::string>();
-  command.add_option("--method,--methods", *methods, formulas + "; all by default")->type_name("A,B");
-  command.add_option("--output", *output, "Folder of the page and its figures")->type_name("FOLDER");
+  add_text(command, "--method,--methods", *methods, formulas + "; all by default", "A,B");
+  add_text(command, "--output", *output, "Folder of the page and its figures", "FOLDER");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  command.callback([methods, output, &console] { gallery(*methods, *output, console); });
+  set_callback(command, [methods, output, &console] { gallery(*methods, *output, console); });
 }
 
 }  // namespace hmax

@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -14,6 +13,7 @@
 #include "bench/models/parameter_units.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
 #include "plots/curves.hpp"
@@ -306,20 +306,20 @@ void add_stability_map(CLI::App& stability, Console& console) {
   options->problem.add_to(command);
   options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
                                        fmt::format("{}", fmt::join(formula_patterns(), ", ")));
-  command.add_option("--x", options->x, "Parameter of the horizontal axis and its values, like c=0:10:81")
-      ->type_name("NAME=FROM:TO:COUNT");
-  command.add_option("--y", options->y, "Parameter of the vertical axis and its values, like k1=0.1:10:61")
-      ->type_name("NAME=FROM:TO:COUNT");
-  command.add_flag("--log-x", options->log_x, "Logarithmic x axis");
-  command.add_flag("--log-y", options->log_y, "Logarithmic y axis");
-  command.add_flag("--rayleigh", options->rayleigh,
-                   "Rayleigh damping c = alpha m + beta k1: x is alpha in 1/s, y is beta in s");
-  command.add_option("--output", options->output, "Draw map.svg, map.png and map.pdf into this folder")
-      ->type_name("FOLDER");
+  add_text(command, "--x", options->x, "Parameter of the horizontal axis and its values, like c=0:10:81",
+           "NAME=FROM:TO:COUNT");
+  add_text(command, "--y", options->y, "Parameter of the vertical axis and its values, like k1=0.1:10:61",
+           "NAME=FROM:TO:COUNT");
+  add_flag(command, "--log-x", options->log_x, "Logarithmic x axis");
+  add_flag(command, "--log-y", options->log_y, "Logarithmic y axis");
+  add_flag(command, "--rayleigh", options->rayleigh,
+           "Rayleigh damping c = alpha m + beta k1: x is alpha in 1/s, y is beta in s");
+  add_text(command, "--output", options->output, "Draw map.svg, map.png and map.pdf into this folder",
+           "FOLDER");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  command.callback([options, &console] { map(*options, console); });
+  set_callback(command, [options, &console] { map(*options, console); });
 }
 
 }  // namespace hmax

@@ -1,11 +1,10 @@
 /// hmax stability matrices
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "bench/limits/linearised_problem.hpp"
 #include "cli/bodies/matrix_files.hpp"
 #include "cli/shared/choices.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
@@ -45,14 +44,14 @@ void add_stability_matrices(CLI::App& stability, Console& console) {
   const auto options = std::make_shared<MatricesOptions>();
   options->problem.add_to(command);
   options->at.add_to(command);
-  command
-      .add_option("--output", options->output,
-                  "Folder of stiffness.mtx, mass.mtx and damping.mtx, or of jacobian.mtx of a first-order model; it is "
-                  "made if needed; of a body stiffness.dof names the unknowns")
-      ->type_name("FOLDER");
+  add_text(
+      command, "--output", options->output,
+      "Folder of stiffness.mtx, mass.mtx and damping.mtx, or of jacobian.mtx of a first-order model; it is "
+      "made if needed; of a body stiffness.dof names the unknowns",
+      "FOLDER");
   add_force(command);
   add_jobs(command);
-  command.callback([options, &console] { matrices(*options, console); });
+  set_callback(command, [options, &console] { matrices(*options, console); });
 }
 
 }  // namespace hmax

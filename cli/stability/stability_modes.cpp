@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <numbers>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
@@ -13,6 +12,7 @@
 #include "bench/models/matrix_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/matrix_modes.hpp"
 #include "cli/stability/operating_point.hpp"
@@ -211,16 +211,14 @@ void add_stability_modes(CLI::App& stability, Console& console) {
   const auto options = std::make_shared<ModesOptions>();
   options->problem.add_to(command);
   options->at.add_to(command);
-  command.add_option("--count", options->count, "Number of modes; 6 by default")->type_name("NUMBER");
-  command.add_flag("--fastest", options->fastest,
-                   "The fastest modes, which limit the step size, instead of the slowest");
-  command
-      .add_option("--output", options->output,
-                  "Write the mode shapes for ParaView, scaled to at most a tenth of the body")
-      ->type_name("FILE.vtu");
+  add_text(command, "--count", options->count, "Number of modes; 6 by default", "NUMBER");
+  add_flag(command, "--fastest", options->fastest,
+           "The fastest modes, which limit the step size, instead of the slowest");
+  add_text(command, "--output", options->output,
+           "Write the mode shapes for ParaView, scaled to at most a tenth of the body", "FILE.vtu");
   add_force(command);
   add_jobs(command);
-  command.callback([options, &console] { modes(*options, console); });
+  set_callback(command, [options, &console] { modes(*options, console); });
 }
 
 }  // namespace hmax

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "analysis/amplification/part_amplification.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/region_shape.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -77,18 +77,15 @@ Panel swing_beside_decay(const Formula& formula, int height, int cells) {
 }  // namespace
 
 void PartsChoice::add_to(CLI::App& command) {
-  command
-      .add_option(
-          "--fast", fast,
-          "Of implicit-explicit methods: the region of the part that is not stiff beside a stiff part with these "
-          "h lambda, like 0,-1,-10 or 5i")
-      ->type_name("NUMBERS");
-  command
-      .add_option(
-          "--ratios", ratios,
-          "Of linearly implicit methods: the region with an old Jacobian, for these ratios of lambda to its "
-          "value in the Jacobian, like 1,1.5,2,4")
-      ->type_name("NUMBERS");
+  add_text(
+      command, "--fast", fast,
+      "Of implicit-explicit methods: the region of the part that is not stiff beside a stiff part with these "
+      "h lambda, like 0,-1,-10 or 5i",
+      "NUMBERS");
+  add_text(command, "--ratios", ratios,
+           "Of linearly implicit methods: the region with an old Jacobian, for these ratios of lambda to its "
+           "value in the Jacobian, like 1,1.5,2,4",
+           "NUMBERS");
 }
 
 std::vector<PartRegion> part_regions(const Formula& formula, const PartsChoice& parts) {

@@ -2,6 +2,7 @@
 /// Jacobian says in its place.
 #pragma once
 
+#include "cli/shared/options.hpp"
 #include "cli/stability/stability_pictures.hpp"
 
 namespace CLI {

@@ -3,7 +3,6 @@
 #include <array>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,6 +10,7 @@
 #include "bench/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/mpirun.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/distributed_rows.hpp"
 #include "cli/stability/predicted_rows.hpp"
@@ -202,51 +202,46 @@ void add_stability_predict(CLI::App& stability, Console& console) {
        "hmax stability predict --mesh phantom --methods rosenbrock --jacobian frozen --verify"});
   const auto options = std::make_shared<PredictOptions>();
   options->problem.add_to(command);
-  command
-      .add_option("--materials", options->materials,
-                  "Ids of `hmax list materials`; all: both ends of the mass range of each")
-      ->type_name("A,B");
+  add_text(command, "--materials", options->materials,
+           "Ids of `hmax list materials`; all: both ends of the mass range of each", "A,B");
   options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
                                        fmt::format("{}", fmt::join(formula_patterns(), ", ")));
-  command.add_flag("--verify", options->verify,
-                   "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
-                   "could be verified");
-  command
-      .add_option(
-          "--engine", options->engine,
-          "What finds the eigenvalues of --matrices, and of a mesh --at rest: hmax, or petsc, which under `mpirun -n N` "
-          "deals out the rows to N processes; hmax by default")
-      ->type_name("hmax|petsc");
+  add_flag(command, "--verify", options->verify,
+           "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
+           "could be verified");
+  add_text(
+      command, "--engine", options->engine,
+      "What finds the eigenvalues of --matrices, and of a mesh --at rest: hmax, or petsc, which under `mpirun -n N` "
+      "deals out the rows to N processes; hmax by default",
+      "hmax|petsc");
   options->at.add_to(command);
-  command
-      .add_option("--jacobian", options->jacobian,
-                  "Jacobian of linearly implicit methods: exact, every:K steps, or frozen, that of the initial state; "
-                  "exact by default")
-      ->type_name("POLICY");
-  command
-      .add_option("--linear", options->linear,
-                  "Linear solver of linearly implicit methods on bodies: direct, cg:TOLERANCE or "
-                  "cg:TOLERANCE,ITERATIONS; direct by default")
-      ->type_name("SOLVER");
-  command
-      .add_option(
-          "--along", options->along,
-          "Also the smallest limit along the motion from the initial state, at " + in_words(motion_tolerances) +
+  add_text(
+      command, "--jacobian", options->jacobian,
+      "Jacobian of linearly implicit methods: exact, every:K steps, or frozen, that of the initial state; "
+      "exact by default",
+      "POLICY");
+  add_text(command, "--linear", options->linear,
+           "Linear solver of linearly implicit methods on bodies: direct, cg:TOLERANCE or "
+           "cg:TOLERANCE,ITERATIONS; direct by default",
+           "SOLVER");
+  set_implicit_value(
+      add_text(
+          command, "--along", options->along,
+          "Also the smallest limit along the motion from the initial state, at " +
+              in_words(motion_tolerances) +
               " (with --verify also the largest step that stays near it), or of a body while its load grows; "
-              "motion for nonlinear models, and matrices and loads that change with time, else none, by default")
-      ->type_name("motion|load|none")
-      ->expected(0, 1)
-      ->default_str(std::string(path_names[0]));
+              "motion for nonlinear models, and matrices and loads that change with time, else none, by default",
+          "motion|load|none"),
+      std::string(path_names[0]));
   add_number(
       command, "--t-end", options->t_end,
       "End of the motion of --along [s]; the problem's own, and at least a period of its load, by default");
-  command
-      .add_option("--out", options->out,
-                  "Store of the limits; those that it has are looked up: a file that ends in .sqlite, or a name "
-                  "under results/runs; none by default")
-      ->type_name("STORE");
+  add_text(command, "--out", options->out,
+           "Store of the limits; those that it has are looked up: a file that ends in .sqlite, or a name "
+           "under results/runs; none by default",
+           "STORE");
   add_jobs(command);
-  command.callback([options, &console] { predict_rows(*options, console); });
+  set_callback(command, [options, &console] { predict_rows(*options, console); });
 }
 
 }  // namespace hmax

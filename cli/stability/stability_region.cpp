@@ -3,10 +3,10 @@
 #include <cmath>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "bench/documents/stability_json.hpp"
+#include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
 #include "cli/stability/stability_parts.hpp"
@@ -178,28 +178,24 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
   const auto options = std::make_shared<RegionOptions>();
   options->methods.add_to(command, formulas);
   options->parts.add_to(command);
-  command
-      .add_option("--window", options->window,
-                  "Part of the plane, re_from,re_to,im_from,im_to; fitted to the region by default")
-      ->type_name("NUMBERS");
-  command.add_option("--cells", options->cells, "Cells along the longer side of the grid; 400 by default")
-      ->check(CLI::Range(2, 4000))
-      ->type_name("NUMBER");
-  command
-      .add_option(
-          "--output", options->output,
-          "Draw into this folder, one method filled, several as outlines; or write the points of the curves to "
-          "FILE.csv")
-      ->type_name("FOLDER");
-  command.add_flag("--per-evaluation", options->per_evaluation,
-                   "Divide the plane by the evaluations of f of a step; explicit methods only");
-  command.add_flag("--field", options->field, "Draw also levels of the spectral radius");
-  command.add_flag("--order-star", options->order_star,
-                   "Draw the order star, |R(z) e^-z| > 1; one-step methods only");
+  add_text(command, "--window", options->window,
+           "Part of the plane, re_from,re_to,im_from,im_to; fitted to the region by default", "NUMBERS");
+  add_count(command, "--cells", options->cells, 2, 4000,
+            "Cells along the longer side of the grid; 400 by default");
+  add_text(
+      command, "--output", options->output,
+      "Draw into this folder, one method filled, several as outlines; or write the points of the curves to "
+      "FILE.csv",
+      "FOLDER");
+  add_flag(command, "--per-evaluation", options->per_evaluation,
+           "Divide the plane by the evaluations of f of a step; explicit methods only");
+  add_flag(command, "--field", options->field, "Draw also levels of the spectral radius");
+  add_flag(command, "--order-star", options->order_star,
+           "Draw the order star, |R(z) e^-z| > 1; one-step methods only");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  command.callback([options, &console] { region(*options, console); });
+  set_callback(command, [options, &console] { region(*options, console); });
 }
 
 }  // namespace hmax
