@@ -43,9 +43,12 @@ double largest_eigenvalue_of(const Eigen::MatrixXd& A) {
 
 // Of A and of A^-1 the largest singular value alone: the least one of A would lose digits in A^T A.
 double condition_of(const Eigen::MatrixXd& A) {
-  const Eigen::MatrixXd inverse = A.partialPivLu().inverse(), of_inverse = inverse.transpose() * inverse;
+  const double size = A.cwiseAbs().maxCoeff();
+  if (size == 0) return std::numeric_limits<double>::infinity();
+  const Eigen::MatrixXd scaled = A / size, inverse = scaled.partialPivLu().inverse();
+  const Eigen::MatrixXd of_inverse = inverse.transpose() * inverse;
   if (!of_inverse.allFinite()) return std::numeric_limits<double>::infinity();
-  return std::sqrt(largest_eigenvalue_of(A.transpose() * A) * largest_eigenvalue_of(of_inverse));
+  return std::sqrt(largest_eigenvalue_of(scaled.transpose() * scaled) * largest_eigenvalue_of(of_inverse));
 }
 
 Eigen::VectorXd minimum_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,

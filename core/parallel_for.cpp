@@ -59,11 +59,12 @@ class Helpers {
   /// Those of this process; they end with it. A fork has none of its parent's threads, so it begins with new
   /// ones.
   static Helpers& all() {
-    static Helpers* these = [] {
-      pthread_atfork(nullptr, nullptr, [] { these = new Helpers; });
-      return new Helpers;
-    }();
-    return *these;
+    static std::atomic<Helpers*> these;
+    [[maybe_unused]] static const int told = pthread_atfork(nullptr, nullptr, [] { these = nullptr; });
+    Helpers* known = these;
+    if (known != nullptr) return *known;
+    auto made = std::make_unique<Helpers>();
+    return these.compare_exchange_strong(known, made.get()) ? *made.release() : *known;
   }
 
   /// Asks for call->labour(who) for who = 1, 2, ... up to `count`, or fewer where the system allows no
@@ -108,12 +109,12 @@ class Helpers {
     std::atomic<std::uint32_t> asked = 0;  ///< the ticket of `call` until the work begins
   };
 
-  /// One more idle helper. Signals are for the threads of the program.
+  /// One more idle helper. Signals that end the program are for its own threads.
   bool start() {
     sigset_t others, before;
-    sigfillset(&others);
-    for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT}) sigdelset(&others, own);
-    pthread_sigmask(SIG_SETMASK, &others, &before);
+    sigemptyset(&others);
+    for (const int ends : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU}) sigaddset(&others, ends);
+    pthread_sigmask(SIG_BLOCK, &others, &before);
     const std::size_t already = helpers_.size();
     try {
       idle_.reserve(already + 1);

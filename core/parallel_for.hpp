@@ -28,7 +28,7 @@ std::size_t threads();
 /// throws is thrown when all have ended, of several that of the earliest piece. Where the system allows no
 /// further thread, or has no memory for its stack, those that are there do the work, at least the calling
 /// one. Inside a piece, and under OneThread, all pieces are done by the calling thread.
-/// Threads last from call to call, asleep between them; signals go to others.
+/// Threads last from call to call, asleep between them; signals that end the program go to others. A piece may fork only to run another program.
 /// Threads take the next index from one counter, so that pieces of unequal cost share the cores evenly.
 /// Once a piece has thrown no further ones begin; those under way end. With count = 0 nothing is called.
 /// @param progress  called by the calling thread with the number of pieces that are done

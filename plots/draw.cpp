@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -593,6 +594,9 @@ FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, c
     throw InputError("a figure cannot be called '" + one_line(name) + "'; use letters, digits, '_' and '-'");
   if (figure.panels.empty())
     throw InputError("the figure " + name + " has no panel; give it something to show");
+  // Files are written one at a time (PartFile); gnuplot may draw several figures at once.
+  static std::mutex writing;
+  std::unique_lock hold(writing);
   std::error_code failed;
   std::filesystem::create_directories(directory, failed);
   if (failed)
@@ -608,7 +612,9 @@ FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, c
   files.made = {file(".gp"), file(".dat")};
   // A picture of an earlier run must not pass for this one.
   for (const char* extension : pictures) std::filesystem::remove(file(extension), failed);
+  hold.unlock();
   files.problem = run_gnuplot(directory, name + ".gp");
+  hold.lock();
   remove_creation_date(file(".pdf"));
   describe_svg(file(".svg"), figure.title, files.alt);
   for (const char* extension : pictures)

@@ -21,7 +21,7 @@ struct FigureFiles {
 
 /// Writes name.gp and name.dat into `directory` (made when missing) and lets gnuplot draw name.svg, name.png,
 /// name.pdf. `gnuplot name.gp` in that directory draws them again. The same figure gives the same bytes: no
-/// dates, no absolute paths.
+/// dates, no absolute paths. Several threads may draw figures of different names.
 /// @param name  letters, digits, '_', '-'
 /// @throws InputError when the name has other characters, a figure has no panel, or a file cannot be written
 FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, const std::string& name);

@@ -37,6 +37,9 @@ Finished run(const std::filesystem::path& directory, std::array<const char*, 4> 
   }
   if (child == 0) {
     // Only async-signal-safe calls between fork and exec.
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, nullptr);
     const int null = open("/dev/null", O_RDWR);
     dup2(null, STDIN_FILENO);
     dup2(null, STDOUT_FILENO);

@@ -175,10 +175,13 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const M
     const Index from = order[static_cast<std::size_t>(i)];
     result.lambda.push_back(values[from]);
     scaled.col(i) = vectors.col(from).normalized();
-    // (x, conj x) = sqrt(2) (Re x, Im x) U with a unitary U, which changes no singular value.
-    const double part = values[from].imag() == 0 ? 1 : std::numbers::sqrt2;
-    real.col(i) = values[from].imag() < 0 ? VectorXd(part * scaled.col(i).imag())
-                                          : VectorXd(part * scaled.col(i).real());
+    // (x, conj x) = sqrt(2) (Re x, Im x) U with a unitary U, which changes no singular value. Eigen's vectors of a pair
+    // that is real to rounding are two real ones.
+    const Eigen::VectorXcd x = scaled.col(i);
+    if (x.imag().isZero(0))
+      real.col(i) = x.real();
+    else
+      real.col(i) = std::numbers::sqrt2 * (values[from].imag() < 0 ? VectorXd(x.imag()) : VectorXd(x.real()));
   }
   // In the coordinates of A: the condition in the norm of energy.
   result.condition = condition_of(real);

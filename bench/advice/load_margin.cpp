@@ -59,8 +59,9 @@ LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion
                        const ProblemWith& make, const Watcher& watcher) {
   LoadMargin margin;
   if (motion.problem.body && !can_be_larger(motion.problem.body->settings())) return margin;
-  const double begun = cpu_seconds();
-  const auto is_late = [&] { return cpu_seconds() - begun > most_cpu; };
+  const CpuClock clock = cpu_clock();
+  const double begun = clock();
+  const auto is_late = [&] { return clock() - begun > most_cpu; };
   const auto stays = [&](double factor, double step) {
     if (watcher) watcher();
     return holds(candidate, larger_motion(motion, factor, make), reference, step);

@@ -62,7 +62,7 @@ class Trials {
   /// Whether there are methods to try, and less than two minutes of CPU time are over.
   bool go_on() {
     if (question_.methods.empty()) return false;
-    if (cpu_seconds() - begun_ > most_cpu) all_tried_ = false;
+    if (clock_() - begun_ > most_cpu) all_tried_ = false;
     return all_tried_;
   }
 
@@ -94,7 +94,8 @@ class Trials {
   const AdviceWatcher& watcher_;
   std::vector<Remedy>& found_;
   bool& all_tried_;
-  double begun_ = cpu_seconds();
+  CpuClock clock_ = cpu_clock();
+  double begun_ = clock_();
 };
 
 void try_budget(Trials& trials, const Problem& problem, const AdviceQuestion& question) {

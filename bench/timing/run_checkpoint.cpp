@@ -64,7 +64,7 @@ class RunCheckpoint::Keeper : public RunKeeper {
 
   /// Of this process and those before it.
   void count_time() {
-    part_.cpu_seconds = cpu_before_ + cpu_seconds() - cpu_start_;
+    part_.cpu_seconds = cpu_before_ + clock_() - cpu_start_;
     part_.elapsed_seconds = elapsed_before_ + elapsed_seconds() - start_;
   }
 
@@ -88,7 +88,8 @@ class RunCheckpoint::Keeper : public RunKeeper {
   RunCheckpoint& checkpoint_;
   Part& part_;
   const KeptOutput& output_;
-  double t_ = 0, cpu_start_ = cpu_seconds(), cpu_before_ = part_.cpu_seconds;
+  CpuClock clock_ = cpu_clock();
+  double t_ = 0, cpu_start_ = clock_(), cpu_before_ = part_.cpu_seconds;
   double start_ = elapsed_seconds(), elapsed_before_ = part_.elapsed_seconds;
   bool stops_ = false, told_ = false;
   std::int64_t asked_ = 0,

@@ -28,7 +28,9 @@ double cpu_seconds_of(const std::function<void(std::int64_t)>& candidate, std::i
 
 double thread_cpu_seconds() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
-double cpu_seconds() { return threads() > 1 ? seconds_of(CLOCK_PROCESS_CPUTIME_ID) : thread_cpu_seconds(); }
+CpuClock cpu_clock() {
+  return threads() > 1 ? [] { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); } : CpuClock(thread_cpu_seconds);
+}
 
 double elapsed_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();

@@ -11,8 +11,10 @@ namespace hmax {
 /// CPU time that the calling thread has used so far [s]. One reading costs about 200 ns: time batches.
 double thread_cpu_seconds();
 
-/// The same, where the calling thread may use others with those of all threads of the process [s].
-double cpu_seconds();
+/// The clock of what the calling thread does next: thread_cpu_seconds(), or where it may use others the CPU time of all
+/// threads of the process [s]. Both readings of a difference are of one clock.
+using CpuClock = double (*)();
+CpuClock cpu_clock();
 
 /// Of a clock that only goes forwards [s].
 double elapsed_seconds();

@@ -24,6 +24,7 @@ struct MeshCommand {
   std::vector<std::string> set;
   std::vector<std::string> supports;  ///< of `mesh check` too
   std::optional<double> h;
+  const CLI::Option* jobs = nullptr;  ///< of matrices
   PictureChoice picture;
 
   [[nodiscard]] std::optional<double> metres() const {

@@ -84,6 +84,7 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
     throw InputError(fmt::format(
         "meshes are written as .msh, .vtu or .scn and not as '{}'; change the extension", options.output));
   const bool scene = extension == ".scn";
+  if (is_given(options.jobs)) throw InputError("--jobs is for --matrices; leave it out");
   const bool physics = options.h || !options.model.empty() || !options.material.empty() ||
                        !options.gravity.empty() || !options.supports.empty() || !options.set.empty();
   if (physics && !scene)
@@ -220,7 +221,7 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
                "NAME=VALUE");
   add_support(convert_command, options->supports, "none by default");
   add_number(convert_command, "--h", options->h, "Step size of a scene [s]; 0.01 by default");
-  add_jobs(convert_command);
+  options->jobs = add_jobs(convert_command);
   add_force(convert_command);
   set_callback(convert_command, with_sentences(convert, options, console));
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -284,17 +285,17 @@ struct StaticAnswer {
   const Problem& problem;
   const StaticSettings& settings;
   StaticSolution solution;
-  double load_scale, seconds;  ///< of one thread its CPU time, of several elapsed [s]
-  std::size_t threads;
+  double load_scale, seconds;          ///< CPU time of one thread, elapsed time where --jobs is given [s]
+  std::optional<std::size_t> threads;  ///< that --jobs has asked for
   std::string outcome, status;
   double least_volume, energy;
   std::optional<ToolReport> tool;
 };
 
 StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const StaticSettings& settings,
-                       double scale, std::size_t most, Console& console) {
-  const ThreadLimit limit(most);
-  const auto clock = threads() > 1 ? elapsed_seconds : thread_cpu_seconds;
+                       double scale, std::optional<std::size_t> most, Console& console) {
+  const ThreadLimit limit(most.value_or(1));
+  const auto clock = most ? elapsed_seconds : thread_cpu_seconds;
   const double start = clock();
   StaticSolution solution = [&] {
     Progress progress(console, "static");
@@ -314,7 +315,7 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       .solution = std::move(solution),
                       .load_scale = scale,
                       .seconds = seconds,
-                      .threads = threads(),
+                      .threads = most,
                       .outcome = {},
                       .status = {},
                       .least_volume = 0,
@@ -366,12 +367,12 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
                 {"residuals", residuals},
                 {"times", times},
                 {"seconds", answer.seconds},
-                {"threads", answer.threads},
                 {"max_displacement", largest_displacement(answer.solution.q)},
                 {"energy", answer.energy},
                 {"least_volume", answer.least_volume},
                 {"body", body_json(problem)},
                 {"picture", picture.empty() ? Json() : Json(picture)}};
+  if (answer.threads) document["threads"] = *answer.threads;
   if (answer.tool) document["tool"] = answer.tool->json();
   return document;
 }
@@ -379,7 +380,7 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
 std::string words_of(const StaticAnswer& answer, const Console& console) {
   constexpr std::size_t all = 40, ends = 10;  // of a long history the first and the last rows are shown
   const std::vector<StaticIterate>& history = answer.solution.history;
-  const std::string time = answer.threads > 1 ? fmt::format("elapsed on {} threads", answer.threads) : "time";
+  const std::string time = answer.threads ? fmt::format("elapsed ({} thread{})", *answer.threads, *answer.threads == 1 ? "" : "s") : "time";
   TextTable table({"iteration", "load step", "residual", time, "inner iterations"});
   for (std::size_t i = 0; i < history.size(); ++i) {
     const StaticIterate& row = history[i];
@@ -412,7 +413,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (!options.per_frame.empty() || !options.frames.empty())
     return print_frames(options, problem, model, settings, console);
 
-  const std::size_t most = is_given(options.jobs) ? jobs() : 1;
+  const std::optional<std::size_t> most = is_given(options.jobs) ? std::optional(jobs()) : std::nullopt;
   const StaticAnswer answer = answer_of(problem, model, settings, scale, most, console);
   if (answer.outcome != "converged") console.exit_code = Exit::failed;
   if (!options.output.empty()) write_csv(options.output, history_of(answer));

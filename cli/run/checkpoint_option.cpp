@@ -34,7 +34,7 @@ std::string digest_of_file(const std::string& name) {
 
 /// All that the bits of the answer depend on, in the order in which differences are told.
 std::vector<RunFact> facts_of(const CheckpointedRun& run) {
-  const auto& [problem, method, spec, tableau, output, every] = run;
+  const auto& [problem, method, spec, tableau, output, every, jobs] = run;
   const BuildInfo& build = build_info();
   const Fingerprint here = fingerprint();
   std::vector<RunFact> facts{
@@ -61,6 +61,7 @@ std::vector<RunFact> facts_of(const CheckpointedRun& run) {
   facts.push_back({"--newton-tolerance", to_text(spec.newton.tolerance)});
   facts.push_back({"--newton-iterations", std::to_string(spec.newton.iterations)});
   facts.push_back({"--max-steps", std::to_string(spec.max_steps)});
+  facts.push_back({"--jobs", jobs});
   if (!output.empty()) {
     facts.push_back({"--output", output});
     facts.push_back({"--every", to_text(every)});

@@ -22,6 +22,7 @@ struct CheckpointedRun {
   const RunSpec& spec;
   std::string tableau, output;  ///< files, empty where they are not given
   double every;                 ///< interval of the written points [s]; 0: every step
+  std::string jobs;             ///< threads, on which times depend
 };
 
 struct CheckpointChoice {

@@ -119,18 +119,19 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
 struct TimedRun {
   RunRecord record;
   double cpu_seconds, elapsed_seconds;
-  std::size_t threads;
+  std::optional<std::size_t> threads = std::nullopt;  ///< that --jobs has asked for
 
-  /// Simulated time over the time of one thread, or of several together.
+  /// Simulated time over the CPU time of one thread, or over the elapsed time where --jobs is given.
   [[nodiscard]] double realtime_factor() const {
-    return record.t / (threads > 1 ? elapsed_seconds : cpu_seconds);
+    return record.t / (threads ? elapsed_seconds : cpu_seconds);
   }
 };
 
 TimedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
-  const double cpu = cpu_seconds(), start = elapsed_seconds();
+  const CpuClock clock = cpu_clock();
+  const double cpu = clock(), start = elapsed_seconds();
   RunRecord record = runner.run(spec, sink);
-  return {std::move(record), cpu_seconds() - cpu, elapsed_seconds() - start, threads()};
+  return {std::move(record), clock() - cpu, elapsed_seconds() - start};
 }
 
 /// The run that is reported, on at most `most` threads, and kept where there is a checkpoint. Nobody watches
@@ -140,7 +141,7 @@ TimedRun reported_run(const Runner& runner, const RunSpec& spec, std::size_t mos
   const ThreadLimit limit(most);
   if (checkpoint) {
     auto [record, cpu, elapsed] = checkpoint->run(reported_part, runner, spec);
-    return {std::move(record), cpu, elapsed, threads()};
+    return {std::move(record), cpu, elapsed};
   }
   if (!console.shows_progress()) return timed(runner, spec, {});
   RunSpec first_hundredth = spec;
@@ -265,8 +266,8 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   } else {
     document["h"] = spec.h;
   }
-  if (run.threads > 1) {
-    document["threads"] = run.threads;
+  if (run.threads) {
+    document["threads"] = *run.threads;
     document["elapsed_seconds"] = run.elapsed_seconds;
   }
   if (method.needs_jacobian) document["jacobian"] = to_string(spec.jacobian);
@@ -315,8 +316,9 @@ std::string costs_in_words(const Method& method, const TimedRun& run) {
                         short_number(stats.newton_error, 2));
   if (stats.linear_iterations > 0) text += fmt::format("   linear iterations {}", stats.linear_iterations);
   text += fmt::format("   cpu {} s", short_number(run.cpu_seconds, 3));
-  if (run.threads > 1)
-    text += fmt::format("   elapsed {} s on {} threads", short_number(run.elapsed_seconds, 3), run.threads);
+  if (run.threads)
+    text += fmt::format("   elapsed {} s on {} thread{}", short_number(run.elapsed_seconds, 3), *run.threads,
+                        *run.threads == 1 ? "" : "s");
   return text + "\n";
 }
 
@@ -409,7 +411,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
         "--newton-iterations out",
         method.id));
   if (is_given(options.jobs) && !problem.body && !is_matrices_id(problem.id))
-    throw InputError(fmt::format("{} is too small for threads; leave --jobs out", problem.id));
+    throw InputError(fmt::format("--jobs is for bodies and matrices, and {} is neither; leave it out", problem.id));
   if (options.full && !(json && problem.body))
     throw InputError(fmt::format("--full applies to {}; {}", problem.body ? "--json only" : "meshes only",
                                  problem.body ? "add --json, or remove it" : "remove it"));
@@ -508,10 +510,12 @@ void run(const RunOptions& options, Console& console) {
   std::optional<StopFlag> stop;
   if (!options.checkpoint.file.empty()) stop.emplace();
   const std::unique_ptr<RunCheckpoint> checkpoint = options.checkpoint.open(
-      {problem, method, spec, options.method.tableau, options.output, options.every.value_or(0)},
+      {problem, method, spec, options.method.tableau, options.output, options.every.value_or(0),
+       is_given(options.jobs) ? std::to_string(jobs()) : "not given"},
       stop ? &*stop : nullptr, console);
-  const std::size_t most = is_given(options.jobs) ? jobs() : 1;
-  const TimedRun result = reported_run(runner, spec, most, checkpoint.get(), console);
+  const bool threaded = is_given(options.jobs);
+  TimedRun result = reported_run(runner, spec, threaded ? jobs() : 1, checkpoint.get(), console);
+  if (threaded) result.threads = jobs();
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
   watched.spec.every = options.every.value_or(0);

@@ -43,7 +43,7 @@ CLI::Option* add_jobs(CLI::App& command) {
 CLI::Option* add_jobs_of_timed(CLI::App& command) {
   return add_jobs(
       command,
-      "Number of threads, without influence on results, of several with the elapsed time; 1 by default");
+      "Number of threads, without influence on results, with the elapsed time; 1 by default");
 }
 
 void add_figure_style(CLI::App& command) {

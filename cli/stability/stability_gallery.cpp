@@ -259,25 +259,44 @@ PageSection sliding_section(Atelier& atelier) {
   return section;
 }
 
+/// A section, and the files of its pictures.
+struct DrawnSection {
+  PageSection section;
+  Json files = Json::array();
+};
+
+/// The opening section and those of all chapters, drawn on all cores.
+std::vector<DrawnSection> sections_of(const std::vector<Chapter>& chapters, const std::string& folder, Console& console) {
+  const auto& interrupted = interrupt_flag();
+  std::vector<DrawnSection> sections(chapters.size() + 1);
+  Atelier opening(folder, sections[0].files);
+  sections[0].section = sliding_section(opening);
+  Progress progress(console, "gallery");
+  parallel_for(
+      chapters.size(),
+      [&](std::size_t i, std::size_t) {
+        Atelier atelier(folder, sections[i + 1].files);
+        sections[i + 1].section = section_of(chapters[i], atelier);
+      },
+      [&](std::size_t done) { progress.update(static_cast<double>(done) / static_cast<double>(chapters.size())); },
+      [&] { return interrupted.load(); });
+  if (interrupted) throw Interrupted{};
+  return sections;
+}
+
 void gallery(const std::string& names, const std::string& output, Console& console) {
   if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
   const fs::path page = fs::path(output) / "index.html";
   check_writable(page, "<!DOCTYPE html>");
-  const auto& interrupted = interrupt_flag();
   const std::vector<Chapter> chapters = chapters_of(names);
   Json files = Json::array();
-  Atelier atelier(output, files);
-  std::vector<PageSection> sections{sliding_section(atelier)};
-  std::size_t shown = 0;
-  {
-    Progress progress(console, "gallery");
-    for (std::size_t i = 0; i < chapters.size(); ++i) {
-      if (interrupted) throw Interrupted{};
-      progress.update(static_cast<double>(i) / static_cast<double>(chapters.size()), chapters[i].title);
-      sections.push_back(section_of(chapters[i], atelier));
-      shown += chapters[i].formulas.size();
-    }
+  std::vector<PageSection> sections;
+  for (auto& [section, drawn] : sections_of(chapters, output, console)) {
+    sections.push_back(std::move(section));
+    for (auto& file : drawn) files.push_back(std::move(file));
   }
+  std::size_t shown = 0;
+  for (const Chapter& chapter : chapters) shown += chapter.formulas.size();
   for (const PageSection& section : sections)
     for (const PagePicture& picture : section.pictures)
       if (!picture.problem.empty()) {

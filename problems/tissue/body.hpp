@@ -30,7 +30,7 @@ struct MeshOrigin;  // problems/mesh/files/mesh_import.hpp
 /// shape (dofs), v their velocities [m/s], and y = (q, v) the first-order state, shape (2 dofs). Supported
 /// points are no unknowns. The forces are
 ///   F = elastic(x) + skin(x) + m g + loads(t) + contact(t, x, v) - dampers(x) v - (alpha M + beta K0) v.
-/// Forces of 50,000 St. Venant-Kirchhoff elements or 200,000 springs of a linear or cubic law and the stiffness of 8000
+/// Forces of 8000 St. Venant-Kirchhoff elements or 32,000 springs of a linear or cubic law and the stiffness of 1600
 /// elements take the threads of parallel_for(), with the same bits for any number. On one thread only the first call allocates.
 class TissueBody {
  public:

@@ -112,12 +112,12 @@ TEST(ParallelFor, LeavesItsThreadsToWhatItsOnlyPieceCalls) {
   EXPECT_TRUE(met);
 }
 
-/// The threads that do two pieces, each of which waits for the other to begin; one where they never meet.
-std::set<std::thread::id> two_that_meet() {
+/// The threads of the system that do two pieces, each of which waits for the other to begin; one where they never meet.
+std::set<pid_t> two_that_meet() {
   std::atomic<int> begun = 0;
-  std::array<std::thread::id, 2> who;
+  std::array<pid_t, 2> who{};
   parallel_for(2, [&](std::size_t i, std::size_t) {
-    who.at(i) = std::this_thread::get_id();
+    who.at(i) = gettid();
     ++begun;
     for (int wait = 0; wait < 5000 && begun < 2; ++wait)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -202,7 +202,7 @@ std::vector<GreenElements::Strip> GreenElements::stiffness_strips(std::size_t co
 }
 
 void GreenElements::write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const {
-  // The calling thread keeps them: others end with their work.
+  // The calling thread keeps them from call to call.
   thread_local std::vector<BlockPattern::Pairs> kept(1);
   std::vector<BlockPattern::Pairs>& own = kept;
   const std::size_t most = size() / least_stiffness, count = most > 1 ? std::min(threads(), most) : 1;

@@ -53,7 +53,7 @@ void add_by_strips(const PointStrips& groups, std::size_t most, NodeRows& f, con
   std::vector<PointStrips::Strip> strips;
   if (count > 1) strips = groups.divide(static_cast<PointStrips::Index>(f.size()), count);
   if (strips.size() < 2) return kernel(std::size_t{0}, groups.blocks(), &f.front().x);
-  // The calling thread keeps them: others end with their work.
+  // The calling thread keeps them from call to call.
   thread_local std::vector<NodeRows> kept;
   std::vector<NodeRows>& own = kept;
   if (own.size() < strips.size()) own.resize(strips.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -299,6 +300,13 @@ TEST(Eigenvectors, BelongToTheEigenvaluesOnBothSides) {
 
 TEST(Eigenvectors, OfUndampedModesArePerfectlyConditionedInEnergy) {
   EXPECT_NEAR(eigenvectors_of(chain_model({.c = 0})).condition, 1, 1e-12);
+}
+
+TEST(Eigenvectors, OfAPairThatIsRealToRoundingAreNotDefective) {
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const MatrixXd J = (MatrixXd(2, 2) << 1, -1.5 * eps, 2.5 * eps, 1).finished();
+  const LinearModel model{.y = VectorXd::Zero(2), .J = [J] { return J; }, .mechanical = {}, .J_stiff = {}};
+  EXPECT_LT(eigenvectors_of(model).condition, 10);
 }
 
 TEST(Eigenvectors, CriticalDampingIsDefective) {
