@@ -37,6 +37,8 @@ Finished run(const std::filesystem::path& directory, std::array<const char*, 4> 
   }
   if (child == 0) {
     // Only async-signal-safe calls between fork and exec.
+    // Ctrl-C of a terminal is for hmax, which waits for the figure: gnuplot may hang in it (cairo).
+    setpgid(0, 0);
     sigset_t none;
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);

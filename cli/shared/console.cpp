@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -23,6 +24,7 @@ namespace hmax {
 namespace {
 
 std::atomic<bool> interrupted{false}, waits_for_task{false}, saves_first{false};
+std::atomic<std::time_t> asked_to_end{0};  // the first time
 
 extern "C" void on_interrupt(int) {
   if (!waits_for_task.load() || interrupted.exchange(true)) {
@@ -33,9 +35,16 @@ extern "C" void on_interrupt(int) {
 }
 
 /// Ends the program as the signal does by itself, which is told to who waits for it; a task that saves its state is asked
-/// to do that first.
+/// to do that first. Who signals a process and its group, as timeout(1), asks once: a second wish comes a second later.
 extern "C" void on_termination(int signal) {
-  if (saves_first.load() && !interrupted.exchange(true)) return;
+  if (saves_first.load()) {
+    const std::time_t now = std::time(nullptr);
+    if (!interrupted.exchange(true)) {
+      asked_to_end = now;
+      return;
+    }
+    if (now - asked_to_end <= 1) return;
+  }
   remove_part_file();
   std::signal(signal, SIG_DFL);
   raise(signal);
