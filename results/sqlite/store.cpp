@@ -398,10 +398,8 @@ std::int64_t Store::begin_session(const Fingerprint& fingerprint, std::string_vi
     add.bind(1, to_json(fingerprint));
     add.run();
     const std::int64_t session = sqlite3_last_insert_rowid(impl_->db());
-    const std::int64_t watermark = sqlite::integer(impl_->db(), "SELECT coalesce(max(id), 0) FROM rows");
     transaction.commit();
     impl_->session = session;
-    impl_->watermark = watermark;
     return session;
   });
 }
@@ -413,12 +411,13 @@ void Store::continue_session(std::int64_t session) {
 
 void Store::insert(std::span<const Row> rows) {
   if (impl_->session == 0) throw std::logic_error("Store::insert needs begin_session() first.");
-  // Rows of this span or session are the caller's mistake; a row that another process added meanwhile is not.
+  // Rows of this span or session are the caller's mistake; a row that another process has added since the caller looked
+  // is not.
   const auto refuse = [&](const RowKey& key, std::int64_t existing) {
     Statement owner(impl_->db(), "SELECT session FROM rows WHERE id = ?");
     owner.bind(0, existing);
     const bool foreign = owner.step() && owner.integer(0) != impl_->session;
-    if (foreign && existing > impl_->watermark) {
+    if (foreign) {
       throw InputError(fmt::format(
           "Another process stored the row '{}' in '{}' at the same time: wait until it ends, then resume.",
           describe(key), impl_->file.string()));

@@ -59,7 +59,6 @@ struct Store::Impl {
   std::filesystem::path file;
   sqlite::Database database;
   std::int64_t session = 0;    ///< 0 before begin_session()
-  std::int64_t watermark = 0;  ///< id of the newest row when the session began
   /// Prepared once; gone before the database closes.
   mutable std::unique_ptr<sqlite::Statement> insert, find;
 

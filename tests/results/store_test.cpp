@@ -168,6 +168,17 @@ TEST(Store, AKeyIsStoredOnceAndASpanWithADoubleIsStoredNotAtAll) {
   EXPECT_EQ(store.size(), 3);
 }
 
+TEST(Store, ARowOfAnotherSessionIsThatOfAnotherProcess) {
+  Scratch scratch;
+  Store here = Store::open_or_create(scratch / "a"), there = Store::open_or_create(scratch / "a");
+  there.begin_session({});
+  there.insert(row("rk4", 1));
+  // `here` has looked for missing rows before.
+  here.begin_session({});
+  EXPECT_THROW(here.insert(row("rk4", 1)), InputError);
+  EXPECT_EQ(here.size(), 1);
+}
+
 TEST(Store, ARowNamesTheSessionThatMeasuredIt) {
   Scratch scratch;
   Fingerprint one, two;
