@@ -26,25 +26,26 @@ namespace {
 std::atomic<bool> interrupted{false}, waits_for_task{false}, saves_first{false};
 std::atomic<std::time_t> asked_to_end{0};  // the first time
 
-extern "C" void on_interrupt(int) {
-  if (!waits_for_task.load() || interrupted.exchange(true)) {
-    remove_part_file();
-    write_error("hmax: interrupted\n");
-    _exit(static_cast<int>(Exit::interrupted));
-  }
+/// Whether a signal only tells a task to end. Who signals a process and its group, as timeout(1), asks once:
+/// while a state is saved a second wish comes a second later.
+bool is_first_wish() {
+  const std::time_t now = std::time(nullptr);
+  if (interrupted.exchange(true)) return saves_first.load() && now - asked_to_end <= 1;
+  asked_to_end = now;
+  return true;
 }
 
-/// Ends the program as the signal does by itself, which is told to who waits for it; a task that saves its state is asked
-/// to do that first. Who signals a process and its group, as timeout(1), asks once: a second wish comes a second later.
+extern "C" void on_interrupt(int) {
+  if (waits_for_task.load() && is_first_wish()) return;
+  remove_part_file();
+  write_error("hmax: interrupted\n");
+  _exit(static_cast<int>(Exit::interrupted));
+}
+
+/// Ends the program as the signal does by itself, which is told to who waits for it; a task that saves its
+/// state is asked to do that first.
 extern "C" void on_termination(int signal) {
-  if (saves_first.load()) {
-    const std::time_t now = std::time(nullptr);
-    if (!interrupted.exchange(true)) {
-      asked_to_end = now;
-      return;
-    }
-    if (now - asked_to_end <= 1) return;
-  }
+  if (saves_first.load() && is_first_wish()) return;
   remove_part_file();
   std::signal(signal, SIG_DFL);
   raise(signal);

@@ -47,13 +47,17 @@ TEST(Checkpoint, ARunThatIsKilledGoesOnWithTheSameAnswer) {
 
 /// timeout(1) signals the process and its group; the second SIGTERM comes while a step is under way.
 TEST(Checkpoint, TwoSignalsAtOnceAreOneWish) {
-  const Shell shell;
-  const Told stopped = shell.line(
-      "'" HMAX_PROGRAM "' run --mesh ball:n=9 --set E=50000 --method linearly_implicit_euler --jacobian exact --linear direct "
-      "--h 0.01 --t-end 10 --checkpoint saved --checkpoint-every 0 & p=$!; until [ -e saved ]; do sleep 0.01; done; "
-      "kill -TERM $p; sleep 0.01; kill -TERM $p; wait $p; echo $?");
-  EXPECT_EQ(stopped.out, "130\n") << stopped.err;
-  EXPECT_NE(stopped.err.find("the same command goes on from saved"), std::string::npos) << stopped.err;
+  for (const std::string signal : {"TERM", "INT"}) {
+    const Shell shell;
+    const Told stopped = shell.line(
+        "'" HMAX_PROGRAM
+        "' run --mesh ball:n=9 --set E=50000 --method linearly_implicit_euler --jacobian exact --linear direct "
+        "--h 0.01 --t-end 10 --checkpoint saved --checkpoint-every 0 & p=$!; until [ -e saved ]; do sleep 0.01; done; "
+        "kill -" +
+        signal + " $p; sleep 0.01; kill -" + signal + " $p; wait $p; echo $?");
+    EXPECT_EQ(stopped.out, "130\n") << stopped.err;
+    EXPECT_NE(stopped.err.find("the same command goes on from saved"), std::string::npos) << stopped.err;
+  }
 }
 
 TEST(Checkpoint, AFinishedRunIsToldAtOnce) {
