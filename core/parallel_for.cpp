@@ -44,45 +44,45 @@ void await_change(const std::atomic<T>& value, T old) {
 }
 
 /// Threads that wait from one call of parallel_for() to the next: a new one takes 0.1 ms to begin.
-class Helpers {
-  struct Helper;
+class ThreadPool {
+  struct Worker;
 
  public:
   /// Work for several threads. Its owner waits for those that have begun.
   struct Call {
     std::function<void(std::size_t who)> labour;
     std::uint32_t ticket = 0;  ///< another one for each call
-    std::vector<Helper*> helpers{};
+    std::vector<Worker*> workers{};
     std::atomic<std::size_t> under_way = 0;
   };
 
   /// Those of this process; they end with it. A fork has none of its parent's threads, so it begins with new
   /// ones.
-  static Helpers& all() {
-    static std::atomic<Helpers*> these;
+  static ThreadPool& all() {
+    static std::atomic<ThreadPool*> these;
     [[maybe_unused]] static const int told = pthread_atfork(nullptr, nullptr, [] { these = nullptr; });
-    Helpers* known = these;
+    ThreadPool* known = these;
     if (known != nullptr) return *known;
-    auto made = std::make_unique<Helpers>();
+    auto made = std::make_unique<ThreadPool>();
     return these.compare_exchange_strong(known, made.get()) ? *made.release() : *known;
   }
 
   /// Asks for call->labour(who) for who = 1, 2, ... up to `count`, or fewer where the system allows no
   /// further thread or has no memory for its stack.
   void begin(const std::shared_ptr<Call>& call, std::size_t count) {
-    call->helpers.reserve(count);
+    call->workers.reserve(count);
     const std::scoped_lock hold(lock_);
     call->ticket = last_ticket_ = std::max<std::uint32_t>(last_ticket_ + 1, 1);
     for (std::size_t who = 1; who <= count; ++who) {
       if (idle_.empty() && !start()) return;
-      Helper& helper = *idle_.back();
+      Worker& worker = *idle_.back();
       idle_.pop_back();
-      call->helpers.push_back(&helper);
+      call->workers.push_back(&worker);
       ++call->under_way;
-      helper.call = call;
-      helper.who = who;
-      helper.asked = call->ticket;
-      helper.asked.notify_one();
+      worker.call = call;
+      worker.who = who;
+      worker.asked = call->ticket;
+      worker.asked.notify_one();
     }
   }
 
@@ -91,10 +91,10 @@ class Helpers {
   void end(Call& call) {
     {
       const std::scoped_lock hold(lock_);
-      for (Helper* helper : call.helpers)
-        if (std::uint32_t ticket = call.ticket; helper->asked.compare_exchange_strong(ticket, 0)) {
-          helper->call.reset();
-          idle_.push_back(helper);
+      for (Worker* worker : call.workers)
+        if (std::uint32_t ticket = call.ticket; worker->asked.compare_exchange_strong(ticket, 0)) {
+          worker->call.reset();
+          idle_.push_back(worker);
           --call.under_way;
         }
     }
@@ -103,33 +103,33 @@ class Helpers {
   }
 
  private:
-  struct Helper {
+  struct Worker {
     std::shared_ptr<Call> call;
     std::size_t who = 0;
     std::atomic<std::uint32_t> asked = 0;  ///< the ticket of `call` until the work begins
   };
 
-  /// One more idle helper. Signals that end the program are for its own threads.
+  /// One more idle worker. Signals that end the program are for its own threads.
   bool start() {
     sigset_t others, before;
     sigemptyset(&others);
     for (const int ends : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU}) sigaddset(&others, ends);
     pthread_sigmask(SIG_BLOCK, &others, &before);
-    const std::size_t already = helpers_.size();
+    const std::size_t already = workers_.size();
     try {
       idle_.reserve(already + 1);
-      Helper& helper = helpers_.emplace_back();
-      std::thread([this, &helper] { serve(helper); }).detach();
-      idle_.push_back(&helper);
+      Worker& worker = workers_.emplace_back();
+      std::thread([this, &worker] { serve(worker); }).detach();
+      idle_.push_back(&worker);
     } catch (const std::system_error&) {
     } catch (const std::bad_alloc&) {
     }
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    if (idle_.empty() && helpers_.size() > already) helpers_.pop_back();
+    if (idle_.empty() && workers_.size() > already) workers_.pop_back();
     return !idle_.empty();
   }
 
-  [[noreturn]] void serve(Helper& self) {
+  [[noreturn]] void serve(Worker& self) {
     for (;;) {
       await_change(self.asked, std::uint32_t{0});
       if (self.asked.exchange(0) == 0) continue;
@@ -145,8 +145,8 @@ class Helpers {
 
   std::mutex lock_;
   std::uint32_t last_ticket_ = 0;
-  std::deque<Helper> helpers_;
-  std::vector<Helper*> idle_;
+  std::deque<Worker> workers_;
+  std::vector<Worker*> idle_;
 };
 
 }  // namespace
@@ -195,11 +195,11 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t i, std
     }
   };
   if (workers > 1) {
-    const auto call = std::make_shared<Helpers::Call>();
+    const auto call = std::make_shared<ThreadPool::Call>();
     call->labour = labour;
-    Helpers::all().begin(call, workers - 1);
+    ThreadPool::all().begin(call, workers - 1);
     labour(0);
-    Helpers::all().end(*call);
+    ThreadPool::all().end(*call);
   } else {
     labour(0);
   }
