@@ -293,9 +293,9 @@ struct StaticAnswer {
 };
 
 StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const StaticSettings& settings,
-                       double scale, std::optional<std::size_t> most, Console& console) {
-  const ThreadLimit limit(most.value_or(1));
-  const auto clock = most ? elapsed_seconds : thread_cpu_seconds;
+                       double scale, std::optional<std::size_t> threads, Console& console) {
+  const ThreadLimit limit(threads.value_or(1));
+  const auto clock = threads ? elapsed_seconds : thread_cpu_seconds;
   const double start = clock();
   StaticSolution solution = [&] {
     Progress progress(console, "static");
@@ -315,7 +315,7 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       .solution = std::move(solution),
                       .load_scale = scale,
                       .seconds = seconds,
-                      .threads = most,
+                      .threads = threads,
                       .outcome = {},
                       .status = {},
                       .least_volume = 0,
@@ -413,8 +413,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (!options.per_frame.empty() || !options.frames.empty())
     return print_frames(options, problem, model, settings, console);
 
-  const std::optional<std::size_t> most = is_given(options.jobs) ? std::optional(jobs()) : std::nullopt;
-  const StaticAnswer answer = answer_of(problem, model, settings, scale, most, console);
+  const StaticAnswer answer = answer_of(problem, model, settings, scale, given_jobs(options.jobs), console);
   if (answer.outcome != "converged") console.exit_code = Exit::failed;
   if (!options.output.empty()) write_csv(options.output, history_of(answer));
   if (options.picture.wanted())

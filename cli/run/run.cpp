@@ -116,10 +116,8 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
   check_writable(options.output);
 }
 
-struct TimedRun {
-  RunRecord record;
-  double cpu_seconds, elapsed_seconds;
-  std::optional<std::size_t> threads = std::nullopt;  ///< that --jobs has asked for
+struct TimedRun : CountedRun {
+  std::optional<std::size_t> threads;  ///< that --jobs has asked for
 
   /// Simulated time over the CPU time of one thread, or over the elapsed time where --jobs is given.
   [[nodiscard]] double realtime_factor() const {
@@ -127,22 +125,19 @@ struct TimedRun {
   }
 };
 
-TimedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
+CountedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
   const CpuClock clock = cpu_clock();
   const double cpu = clock(), start = elapsed_seconds();
   RunRecord record = runner.run(spec, sink);
   return {std::move(record), clock() - cpu, elapsed_seconds() - start};
 }
 
-/// The run that is reported, on at most `most` threads, and kept where there is a checkpoint. Nobody watches
+/// The run that is reported, on `threads` or one, and kept where there is a checkpoint. Nobody watches
 /// it, unless it is long and a person waits at a terminal: then it shows its progress, and ends on Ctrl-C.
-TimedRun reported_run(const Runner& runner, const RunSpec& spec, std::size_t most, RunCheckpoint* checkpoint,
-                      const Console& console) {
-  const ThreadLimit limit(most);
-  if (checkpoint) {
-    auto [record, cpu, elapsed] = checkpoint->run(reported_part, runner, spec);
-    return {std::move(record), cpu, elapsed};
-  }
+CountedRun reported_run(const Runner& runner, const RunSpec& spec, std::optional<std::size_t> threads,
+                        RunCheckpoint* checkpoint, const Console& console) {
+  const ThreadLimit limit(threads.value_or(1));
+  if (checkpoint) return checkpoint->run(reported_part, runner, spec);
   if (!console.shows_progress()) return timed(runner, spec, {});
   RunSpec first_hundredth = spec;
   first_hundredth.t_end /= 100;
@@ -507,15 +502,14 @@ void run(const RunOptions& options, Console& console) {
     console.remark(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
                                is_second_order(problem) ? "displacements at rest" : "states", to_text(random_start_size)));
   const Runner runner = method.bind(problem);
+  const std::optional<std::size_t> threads = given_jobs(options.jobs);
   std::optional<StopFlag> stop;
   if (!options.checkpoint.file.empty()) stop.emplace();
   const std::unique_ptr<RunCheckpoint> checkpoint = options.checkpoint.open(
       {problem, method, spec, options.method.tableau, options.output, options.every.value_or(0),
-       is_given(options.jobs) ? std::to_string(jobs()) : "not given"},
+       threads ? std::to_string(*threads) : "not given"},
       stop ? &*stop : nullptr, console);
-  const bool threaded = is_given(options.jobs);
-  TimedRun result = reported_run(runner, spec, threaded ? jobs() : 1, checkpoint.get(), console);
-  if (threaded) result.threads = jobs();
+  const TimedRun result{reported_run(runner, spec, threads, checkpoint.get(), console), threads};
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
   watched.spec.every = options.every.value_or(0);

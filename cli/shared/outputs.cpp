@@ -46,6 +46,10 @@ CLI::Option* add_jobs_of_timed(CLI::App& command) {
       "Number of threads, without influence on results, with the elapsed time; 1 by default");
 }
 
+std::optional<std::size_t> given_jobs(const CLI::Option* option) {
+  return is_given(option) ? std::optional(jobs()) : std::nullopt;
+}
+
 void add_figure_style(CLI::App& command) {
   add_text(
       command, "--style",

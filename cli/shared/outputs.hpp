@@ -1,6 +1,8 @@
 /// Files that are written: which may be replaced, and in which form, by the ending of their name.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <filesystem>
 #include <initializer_list>
 #include <string>
@@ -17,6 +19,8 @@ void add_force(CLI::App& command);
 CLI::Option* add_jobs(CLI::App& command);
 /// The same of a command whose times are those of one thread unless this option is given.
 CLI::Option* add_jobs_of_timed(CLI::App& command);
+/// The threads that --jobs asks for; none where it is not given.
+std::optional<std::size_t> given_jobs(const CLI::Option* jobs);
 
 /// The option --style of a command that draws figures: for a page or for a slide.
 void add_figure_style(CLI::App& command);
