@@ -70,7 +70,7 @@ TEST(JobsOfRun, ChangeTimesAlone) {
   const Shell shell;
   const std::string body =
       " --mesh ball:n=8 --model fem_green --set E=50000 --json";
-  for (const std::string command :
+  for (const std::string& command :
        {"run" + body + " --method linearly_implicit_euler --h 0.01 --t-end 0.03 --linear direct --jacobian exact --full", "static" + body}) {
     const auto answer = [&](const std::string& jobs) {
       const Told told = shell.hmax(command + jobs);
@@ -109,15 +109,15 @@ TEST(SpeedUp, ComparesAnswersAndTimesOfThreads) {
   const Shell shell;
   if (shell.line("python3 --version").exit_code != 0) GTEST_SKIP() << "there is no python3";
   const std::string script = "'" HMAX_SOURCE_DIR "/scripts/speed-up' ";
-  const Told told = shell.line(script + "'" HMAX_PROGRAM "' --only map --repeat 1");
+  const Told told = shell.line(script + "'" HMAX_PROGRAM "' --only bifurcation --repeat 1");
   EXPECT_EQ(told.exit_code, 0) << told.err;
   EXPECT_NE(told.out.find("| | 1 thread | 2 threads | gain on 2 |"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("| map | "), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("| bifurcation | "), std::string::npos) << told.out;
   // A program whose answer is its number of threads.
   write_text(shell / "fake", "#!/bin/sh\nfor last; do :; done\necho \"[$last]\"\n");
-  const Told differs = shell.line("chmod +x fake; " + script + "fake --only map --repeat 1");
+  const Told differs = shell.line("chmod +x fake; " + script + "fake --only bifurcation --repeat 1");
   EXPECT_EQ(differs.exit_code, 1);
-  EXPECT_EQ(differs.err, "map: answers differ between numbers of threads\n");
+  EXPECT_EQ(differs.err, "bifurcation: answers differ between numbers of threads\n");
   EXPECT_EQ(shell.line(script + "--only maps").exit_code, 2);
 }
 
