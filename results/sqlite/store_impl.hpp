@@ -58,7 +58,7 @@ inline double exact_number(const Statement& statement, int column) {
 struct Store::Impl {
   std::filesystem::path file;
   sqlite::Database database;
-  std::int64_t session = 0;    ///< 0 before begin_session()
+  std::int64_t session = 0;  ///< 0 before begin_session()
   /// Prepared once; gone before the database closes.
   mutable std::unique_ptr<sqlite::Statement> insert, find;
 
