@@ -121,7 +121,7 @@ class DenseLu {
   using Scalar = typename Matrix::Scalar;
   using Real = typename Eigen::NumTraits<Scalar>::Real;
 
-  /// The only call that allocates; factor() makes it when n has changed.
+  /// The only call that allocates, but for a fixed size beyond 16; factor() makes it when n has changed.
   void resize(Eigen::Index n) {
     factors_.resize(n, n);
     if constexpr (may_be_large) {

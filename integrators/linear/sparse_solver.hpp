@@ -30,6 +30,7 @@ class SparseSolver {
   using Vector = Eigen::Vector<Scalar, Eigen::Dynamic>;
 
   SparseSolver();
+  /// What was moved from can be destroyed or assigned to, no more.
   SparseSolver(SparseSolver&& other) noexcept;
   SparseSolver& operator=(SparseSolver&& other) noexcept;
   ~SparseSolver();
