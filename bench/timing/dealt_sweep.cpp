@@ -143,11 +143,11 @@ class Dealing {
     sweeper_.summary().ranks = ranks.size();
   }
 
+  /// Until all rows are kept and every rank has said that it measures the same sweep, however late it comes.
   void run() {
-    if (rows_ == 0) return;
     std::optional<OwnHelper> own;
-    if (measures_) own.emplace(plan_, ranks_.most_on_a_node());
-    for (Pause pause; rows_ > 0;) {
+    if (measures_ && rows_ > 0) own.emplace(plan_, ranks_.most_on_a_node());
+    for (Pause pause; rows_ > 0 || is_awaited();) {
       if (take(own ? &own->mail() : nullptr))
         pause.reset();
       else
@@ -161,6 +161,12 @@ class Dealing {
     std::optional<std::int64_t> session;  ///< of its machine
     std::vector<SweepTask> hand;
   };
+
+  /// Whether another rank has not begun yet.
+  [[nodiscard]] bool is_awaited() const {
+    return std::any_of(workers_.begin() + 1, workers_.end(),
+                       [](const Worker& worker) { return !worker.session; });
+  }
 
   /// @returns whether there was a message
   bool take(Ranks* own) {

@@ -2,6 +2,7 @@
 #include "bench/timing/dealt_sweep.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -261,6 +262,11 @@ TEST(DealtSweep, ErrorsOfARankAreThoseOfRank0) {
     return plan_sweep(spec);
   };
   EXPECT_NE(error_of<InputError>(other).find("rank 1 has another sweep"), std::string::npos);
+  const auto late = [&](int rank) {
+    std::this_thread::sleep_for(std::chrono::seconds(2));  // long after the last row
+    return other(rank);
+  };
+  EXPECT_NE(error_of<InputError>(late).find("rank 1 has another sweep"), std::string::npos);
   const auto shard = [](int) { return shard_of(plan_sweep(quick()), {1, 2}); };
   EXPECT_NE(error_of<InputError>(shard).find("rank 1 has another sweep"), std::string::npos);
   const auto own = [](int) { return plan_sweep(quick()); };
