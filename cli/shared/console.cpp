@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -201,7 +202,7 @@ double parse_number(std::string_view what, std::string_view text) {
 }
 
 std::int64_t parse_count(std::string_view what, std::string_view text, std::int64_t least) {
-  const double value = parse_number(what, text);
+  const double value = to_number(text).value_or(std::numeric_limits<double>::quiet_NaN());
   if (!(value >= static_cast<double>(least)) || value > 9e15 || value != std::floor(value))
     throw InputError(fmt::format("{} is '{}' but must be a whole number of at least {}", what, text, least));
   return static_cast<std::int64_t>(value);

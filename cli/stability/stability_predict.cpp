@@ -33,6 +33,7 @@ struct PredictOptions {
   std::string engine;
   OperatingPointChoice at;
   std::optional<double> t_end;
+  const CLI::Option* jobs = nullptr;
 };
 
 /// --jacobian and --linear; nothing where none of them is given.
@@ -137,8 +138,11 @@ void refuse_beside_engine(const PredictOptions& options) {
   refuse(!options.jacobian.empty() || !options.linear.empty(), "--jacobian and --linear", remove);
   refuse(!options.problem.y0.empty(), "--y0", remove);
   refuse(!is_body && !options.at.at.empty(), "--at of matrices", remove);
+  refuse(is_given(options.jobs), "--jobs", "start it with mpirun -n N");
   if (is_body && options.at.at != "rest")
-    throw InputError("--engine petsc takes a body at rest alone; add --at rest, or leave out --engine");
+    throw InputError(
+        fmt::format("--engine petsc takes a body at rest alone; {} --at rest, or leave out --engine",
+                    options.at.at.empty() ? "add" : "write"));
 }
 
 void predict_rows(const PredictOptions& options, Console& console) {
@@ -240,7 +244,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
            "Store of the limits; those that it has are looked up: a file that ends in .sqlite, or a name "
            "under results/runs; none by default",
            "STORE");
-  add_jobs(command);
+  options->jobs = add_jobs(command);
   set_callback(command, [options, &console] { predict_rows(*options, console); });
 }
 
