@@ -9,10 +9,20 @@
 
 namespace Eigen {
 template class EigenSolver<MatrixXd>;
-template class FullPivLU<MatrixXd>;
-template class PartialPivLU<MatrixXd>;
-template class PartialPivLU<MatrixXcd>;
+template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
 template class SelfAdjointEigenSolver<MatrixXd>;
+template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(
+    const EigenBase<MatrixXd>&, int);
+template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
+template class FullPivLU<MatrixXd>;
+template class LLT<MatrixXd>;
+template LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
+template class PartialPivLU<MatrixXd>;
+template PartialPivLU<MatrixXd>::PartialPivLU(const EigenBase<MatrixXd>&);
+template PartialPivLU<MatrixXd>& PartialPivLU<MatrixXd>::compute(const EigenBase<MatrixXd>&);
+template class PartialPivLU<MatrixXcd>;
+template PartialPivLU<MatrixXcd>::PartialPivLU(const EigenBase<MatrixXcd>&);
+template PartialPivLU<MatrixXcd>& PartialPivLU<MatrixXcd>::compute(const EigenBase<MatrixXcd>&);
 }  // namespace Eigen
 
 namespace hmax {
@@ -33,7 +43,7 @@ SortedEigenpairs::SortedEigenpairs(const Eigen::MatrixXd& A) {
   }
 }
 
-Eigen::VectorXcd eigenvalues_of(const Eigen::MatrixXd& A) {
+Eigen::VectorXcd dense_eigenvalues(const Eigen::MatrixXd& A) {
   return Eigen::EigenSolver<Eigen::MatrixXd>(A, false).eigenvalues();
 }
 

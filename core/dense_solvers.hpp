@@ -5,15 +5,27 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+// Whoever gives these a MatrixXd, and no expression, compiles nothing of them.
 namespace Eigen {
 extern template class EigenSolver<MatrixXd>;
-extern template class FullPivLU<MatrixXd>;
-extern template class PartialPivLU<MatrixXd>;
-extern template class PartialPivLU<MatrixXcd>;
+extern template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
 extern template class SelfAdjointEigenSolver<MatrixXd>;
+extern template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(
+    const EigenBase<MatrixXd>&, int);
+extern template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
+extern template class FullPivLU<MatrixXd>;
+extern template class LLT<MatrixXd>;
+extern template LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
+extern template class PartialPivLU<MatrixXd>;
+extern template PartialPivLU<MatrixXd>::PartialPivLU(const EigenBase<MatrixXd>&);
+extern template PartialPivLU<MatrixXd>& PartialPivLU<MatrixXd>::compute(const EigenBase<MatrixXd>&);
+extern template class PartialPivLU<MatrixXcd>;
+extern template PartialPivLU<MatrixXcd>::PartialPivLU(const EigenBase<MatrixXcd>&);
+extern template PartialPivLU<MatrixXcd>& PartialPivLU<MatrixXcd>::compute(const EigenBase<MatrixXcd>&);
 }  // namespace Eigen
 
 namespace hmax {
@@ -29,7 +41,7 @@ struct SortedEigenpairs {
 };
 
 /// The eigenvalues of a real matrix, shape (n, n), in Eigen's order.
-Eigen::VectorXcd eigenvalues_of(const Eigen::MatrixXd& A);
+Eigen::VectorXcd dense_eigenvalues(const Eigen::MatrixXd& A);
 
 /// The largest eigenvalue of a symmetric matrix, shape (n, n), n > 0, finite.
 double largest_eigenvalue_of(const Eigen::MatrixXd& A);

@@ -72,7 +72,7 @@ Multipliers multipliers_of(const MatrixXd& D) {
   if (D.rows() == 2) {
     for (const auto& value : eigenvalues_2x2(Eigen::Matrix2d(D))) mu.push_back(value);
   } else {
-    const Eigen::VectorXcd values = eigenvalues_of(D);
+    const Eigen::VectorXcd values = dense_eigenvalues(D);
     mu.assign(values.begin(), values.end());
   }
   std::ranges::stable_sort(mu, [](const auto& a, const auto& b) {

@@ -72,7 +72,7 @@ std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf&
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(p, p);
   companion.topRightCorner(p - 1, p - 1).setIdentity();
   companion.bottomRows(1) = -c.transpose();
-  return std::log(eigenvalues_of(companion).cwiseAbs().maxCoeff());
+  return std::log(dense_eigenvalues(companion).cwiseAbs().maxCoeff());
 }
 
 std::int64_t steps_to_see(const ExpectedGrowth& expected) {

@@ -191,7 +191,7 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const M
   const VectorXd lengths = result.right.colwise().norm();
   result.right = result.right * lengths.cwiseInverse().asDiagonal();
   if (result.condition <= defective_condition)
-    result.left = lengths.asDiagonal() * MatrixXcd(scaled.inverse() * to);
+    result.left = lengths.asDiagonal() * MatrixXcd(MatrixXcd(scaled.inverse()) * to);
   complete(result);
   return result;
 }

@@ -286,7 +286,7 @@ KreissConstant kreiss_constant_of_step(const MatrixXd& A) {
 EnergyCoordinates energy_coordinates(const MechanicalPart& part) {
   const Index n = part.mass.size();
   const MatrixXd k = mass_scaled(part.mass, part.K);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver((k + k.transpose()) / 2);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd((k + k.transpose()) / 2));
   const VectorXd sizes = solver.eigenvalues().cwiseAbs();
   const double least = sizes.maxCoeff() > 0 ? 1e-12 * sizes.maxCoeff() : 1;
   const VectorXd w = sizes.cwiseMax(least).cwiseSqrt();

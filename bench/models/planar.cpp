@@ -73,7 +73,7 @@ double largest_amplitude(const OscillatorParameters& p) {
       -(stiffness * stiffness + damping * damping) / square, p.P * p.P / square;
   companion(1, 0) = companion(2, 1) = 1;
   double largest = 0;
-  for (const std::complex<double>& s : eigenvalues_of(companion))
+  for (const std::complex<double>& s : dense_eigenvalues(companion))
     if (std::abs(s.imag()) < 1e-6 * std::abs(s)) largest = std::max(largest, s.real());
   return std::sqrt(largest);
 }

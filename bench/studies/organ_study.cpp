@@ -13,6 +13,7 @@
 #include "bench/models/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
+#include "core/dense_solvers.hpp"
 #include "core/parallel_for.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "problems/mesh/mesh_quality.hpp"

@@ -49,7 +49,7 @@ Eigen::VectorXcd spectrum_at(const Sys& system, double t, const typename Sys::St
     std::visit([&](const auto& held) { dense = held; }, J);
   else
     dense = J;
-  return eigenvalues_of(dense);
+  return dense_eigenvalues(dense);
 }
 
 }  // namespace

@@ -112,7 +112,8 @@ Eigen::MatrixXd motions_left(const TetMesh& mesh, const std::vector<Index>& poin
   for (const Index i : points) size = std::max(size, (mesh.points.col(i) - centre).norm());
   const Eigen::MatrixXd of_held = rigid_motions(mesh, held, centre, size);
   // Squares: points nearer to a line than a millionth of the size stand in it.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(of_held.transpose() * of_held);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> squares(
+      Eigen::MatrixXd(of_held.transpose() * of_held));
   constexpr double nothing = 1e-12;
   Index count = 0;
   while (count < 6 && squares.eigenvalues()[count] <= nothing) ++count;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "results/store.hpp"
 #include "tests/cli/program.hpp"
 

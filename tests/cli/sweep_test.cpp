@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <set>
 #include <string>
+#include <sys/wait.h>
 
 #include <gtest/gtest.h>
 

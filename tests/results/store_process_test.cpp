@@ -1,4 +1,5 @@
 // A store against the world: kills, other processes, other programs' files, missing rights, full disks.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fcntl.h>

@@ -1,6 +1,8 @@
 /// Bodies on meshes as problems: every method steps them, and linear ones move as their modes say.
 #include "bench/models/tissue_problem.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <random>
 #include <sched.h>
 #include <set>
 #include <signal.h>
+#include <stdexcept>
 #include <string>
 #include <sys/wait.h>
 #include <thread>

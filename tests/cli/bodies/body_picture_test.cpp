@@ -1,4 +1,5 @@
 /// --picture of the commands that know bodies on meshes.
+#include <algorithm>
 #include <cmath>
 #include <map>
 

@@ -1,5 +1,6 @@
 #include "cli/reproduce/reproduce_stability.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <sstream>

@@ -1,10 +1,12 @@
 /// The line of progress of a long task, seen from a terminal.
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <fcntl.h>
 #include <pty.h>
 #include <regex>
 #include <string>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
 

@@ -1,5 +1,6 @@
 #include "problems/mesh/files/mesh_file.hpp"
 
+#include <algorithm>
 #include <clocale>
 #include <cmath>
 #include <stdexcept>

@@ -1,0 +1,28 @@
+#include "tests/cli/program.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <sys/wait.h>
+
+namespace hmax {
+
+nlohmann::json Told::json() const { return nlohmann::json::parse(out); }
+
+Told Shell::line(const std::string& command, const char* program) const {
+  // Three minutes turn a hang into a failure, also on a slow machine.
+  const std::string line = "cd '" + folder_.folder().string() + "' && hmax() { timeout 180 '" + program +
+                           "' \"$@\"; } && { " + command + " ; } >'" + out().string() + "' 2>'" +
+                           err().string() + "' </dev/null";
+  const int status = std::system(line.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out()), read_text(err())};
+}
+
+void expect_refused(const Told& told, const std::string& named) {
+  EXPECT_EQ(told.exit_code, 2) << told.err;
+  EXPECT_EQ(told.out, "");
+  EXPECT_EQ(told.err.rfind("hmax: ", 0), 0U) << told.err;
+  EXPECT_EQ(std::count(told.err.begin(), told.err.end(), '\n'), 1) << told.err;
+  EXPECT_NE(told.err.find(named), std::string::npos) << "'" << named << "' is not in: " << told.err;
+}
+
+}  // namespace hmax
