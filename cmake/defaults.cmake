@@ -13,6 +13,12 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 
+# g++ collects no garbage below this size [kB]: the largest sources compile in 0.94 of the time. Part of no
+# interface, since it changes no code.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(--param=ggc-min-heapsize=400000)
+endif()
+
 # Interface targets carried by every library of the house.
 add_library(hmax_flags INTERFACE)
 # Contraction to fused multiply-add changes the last bits from compiler to compiler: same input, same output bits.
