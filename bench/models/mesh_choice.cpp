@@ -16,6 +16,9 @@ namespace hmax {
 
 namespace {
 
+/// Tetrahedra from which on meshes by name are renumbered. Smaller bodies stay in the caches in any order.
+constexpr Eigen::Index least_named_renumbered = 5000;
+
 /// What lower floors refuse, for the user.
 template <class Make>
 auto told_to_user(Make make) {
@@ -123,21 +126,18 @@ double unit_in_metres(std::string_view text) {
 
 LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
   OpenedMesh opened = open_mesh(text);
-  if (!opened.from_file) {
-    if (unit.value_or(1) != 1)
-      throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
-    MeshImport import = import_as_it_is(std::move(opened.file));
-    return {.name = text,
-            .mesh = std::move(import.mesh),
-            .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
-  }
-  if (!unit)
+  if (!opened.from_file && unit.value_or(1) != 1)
+    throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
+  if (opened.from_file && !unit)
     throw InputError(fmt::format(
         "{} does not say its unit, and a body of {} could be anything; state it with --unit m, cm, mm or "
         "METRES",
         text, box_in_words(opened.file.mesh)));
   return told_to_user([&] {
-    MeshImport import = import_mesh(std::move(opened.file), *unit);
+    const bool keeps_order =
+        !opened.from_file && opened.file.mesh.tetrahedron_count() < least_named_renumbered;
+    MeshImport import = keeps_order ? import_as_it_is(std::move(opened.file))
+                                    : import_mesh(std::move(opened.file), unit.value_or(1));
     return LoadedMesh{.name = text,
                       .mesh = std::move(import.mesh),
                       .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};

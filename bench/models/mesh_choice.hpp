@@ -32,8 +32,8 @@ std::string mended_mesh(const std::string& text, int count);
 /// Metres of "m", "cm", "mm" or of a number of metres.
 double unit_in_metres(std::string_view text);
 
-/// A mesh for models. Meshes by name keep their order; those from files are renumbered for locality, and know
-/// the way back.
+/// A mesh for models. Meshes from files, and those by name of 5000 tetrahedra and more, are renumbered for locality;
+/// all know the way back.
 struct LoadedMesh {
   std::string name;  ///< as asked for
   TetMesh mesh;

@@ -21,11 +21,28 @@ std::string refusal(const std::string& text, std::optional<double> unit = {}) {
   return "";
 }
 
-TEST(MeshChoice, ANameIsInMetresAndTakesNoOtherUnit) {
-  const LoadedMesh loaded = load_mesh("liver:refine=1");
-  EXPECT_EQ(loaded.mesh.tetrahedron_count(), 8 * 1151);
-  EXPECT_EQ(loaded.origin->file.mesh.points, loaded.mesh.points);
+TEST(MeshChoice, ASmallMeshByNameKeepsItsOrder) {
+  const LoadedMesh loaded = load_mesh("liver");
+  EXPECT_TRUE(loaded.origin->file.mesh.points == loaded.mesh.points);
+  EXPECT_TRUE(loaded.origin->file.mesh.tetrahedra == loaded.mesh.tetrahedra);
   EXPECT_EQ(loaded.origin->tetrahedron_number(0), 1);
+}
+
+TEST(MeshChoice, ALargeMeshByNameIsRenumberedAndKnowsTheWayBack) {
+  const TetMesh original = mesh_by_name("liver:refine=1");
+  const LoadedMesh loaded = load_mesh("liver:refine=1");
+  ASSERT_EQ(loaded.mesh.tetrahedron_count(), 8 * 1151);
+  EXPECT_FALSE(loaded.mesh.points == original.points);
+  EXPECT_TRUE(loaded.origin->file.mesh.points == original.points);
+  EXPECT_TRUE(loaded.origin->on_points(loaded.mesh.points) == original.points);
+  // Ends of edges in memory: a third of the points apart in the order of the refinement.
+  const auto spread = [](const TetMesh& mesh) {
+    return (mesh.tetrahedra.colwise().maxCoeff() - mesh.tetrahedra.colwise().minCoeff()).maxCoeff();
+  };
+  EXPECT_LT(3 * spread(loaded.mesh), spread(original));
+}
+
+TEST(MeshChoice, ANameIsInMetresAndTakesNoOtherUnit) {
   EXPECT_NE(refusal("liver", 0.01).find("leave the unit out"), std::string::npos);
   EXPECT_EQ(refusal("liver", unit_in_metres("m")), "");
 }
