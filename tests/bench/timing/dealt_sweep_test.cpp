@@ -238,10 +238,11 @@ TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
 /// What a sweep on two ranks throws.
 template <class Error>
 std::string error_of(const std::function<SweepPlan(int rank)>& plan,
-                     const std::function<std::string(int rank, std::string_view)>& change = [](int, std::string_view b) { return unchanged(b); }) {
+                     const std::function<std::string(int rank, std::string_view)>& change = [](int, std::string_view b) { return unchanged(b); },
+    int most_on_a_node = 1) {
   const Scratch scratch;
   Store store = open_sweep_store(plan_sweep(quick()), scratch / "a.sqlite", false);
-  ThreadRanks ranks(2, 1);
+  ThreadRanks ranks(2, most_on_a_node);
   const Helpers helpers(ranks, 2, plan, change);
   SweepDealer dealer(ranks[0]);
   try {
@@ -262,11 +263,6 @@ TEST(DealtSweep, ErrorsOfARankAreThoseOfRank0) {
     return plan_sweep(spec);
   };
   EXPECT_NE(error_of<InputError>(other).find("rank 1 has another sweep"), std::string::npos);
-  const auto late = [&](int rank) {
-    std::this_thread::sleep_for(std::chrono::seconds(2));  // long after the last row
-    return other(rank);
-  };
-  EXPECT_NE(error_of<InputError>(late).find("rank 1 has another sweep"), std::string::npos);
   const auto shard = [](int) { return shard_of(plan_sweep(quick()), {1, 2}); };
   EXPECT_NE(error_of<InputError>(shard).find("rank 1 has another sweep"), std::string::npos);
   const auto own = [](int) { return plan_sweep(quick()); };
@@ -276,6 +272,18 @@ TEST(DealtSweep, ErrorsOfARankAreThoseOfRank0) {
     return to_bytes(message);
   };
   EXPECT_NE(error_of<InputError>(own, of_another_build).find("another build"), std::string::npos);
+}
+
+TEST(DealtSweep, ARankThatIsLateIsHeardBeforeTheSweepEnds) {
+  const auto late = [&](int) {
+    std::this_thread::sleep_for(std::chrono::seconds(2));  // long after rank 0 has measured the last row
+    SweepSpec spec = quick();
+    spec.h.back() = 0.001;
+    return plan_sweep(spec);
+  };
+  // Ranks that share a node: rank 0 measures, too.
+  const auto as_sent = [](int, std::string_view bytes) { return unchanged(bytes); };
+  EXPECT_NE(error_of<InputError>(late, as_sent, 2).find("rank 1 has another sweep"), std::string::npos);
 }
 
 TEST(DealtSweep, AnErrorOfRank0EndsTheOthers) {
