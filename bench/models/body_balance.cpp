@@ -9,6 +9,7 @@
 #include "bench/models/free_parts.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/sparse_solver.hpp"
+#include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -246,6 +247,10 @@ std::string status_of(const Problem& problem, const StaticSolution& solution) {
 
 std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron) {
   return problem.tetrahedron_numbers.at(static_cast<std::size_t>(tetrahedron));
+}
+
+std::int64_t point_number(const Problem& problem, Eigen::Index point) {
+  return problem.body->origin() ? problem.body->origin()->point_number(point) : point + 1;
 }
 
 NamedElement named_element(const Problem& problem, Eigen::Index element) {

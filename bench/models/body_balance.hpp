@@ -43,6 +43,9 @@ double largest_displacement(const Eigen::VectorXd& q);
 /// The number that users know a tetrahedron by: that of its file, else its place in the mesh, from 1.
 std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron);
 
+/// The same of a point, as `--support points:` takes it.
+std::int64_t point_number(const Problem& problem, Eigen::Index point);
+
 /// "tetrahedron 17", "spring 3", "skin triangle 8": springs and triangles in their order, from 1.
 struct NamedElement {
   std::string_view kind;

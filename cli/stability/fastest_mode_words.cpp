@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bench/limits/fastest_mode.hpp"
 #include "bench/models/body_balance.hpp"
@@ -26,6 +27,20 @@ std::string growth_in_words(double factor) {
                      percent > 0 ? "larger" : "smaller");
 }
 
+/// The numbers that users know the points of the element by that has most of the energy.
+std::vector<std::int64_t> points_of(const Problem& problem, const FastestMode& mode) {
+  std::vector<std::int64_t> numbers;
+  for (const auto point : mode.points) numbers.push_back(point_number(problem, point));
+  return numbers;
+}
+
+/// "tetrahedron 17"; "the spring of points 4, 9", since files do not number springs.
+std::string owner_in_words(const Problem& problem, const FastestMode& mode) {
+  const NamedElement owner = named_element(problem, mode.owner.element);
+  if (owner.kind == "tetrahedron") return fmt::format("{} {}", owner.kind, owner.number);
+  return fmt::format("the {} of points {}", owner.kind, fmt::join(points_of(problem, mode), ", "));
+}
+
 }  // namespace
 
 Json fastest_mode_json(const Problem& problem, const Linearised& near) {
@@ -43,7 +58,7 @@ Json fastest_mode_json(const Problem& problem, const Linearised& near) {
             {"gershgorin", bound(mode.bounds.gershgorin)}}},
           {"element", owner.number},
           {"element_kind", owner.kind},
-          {"points", mode.points},
+          {"points", points_of(problem, mode)},
           {"centre", {mode.centre.x(), mode.centre.y(), mode.centre.z()}},
           {"energy_share", mode.owner.share},
           {"elements_with_nine_tenths", mode.owner.elements},
@@ -53,27 +68,28 @@ Json fastest_mode_json(const Problem& problem, const Linearised& near) {
                               {"double_mass", mode.with_mass},
                               {"added_mass", mode.added_mass},
                               {"smoothed", mode.smoothed},
-                              {"moved_point", mode.moved_point ? Json(*mode.moved_point) : Json()}}
+                              {"moved_point",
+                               mode.moved_point ? Json(point_number(problem, *mode.moved_point)) : Json()}}
                        : Json()}};
 }
 
 std::string fastest_mode_in_words(const Problem& problem, const Linearised& near) {
   const FastestMode mode = fastest_mode_of(*problem.body, near, tries_gains(problem));
-  const NamedElement owner = named_element(problem, mode.owner.element);
   const auto pessimism = [&](double kappa) { return short_number(std::sqrt(kappa / mode.kappa), 4); };
   const std::string fastest = fmt::format(
-      "fastest mode at rest {} rad/s: {} {} has {} % of its energy, {} points move; bounds are larger by {} "
+      "fastest mode at rest {} rad/s: {} has {} % of its energy, {} points move; bounds are larger by {} "
       "(elements), {} (points), {} (Gershgorin)\n",
-      short_number(std::sqrt(mode.kappa)), owner.kind, owner.number, short_number(100 * mode.owner.share, 3),
-      short_number(mode.owner.moving_points, 3), pessimism(mode.bounds.element), pessimism(mode.bounds.nodal),
-      pessimism(mode.bounds.gershgorin));
+      short_number(std::sqrt(mode.kappa)), owner_in_words(problem, mode),
+      short_number(100 * mode.owner.share, 3), short_number(mode.owner.moving_points, 3),
+      pessimism(mode.bounds.element), pessimism(mode.bounds.nodal), pessimism(mode.bounds.gershgorin));
   if (!tries_gains(problem)) return fastest;
   return fmt::format(
       "{}the undamped h_max would be {} without that element, {} with twice its mass ({} % of the body), {} with {}\n",
       fastest, growth_in_words(mode.without), growth_in_words(mode.with_mass),
       short_number(100 * mode.added_mass, 3), growth_in_words(mode.smoothed),
-      mode.moved_point ? fmt::format("point {} moved towards its neighbours", *mode.moved_point)
-                       : "its points moved");
+      mode.moved_point
+          ? fmt::format("point {} moved towards its neighbours", point_number(problem, *mode.moved_point))
+          : "its points moved");
 }
 
 }  // namespace hmax

@@ -59,6 +59,10 @@ std::int64_t MeshOrigin::tetrahedron_number(Eigen::Index tetrahedron) const {
   return file.numbers.at(at(tetrahedra.at(at(tetrahedron))));
 }
 
+std::int64_t MeshOrigin::point_number(Eigen::Index point) const {
+  return file.point_numbers.at(at(points.at(at(point))));
+}
+
 Eigen::MatrixXd MeshOrigin::on_points(const Eigen::MatrixXd& now) const {
   return scattered(now, points, file.mesh.point_count());
 }

@@ -15,8 +15,9 @@ struct MeshOrigin {
   std::vector<TetMesh::Index> tetrahedra;     ///< the same of the tetrahedra
   std::vector<TetMesh::Index> regions = {0};  ///< what the file calls regions 0, 1, ...
 
-  /// The number of a tetrahedron in the file.
+  /// The number of a tetrahedron, and of a point, in the file.
   [[nodiscard]] std::int64_t tetrahedron_number(Eigen::Index tetrahedron) const;
+  [[nodiscard]] std::int64_t point_number(Eigen::Index point) const;
   /// Values in the order of the file; 0 at points that are in no tetrahedron. @param now  one column each
   [[nodiscard]] Eigen::MatrixXd on_points(const Eigen::MatrixXd& now) const;
   [[nodiscard]] Eigen::MatrixXd on_tetrahedra(const Eigen::MatrixXd& now) const;

@@ -1,6 +1,12 @@
 /// What `hmax stability predict` says of its rows, and of the motion that it looks along.
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
+#include <fmt/format.h>
+
+#include "problems/mesh/files/mesh_names.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -58,6 +64,32 @@ TEST(StabilityPredict, FailsWhereNothingCouldBeVerified) {
   EXPECT_EQ(both.exit_code, 0) << both.err;
   EXPECT_EQ(both.err, "") << "one row is verified";
   EXPECT_EQ(shell.hmax("stability predict --mesh cube:n=1 --methods adams_pece").exit_code, 0);
+}
+
+/// Small meshes keep their order, large ones are renumbered inside.
+TEST(StabilityPredict, NamesTheFastestElementByTheNumbersOfTheMesh) {
+  for (const std::string name : {"liver", "ball:n=7"}) {
+    const TetMesh mesh = mesh_by_name(name);
+    const auto has = [&](Eigen::Index tetrahedron, std::int64_t point) {
+      return (mesh.tetrahedra.col(tetrahedron).array() == static_cast<TetMesh::Index>(point - 1)).any();
+    };
+    const std::string line = "stability predict --at rest --methods rk4 --mesh " + name;
+    const Json mode = Shell{}.hmax(line + " --json").json().at("models").at(0).at("fastest_mode");
+    const std::vector<std::int64_t> corners = mode.at("points");
+    ASSERT_EQ(corners.size(), 4);
+    for (const auto corner : corners) EXPECT_TRUE(has(mode.at("element").get<Eigen::Index>() - 1, corner)) << mode;
+
+    const std::string springs = line + " --model mass_spring";
+    const std::vector<std::int64_t> ends =
+        Shell{}.hmax(springs + " --json").json().at("models").at(0).at("fastest_mode").at("points");
+    ASSERT_EQ(ends.size(), 2);
+    bool is_edge = false;
+    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
+      is_edge = is_edge || (has(t, ends[0]) && has(t, ends[1]));
+    EXPECT_TRUE(is_edge) << name << ", points " << ends[0] << " and " << ends[1];
+    EXPECT_NE(Shell{}.hmax(springs).out.find(fmt::format("the spring of points {}, {} has", ends[0], ends[1])),
+              std::string::npos);
+  }
 }
 
 }  // namespace
