@@ -62,10 +62,24 @@ std::string unexpected(const CLI::App& app) {
                      suggestion(wrong, known, "`" + name + " --help` shows what there is"));
 }
 
+/// The first option of one value that has several.
+const CLI::Option* repeated(const CLI::App& command) {
+  const auto options = command.get_options();
+  const auto found = std::ranges::find_if(
+      options, [](const CLI::Option* each) { return each->get_items_expected_max() == 1 && each->count() > 1; });
+  return found == options.end() ? nullptr : *found;
+}
+
 /// An error of the parser as one sentence.
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty()) return unexpected(app);
-  return fmt::format("{}; `{} --help` shows an example", error.what(), command_line_of(reached(app)));
+  if (const CLI::Option* option = repeated(reached(app)))
+    return fmt::format("{} is given {} times; give it once", option->get_name(), option->count());
+  // "--h: 1 required NUMBER missing"
+  const std::string what = error.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && what.ends_with(" missing"))
+    return what.substr(0, what.find(':')) + " has no value; give it one, or leave it out";
+  return fmt::format("{}; `{} --help` shows an example", what, command_line_of(reached(app)));
 }
 
 std::vector<std::string> command_names(const CLI::App& app) {

@@ -32,6 +32,9 @@ TEST(Program, RefusesMissingAndSurplusArguments) {
   const Shell shell;
   expect_refused(shell.hmax("list"), "for instance `hmax list methods`");
   expect_refused(shell.hmax("list methods problems"), "unexpected argument 'problems'");
+  expect_refused(shell.hmax("sweep --jobs 1 --jobs 2"), "--jobs is given 2 times; give it once");
+  expect_refused(shell.hmax("run --problem liver_forced --h 1 --method rk4 --h 2"), "--h is given 2 times");
+  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h"), "--h has no value; give it one");
 }
 
 TEST(Program, ReportsAFullDiskAndIgnoresAReaderThatLeft) {
