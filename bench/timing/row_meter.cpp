@@ -185,7 +185,8 @@ void RowMeter::Parts::tell(const SweepBlock& block, double share) const {
 }
 
 /// Runs a candidate once, or twice where it has output points besides its steps: counts subnormal numbers,
-/// and shows every point to the meter where there is a reference. Throws OverBudget.
+/// and shows every point to the meter where there is a reference. The last run gives the CPU time of rows that are not
+/// timed. Throws OverBudget.
 RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
                                std::optional<ErrorMeter>& meter) {
   const OneThread alone;  // the budget is that of one
@@ -194,6 +195,10 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
   const bool has_reference = reaches_end(reference, block);
   std::int64_t seen = 0;
   double started = thread_cpu_seconds();
+  const auto counted = [&](RunRecord record) {
+    if (!plan_.spec.repeats_runs()) candidate.row.cpu_s = {thread_cpu_seconds() - started};
+    return record;
+  };
   const auto look_at_the_clock = [&] {
     constexpr std::int64_t often = 0xff;
     if ((++seen & often) != 0) return;
@@ -210,10 +215,10 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
   if (block.mode == "fixed") {
     if (!meter) meter.emplace(reference, dim, fixed_step_count(block.run.t_end, block.run.h) + 1, true);
     meter->start();
-    return candidate.runner.run(block.run, [&](double t, const State& y) {
+    return counted(candidate.runner.run(block.run, [&](double t, const State& y) {
       notice(y);
       compare(t, y);
-    });
+    }));
   }
   // Accepted steps and output points are not the same here: one run looks at the steps, one at the points.
   RunSpec steps_only = block.run;
@@ -225,10 +230,10 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
     meter.emplace(reference, dim, fixed_step_count(block.run.t_end, block.run.every) + 1, true);
   meter->start();
   started = thread_cpu_seconds();
-  return candidate.runner.run(block.run, [&](double t, const State& y) {
+  return counted(candidate.runner.run(block.run, [&](double t, const State& y) {
     look_at_the_clock();
     compare(t, y);
-  });
+  }));
 }
 
 Candidate RowMeter::Parts::count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter) {
@@ -304,7 +309,7 @@ std::vector<Row> RowMeter::Parts::measured(const SweepTask& task) {
                     (static_cast<double>(methods.size()) * (plan_.spec.repeats + 2)));
     candidates.push_back(count(block, method, meter));
   }
-  time(block, candidates);
+  if (plan_.spec.repeats_runs()) time(block, candidates);
   std::vector<Row> rows;
   for (Candidate& candidate : candidates) rows.push_back(std::move(candidate.row));
   return rows;

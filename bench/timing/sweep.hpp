@@ -47,6 +47,9 @@ struct SweepSpec {
   int repeats = 9;              ///< timed repetitions, at least 9, of an exploring sweep at least 1
   /// On all cores, many rows at once: see Row::explored. Otherwise one thread, kept on its core, measures all.
   bool explore = false;
+  /// Whether runs are timed by themselves. One repetition of an exploring sweep is the counted run: its time is rough
+  /// in any case.
+  [[nodiscard]] bool repeats_runs() const { return !explore || repeats > 1; }
   std::int64_t max_steps = 1'000'000'000;
   /// A sample is made of as many runs as take this long [s].
   double min_sample_s = 2e-3;
@@ -147,7 +150,8 @@ struct SweepSummary {
 
 /// Measures what is missing in `store`. Block by block: each method runs once with its evaluations counted,
 /// its errors measured and subnormal numbers noticed; then all are timed in turn; then the rows are committed
-/// together. An exploring sweep does the same with each row by itself, those of one problem from long to short.
+/// together. An exploring sweep does the same with each row by itself, those of one problem from long to short, and with one
+/// repetition takes the time of the counted run.
 /// The end state of the timed runs must agree with the counted run bit for bit (std::logic_error otherwise),
 /// so no time is stored without its error.
 /// @param progress     called often, also inside of a block; may be empty

@@ -240,7 +240,9 @@ double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::
     double run = 0;
     if (block.mode == "fixed") run = block.run.t_end / block.run.h * plan.methods[m].stages * each;
     if (block.mode == "sampled") run = block.run.t_end / block.run.every * each;
-    total += std::max(run, plan.spec.min_sample_s) * (plan.spec.repeats + 2);
+    constexpr double least_counted = 1e-4;  // what a short run takes with all that is around it [s]
+    total += plan.spec.repeats_runs() ? std::max(run, plan.spec.min_sample_s) * (plan.spec.repeats + 2)
+                                      : std::max(run, least_counted);
   }
   return total;
 }
