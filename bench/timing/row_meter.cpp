@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -25,6 +26,9 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Errors are measured at no more than about this many points of a run.
 constexpr std::int64_t most_points = 100'000;
 
+/// Numbers of reference states that are kept from block to block: 32 MiB.
+constexpr std::int64_t most_kept_numbers = 1 << 22;
+
 /// Thrown through a run by its sink to end it.
 struct OverBudget {};
 
@@ -39,10 +43,12 @@ bool same_bits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 class ErrorMeter {
  public:
   /// @param points      of each run, the initial one included
-  /// @param same_times  whether point n of every run has the same time
+  /// @param same_times  whether point n of every run has the same time but for rounding
   ErrorMeter(const Reference& reference, Eigen::Index dim, std::int64_t points, bool same_times)
       : reference_(reference), stride_((points + most_points - 1) / most_points), keeps_(same_times) {
-    if (keeps_) kept_.resize(dim, points / stride_ + 1);
+    if (!keeps_) return;
+    kept_.resize(dim, points / stride_ + 1);
+    times_.assign(static_cast<std::size_t>(kept_.cols()), nan);
   }
 
   void start() {
@@ -59,7 +65,11 @@ class ErrorMeter {
       take(t, (y - reference_.at(t)).cwiseAbs().maxCoeff());
       return;
     }
-    if (slot == filled_) kept_.col(filled_++) = reference_.at(t);
+    // Times of different methods may differ by rounding: an error depends on no other run.
+    if (double& kept = times_[static_cast<std::size_t>(slot)]; kept != t) {
+      kept_.col(slot) = reference_.at(t);
+      kept = t;
+    }
     take(t, (y - kept_.col(slot)).cwiseAbs().maxCoeff());
   }
 
@@ -80,15 +90,16 @@ class ErrorMeter {
   std::int64_t stride_, n_ = 0;
   double largest_ = 0, squared_ = 0, last_t_ = 0, last_ = 0;
   bool keeps_;
-  Eigen::MatrixXd kept_;  // shape (dim, slots), filled from the left
-  Eigen::Index filled_ = 0;
+  Eigen::MatrixXd kept_;       // shape (dim, slots)
+  std::vector<double> times_;  // of the kept states; NaN where there is none yet
 };
 
 /// One row on its way: what was counted, and what is still to be timed.
 struct Candidate {
   Row row;
   Runner runner;
-  Eigen::VectorXd end;  // of the counted run
+  Eigen::VectorXd end;   // of the counted run
+  double counted_s = 0;  // its CPU time, with that of errors
   bool timed = true;
   bool agrees = true;  // of every timed run with the counted one
 };
@@ -153,9 +164,9 @@ class RowMeter::Parts {
   std::vector<Row> measured(const SweepTask& task);
 
  private:
-  Candidate count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter);
-  RunRecord watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
-                        std::optional<ErrorMeter>& meter);
+  Candidate count(const SweepBlock& block, std::size_t method);
+  RunRecord watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference);
+  void choose_meter(const SweepBlock& block, std::int64_t points);
   void time(const SweepBlock& block, std::vector<Candidate>& candidates);
   const Reference& reference(const SweepBlock& block);
   void tell(const SweepBlock& block, double share) const;
@@ -168,15 +179,34 @@ class RowMeter::Parts {
   const std::function<bool()>& interrupted_;
   std::optional<Reference> reference_;
   std::size_t reference_of_ = 0;  // index of the problem
+  std::map<const SweepBlock*, ErrorMeter> meters_;  // of blocks whose runs have their points at the same times
+  std::int64_t kept_numbers_ = 0;                   // in those
+  std::optional<ErrorMeter> passing_;               // of a run whose points are at times of its own
+  ErrorMeter* meter_ = nullptr;                     // of the run at hand
 };
 
 const Reference& RowMeter::Parts::reference(const SweepBlock& block) {
   if (!reference_ || reference_of_ != block.problem) {
     if (tell_) tell_(0, "reference of " + plan_.problems[block.problem].id);
+    meters_.clear();
+    kept_numbers_ = 0;
     reference_ = make_reference(plan_.problems[block.problem], block.run.t_end);
     reference_of_ = block.problem;
   }
   return *reference_;
+}
+
+/// The meter for runs of a block that have `points` points at the same times; rows of an exploring sweep come one by one,
+/// from one block and another.
+void RowMeter::Parts::choose_meter(const SweepBlock& block, std::int64_t points) {
+  const Eigen::Index dim = plan_.problems[block.problem].y0.size();
+  if (!meters_.contains(&block)) {
+    const std::int64_t numbers = dim * std::min(points, most_points);
+    if (kept_numbers_ + numbers > most_kept_numbers) meters_.clear(), kept_numbers_ = 0;
+    kept_numbers_ += numbers;
+    meters_.try_emplace(&block, reference(block), dim, points, true);
+  }
+  meter_ = &meters_.at(&block);
 }
 
 /// @param share  of the task at hand that is done
@@ -185,10 +215,9 @@ void RowMeter::Parts::tell(const SweepBlock& block, double share) const {
 }
 
 /// Runs a candidate once, or twice where it has output points besides its steps: counts subnormal numbers,
-/// and shows every point to the meter where there is a reference. The last run gives the CPU time of rows that are not
-/// timed. Throws OverBudget.
-RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference,
-                               std::optional<ErrorMeter>& meter) {
+/// and shows every point to the meter where there is a reference. The last run gives the CPU time of
+/// the candidate. Throws OverBudget.
+RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candidate, const Reference& reference) {
   const OneThread alone;  // the budget is that of one
   using State = Eigen::Ref<const Eigen::VectorXd>;
   const Eigen::Index dim = plan_.problems[block.problem].y0.size();
@@ -196,7 +225,7 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
   std::int64_t seen = 0;
   double started = thread_cpu_seconds();
   const auto counted = [&](RunRecord record) {
-    if (!plan_.spec.repeats_runs()) candidate.row.cpu_s = {thread_cpu_seconds() - started};
+    candidate.counted_s = thread_cpu_seconds() - started;
     return record;
   };
   const auto look_at_the_clock = [&] {
@@ -210,11 +239,11 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
     for (const double value : y) candidate.row.subnormals += std::fpclassify(value) == FP_SUBNORMAL;
   };
   const auto compare = [&](double t, const State& y) {
-    if (has_reference) meter->look(t, y);
+    if (has_reference) meter_->look(t, y);
   };
   if (block.mode == "fixed") {
-    if (!meter) meter.emplace(reference, dim, fixed_step_count(block.run.t_end, block.run.h) + 1, true);
-    meter->start();
+    choose_meter(block, fixed_step_count(block.run.t_end, block.run.h) + 1);
+    meter_->start();
     return counted(candidate.runner.run(block.run, [&](double t, const State& y) {
       notice(y);
       compare(t, y);
@@ -225,10 +254,10 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
   steps_only.every = 0;
   const RunRecord record = candidate.runner.run(steps_only, [&](double, const State& y) { notice(y); });
   if (block.mode == "adaptive")
-    meter.emplace(reference, dim, record.stats.steps + 1, false);
-  else if (!meter)
-    meter.emplace(reference, dim, fixed_step_count(block.run.t_end, block.run.every) + 1, true);
-  meter->start();
+    meter_ = &passing_.emplace(reference, dim, record.stats.steps + 1, false);
+  else
+    choose_meter(block, fixed_step_count(block.run.t_end, block.run.every) + 1);
+  meter_->start();
   started = thread_cpu_seconds();
   return counted(candidate.runner.run(block.run, [&](double t, const State& y) {
     look_at_the_clock();
@@ -236,7 +265,7 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
   }));
 }
 
-Candidate RowMeter::Parts::count(const SweepBlock& block, std::size_t method, std::optional<ErrorMeter>& meter) {
+Candidate RowMeter::Parts::count(const SweepBlock& block, std::size_t method) {
   const Reference& reference = this->reference(block);
   Candidate candidate;
   candidate.runner = plan_.methods[method].bind(plan_.problems[block.problem]);
@@ -248,7 +277,7 @@ Candidate RowMeter::Parts::count(const SweepBlock& block, std::size_t method, st
   row.reference_error = reference.error_bound;
   RunRecord record;
   try {
-    record = watched_run(block, candidate, reference, meter);
+    record = watched_run(block, candidate, reference);
   } catch (const OverBudget&) {
     row.outcome = "over_budget";
     row.status = fmt::format("The run was given up after {} s of CPU time and was not timed.",
@@ -262,7 +291,7 @@ Candidate RowMeter::Parts::count(const SweepBlock& block, std::size_t method, st
   row.steps = record.stats.steps;
   row.rejected = record.stats.rejected;
   row.rhs = record.stats.rhs;
-  judge(block, candidate, record, reference, *meter);
+  judge(block, candidate, record, reference, *meter_);
   return candidate;
 }
 
@@ -302,16 +331,21 @@ std::vector<Row> RowMeter::Parts::measured(const SweepTask& task) {
   const SweepBlock& block = *task.block;
   const std::vector<std::size_t>& methods = task.methods;
   std::vector<Candidate> candidates;
-  std::optional<ErrorMeter> meter;
   for (const std::size_t method : methods) {
     stop_if_asked();
     tell(block, static_cast<double>(candidates.size()) /
                     (static_cast<double>(methods.size()) * (plan_.spec.repeats + 2)));
-    candidates.push_back(count(block, method, meter));
+    candidates.push_back(count(block, method));
   }
   if (plan_.spec.repeats_runs()) time(block, candidates);
   std::vector<Row> rows;
-  for (Candidate& candidate : candidates) rows.push_back(std::move(candidate.row));
+  for (Candidate& candidate : candidates) {
+    // The clock may stand still during the shortest runs; zero would be a missing time.
+    constexpr double least_time = 1e-9;
+    if (candidate.timed && !plan_.spec.repeats_runs())
+      candidate.row.cpu_s = {std::max(candidate.counted_s, least_time)};
+    rows.push_back(std::move(candidate.row));
+  }
   return rows;
 }
 
