@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-// Whoever gives these a MatrixXd, and no expression, compiles nothing of them.
+// Arguments of type MatrixXd use these instances; an expression instantiates its own.
 namespace Eigen {
 extern template class EigenSolver<MatrixXd>;
 extern template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
