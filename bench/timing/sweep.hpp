@@ -80,7 +80,8 @@ struct SweepPlan {
 };
 
 /// Expected CPU time of some methods of a block [s], good enough to divide a sweep and to tell how long it still
-/// takes: 15 ns for a stage or a point of output of two numbers, and at least one sample each.
+/// takes: 15 ns for a stage or a point of output of two numbers, and at least a sample each, or some milliseconds where rows
+/// are not timed by themselves.
 double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::vector<std::size_t>& methods);
 
 /// One of `count` parts of a sweep, for programs that run beside each other.

@@ -240,9 +240,10 @@ double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::
     double run = 0;
     if (block.mode == "fixed") run = block.run.t_end / block.run.h * plan.methods[m].stages * each;
     if (block.mode == "sampled") run = block.run.t_end / block.run.every * each;
-    constexpr double least_counted = 1e-4;  // what a short run takes with all that is around it [s]
-    total += plan.spec.repeats_runs() ? std::max(run, plan.spec.min_sample_s) * (plan.spec.repeats + 2)
-                                      : std::max(run, least_counted);
+    // Short runs with all that is around them, and runs whose evaluations nobody knows before, as they were measured.
+    const bool is_known = block.mode == "fixed" && plan.methods[m].stages > 0;
+    const double counted = std::max(run, is_known ? 1e-3 : 5e-3);
+    total += plan.spec.repeats_runs() ? std::max(run, plan.spec.min_sample_s) * (plan.spec.repeats + 2) : counted;
   }
   return total;
 }

@@ -70,6 +70,21 @@ TEST(Deck, HandsOfSeveralTasksAreShort) {
   EXPECT_TRUE(several && single);
 }
 
+TEST(Deck, HandsOfRowsOfUnknownCostAreFew) {
+  SweepSpec spec;
+  spec.problems = {{"liver_forced", {}}};
+  spec.methods = {"dormand_prince_54", "bogacki_shampine_32", "adams_pece"};
+  spec.h.clear();
+  spec.fixed = spec.sampled = false;
+  for (int i = 0; i < 100; ++i) spec.tolerances.push_back({1e-4 / (i + 1), 1e-4 / (i + 1)});
+  spec.explore = true;
+  spec.repeats = 1;
+  const SweepPlan plan = plan_sweep(spec);
+  Deck deck(plan, rows_of(plan), 16);
+  // An adaptive run with its errors takes milliseconds; a hand of many would leave others without work.
+  EXPECT_LE(deck.deal(0).size(), 10U);
+}
+
 TEST(Deck, AWorkerStaysWithItsProblemAndGoesWhereMostIsLeft) {
   const SweepPlan plan = plan_of(1000);
   Deck deck(plan, rows_of(plan), 2);

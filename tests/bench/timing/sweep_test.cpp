@@ -394,11 +394,19 @@ TEST(Exploring, HasTheRowsOfAMeasuringSweepOnAnyNumberOfThreads) {
     for (Row& row : rows) {
       EXPECT_TRUE(row.explored);
       EXPECT_EQ(row.cpu_s.size(), 1U);
+      EXPECT_GT(row.cpu_s.at(0), 0);
       row.explored = false;
     }
     expect_same_rows(rows, alone);
   }
   set_jobs(before);
+}
+
+TEST(Exploring, TimesSeveralRepetitions) {
+  SweepSpec spec = quick();
+  spec.explore = true;
+  spec.repeats = 3;
+  for (const Row& row : measured(spec)) EXPECT_EQ(row.cpu_s.size(), 3U);
 }
 
 TEST(Exploring, IsNotResumedAsMeasuring) {
