@@ -32,7 +32,8 @@ struct FastestMode {
   double with_mass = 1;   ///< its share of the masses doubled
   double added_mass = 0;  ///< what that adds to the whole body, as a share of it
   double smoothed = 1;    ///< the best of moves of one of its inner points towards the mean of its neighbours
-  std::optional<TissueBody::Index> moved_point;  ///< which that was; none helped or there is no inner point
+  /// Which that was, in hmax's order; empty where none helped or there is no inner point.
+  std::optional<TissueBody::Index> moved_point;
 };
 
 /// @cost  some ten to twenty Lanczos iterations; without gains one

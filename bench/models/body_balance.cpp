@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bench/models/free_parts.hpp"
 #include "core/size_limits.hpp"
@@ -254,10 +256,29 @@ std::int64_t point_number(const Problem& problem, Eigen::Index point) {
 }
 
 NamedElement named_element(const Problem& problem, Eigen::Index element) {
-  const bool springs = problem.body->settings().model.is_of_springs();
-  const Eigen::Index tetrahedra = springs ? 0 : problem.body->mesh().tetrahedron_count();
-  if (element < tetrahedra) return {"tetrahedron", tetrahedron_number(problem, element)};
-  return {springs ? "spring" : "skin triangle", element - tetrahedra + 1};
+  const TissueBody& body = *problem.body;
+  const bool springs = body.settings().model.is_of_springs();
+  const Eigen::Index tetrahedra = springs ? 0 : body.mesh().tetrahedron_count();
+  NamedElement named{.kind = "tetrahedron", .number = 0, .points = {}};
+  if (element < tetrahedra) {
+    named.number = tetrahedron_number(problem, element);
+    for (const auto corner : body.mesh().tetrahedra.col(element)) named.points.push_back(point_number(problem, corner));
+    return named;
+  }
+  named.kind = springs ? "spring" : "skin triangle";
+  named.number = element - tetrahedra + 1;
+  Eigen::Index e = 0;
+  body.visit_rest_stiffness([&](std::span<const TissueBody::Index> points, const auto&) {
+    if (e++ != element) return;
+    for (const auto point : points) named.points.push_back(point_number(problem, point));
+  });
+  return named;
+}
+
+std::string in_words(const NamedElement& element) {
+  return element.kind == "tetrahedron"
+             ? fmt::format("tetrahedron {}", element.number)
+             : fmt::format("the {} of points {}", element.kind, fmt::join(element.points, ", "));
 }
 
 }  // namespace hmax

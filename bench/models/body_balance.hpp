@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -46,11 +47,14 @@ std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron
 /// The same of a point, as `--support points:` takes it.
 std::int64_t point_number(const Problem& problem, Eigen::Index point);
 
-/// "tetrahedron 17", "spring 3", "skin triangle 8": springs and triangles in their order, from 1.
+/// A tetrahedron by its number; springs and skin triangles in hmax's order, from 1, since files do not number them.
 struct NamedElement {
-  std::string_view kind;
+  std::string_view kind;             ///< "tetrahedron", "spring" or "skin triangle"
   std::int64_t number;
+  std::vector<std::int64_t> points;  ///< by point_number()
 };
+/// "tetrahedron 17", "the spring of points 4, 9".
+std::string in_words(const NamedElement& element);
 /// @param element  in the order of elements_of(body) (bench/limits/fastest_mode.hpp)
 NamedElement named_element(const Problem& problem, Eigen::Index element);
 

@@ -40,7 +40,7 @@ SceneMode fastest_mode(const Problem& problem, const Linearised& near) {
           .frequency = hertz(mode.kappa),
           .shape = on_all_points(body, mode.shape),
           .owner = {mode.points.begin(), mode.points.end()},
-          .owner_words = fmt::format("{} {} has {} % of its energy", owner.kind, owner.number,
+          .owner_words = fmt::format("{} has {} % of its energy", in_words(owner),
                                      short_number(100 * mode.owner.share, 3))};
 }
 

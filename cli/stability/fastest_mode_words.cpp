@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "bench/limits/fastest_mode.hpp"
 #include "bench/models/body_balance.hpp"
@@ -27,20 +26,6 @@ std::string growth_in_words(double factor) {
                      percent > 0 ? "larger" : "smaller");
 }
 
-/// The numbers that users know the points of the element by that has most of the energy.
-std::vector<std::int64_t> points_of(const Problem& problem, const FastestMode& mode) {
-  std::vector<std::int64_t> numbers;
-  for (const auto point : mode.points) numbers.push_back(point_number(problem, point));
-  return numbers;
-}
-
-/// "tetrahedron 17"; "the spring of points 4, 9", since files do not number springs.
-std::string owner_in_words(const Problem& problem, const FastestMode& mode) {
-  const NamedElement owner = named_element(problem, mode.owner.element);
-  if (owner.kind == "tetrahedron") return fmt::format("{} {}", owner.kind, owner.number);
-  return fmt::format("the {} of points {}", owner.kind, fmt::join(points_of(problem, mode), ", "));
-}
-
 }  // namespace
 
 Json fastest_mode_json(const Problem& problem, const Linearised& near) {
@@ -58,7 +43,7 @@ Json fastest_mode_json(const Problem& problem, const Linearised& near) {
             {"gershgorin", bound(mode.bounds.gershgorin)}}},
           {"element", owner.number},
           {"element_kind", owner.kind},
-          {"points", points_of(problem, mode)},
+          {"points", owner.points},
           {"centre", {mode.centre.x(), mode.centre.y(), mode.centre.z()}},
           {"energy_share", mode.owner.share},
           {"elements_with_nine_tenths", mode.owner.elements},
@@ -79,7 +64,7 @@ std::string fastest_mode_in_words(const Problem& problem, const Linearised& near
   const std::string fastest = fmt::format(
       "fastest mode at rest {} rad/s: {} has {} % of its energy, {} points move; bounds are larger by {} "
       "(elements), {} (points), {} (Gershgorin)\n",
-      short_number(std::sqrt(mode.kappa)), owner_in_words(problem, mode),
+      short_number(std::sqrt(mode.kappa)), in_words(named_element(problem, mode.owner.element)),
       short_number(100 * mode.owner.share, 3), short_number(mode.owner.moving_points, 3),
       pessimism(mode.bounds.element), pessimism(mode.bounds.nodal), pessimism(mode.bounds.gershgorin));
   if (!tries_gains(problem)) return fastest;

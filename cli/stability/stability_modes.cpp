@@ -108,6 +108,7 @@ Json to_json(const ModeReport& mode) {
           {"moving_points", mode.owner.moving_points},
           {"element", mode.strains ? Json(mode.element.number) : Json()},
           {"element_kind", mode.strains ? Json(mode.element.kind) : Json()},
+          {"points", mode.strains ? Json(mode.element.points) : Json()},
           {"element_share", mode.strains ? Json(mode.owner.share) : Json()},
           {"status", mode.strains ? "" : "the body moves as one, which strains no element"}};
 }
@@ -119,7 +120,7 @@ std::string table_of(const std::vector<ModeReport>& modes, const Console& consol
     const ModeReport& mode = modes[i];
     table.add({std::to_string(i + 1), short_number(mode.frequency()), short_number(mode.omega),
                short_number(mode.zeta, 4), short_number(mode.owner.moving_points, 3),
-               mode.strains ? fmt::format("{} {} with {} %", mode.element.kind, mode.element.number,
+               mode.strains ? fmt::format("{} with {} %", in_words(mode.element),
                                           short_number(100 * mode.owner.share, 3))
                             : "none: it moves as one"});
   }

@@ -92,5 +92,39 @@ TEST(StabilityPredict, NamesTheFastestElementByTheNumbersOfTheMesh) {
   }
 }
 
+/// A cube whose middle, point 13 of a file that counts from 0, lies near one of its neighbours.
+std::string vtk_of_a_misplaced_point() {
+  TetMesh mesh = mesh_by_name("cube:n=2");
+  mesh.points.col(13) += Eigen::Vector3d(0.038, 0.004, 0.002);
+  std::string text = fmt::format("# vtk DataFile Version 3.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {} double\n",
+                                 mesh.point_count());
+  for (const auto& point : mesh.points.colwise()) text += fmt::format("{} {} {}\n", point[0], point[1], point[2]);
+  const auto count = mesh.tetrahedron_count();
+  text += fmt::format("CELLS {} {}\n", count, 5 * count);
+  for (const auto& corners : mesh.tetrahedra.colwise())
+    text += fmt::format("4 {} {} {} {}\n", corners[0], corners[1], corners[2], corners[3]);
+  text += fmt::format("CELL_TYPES {}\n", count);
+  for (Eigen::Index t = 0; t < count; ++t) text += "10\n";
+  return text;
+}
+
+TEST(StabilityPredict, NamesAMisplacedPointByTheNumberOfItsFile) {
+  const Shell shell;
+  write_text(shell / "cube.vtk", vtk_of_a_misplaced_point());
+  const std::string line = "stability predict --at rest --methods rk4 --mesh cube.vtk --unit m --model fem_cauchy";
+  const Json mode = shell.hmax(line + " --json").json().at("models").at(0).at("fastest_mode");
+  EXPECT_EQ(mode.at("gain").at("moved_point"), 13) << mode;
+  EXPECT_EQ(std::ranges::count(mode.at("points"), Json(13)), 1) << mode;
+  EXPECT_NE(shell.hmax(line).out.find("with point 13 moved towards its neighbours"), std::string::npos);
+}
+
+TEST(StabilityModes, NameSpringsByTheirPoints) {
+  const std::string line = "stability modes --mesh ball:n=7 --model mass_spring --at rest --fastest --count 1";
+  const std::vector<std::int64_t> ends = Shell{}.hmax(line + " --json").json().at("modes").at(0).at("points");
+  ASSERT_EQ(ends.size(), 2);
+  EXPECT_NE(Shell{}.hmax(line).out.find(fmt::format("the spring of points {}, {} with", ends[0], ends[1])),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace hmax
