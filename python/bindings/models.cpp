@@ -108,7 +108,7 @@ py::dict run_body(const Body& body, const std::string& method, VectorXd y0, doub
   return run_problem(method, std::move(problem), spec_of(t_end, h, rtol, atol, every));
 }
 
-/// A mesh as arrays: name, points (n, 3) [m], tetrahedra (m, 4), regions (m).
+/// A mesh as arrays: name, points (n, 3) [m], their numbers (n), tetrahedra (m, 4), regions (m).
 py::tuple read_mesh(const std::string& text, std::optional<double> unit) {
   const LoadedMesh loaded = in_background([=](const Stop&) { return load_mesh(text, unit); });
   const TetMesh& mesh = loaded.mesh;
@@ -118,7 +118,9 @@ py::tuple read_mesh(const std::string& text, std::optional<double> unit) {
   // Eigen's columns are the rows of a C array.
   const auto points = py::array_t<double>({mesh.point_count(), Index{3}}, mesh.points.data());
   const auto tetrahedra = py::array_t<TetMesh::Index>({count, Index{4}}, mesh.tetrahedra.data());
-  return py::make_tuple(loaded.name, points, tetrahedra, regions);
+  py::array_t<std::int64_t> numbers(mesh.point_count());
+  for (Index i = 0; i < mesh.point_count(); ++i) numbers.mutable_at(i) = loaded.origin->point_number(i);
+  return py::make_tuple(loaded.name, points, numbers, tetrahedra, regions);
 }
 
 /// What is asked of a model.

@@ -26,6 +26,8 @@ class Mesh:
     """Metres in one unit of its file; None of meshes by name."""
     points: Any
     """Positions at rest [m], shape (points, 3)."""
+    point_numbers: Any
+    """Of each point the number in the file, or from 1 in a mesh by name, as `supports` takes it, shape (points)."""
     tetrahedra: Any
     """Four points each, from 0, shape (tetrahedra, 4)."""
     regions: Any
@@ -50,8 +52,8 @@ def read_mesh(path: Any, unit: Optional[Unit] = None) -> Mesh:
     ((299, 3), (1151, 4))
     """
     metres = _metres(unit)
-    name, points, tetrahedra, regions = _core.read_mesh(str(path), metres)
-    return Mesh(name, metres, points, tetrahedra, regions)
+    name, points, numbers, tetrahedra, regions = _core.read_mesh(str(path), metres)
+    return Mesh(name, metres, points, numbers, tetrahedra, regions)
 
 
 class Body:

@@ -34,6 +34,16 @@ def test_meshes_by_name_have_the_published_counts():
     assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0).all()
 
 
+def test_points_have_the_numbers_that_supports_take():
+    small, large = hmax.read_mesh("cube:n=2"), hmax.read_mesh("cube:n=10")  # the latter is renumbered
+    assert (small.point_numbers == np.arange(1, 28)).all()
+    assert sorted(large.point_numbers) == list(range(1, 1332))
+    # Points of a cube are numbered along x first: the second one is at the first step of the grid.
+    second = large.points[list(large.point_numbers).index(2)]
+    assert np.abs(second - hmax.read_mesh("cube:n=10").points.min(axis=0)).sum() == pytest.approx(0.01)
+    assert not (large.point_numbers == np.arange(1, 1332)).all()
+
+
 def test_a_mesh_file_is_read_in_the_unit_that_is_told(tmp_path):
     file = tmp_path / "two.msh"
     file.write_text(GMSH)
