@@ -45,7 +45,7 @@ StructurePieces pieces_of(std::shared_ptr<const BodyPieces> body) {
 BodyInPieces body_in_pieces(const std::string& name, const ProblemSettings& settings) {
   const TissueId id(name);
   const TissueParameters parameters = tissue_parameters(id, settings);
-  LoadedMesh loaded = load_mesh(id.mesh, settings.unit);
+  LoadedMesh loaded = load_mesh_to_renumber(id.mesh, settings.unit);  // BodyPieces does that
   TissueSettings made = tissue_settings(id, parameters, loaded);
   if (!made.tools.empty())
     throw InputError(

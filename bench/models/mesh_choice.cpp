@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -124,7 +125,10 @@ double unit_in_metres(std::string_view text) {
   return *metres;
 }
 
-LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
+namespace {
+
+/// @param least_renumbered  tetrahedra of a mesh by name
+LoadedMesh load(const std::string& text, std::optional<double> unit, Eigen::Index least_renumbered) {
   OpenedMesh opened = open_mesh(text);
   if (!opened.from_file && unit.value_or(1) != 1)
     throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
@@ -134,14 +138,23 @@ LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
         "METRES",
         text, box_in_words(opened.file.mesh)));
   return told_to_user([&] {
-    const bool keeps_order =
-        !opened.from_file && opened.file.mesh.tetrahedron_count() < least_named_renumbered;
+    const bool keeps_order = !opened.from_file && opened.file.mesh.tetrahedron_count() < least_renumbered;
     MeshImport import = keeps_order ? import_as_it_is(std::move(opened.file))
                                     : import_mesh(std::move(opened.file), unit.value_or(1));
     return LoadedMesh{.name = text,
                       .mesh = std::move(import.mesh),
                       .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
   });
+}
+
+}  // namespace
+
+LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
+  return load(text, unit, least_named_renumbered);
+}
+
+LoadedMesh load_mesh_to_renumber(const std::string& text, std::optional<double> unit) {
+  return load(text, unit, std::numeric_limits<Eigen::Index>::max());
 }
 
 std::string box_in_words(const TetMesh& mesh, double unit) {

@@ -46,6 +46,9 @@ struct LoadedMesh {
 /// @throws InputError as open_mesh, and for defects of the mesh and a unit that is missing or too much
 LoadedMesh load_mesh(const std::string& text, std::optional<double> unit = {});
 
+/// The same where the caller renumbers the mesh: one by name keeps its order.
+LoadedMesh load_mesh_to_renumber(const std::string& text, std::optional<double> unit = {});
+
 /// "0.22 x 0.15 x 0.16", the sides of the box around a mesh.
 std::string box_in_words(const TetMesh& mesh, double unit = 1);
 

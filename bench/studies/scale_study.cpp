@@ -29,7 +29,7 @@ class MeshOnDisk {
  public:
   MeshOnDisk(const std::string& mesh, const std::filesystem::path& folder)
       : file_(folder / "scale_study.msh") {
-    write_file(file_, msh_text(load_mesh(mesh).mesh));
+    write_file(file_, msh_text(open_mesh(mesh).file.mesh));
   }
   ~MeshOnDisk() {
     std::error_code ignored;

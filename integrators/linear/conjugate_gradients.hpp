@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -21,7 +22,8 @@ namespace detail {
 /// loop goes through blocks one after the other, but too late: they are small, and what is done with them is
 /// short.
 inline void fetch_beside(const void* block, std::ptrdiff_t bytes) {
-  __builtin_prefetch(static_cast<const char*>(block) + bytes);
+  // The address may lie outside of the array, which only integers may count to.
+  __builtin_prefetch(reinterpret_cast<const void*>(reinterpret_cast<std::intptr_t>(block) + bytes));
 }
 inline constexpr std::ptrdiff_t fetched_ahead = 4096;
 }  // namespace detail

@@ -1,5 +1,10 @@
 /// Bodies on meshes at the command line.
+#include <algorithm>
 #include <cstring>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "results/table.hpp"
@@ -331,6 +336,21 @@ TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {
   EXPECT_EQ(frames.at("frames").size(), 10u);
   const Json slower = json_of("static --mesh phantom --load press --pseudo-dynamic 3 --frames 10 --json");
   EXPECT_LT(slower.at("largest_error").get<double>(), frames.at("largest_error").get<double>());
+}
+
+/// Rows of matrices are in hmax's order, which is another than that of a large mesh.
+TEST(TissueMatrices, NameTheirRowsByTheNumbersOfTheMesh) {
+  const Shell shell;
+  ASSERT_EQ(shell.hmax("mesh convert ball:n=7 --matrices out").exit_code, 0);
+  std::ifstream file(shell / "out/stiffness.dof");
+  std::string line;
+  std::getline(file, line);  // a comment
+  std::vector<std::string> rows;
+  while (std::getline(file, line)) rows.push_back(line);
+  ASSERT_GT(rows.size(), 3 * 1000U);
+  EXPECT_NE(rows.front(), "1.1");
+  EXPECT_EQ(std::set<std::string>(rows.begin(), rows.end()).size(), rows.size());
+  for (const char* row : {"1.1", "1.2", "1.3"}) EXPECT_EQ(std::ranges::count(rows, row), 1) << row;
 }
 
 }  // namespace
