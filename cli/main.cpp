@@ -78,7 +78,8 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   // "--h: 1 required NUMBER missing"
   const std::string what = error.what();
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && what.ends_with(" missing"))
-    return what.substr(0, what.find(':')) + " has no value; give it one, or leave it out";
+    return fmt::format("{} has no value; give it one, as `{} --help` shows", what.substr(0, what.find(':')),
+                       command_line_of(reached(app)));
   return fmt::format("{}; `{} --help` shows an example", what, command_line_of(reached(app)));
 }
 
