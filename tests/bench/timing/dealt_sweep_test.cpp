@@ -239,7 +239,7 @@ TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
 template <class Error>
 std::string error_of(const std::function<SweepPlan(int rank)>& plan,
                      const std::function<std::string(int rank, std::string_view)>& change = [](int, std::string_view b) { return unchanged(b); },
-    int most_on_a_node = 1) {
+                     int most_on_a_node = 1) {
   const Scratch scratch;
   Store store = open_sweep_store(plan_sweep(quick()), scratch / "a.sqlite", false);
   ThreadRanks ranks(2, most_on_a_node);
