@@ -5,11 +5,13 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
 #include "core/mass_matrix.hpp"
+#include "problems/linearity.hpp"
 
 namespace hmax {
 
@@ -46,6 +48,13 @@ class BasicAnySystem {
   [[nodiscard]] bool has_spectral_radius() const { return self_->has_spectral_radius(); }
   [[nodiscard]] Real spectral_radius(Real t, const State& y) const { return self_->spectral_radius(t, y); }
   [[nodiscard]] bool admits(const State& y) const { return self_->admits(y); }
+  /// How f depends on the state; unknown where the system does not say.
+  [[nodiscard]] Linearity linearity() const { return self_->linearity(); }
+  /// Times in the open interval (t0, t1) where f or its derivatives jump whatever the state, in increasing
+  /// order; empty where the system knows none.
+  [[nodiscard]] std::vector<double> breakpoints(double t0, double t1) const {
+    return self_->breakpoints(t0, t1);
+  }
   [[nodiscard]] bool has_offset() const { return self_->has_offset(); }
   void offset(State& X) const { self_->offset(X); }
 
@@ -86,6 +95,8 @@ class BasicAnySystem {
     virtual bool has_spectral_radius() const = 0;
     virtual Real spectral_radius(Real, const State&) const = 0;
     virtual bool admits(const State&) const = 0;
+    virtual Linearity linearity() const = 0;
+    virtual std::vector<double> breakpoints(double, double) const = 0;
     virtual bool has_offset() const = 0;
     virtual void offset(State&) const = 0;
     virtual Eigen::Index dofs() const = 0;
@@ -234,6 +245,18 @@ class BasicAnySystem {
         return system_.admits(y);
       else
         return system_.admits(Own(y.template cast<typename Own::Scalar>()));
+    }
+    Linearity linearity() const override {
+      if constexpr (requires { system_.linearity(); })
+        return system_.linearity();
+      else
+        return Linearity::unknown;
+    }
+    std::vector<double> breakpoints(double t0, double t1) const override {
+      if constexpr (requires { system_.breakpoints(t0, t1); })
+        return system_.breakpoints(t0, t1);
+      else
+        return {};
     }
     bool has_offset() const override { return with_offset; }
     void offset(State& X) const override {
