@@ -3,7 +3,7 @@
 # them the steps that a controller takes. The x87 instructions behind glibc's powl differ between makers of processors.
 #
 # hmax_elementary holds those functions alone, in one object, and stands before libm on every command line of the linker.
-# Shared libraries (muParser, SUNDIALS) call the functions of the program too.
+# Shared libraries, as SUNDIALS, call the functions of the program too.
 string(REGEX REPLACE "gnu$" "musl" triplet "${CMAKE_LIBRARY_ARCHITECTURE}")
 find_file(HMAX_MUSL libc.a PATHS "/usr/lib/${triplet}" NO_DEFAULT_PATH)
 mark_as_advanced(HMAX_MUSL)

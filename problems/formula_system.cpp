@@ -3,18 +3,24 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <deque>
-#include <mutex>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
-#include <muParser.h>
-
 #include "problems/digits.hpp"
+#include "problems/formula_graph.hpp"
+#include "problems/formula_parser.hpp"
+#include "problems/formula_program.hpp"
+#include "problems/formula_switches.hpp"
 
 namespace hmax {
 namespace {
+
+using Eigen::Index;
+using Order = std::vector<Index>;
+using Slopes = std::vector<std::vector<FormulaSlope>>;
 
 [[noreturn]] void refuse(const std::string& sentence) { throw std::invalid_argument(sentence); }
 
@@ -25,43 +31,10 @@ std::string quoted(std::string_view text) {
   return result;
 }
 
-bool starts_identifier(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
-bool continues_identifier(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
-
 bool is_identifier(std::string_view name) {
-  return !name.empty() && starts_identifier(name[0]) && std::ranges::all_of(name, continues_identifier);
-}
-
-/// Levenshtein's distance: the fewest insertions, deletions and substitutions.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
-/// "did you mean 'k1'" when a known name is near, else the list of what is known.
-std::string remedy(std::string_view name, const std::vector<std::string>& known) {
-  const std::size_t tolerated = name.size() <= 2 ? 1 : 2;
-  const std::string* nearest = nullptr;
-  std::size_t least = tolerated + 1;
-  for (const auto& candidate : known)
-    if (const auto distance = edit_distance(name, candidate); distance < least && distance < name.size()) {
-      nearest = &candidate;
-      least = distance;
-    }
-  if (nearest) return "did you mean " + quoted(*nearest) + "?";
-  std::string list;
-  for (const auto& candidate : known) list += (list.empty() ? "" : ", ") + candidate;
-  return list.empty() ? "there are none" : "known are " + list;
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0 || c == '_'; };
+  return !name.empty() && is_letter(static_cast<unsigned char>(name[0])) &&
+         std::ranges::all_of(name, [&](unsigned char c) { return is_letter(c) || std::isdigit(c) != 0; });
 }
 
 /// A formula as a message shows it: at most 60 characters around a position, control characters as '?'.
@@ -80,170 +53,26 @@ std::string where(const std::pair<std::string, std::string>& equation, std::size
          std::to_string(position + 1) + ": ";
 }
 
-/// Checks what the expression library would accept or explain badly: unknown names, assignments, foreign
-/// characters.
-void check_tokens(const std::pair<std::string, std::string>& equation,
-                  const std::vector<std::string>& known) {
-  const std::string& text = equation.second;
-  const auto at = [&](std::size_t i) { return i < text.size() ? text[i] : '\0'; };
-  if (std::ranges::all_of(text, [](unsigned char c) { return std::isspace(c); }))
-    refuse(where(equation, 0) + "the formula is empty; write the derivative, for instance \"0\"");
-  std::size_t i = 0;
-  while (i < text.size()) {
-    const char c = text[i];
-    if (std::isdigit(static_cast<unsigned char>(c)) || c == '.') {
-      // 1.5e-3: the exponent belongs to the number only when digits follow it.
-      while (std::isdigit(static_cast<unsigned char>(at(i))) || at(i) == '.') ++i;
-      if (at(i) == 'e' || at(i) == 'E') {
-        const std::size_t sign = at(i + 1) == '+' || at(i + 1) == '-' ? 1 : 0;
-        if (std::isdigit(static_cast<unsigned char>(at(i + 1 + sign))))
-          for (i += 1 + sign; std::isdigit(static_cast<unsigned char>(at(i))); ++i) continue;
-      }
-      if (starts_identifier(at(i)))
-        refuse(where(equation, i) + "a name follows a number directly; write the product with *");
-    } else if (starts_identifier(c)) {
-      std::size_t end = i;
-      while (continues_identifier(at(end))) ++end;
-      const auto name = text.substr(i, end - i);
-      if (std::ranges::find(known, name) == known.end())
-        refuse(where(equation, i) + "the name " + quoted(name) + " is not known; " + remedy(name, known));
-      i = end;
-    } else if (c == '=' || ((c == '<' || c == '>' || c == '!') && at(i + 1) == '=')) {
-      if (c == '=' && at(i + 1) != '=')
-        refuse(where(equation, i) +
-               "a formula assigns nothing; write only the derivative, and == to compare");
-      i += 2;
-    } else {
-      if (!std::isspace(static_cast<unsigned char>(c)) &&
-          std::string_view("+-*/^()<>&|?:,").find(c) == std::string::npos)
-        refuse(where(equation, i) + "a formula cannot contain " +
-               (std::isprint(static_cast<unsigned char>(c)) ? quoted({&c, 1}) : "this character") +
-               "; use names, numbers, + - * / ^ ( ) and functions");
-      ++i;
-    }
-  }
+/// Refuses names that are no identifiers or not free.
+void check_names(const FormulaDefinition& definition) {
+  std::set<std::string> taken;
+  const auto check = [&](const std::string& kind, const std::string& name) {
+    const std::string what = kind + " " + quoted(name);
+    if (!is_identifier(name) || name.size() > 100)
+      refuse("the " + what + " is no name; use at most 100 letters, digits and _, a letter first");
+    if (name == "t") refuse("the " + what + " has the name of the time; choose another name");
+    if (name == "pi" || name == "e")
+      refuse("the " + what + " has the name of a constant; choose another name");
+    if (std::ranges::binary_search(formula_functions(), name))
+      refuse("the " + what + " has the name of a function; choose another name");
+    if (!taken.insert(name).second)
+      refuse("the " + what + " is defined twice; choose another name for one of them");
+  };
+  for (const auto& [name, formula] : definition.equations) check("state", name);
+  for (const auto& [name, value] : definition.parameters) check("parameter", name);
 }
 
-std::string explain(const mu::ParserError& error) {
-  const auto token = quoted(error.GetToken());
-  switch (error.GetCode()) {
-    case mu::ecUNEXPECTED_OPERATOR:
-      return "the operator " + token + " is out of place; give it a value on both sides";
-    case mu::ecUNEXPECTED_EOF:
-      return "the formula ends too early; complete it";
-    case mu::ecUNEXPECTED_ARG_SEP:
-    case mu::ecUNEXPECTED_ARG:
-      return "a comma belongs only between the arguments of a function; write decimals with a point";
-    case mu::ecUNEXPECTED_PARENS:
-      return "the parenthesis " + token + " is out of place; write products with * and close what is open";
-    case mu::ecMISSING_PARENS:
-      return "a parenthesis is not closed; add ')'";
-    case mu::ecUNEXPECTED_VAL:
-    case mu::ecUNEXPECTED_VAR:
-    case mu::ecUNEXPECTED_FUN:
-      return "an operator is missing before " + token + "; write products with *";
-    case mu::ecTOO_MANY_PARAMS:
-      return "too many arguments for the function " + token + "; remove one";
-    case mu::ecTOO_FEW_PARAMS:
-      return "too few arguments for the function " + token + "; add one";
-    case mu::ecMISPLACED_COLON:
-    case mu::ecMISSING_ELSE_CLAUSE:
-      return "a condition has the form a ? b : c; write all three parts";
-    case mu::ecINTERNAL_ERROR:  // what the library says to a lone sign
-      return "a sign without a value; complete the formula";
-    default:
-      return "the formula cannot be read from here; functions need parentheses, products *, conditions && "
-             "and ||";
-  }
-}
-
-/// The library keeps its number format in one static object, so parsers are built one after another.
-std::mutex& parser_construction() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-}  // namespace
-
-struct FormulaSystem::Evaluator {
-  std::vector<double> values;  // t, y, parameters: the parsers hold addresses into it, so it never grows
-  std::deque<mu::Parser> formulas;
-
-  explicit Evaluator(const FormulaDefinition& definition) {
-    const std::scoped_lock lock(parser_construction());
-    const auto known = check_names(definition);
-    values.assign(1 + definition.equations.size() + definition.parameters.size(), 0.0);
-    for (std::size_t i = 0; i < definition.parameters.size(); ++i)
-      values[1 + definition.equations.size() + i] = definition.parameters[i].second;
-    values[0] = definition.t0;
-    std::ranges::copy(definition.y0, values.begin() + 1);
-    for (const auto& equation : definition.equations) {
-      check_tokens(equation, known);
-      parse(definition, equation);
-    }
-  }
-
-  /// A parser that knows the functions and constants but no variable yet.
-  static mu::Parser bare_parser() {
-    mu::Parser parser;
-    parser.ClearConst();
-    parser.DefineConst("pi", std::numbers::pi);
-    parser.DefineConst("e", std::numbers::e);
-    return parser;
-  }
-
-  /// Refuses names that are no identifiers or not free; returns every name that a formula may use.
-  static std::vector<std::string> check_names(const FormulaDefinition& definition) {
-    std::set<std::string> functions;
-    const mu::Parser parser = bare_parser();
-    for (const auto& [name, function] : parser.GetFunDef()) functions.insert(name);
-    std::set<std::string> taken;
-    std::vector<std::string> known;
-    const auto add = [&](const std::string& kind, const std::string& name) {
-      const std::string what = kind + " " + quoted(name);
-      if (!is_identifier(name) || name.size() > 100)
-        refuse("the " + what + " is no name; use at most 100 letters, digits and _, a letter first");
-      if (name == "t") refuse("the " + what + " has the name of the time; choose another name");
-      if (name == "pi" || name == "e")
-        refuse("the " + what + " has the name of a constant; choose another name");
-      if (functions.contains(name))
-        refuse("the " + what + " has the name of a function; choose another name");
-      if (!taken.insert(name).second)
-        refuse("the " + what + " is defined twice; choose another name for one of them");
-      known.push_back(name);
-    };
-    for (const auto& [name, formula] : definition.equations) add("state", name);
-    for (const auto& [name, value] : definition.parameters) add("parameter", name);
-    known.insert(known.end(), {"t", "pi", "e"});
-    known.insert(known.end(), functions.begin(), functions.end());
-    return known;
-  }
-
-  void parse(const FormulaDefinition& definition, const std::pair<std::string, std::string>& equation) {
-    auto& parser = formulas.emplace_back(bare_parser());
-    std::size_t slot = 0;
-    parser.DefineVar("t", &values[slot++]);
-    for (const auto& [name, formula] : definition.equations) parser.DefineVar(name, &values[slot++]);
-    for (const auto& [name, value] : definition.parameters) parser.DefineVar(name, &values[slot++]);
-    double start = 0;
-    try {
-      parser.SetExpr(equation.second);
-      start = parser.Eval();
-    } catch (const mu::ParserError& error) {
-      refuse(where(equation, static_cast<std::size_t>(std::max(error.GetPos(), 0))) + explain(error));
-    }
-    if (parser.GetNumResults() != 1)
-      refuse(where(equation, equation.second.find(',')) +
-             "a formula has one value, not several; write decimals with a point, not a comma");
-    if (!std::isfinite(start))
-      refuse("equation " + equation.first + "' = " + shown(equation.second, 0) +
-             ": the derivative is not finite at the start, t0 and y0; change the initial state, a parameter "
-             "or the formula");
-  }
-};
-
-FormulaSystem::FormulaSystem(FormulaDefinition definition) : definition_(std::move(definition)) {
-  const auto& d = definition_;
+void check_numbers(const FormulaDefinition& d) {
   if (d.equations.empty()) refuse("the system has no equations; give at least one, for instance x = \"-x\"");
   if (d.y0.size() != d.equations.size())
     refuse("the system has " + std::to_string(d.equations.size()) + " equations but " +
@@ -259,44 +88,296 @@ FormulaSystem::FormulaSystem(FormulaDefinition definition) : definition_(std::mo
   for (const auto& [name, value] : d.parameters)
     if (!std::isfinite(value))
       refuse("the parameter " + quoted(name) + " is not finite; give a finite number");
-  evaluator_ = std::make_unique<Evaluator>(d);
 }
 
-FormulaSystem::FormulaSystem(const FormulaSystem& other) : FormulaSystem(other.definition_) {}
-FormulaSystem::FormulaSystem(FormulaSystem&&) noexcept = default;
-FormulaSystem::~FormulaSystem() = default;
+/// The formulas of a definition in a graph, one root for each component of y, and their derivatives.
+struct Formulas {
+  FormulaGraph graph;
+  std::vector<FormulaNodeId> roots;
+  Slopes slopes;
+  std::vector<FormulaNodeId> time_slopes;
 
-FormulaSystem& FormulaSystem::operator=(FormulaSystem other) noexcept {
-  std::swap(definition_, other.definition_);
-  std::swap(evaluator_, other.evaluator_);
-  return *this;
+  /// @param order  component i of y is state order[i] of the definition
+  Formulas(const FormulaDefinition& definition, const Order& order) {
+    std::vector<FormulaName> names(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const auto state = static_cast<std::size_t>(order[i]);
+      names[state] = {definition.equations[state].first, graph.state(static_cast<int>(i))};
+    }
+    for (const auto& [name, value] : definition.parameters) names.push_back({name, graph.constant(value)});
+    names.push_back({"t", graph.time()});
+    names.push_back({"pi", graph.constant(std::numbers::pi)});
+    names.push_back({"e", graph.constant(std::numbers::e)});
+    for (const Index state : order) {
+      const auto& equation = definition.equations[static_cast<std::size_t>(state)];
+      try {
+        roots.push_back(parse_formula(equation.second, names, graph));
+      } catch (const FormulaError& error) {
+        refuse(where(equation, error.position()) + error.what());
+      }
+    }
+    slopes = state_slopes(graph, roots);
+    time_slopes = hmax::time_slopes(graph, roots);
+  }
+
+  [[nodiscard]] int states() const { return static_cast<int>(roots.size()); }
+
+  /// The state that component i is the derivative of and nothing else: f_i = y_j for every t and y.
+  [[nodiscard]] std::optional<Index> copied_by(std::size_t i) const {
+    const FormulaNode& root = graph[roots[i]];
+    if (root.op == FormulaOp::state) return root.a;
+    const FormulaDependence& of = graph.dependence(roots[i]);
+    if (of.on_time || of.switches_with_state || slopes[i].size() != 1 ||
+        !graph.is_constant(slopes[i][0].node, 1))
+      return std::nullopt;
+    // f_i = y_j + c
+    double at_zero = 0;
+    const std::vector<double> zero(roots.size(), 0.0);
+    FormulaProgram(graph, {roots[i]}, states()).run(0, zero.data(), &at_zero);
+    return at_zero == 0 ? std::optional<Index>(slopes[i][0].state) : std::nullopt;
+  }
+};
+
+/// Positions, each beside its velocity, that cover all states once: q_i' = v_i. A state that is no derivative
+/// of another can only be a position; in a cycle of derivatives the first state of the user is one.
+/// @return  the order (q, v), empty where there is none
+Order packed_order(const std::vector<std::optional<Index>>& derivative_is) {
+  const std::size_t n = derivative_is.size();
+  if (n == 0 || n % 2 != 0) return {};
+  std::vector<bool> taken(n, false);
+  Order q, v;
+  while (q.size() + v.size() < n) {
+    std::vector<bool> is_derivative(n, false);
+    for (std::size_t i = 0; i < n; ++i)
+      if (!taken[i] && derivative_is[i]) is_derivative[static_cast<std::size_t>(*derivative_is[i])] = true;
+    std::size_t position = n;
+    for (std::size_t i = n; i-- > 0;)
+      if (!taken[i] && (position == n || is_derivative[position] || !is_derivative[i])) position = i;
+    const auto velocity = derivative_is[position];
+    if (!velocity || static_cast<std::size_t>(*velocity) == position ||
+        taken[static_cast<std::size_t>(*velocity)])
+      return {};
+    q.push_back(static_cast<Index>(position));
+    v.push_back(*velocity);
+    taken[position] = taken[static_cast<std::size_t>(*velocity)] = true;
+  }
+  // Positions in the order of the user.
+  std::vector<std::size_t> by_user(q.size());
+  std::iota(by_user.begin(), by_user.end(), 0U);
+  std::ranges::sort(by_user, {}, [&](std::size_t k) { return q[k]; });
+  Order order;
+  for (const std::size_t k : by_user) order.push_back(q[k]);
+  for (const std::size_t k : by_user) order.push_back(v[k]);
+  return order;
+}
+
+/// The order that the user names.
+Order named_order(const FormulaDefinition& d, const std::vector<std::optional<Index>>& derivative_is) {
+  if (d.positions.size() != d.velocities.size())
+    refuse("there are " + std::to_string(d.positions.size()) + " positions but " +
+           std::to_string(d.velocities.size()) + " velocities; name the velocity of each position");
+  std::vector<std::string> states;
+  for (const auto& [name, formula] : d.equations) states.push_back(name);
+  Order order;
+  for (const auto* names : {&d.positions, &d.velocities})
+    for (const std::string& name : *names) {
+      const auto at = std::ranges::find(states, name);
+      if (at == states.end())
+        refuse("positions and velocities name " + quoted(name) + ", which has no equation; " +
+               nearest_name(name, states));
+      const Index state = at - states.begin();
+      if (std::ranges::find(order, state) != order.end())
+        refuse("positions and velocities name " + quoted(name) + " twice; name each state once");
+      order.push_back(state);
+    }
+  if (order.size() != states.size())
+    refuse("positions and velocities name " + std::to_string(order.size()) + " of " +
+           std::to_string(states.size()) + " states; name each state once");
+  for (std::size_t k = 0; k < d.positions.size(); ++k) {
+    const auto q = static_cast<std::size_t>(order[k]);
+    if (derivative_is[q] == order[d.positions.size() + k]) continue;
+    const auto& [name, formula] = d.equations[q];
+    refuse("equation " + name + "' = " + shown(formula, 0) + ": this is not the velocity " +
+           quoted(d.velocities[k]) + "; write " + name + " = \"" + d.velocities[k] +
+           "\", or leave out positions and velocities");
+  }
+  return order;
+}
+
+Order order_of(const FormulaDefinition& definition, const Formulas& formulas) {
+  std::vector<std::optional<Index>> derivative_is;
+  for (std::size_t i = 0; i < formulas.roots.size(); ++i) derivative_is.push_back(formulas.copied_by(i));
+  if (definition.positions.empty() && definition.velocities.empty()) return packed_order(derivative_is);
+  return named_order(definition, derivative_is);
+}
+
+Order as_written(std::size_t n) {
+  Order order(n);
+  std::iota(order.begin(), order.end(), Index{0});
+  return order;
+}
+
+Linearity linearity_of(const Formulas& formulas) {
+  Linearity found = Linearity::linear;
+  for (std::size_t i = 0; i < formulas.roots.size(); ++i) {
+    if (formulas.graph.dependence(formulas.roots[i]).switches_with_state) return Linearity::nonlinear;
+    for (const FormulaSlope& slope : formulas.slopes[i]) {
+      const FormulaDependence& of = formulas.graph.dependence(slope.node);
+      if (of.on_state) return Linearity::nonlinear;
+      if (of.on_time) found = Linearity::time_varying;
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+struct FormulaSystem::Compiled {
+  Order order;
+  Index dofs = 0;
+  FormulaProgram rhs, force, jacobian, time_derivative;
+  Jacobian constant_slopes;                       ///< entries that change are 0
+  std::vector<std::pair<Index, Index>> changing;  ///< the others, in the order of the values of `jacobian`
+  bool autonomous = false;
+  Linearity linearity = Linearity::unknown;
+  FormulaSwitches switches;
+
+  explicit Compiled(const FormulaDefinition& definition) : order(as_written(definition.equations.size())) {
+    Formulas formulas(definition, order);
+    check_start(definition, formulas);
+    if (const Order packed = order_of(definition, formulas); !packed.empty()) {
+      dofs = static_cast<Index>(packed.size() / 2);
+      if (packed != order) formulas = Formulas(definition, packed);
+      order = packed;
+    }
+    compile(formulas);
+  }
+
+  static void check_start(const FormulaDefinition& definition, const Formulas& formulas) {
+    std::vector<double> start(formulas.roots.size());
+    FormulaProgram(formulas.graph, formulas.roots, formulas.states())
+        .run(definition.t0, definition.y0.data(), start.data());
+    for (std::size_t i = 0; i < start.size(); ++i)
+      if (!std::isfinite(start[i]))
+        refuse(
+            "equation " + definition.equations[i].first + "' = " + shown(definition.equations[i].second, 0) +
+            ": the derivative is not finite at the start, t0 and y0; change the initial state, a parameter "
+            "or the formula");
+  }
+
+  void compile(Formulas& formulas) {
+    const int n = formulas.states();
+    const auto& [graph, roots, slopes, time_slopes] = formulas;
+    rhs = FormulaProgram(graph, roots, n);
+    if (dofs > 0) force = FormulaProgram(graph, {roots.begin() + dofs, roots.end()}, n);
+    constant_slopes = Jacobian::Zero(n, n);
+    std::vector<FormulaNodeId> entries;
+    for (Index i = 0; i < n; ++i)
+      for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(i)]) {
+        if (graph.is_constant(slope.node)) {
+          constant_slopes(i, slope.state) = graph[slope.node].value;
+          continue;
+        }
+        changing.emplace_back(i, slope.state);
+        entries.push_back(slope.node);
+      }
+    jacobian = FormulaProgram(graph, entries, n);
+    time_derivative = FormulaProgram(graph, time_slopes, n);
+    autonomous =
+        std::ranges::none_of(roots, [&](FormulaNodeId root) { return graph.dependence(root).on_time; });
+    linearity = linearity_of(formulas);
+    switches = FormulaSwitches(formulas.graph, roots, n);
+  }
+
+  /// Calls set(i, j, value) for each entry of the Jacobian that changes.
+  template <class Set>
+  void each_changing(double t, const double* y, const Set& set) const {
+    if (changing.empty()) return;
+    thread_local std::vector<double> values;
+    values.resize(changing.size());
+    jacobian.run(t, y, values.data());
+    for (std::size_t k = 0; k < changing.size(); ++k) set(changing[k].first, changing[k].second, values[k]);
+  }
+
+  /// -J in the rows of the velocities, columns from `first` on, shape (dofs, dofs).
+  void write_block(double t, const Dofs& q, const Dofs& v, Index first, DofMatrix& out) const {
+    State y(2 * dofs);
+    y << q, v;
+    // 0 - x, for -0 is nothing to show.
+    out = DofMatrix::Zero(dofs, dofs) - constant_slopes.block(dofs, first, dofs, dofs);
+    each_changing(t, y.data(), [&](Index i, Index j, double value) {
+      if (i >= dofs && j >= first && j < first + dofs) out(i - dofs, j - first) = 0 - value;
+    });
+  }
+};
+
+FormulaSystem::FormulaSystem(FormulaDefinition definition) : definition_(std::move(definition)) {
+  check_numbers(definition_);
+  check_names(definition_);
+  compiled_ = std::make_shared<const Compiled>(definition_);
 }
 
 void FormulaSystem::rhs(double t, const State& y, State& dydt) const {
-  auto& values = evaluator_->values;
-  values[0] = t;
-  std::copy(y.begin(), y.end(), values.begin() + 1);
-  Eigen::Index i = 0;
-  for (const auto& formula : evaluator_->formulas) dydt[i++] = formula.Eval();
+  compiled_->rhs.run(t, y.data(), dydt.data());
+}
+
+void FormulaSystem::jacobian(double t, const State& y, Jacobian& J) const {
+  J = compiled_->constant_slopes;
+  compiled_->each_changing(t, y.data(), [&](Index i, Index j, double value) { J(i, j) = value; });
+}
+
+void FormulaSystem::time_derivative(double t, const State& y, State& dfdt) const {
+  dfdt.resize(dim());
+  compiled_->time_derivative.run(t, y.data(), dfdt.data());
+}
+
+bool FormulaSystem::is_autonomous() const { return compiled_->autonomous; }
+Linearity FormulaSystem::linearity() const { return compiled_->linearity; }
+std::vector<double> FormulaSystem::breakpoints(double t0, double t1) const {
+  return compiled_->switches.between(t0, t1);
+}
+
+Index FormulaSystem::dofs() const { return compiled_->dofs; }
+const std::vector<Index>& FormulaSystem::order() const { return compiled_->order; }
+
+void FormulaSystem::force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
+  thread_local State y;
+  y.resize(2 * q.size());
+  y << q, v;
+  f.resize(q.size());
+  compiled_->force.run(t, y.data(), f.data());
+}
+
+void FormulaSystem::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
+  compiled_->write_block(t, q, v, 0, K);
+}
+
+void FormulaSystem::damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
+  compiled_->write_block(t, q, v, compiled_->dofs, C);
 }
 
 void FormulaSystem::set(std::string_view parameter, double value) {
   if (!std::isfinite(value))
     refuse("the parameter " + quoted(parameter) + " is not finite; give a finite number");
   std::vector<std::string> known;
-  for (std::size_t i = 0; i < definition_.parameters.size(); ++i) {
-    if (definition_.parameters[i].first == parameter) {
-      definition_.parameters[i].second = value;
-      evaluator_->values[1 + definition_.equations.size() + i] = value;
+  FormulaDefinition changed = definition_;
+  for (auto& [name, held] : changed.parameters) {
+    if (name == parameter) {
+      held = value;
+      // Parameters are constants of the programs.
+      *this = FormulaSystem(std::move(changed));
       return;
     }
-    known.push_back(definition_.parameters[i].first);
+    known.push_back(name);
   }
-  refuse("the system has no parameter " + quoted(parameter) + "; " + remedy(parameter, known));
+  refuse("the system has no parameter " + quoted(parameter) + "; " + nearest_name(parameter, known));
 }
 
 FormulaSystem::State FormulaSystem::y0() const {
-  return Eigen::Map<const State>(definition_.y0.data(), static_cast<Eigen::Index>(definition_.y0.size()));
+  State y(dim());
+  for (Index i = 0; i < dim(); ++i)
+    y[i] = definition_.y0[static_cast<std::size_t>(order()[static_cast<std::size_t>(i)])];
+  return y;
 }
 
 }  // namespace hmax

@@ -47,7 +47,6 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^mpi", "^bench/(petsc|mpi)/"},
     {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/timing/formula_reference|tests/)"},
     {"^benchmark/", "^bench/micro/"},
-    {"^muParser", "^problems/formula[a-z_]*\\.cpp$"},
     {"^toml", "\\.cpp$"},
     {"^sqlite3", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},
     {"^results/sqlite/",

@@ -92,8 +92,6 @@ TEST(IncludeArrows, ForeignHeadersOutsideTheirPlaceAreRefused) {
   EXPECT_FALSE(violation({"integrators/sundials/cvode.hpp", "cvode/cvode.h", false}));
   EXPECT_TRUE(violation({"bench/sweep.cpp", "boost/numeric/odeint.hpp", false}));
   EXPECT_FALSE(violation({"bench/timing/formula_reference.cpp", "boost/numeric/odeint.hpp", false}));
-  EXPECT_TRUE(violation({"problems/formula.hpp", "muParser.h", false}));
-  EXPECT_FALSE(violation({"problems/formula.cpp", "muParser.h", false}));
   EXPECT_TRUE(violation({"bench/sweep.cpp", "sqlite3.h", false}));
   EXPECT_TRUE(violation({"results/store.hpp", "sqlite3.h", false}));
   EXPECT_TRUE(violation({"results/store.hpp", "results/sqlite/sqlite.hpp", true}));

@@ -72,8 +72,8 @@ docstrings.
 
 Arrays are of numpy, sparse matrices of scipy.sparse; dense arrays of other types are converted. Input that is wrong raises `ValueError`.
 Calls release the GIL; functions that are given are called from the calling thread. After Ctrl-C a call returns at once; what it
-computes between two outputs, such as eigenvalues, may go on in the background until the next one. In Python, muParser and SUNDIALS
-take elementary functions from libm, the rest of hmax its own.
+computes between two outputs, such as eigenvalues, may go on in the background until the next one. In Python, SUNDIALS
+takes elementary functions from libm, the rest of hmax its own.
 
 """
 

@@ -13,7 +13,6 @@
 
 #include "integrators/stats.hpp"
 #include "problems/any_system.hpp"
-#include "problems/formula_system.hpp"
 #include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
@@ -28,18 +27,21 @@ static_assert(SecondOrderSystem<Counted<Oscillator>> && SplitSystem<Counted<AnyS
 const OscillatorParameters parameters{.m = 1.3, .c = 0.7, .k1 = 0.9, .k3 = 2.1, .P = 0.4, .w = 1.7};
 const Eigen::Vector2d y(0.6, -0.3);
 
-FormulaSystem formulas() {
-  return FormulaSystem({.name = "oscillator",
-                        .equations = {{"x", "v"}, {"v", "(0.4*cos(1.7*t) - 0.7*v - 0.9*x - 2.1*x^3)/1.3"}},
-                        .parameters = {},
-                        .y0 = {0.6, -0.3}});
-}
+/// The oscillator of `parameters` as somebody writes it who knows no derivatives.
+struct PlainOscillator {
+  using State = Eigen::VectorXd;
+  [[nodiscard]] static Eigen::Index dim() { return 2; }
+  static void rhs(double t, const State& u, State& dudt) {
+    dudt[0] = u[1];
+    dudt[1] = (0.4 * std::cos(1.7 * t) - 0.7 * u[1] - 0.9 * u[0] - 2.1 * u[0] * u[0] * u[0]) / 1.3;
+  }
+};
 
 TEST(JacobianSource, DifferencesComeNearTheSystemsOwn) {
   const Oscillator oscillator(parameters);
   Eigen::Matrix2d exact;
   oscillator.jacobian(0.8, y, exact);
-  const AnySystem system(formulas());
+  const AnySystem system(PlainOscillator{});
   ASSERT_FALSE(has_jacobian(system));
   JacobianSource<AnySystem::State, AnySystem::Jacobian> source;
   source.init(system);
@@ -52,7 +54,7 @@ TEST(JacobianSource, TimeDerivativeByDifferencesComesNearTheSystemsOwn) {
   const Oscillator oscillator(parameters);
   Eigen::Vector2d exact;
   oscillator.time_derivative(0.8, y, exact);
-  const AnySystem system(formulas());
+  const AnySystem system(PlainOscillator{});
   Eigen::VectorXd f0(2), dfdt(2);
   system.rhs(0.8, y, f0);
   evaluate_time_derivative(system, 0.8, Eigen::VectorXd(y), f0, dfdt);
@@ -128,7 +130,7 @@ TEST(JacobianSource, TakesTheColumnsOfATridiagonalMatrixInThreeGroups) {
 TEST(JacobianSource, OfASystemWithAPatternIsSparseBehindAnyType) {
   const AnySystem row(PatternedRow<Eigen::MatrixXd>{{40}});
   ASSERT_TRUE(has_sparsity(row));
-  EXPECT_FALSE(has_sparsity(AnySystem(formulas())));
+  EXPECT_FALSE(has_sparsity(AnySystem(PlainOscillator{})));
   JacobianSource<AnySystem::State, AnySystem::Jacobian> source;
   AnySystem::Jacobian J;
   source.init(row);
@@ -182,7 +184,7 @@ TEST(AnySystem, HasTheVerbsOfTheSystemBehindIt) {
 
 TEST(AnySystem, ComputesInLongDoubleWhereTheSystemDoes) {
   const BasicAnySystem<long double> any{BasicOscillator<long double>(parameters)};
-  const BasicAnySystem<long double> rounded{formulas()};
+  const BasicAnySystem<long double> rounded{PlainOscillator{}};
   const Eigen::Vector<long double, Eigen::Dynamic> wide = y.cast<long double>();
   Eigen::Vector<long double, Eigen::Dynamic> a(2), b(2);
   any.rhs(0.8L, wide, a);

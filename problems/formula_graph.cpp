@@ -1,0 +1,435 @@
+#include "problems/formula_graph.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace hmax {
+
+using Id = FormulaNodeId;
+using enum FormulaOp;
+
+int operands_of(FormulaOp op) {
+  switch (op) {
+    case constant:
+    case time:
+    case state:
+      return 0;
+    case choose:
+      return 3;
+    case add:
+    case subtract:
+    case multiply:
+    case divide:
+    case power:
+    case less:
+    case less_equal:
+    case greater:
+    case greater_equal:
+    case equal:
+    case not_equal:
+    case both:
+    case either:
+    case atan2:
+    case minimum:
+    case maximum:
+      return 2;
+    default:
+      return 1;
+  }
+}
+
+namespace {
+
+double value_of_function(FormulaOp op, double a) {
+  switch (op) {
+    case sin:
+      return std::sin(a);
+    case cos:
+      return std::cos(a);
+    case tan:
+      return std::tan(a);
+    case asin:
+      return std::asin(a);
+    case acos:
+      return std::acos(a);
+    case atan:
+      return std::atan(a);
+    case sinh:
+      return std::sinh(a);
+    case cosh:
+      return std::cosh(a);
+    case tanh:
+      return std::tanh(a);
+    case asinh:
+      return std::asinh(a);
+    case acosh:
+      return std::acosh(a);
+    case atanh:
+      return std::atanh(a);
+    case exp:
+      return std::exp(a);
+    case log:
+      return std::log(a);
+    case log2:
+      return std::log2(a);
+    case log10:
+      return std::log10(a);
+    case sqrt:
+      return std::sqrt(a);
+    case abs:
+      return std::abs(a);
+    case sign:
+      return a < 0 ? -1 : a > 0 ? 1 : 0;
+    case rint:
+      return std::floor(a + 0.5);
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+}  // namespace
+
+double formula_value(FormulaOp op, double a, double b, double c) {
+  switch (op) {
+    case negate:
+      return -a;
+    case add:
+      return a + b;
+    case subtract:
+      return a - b;
+    case multiply:
+      return a * b;
+    case divide:
+      return a / b;
+    case power:
+      return std::pow(a, b);
+    case square:
+      return a * a;
+    case cube:
+      return a * a * a;
+    case fourth:
+      return (a * a) * (a * a);
+    case less:
+      return a < b ? 1 : 0;
+    case less_equal:
+      return a <= b ? 1 : 0;
+    case greater:
+      return a > b ? 1 : 0;
+    case greater_equal:
+      return a >= b ? 1 : 0;
+    case equal:
+      return a == b ? 1 : 0;
+    case not_equal:
+      return a != b ? 1 : 0;
+    case both:
+      return a != 0 && b != 0 ? 1 : 0;
+    case either:
+      return a != 0 || b != 0 ? 1 : 0;
+    case choose:
+      return a != 0 ? b : c;
+    case atan2:
+      return std::atan2(a, b);
+    case minimum:
+      return b < a ? b : a;
+    case maximum:
+      return a < b ? b : a;
+    default:
+      return value_of_function(op, a);
+  }
+}
+
+namespace {
+/// Whether the value jumps, or has a kink, where an expression of its operands passes zero.
+bool is_switch(FormulaOp op) {
+  switch (op) {
+    case less:
+    case less_equal:
+    case greater:
+    case greater_equal:
+    case equal:
+    case not_equal:
+    case both:
+    case either:
+    case abs:
+    case sign:
+    case rint:
+    case minimum:
+    case maximum:
+      return true;
+    default:
+      return false;
+  }
+}
+}  // namespace
+
+FormulaDependence FormulaGraph::dependence_of(const FormulaNode& node) const {
+  const int operands = operands_of(node.op);
+  if (node.op == multiply && (is_constant(node.a, 0) || is_constant(node.b, 0))) return {};
+  if (node.op == divide && is_constant(node.a, 0)) return {};
+  FormulaDependence all;
+  const auto take = [&](Id id) {
+    const FormulaDependence& of = dependence(id);
+    all.on_time = all.on_time || of.on_time;
+    all.on_state = all.on_state || of.on_state;
+    all.switches_with_state = all.switches_with_state || of.switches_with_state;
+  };
+  if (operands > 0) take(node.a);
+  if (operands > 1) take(node.b);
+  if (operands > 2) take(node.c);
+  if (is_switch(node.op) && all.on_state) all.switches_with_state = true;
+  if (node.op == choose && dependence(node.a).on_state) all.switches_with_state = true;
+  return all;
+}
+
+Id FormulaGraph::keep(const FormulaNode& node, FormulaDependence dependence) {
+  const Key key{node.op, node.a, node.b, node.c, std::bit_cast<std::uint64_t>(node.value)};
+  const auto [at, is_new] = known_.try_emplace(key, static_cast<Id>(nodes_.size()));
+  if (is_new) {
+    nodes_.push_back(node);
+    dependences_.push_back(dependence);
+  }
+  return at->second;
+}
+
+Id FormulaGraph::constant(double value) { return keep({.op = FormulaOp::constant, .value = value}, {}); }
+Id FormulaGraph::time() { return keep({.op = FormulaOp::time}, {.on_time = true}); }
+Id FormulaGraph::state(int index) { return keep({.op = FormulaOp::state, .a = index}, {.on_state = true}); }
+
+Id FormulaGraph::make(FormulaOp op, Id a, Id b, Id c) {
+  const int operands = operands_of(op);
+  const bool known = is_constant(a) && (operands < 2 || is_constant(b)) && (operands < 3 || is_constant(c));
+  const auto value = [&](Id id) { return (*this)[id].value; };
+  if (known)
+    return constant(formula_value(op, value(a), operands > 1 ? value(b) : 0, operands > 2 ? value(c) : 0));
+  if (op == choose) {
+    if (is_constant(a)) return value(a) != 0 ? b : c;
+    if (b == c) return b;
+  }
+  if (op == power && is_constant(b)) {
+    // Small powers as products; a^0 is 1 for every a.
+    if (value(b) == 0) return constant(1);
+    if (value(b) == 1) return a;
+    if (value(b) == 2) return make(square, a);
+    if (value(b) == 3) return make(cube, a);
+    if (value(b) == 4) return make(fourth, a);
+  }
+  const FormulaNode node{.op = op, .a = a, .b = operands > 1 ? b : 0, .c = operands > 2 ? c : 0};
+  return keep(node, dependence_of(node));
+}
+
+namespace {
+
+/// Sums, products and quotients of derivatives: without terms and factors that are constants 0 and 1.
+class Derivative {
+ public:
+  /// @param from_the_right  at kinks the derivative towards larger arguments, which is that of time
+  Derivative(FormulaGraph& graph, bool from_the_right) : g_(graph), from_the_right_(from_the_right) {}
+
+  [[nodiscard]] Id zero() { return g_.constant(0); }
+
+  /// The derivative of a node whose operands have the derivatives da, db, dc.
+  Id of(Id id, Id da, Id db, Id dc) {
+    const FormulaNode n = g_[id];  // a copy: nodes are added below
+    switch (n.op) {
+      case negate:
+        return minus(zero(), da);
+      case add:
+        return plus(da, db);
+      case subtract:
+        return minus(da, db);
+      case multiply:
+        return plus(times(da, n.b), times(n.a, db));
+      case divide:
+        return over(minus(da, times(id, db)), n.b);
+      case power:
+        return of_power(id, n, da, db);
+      case square:
+        return times(times(g_.constant(2), n.a), da);
+      case cube:
+        return times(times(g_.constant(3), g_.make(square, n.a)), da);
+      case fourth:
+        return times(times(g_.constant(4), g_.make(cube, n.a)), da);
+      case choose:
+        return g_.make(choose, n.a, db, dc);
+      case atan2:
+        return over(minus(times(da, n.b), times(n.a, db)),
+                    g_.make(add, g_.make(square, n.a), g_.make(square, n.b)));
+      case minimum:
+        return at_tie(n, minimum, g_.make(choose, g_.make(less, n.b, n.a), db, da), da, db);
+      case maximum:
+        return at_tie(n, maximum, g_.make(choose, g_.make(less, n.a, n.b), db, da), da, db);
+      case abs:
+        return of_abs(n.a, da);
+      default:
+        return times(of_function(id, n), da);
+    }
+  }
+
+ private:
+  Id plus(Id a, Id b) { return g_.is_constant(a, 0) ? b : g_.is_constant(b, 0) ? a : g_.make(add, a, b); }
+  Id minus(Id a, Id b) {
+    if (g_.is_constant(b, 0)) return a;
+    return g_.is_constant(a, 0) ? times(g_.constant(-1), b) : g_.make(subtract, a, b);
+  }
+  Id times(Id a, Id b) {
+    if (g_.is_constant(a, 0) || g_.is_constant(b, 0)) return zero();
+    if (g_.is_constant(a, 1)) return b;
+    if (g_.is_constant(b, 1)) return a;
+    return g_.is_constant(a, -1) ? g_.make(negate, b) : g_.make(multiply, a, b);
+  }
+  Id over(Id a, Id b) {
+    if (g_.is_constant(a, 0)) return a;
+    return g_.is_constant(b, 1) ? a : g_.make(divide, a, b);
+  }
+  Id one_over(Id a) { return g_.make(divide, g_.constant(1), a); }
+  Id one_minus(Id a) { return g_.make(subtract, g_.constant(1), a); }
+
+  /// (a^b)' = b a^(b - 1) a' + a^b ln(a) b', of which the second term is 0 at a = 0.
+  Id of_power(Id id, const FormulaNode& n, Id da, Id db) {
+    const Id lowered = g_.make(power, n.a, g_.make(subtract, n.b, g_.constant(1)));
+    const Id first = times(times(n.b, lowered), da);
+    if (g_.is_constant(db, 0)) return first;
+    const Id grown = g_.make(multiply, id, g_.make(log, n.a));
+    return plus(first, times(g_.make(choose, g_.make(equal, n.a, zero()), zero(), grown), db));
+  }
+
+  Id of_abs(Id a, Id da) {
+    const Id falling = minus(zero(), da);
+    if (!from_the_right_) return g_.make(choose, g_.make(greater_equal, a, zero()), da, falling);
+    const Id there = g_.make(choose, g_.make(less, a, zero()), falling, g_.make(abs, da));
+    return g_.make(choose, g_.make(greater, a, zero()), da, there);
+  }
+
+  /// Where both operands of min or max are equal, the smaller or larger derivative is that from the right.
+  Id at_tie(const FormulaNode& n, FormulaOp op, Id elsewhere, Id da, Id db) {
+    if (!from_the_right_) return elsewhere;
+    return g_.make(choose, g_.make(equal, n.a, n.b), g_.make(op, da, db), elsewhere);
+  }
+
+  /// The derivative of a function of one argument; 0 of what is constant in pieces.
+  Id of_function(Id id, const FormulaNode& n) {
+    const auto squared = [&](Id of) { return g_.make(square, of); };
+    switch (n.op) {
+      case sin:
+        return g_.make(cos, n.a);
+      case cos:
+        return g_.make(negate, g_.make(sin, n.a));
+      case tan:
+        return g_.make(add, g_.constant(1), squared(id));
+      case asin:
+        return one_over(g_.make(sqrt, one_minus(squared(n.a))));
+      case acos:
+        return g_.make(negate, one_over(g_.make(sqrt, one_minus(squared(n.a)))));
+      case atan:
+        return one_over(g_.make(add, g_.constant(1), squared(n.a)));
+      case sinh:
+        return g_.make(cosh, n.a);
+      case cosh:
+        return g_.make(sinh, n.a);
+      case tanh:
+        return one_minus(squared(id));
+      case asinh:
+        return one_over(g_.make(sqrt, g_.make(add, squared(n.a), g_.constant(1))));
+      case acosh:
+        return one_over(g_.make(sqrt, g_.make(subtract, squared(n.a), g_.constant(1))));
+      case atanh:
+        return one_over(one_minus(squared(n.a)));
+      case exp:
+        return id;
+      case log:
+        return one_over(n.a);
+      case log2:
+        return one_over(g_.make(multiply, n.a, g_.constant(std::numbers::ln2)));
+      case log10:
+        return one_over(g_.make(multiply, n.a, g_.constant(std::numbers::ln10)));
+      case sqrt:
+        return g_.make(divide, g_.constant(0.5), id);
+      default:
+        return zero();
+    }
+  }
+
+  FormulaGraph& g_;
+  bool from_the_right_;
+};
+
+/// Which nodes the roots need, themselves included.
+std::vector<bool> needed_by(const FormulaGraph& graph, const std::vector<Id>& roots) {
+  std::vector<bool> needed(graph.size(), false);
+  for (const Id root : roots) needed[static_cast<std::size_t>(root)] = true;
+  for (std::size_t i = graph.size(); i-- > 0;) {
+    if (!needed[i]) continue;
+    const FormulaNode& n = graph[static_cast<Id>(i)];
+    const int operands = operands_of(n.op);
+    if (operands > 0) needed[static_cast<std::size_t>(n.a)] = true;
+    if (operands > 1) needed[static_cast<std::size_t>(n.b)] = true;
+    if (operands > 2) needed[static_cast<std::size_t>(n.c)] = true;
+  }
+  return needed;
+}
+
+}  // namespace
+
+std::vector<std::vector<FormulaSlope>> state_slopes(FormulaGraph& graph, const std::vector<Id>& roots) {
+  const std::vector<bool> needed = needed_by(graph, roots);
+  const Id zero = graph.constant(0);
+  Derivative derivative(graph, false);
+  std::vector<std::vector<FormulaSlope>> slopes(needed.size());
+  const auto slope_of = [&](Id operand, int state) {
+    const auto& of = slopes[static_cast<std::size_t>(operand)];
+    const auto at = std::ranges::lower_bound(of, state, {}, &FormulaSlope::state);
+    return at != of.end() && at->state == state ? at->node : zero;
+  };
+  for (std::size_t i = 0; i < needed.size(); ++i) {
+    if (!needed[i]) continue;
+    const auto id = static_cast<Id>(i);
+    const FormulaNode n = graph[id];
+    if (n.op == FormulaOp::state) slopes[i].push_back({n.a, graph.constant(1)});
+    const int operands = operands_of(n.op);
+    if (operands == 0) continue;
+    // The states of all operands, once each.
+    std::vector<int> states;
+    for (int k = 0; k < operands; ++k)
+      for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(k == 0 ? n.a : k == 1 ? n.b : n.c)])
+        states.push_back(slope.state);
+    std::ranges::sort(states);
+    states.erase(std::ranges::unique(states).begin(), states.end());
+    for (const int state : states) {
+      const Id slope = derivative.of(id, slope_of(n.a, state), operands > 1 ? slope_of(n.b, state) : zero,
+                                     operands > 2 ? slope_of(n.c, state) : zero);
+      if (!graph.is_constant(slope, 0)) slopes[i].push_back({state, slope});
+    }
+  }
+  std::vector<std::vector<FormulaSlope>> of_roots;
+  for (const Id root : roots) of_roots.push_back(slopes[static_cast<std::size_t>(root)]);
+  return of_roots;
+}
+
+std::vector<Id> time_slopes(FormulaGraph& graph, const std::vector<Id>& roots) {
+  const std::vector<bool> needed = needed_by(graph, roots);
+  const Id zero = graph.constant(0);
+  Derivative derivative(graph, true);
+  std::vector<Id> slopes(needed.size(), zero);
+  for (std::size_t i = 0; i < needed.size(); ++i) {
+    const auto id = static_cast<Id>(i);
+    if (!needed[i] || !graph.dependence(id).on_time) continue;
+    const FormulaNode n = graph[id];
+    const auto slope_of = [&](Id operand) { return slopes[static_cast<std::size_t>(operand)]; };
+    const int operands = operands_of(n.op);
+    if (operands == 0) {
+      slopes[i] = graph.constant(1);
+      continue;
+    }
+    const Id da = slope_of(n.a), db = operands > 1 ? slope_of(n.b) : zero,
+             dc = operands > 2 ? slope_of(n.c) : zero;
+    if (da != zero || db != zero || dc != zero) slopes[i] = derivative.of(id, da, db, dc);
+  }
+  std::vector<Id> of_roots;
+  for (const Id root : roots) of_roots.push_back(slopes[static_cast<std::size_t>(root)]);
+  return of_roots;
+}
+
+}  // namespace hmax
