@@ -37,6 +37,8 @@ enum class Judgement { accept, retry, give_up };
 // tells a stepper that iterates (one with set_tolerances(rtol, atol)) how exact it has to be; propose(t) says
 // which step to attempt next; judge(stepper, system, step, y, y_new) says what becomes of an attempt that
 // made a candidate, and failed(stepper, step) of one that did not.
+// A control that chooses its steps also has prepare(span): the whole run, of which start() then begins one
+// piece after the other, from breakpoint to breakpoint (breakpoints.hpp).
 
 namespace detail {
 /// What rounding may do to a difference of two times in the span: 4 eps max(|t0|, |t_end|).
@@ -73,6 +75,12 @@ struct Destination {
   }
 };
 }  // namespace detail
+
+/// Whether a control chooses its steps, so that it can land on breakpoints.
+template <class Control>
+concept ChoosesSteps = requires(Control control) {
+  control.prepare(typename Control::WholeSpan{});
+};
 
 /// The number of steps of size h that cover the span, h < 0 backwards: the last one is shorter when h does
 /// not divide it, unless it would be a sliver of less than 1e-9 h or made by rounding. The largest integer
@@ -155,13 +163,14 @@ class FixedStep {
 
 /// Steps steered by the error estimate of the method: `Controller` decides the size, `Norm` weighs the
 /// error. An attempt is accepted where err <= 1 in this norm, and the next step is h_next of the
-/// controller, at most h_max and at most the longest_step() of the stepper.
-/// A norm by component takes an absolute tolerance for each component; start() throws std::invalid_argument
-/// where there is not one for each.
+/// controller, at most the h_max of the tolerances, or a tenth of the span where none is given, and at most
+/// the longest_step() of the stepper. A norm by component takes an absolute tolerance for each component;
+/// start() throws std::invalid_argument where there is not one for each.
 template <class Real, template <class> class Controller, template <class> class Norm = RmsNorm>
 class Adaptive {
  public:
   using Atol = decltype(Norm<Real>::atol);
+  using WholeSpan = Span<Real>;
 
   /// @param error_order  order of the error estimate; the stepper's own unless it is known only at run time
   Adaptive(Tolerances<Real, Atol> tolerances, int error_order)
@@ -173,9 +182,11 @@ class Adaptive {
   Adaptive(Tolerances<Real, Atol> tolerances, int error_order, Controller<Real> controller, Norm<Real> norm)
       : tolerances_(tolerances), norm_(norm), controller_(controller), error_order_(error_order) {}
 
-  /// Begins a run: gives the stepper its tolerances and chooses the first step, h_first or else that of
-  /// hairer_initial_step(), under MATLAB's rules that of matlab_initial_step() and an h_max of at most
-  /// a tenth of the span.
+  /// The span of the whole run, from which the longest step follows; that of start() without this call.
+  void prepare(Span<Real> span) { longest_ = longest_step(tolerances_.h_max, span.t_end - span.t0); }
+
+  /// Begins a run or a piece of it: gives the stepper its tolerances and chooses the first step, h_first or
+  /// else that of hairer_initial_step(), under MATLAB's rules that of matlab_initial_step().
   /// @throws std::invalid_argument  unless there is one positive absolute tolerance for each component
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
@@ -183,16 +194,14 @@ class Adaptive {
     if constexpr (requires { stepper.set_tolerances(tolerances_.rtol, Real{}); })
       stepper.set_tolerances(tolerances_.rtol, tolerances_.atol);
     destination_ = detail::Destination<Real>(span);
-    const Real length = std::abs(span.t_end - span.t0);
-    // MATLAB's default of the longest step.
-    if (matlab_rules()) tolerances_.h_max = std::min(tolerances_.h_max, length / 10);
+    if (!(longest_ > 0)) prepare(span);
+    const Real length = span.t_end - span.t0;
     Real first = tolerances_.h_first;
     if (!(first > 0))
-      first = matlab_rules()
-                  ? matlab_initial_step(system, span.t0, y, error_order_, tolerances_.rtol, tolerances_.atol,
-                                        tolerances_.h_max)
-                  : hairer_initial_step(system, span.t0, y, error_order_, norm_, span.t_end - span.t0);
-    first = std::max(std::min(first, tolerances_.h_max), detail::smallest_step(span.t0));
+      first = matlab_rules() ? matlab_initial_step(system, span.t0, y, error_order_, tolerances_.rtol,
+                                                   tolerances_.atol, length, longest_)
+                             : hairer_initial_step(system, span.t0, y, error_order_, norm_, length, longest_);
+    first = std::max(std::min(first, longest_), detail::smallest_step(span.t0));
     h_ = span.direction() * first;
   }
 
@@ -207,7 +216,7 @@ class Adaptive {
   Judgement judge(const Stepper& stepper, const Sys&, const Proposal<Real>& step, const State& y,
                   const State& y_new) {
     const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
-    h_ = destination_.cut(verdict.h_next, tolerances_.h_max);
+    h_ = destination_.cut(verdict.h_next, longest_);
     if constexpr (requires { stepper.longest_step(); }) h_ = destination_.cut(h_, stepper.longest_step());
     if (verdict.accept) [[likely]] {
       // A method that keeps its Jacobian would have to factor anew for every change of h.
@@ -250,7 +259,8 @@ class Adaptive {
   Controller<Real> controller_;
   int error_order_;
   detail::Destination<Real> destination_;
-  Real h_ = 0;  ///< of the next attempt, signed
+  Real h_ = 0;        ///< of the next attempt, signed
+  Real longest_ = 0;  ///< step of the run; 0: prepare() has not been called
 };
 
 }  // namespace hmax

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
-#include <string>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 
+#include "integrators/breakpoints.hpp"
 #include "integrators/control.hpp"
+#include "integrators/run_end.hpp"
 #include "integrators/state.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/stepper.hpp"
@@ -74,11 +73,8 @@ class StepView : public StepEnds<typename Sys::State> {
   }
 
   /// What an implicit method did since the start of the run, this step included.
-  [[nodiscard]] ImplicitWork work() const
-  requires requires(const StepperT& stepper) { stepper.work(); }
-  {
-    return stepper_.work();
-  }
+  [[nodiscard]] ImplicitWork work() const requires requires(const StepperT& stepper) { stepper.work(); }
+  { return stepper_.work(); }
 
  private:
   StepperT& stepper_;
@@ -87,27 +83,6 @@ class StepView : public StepEnds<typename Sys::State> {
 
 /// The observer of runs nobody watches; the loop then builds no view at all.
 struct ObserveNothing {};
-
-/// How a run ended: at time t, or diverged at time t (the last admissible state is kept).
-template <class Real>
-struct RunEnd {
-  Outcome outcome;  ///< why the run ended
-  Real t;           ///< where it ended or failed
-  Stats stats;      ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
-  std::string_view note{};  ///< why equations were not solved; a foreign engine's own words for a failure
-  Real t_state = t;         ///< of the state that is kept: before t where the run diverged
-};
-
-/// For engines that step forwards only.
-/// @throws std::invalid_argument  where the span runs backwards
-/// @param engine  its name, the subject of the message
-template <class Real>
-void expect_forwards(Span<Real> span, std::string_view engine) {
-  if (span.t_end < span.t0)
-    throw std::invalid_argument(std::string(engine) +
-                                " runs forwards only: give an end time that is not before the start, or a "
-                                "method of hmax");
-}
 
 namespace detail {
 
@@ -206,7 +181,8 @@ auto flat_loop(StepperT stepper, const Sys& system, Span<real_of<typename Sys::S
 
 }  // namespace detail
 
-/// Integrates y' = f(t, y) over `span`, backwards where it ends before it begins.
+/// Integrates y' = f(t, y) over `span`, backwards where it ends before it begins. A control that chooses its
+/// steps lands on the breakpoints of the system (breakpoints.hpp); fixed steps do not.
 /// @param stepper   taken by value: the loop owns the memory of the method, so the compiler may keep it in
 /// registers
 /// @param y         initial state in, last accepted state out, shape (n)
@@ -220,10 +196,20 @@ RunEnd<real_of<typename Sys::State>> integrate(StepperT stepper, const Sys& syst
                                                typename Sys::State& y, Control control,
                                                Observer&& observer = {},
                                                std::int64_t max_steps = 1'000'000'000) {
-  if constexpr (detail::worth_flattening<StepperT, Sys>)
-    return detail::flat_loop(std::move(stepper), system, span, y, std::move(control), observer, max_steps);
-  else
-    return detail::loop(stepper, system, span, y, control, observer, max_steps);
+  const auto over = [&](const Sys& of, Span<real_of<typename Sys::State>> piece, std::int64_t attempts) {
+    if constexpr (detail::worth_flattening<StepperT, Sys>) {
+      return detail::flat_loop(stepper, of, piece, y, control, observer, attempts);
+    } else {
+      Control fresh = control;  // what it learns of one piece does not hold for the next
+      return detail::loop(stepper, of, piece, y, fresh, observer, attempts);
+    }
+  };
+  if constexpr (ChoosesSteps<Control>) {
+    control.prepare(span);
+    return run_by_pieces(system, span, y, max_steps, over);
+  } else {
+    return over(system, span, max_steps);
+  }
 }
 
 }  // namespace hmax

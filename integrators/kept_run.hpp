@@ -40,7 +40,12 @@ class KeptControl {
 
   /// @param counts  of the system, see Counted
   KeptControl(Control control, Observer& observer, Stats& counts, Span<Real> span, RunKeeper& keeper)
-      : control_(std::move(control)), observer_(observer), counts_(counts), span_(span), keeper_(keeper) {}
+      : given_(control),
+        control_(std::move(control)),
+        observer_(observer),
+        counts_(counts),
+        span_(span),
+        keeper_(keeper) {}
 
   /// Where the run goes on: t, and the state in y. The rest follows in start().
   Real resume(State& y) {
@@ -57,13 +62,21 @@ class KeptControl {
   [[nodiscard]] std::int64_t steps() const { return steps_; }
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
 
-  /// The control starts on the whole span; what is resumed takes the place of what init() and start() have
-  /// made.
-  void start(StepperT& stepper, const Sys& system, Span<Real>, const State& y) {
+  /// A control that counts its steps starts on the whole span, one that chooses them on the piece of it. What
+  /// is resumed takes the place of what init() and start() have made.
+  void start(StepperT& stepper, const Sys& system, Span<Real> piece, const State& y) {
     stepper_ = &stepper;
     y_ = &y;
-    control_.start(stepper, system, span_, y);
+    accepted_ = false;  // the start of a piece is not saved: init() has just forgotten what was before it
+    if constexpr (ChoosesSteps<Control>) {
+      control_ = given_;
+      control_.prepare(span_);
+      control_.start(stepper, system, piece, y);
+    } else {
+      control_.start(stepper, system, span_, y);
+    }
     if (!resumes_) return;
+    resumes_ = false;
     StateLoader load(bytes_);
     visit_rest(load);
     if (!bytes_.at_end()) throw BadState("the state is longer than that of this run");
@@ -105,7 +118,7 @@ class KeptControl {
     visit(counts_.rhs, counts_.jacobian, *stepper_, control_, observer_);
   }
 
-  Control control_;
+  Control given_, control_;  ///< as it was given, and as the run changes it
   Observer& observer_;
   Stats& counts_;
   Span<Real> span_;  ///< of the whole run
@@ -135,7 +148,16 @@ RunEnd<real_of<typename Sys::State>> integrate_kept(StepperT stepper, const Sys&
   Span<real_of<typename Sys::State>> rest = span;
   rest.t0 = kept.resume(y);
   const std::int64_t steps = kept.steps(), rejected = kept.rejected();
-  auto end = detail::loop(stepper, system, rest, y, kept, observer, max_steps - steps - rejected);
+  const auto over = [&](const Sys& of, Span<real_of<typename Sys::State>> piece, std::int64_t attempts) {
+    return detail::loop(stepper, of, piece, y, kept, observer, attempts);
+  };
+  const std::int64_t left = max_steps - steps - rejected;
+  auto end = [&] {
+    if constexpr (ChoosesSteps<Control>)
+      return run_by_pieces(system, rest, y, left, over);
+    else
+      return over(system, rest, left);
+  }();
   end.stats.steps += steps;
   end.stats.rejected += rejected;
   return end;

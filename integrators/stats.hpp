@@ -1,6 +1,7 @@
 /// Counting what a run did. The loop counts steps; this wrapper is the only place that counts evaluations.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string_view>
 
@@ -21,10 +22,10 @@ struct ImplicitWork {
 
 /// What a run did.
 struct Stats {
-  std::int64_t steps = 0;              ///< accepted steps
-  std::int64_t rejected = 0;           ///< rejected attempts
-  std::int64_t rhs = 0;                ///< evaluations of f; 0 unless the system was Counted
-  std::int64_t jacobian = 0;           ///< evaluations of df/dy; 0 unless the system was Counted
+  std::int64_t steps = 0;     ///< accepted steps
+  std::int64_t rejected = 0;  ///< rejected attempts
+  std::int64_t rhs = 0;       ///< evaluations of f; 0 unless the system was Counted
+  std::int64_t jacobian = 0;  ///< evaluations of df/dy; 0 unless the system was Counted
   std::int64_t factorisations = 0, newton = 0, linear_iterations = 0;  ///< as in ImplicitWork
   double newton_error = 0;                                             ///< as in ImplicitWork
 
@@ -34,6 +35,19 @@ struct Stats {
     newton = work.newton;
     linear_iterations = work.linear_iterations;
     newton_error = work.newton_error;
+  }
+
+  /// Adds the counts of another part of the run.
+  Stats& operator+=(const Stats& part) {
+    steps += part.steps;
+    rejected += part.rejected;
+    rhs += part.rhs;
+    jacobian += part.jacobian;
+    factorisations += part.factorisations;
+    newton += part.newton;
+    linear_iterations += part.linear_iterations;
+    newton_error = std::max(newton_error, part.newton_error);
+    return *this;
   }
 
   bool operator==(const Stats&) const = default;

@@ -23,7 +23,7 @@ struct Tolerances {
   Real rtol = static_cast<Real>(default_rtol);         ///< relative, > 0
   AtolT atol = AtolT(default_atol);                    ///< in the units of the state
   Real h_first = 0;                                    ///< 0: chosen from the right-hand side
-  Real h_max = std::numeric_limits<Real>::infinity();  ///< longest step, in the unit of time
+  Real h_max = std::numeric_limits<Real>::infinity();  ///< longest step; infinity: a tenth of the span
 };
 
 /// With an absolute tolerance for each component: ComponentTolerances<double>{1e-6, Eigen::Vector2d(1e-9,

@@ -1,6 +1,8 @@
 /// Any system behind one type: what a human chooses by name has its verbs called through a pointer.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -36,17 +38,21 @@ class BasicAnySystem {
       : self_(std::make_shared<const Model<S>>(std::move(system))) {}
 
   [[nodiscard]] Eigen::Index dim() const { return self_->dim(); }
-  void rhs(Real t, const State& y, State& dydt) const { self_->rhs(t, y, dydt); }
+  void rhs(Real t, const State& y, State& dydt) const { self_->rhs(inside(t), y, dydt); }
 
   [[nodiscard]] bool has_jacobian() const { return self_->has_jacobian(); }
-  void jacobian(Real t, const State& y, Jacobian& J) const { self_->jacobian(t, y, J); }
+  void jacobian(Real t, const State& y, Jacobian& J) const { self_->jacobian(inside(t), y, J); }
   [[nodiscard]] bool has_sparsity() const { return self_->has_sparsity(); }
   void sparsity(Eigen::SparseMatrix<Real>& pattern) const { self_->sparsity(pattern); }
   [[nodiscard]] bool is_autonomous() const { return self_->is_autonomous(); }
   [[nodiscard]] bool has_time_derivative() const { return self_->has_time_derivative(); }
-  void time_derivative(Real t, const State& y, State& dfdt) const { self_->time_derivative(t, y, dfdt); }
+  void time_derivative(Real t, const State& y, State& dfdt) const {
+    self_->time_derivative(inside(t), y, dfdt);
+  }
   [[nodiscard]] bool has_spectral_radius() const { return self_->has_spectral_radius(); }
-  [[nodiscard]] Real spectral_radius(Real t, const State& y) const { return self_->spectral_radius(t, y); }
+  [[nodiscard]] Real spectral_radius(Real t, const State& y) const {
+    return self_->spectral_radius(inside(t), y);
+  }
   [[nodiscard]] bool admits(const State& y) const { return self_->admits(y); }
   /// How f depends on the state; unknown where the system does not say.
   [[nodiscard]] Linearity linearity() const { return self_->linearity(); }
@@ -54,6 +60,12 @@ class BasicAnySystem {
   /// order; empty where the system knows none.
   [[nodiscard]] std::vector<double> breakpoints(double t0, double t1) const {
     return self_->breakpoints(t0, t1);
+  }
+  /// From here on verbs of time t are those of the time in [from, to] that is nearest to t: on one side of a
+  /// breakpoint. Copies that were made before are not changed.
+  void confine(Real from, Real to) {
+    from_ = from;
+    to_ = to;
   }
   [[nodiscard]] bool has_offset() const { return self_->has_offset(); }
   void offset(State& X) const { self_->offset(X); }
@@ -64,15 +76,19 @@ class BasicAnySystem {
   /// @throws std::invalid_argument  where M couples unknowns
   [[nodiscard]] Dofs mass() const { return mass_matrix().lumped(); }
   [[nodiscard]] MassMatrix<Real> mass_matrix() const { return self_->mass_matrix(); }
-  void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const { self_->force(t, q, v, f); }
-  void stiffness(Real t, const Dofs& q, const Dofs& v, DofMatrix& K) const { self_->stiffness(t, q, v, K); }
-  void damping(Real t, const Dofs& q, const Dofs& v, DofMatrix& C) const { self_->damping(t, q, v, C); }
+  void force(Real t, const Dofs& q, const Dofs& v, Dofs& f) const { self_->force(inside(t), q, v, f); }
+  void stiffness(Real t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
+    self_->stiffness(inside(t), q, v, K);
+  }
+  void damping(Real t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
+    self_->damping(inside(t), q, v, C);
+  }
 
   [[nodiscard]] bool has_split() const { return self_->has_split(); }
   [[nodiscard]] bool has_linear_stiff_part() const { return self_->has_linear_stiff_part(); }
-  void rhs_stiff(Real t, const State& y, State& dydt) const { self_->rhs_stiff(t, y, dydt); }
-  void rhs_nonstiff(Real t, const State& y, State& dydt) const { self_->rhs_nonstiff(t, y, dydt); }
-  void jacobian_stiff(Real t, const State& y, Jacobian& J) const { self_->jacobian_stiff(t, y, J); }
+  void rhs_stiff(Real t, const State& y, State& dydt) const { self_->rhs_stiff(inside(t), y, dydt); }
+  void rhs_nonstiff(Real t, const State& y, State& dydt) const { self_->rhs_nonstiff(inside(t), y, dydt); }
+  void jacobian_stiff(Real t, const State& y, Jacobian& J) const { self_->jacobian_stiff(inside(t), y, J); }
   [[nodiscard]] bool has_stiff_structure() const { return self_->has_stiff_structure(); }
   void stiffness_stiff(DofMatrix& K) const { self_->stiffness_stiff(K); }
   void damping_stiff(DofMatrix& C) const { self_->damping_stiff(C); }
@@ -352,7 +368,11 @@ class BasicAnySystem {
     S system_;
   };
 
+  [[nodiscard]] Real inside(Real t) const { return std::clamp(t, from_, to_); }
+
   std::shared_ptr<const Interface> self_;
+  /// See confine().
+  Real from_ = -std::numeric_limits<Real>::infinity(), to_ = std::numeric_limits<Real>::infinity();
 };
 
 using AnySystem = BasicAnySystem<double>;

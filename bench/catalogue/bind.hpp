@@ -31,9 +31,11 @@ inline constexpr bool steps_are_cheap = StepperT::is_explicit&& is_small_state<t
 /// @param error_order  order of the error estimate; 0 for a method without one, which then only runs at fixed
 /// step
 /// @tparam each_controller  compiles a loop for each controller, else one for all; the steps are the same
-template <class StepperT, bool each_controller = steps_are_cheap<StepperT>, class Real = typename StepperT::Real, class Go>
+template <class StepperT, bool each_controller = steps_are_cheap<StepperT>,
+          class Real = typename StepperT::Real, class Go>
 auto with_control(const RunSpec& spec, int error_order, Go&& go) {
-  const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol)};
+  const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol),
+                                    static_cast<Real>(spec.h_first), static_cast<Real>(spec.h_max)};
   if constexpr (requires { typename StepperT::Control; }) {
     return go(typename StepperT::Control(tolerances));
   } else {
@@ -96,10 +98,11 @@ struct StepperEngine {
 
   /// The same for a run that is saved and resumed. @param counts  those of `system`
   template <System Sys, class Observer>
-  auto kept(const Sys& system, Span<real_of<typename Sys::State>> span, typename Sys::State& y, const RunSpec& spec,
-            Observer& observer, Stats& counts, RunKeeper& keeper) const {
+  auto kept(const Sys& system, Span<real_of<typename Sys::State>> span, typename Sys::State& y,
+            const RunSpec& spec, Observer& observer, Stats& counts, RunKeeper& keeper) const {
     return with_control<StepperT, false>(spec, error_order, [&](auto control) {
-      return integrate_kept(fresh(kept_spec(spec)), system, span, y, control, observer, spec.max_steps, counts, keeper);
+      return integrate_kept(fresh(kept_spec(spec)), system, span, y, control, observer, spec.max_steps,
+                            counts, keeper);
     });
   }
 
@@ -107,9 +110,11 @@ struct StepperEngine {
   /// A stepper with the options of the run.
   [[nodiscard]] StepperT fresh(const RunSpec& spec) const {
     StepperT made = stepper;
-    if constexpr (requires { made.set_jacobian_update(spec.jacobian); }) made.set_jacobian_update(spec.jacobian);
+    if constexpr (requires { made.set_jacobian_update(spec.jacobian); })
+      made.set_jacobian_update(spec.jacobian);
     if constexpr (requires { made.set_newton(spec.newton); }) made.set_newton(spec.newton);
-    if constexpr (requires { made.set_linear_solve(spec.linear_solve); }) made.set_linear_solve(spec.linear_solve);
+    if constexpr (requires { made.set_linear_solve(spec.linear_solve); })
+      made.set_linear_solve(spec.linear_solve);
     return made;
   }
 };
@@ -188,7 +193,8 @@ Runner make_runner(const Engine& engine, const Sys& system, const typename Sys::
     State y = y0;
     Stats counts;
     typename AnyObserver<State>::Show show;
-    if (shows_points(sink)) show = [&sink](Real t, const State& state) { sink(static_cast<double>(t), state); };
+    if (shows_points(sink))
+      show = [&sink](Real t, const State& state) { sink(static_cast<double>(t), state); };
     AnyObserver<State> observer(span, static_cast<Real>(spec.every), y0, std::move(show), spec.work);
     const RunEnd<Real> end =
         detail::run_once(engine, Counted<Sys>(system, counts), span, y, spec, observer, counts, sink);

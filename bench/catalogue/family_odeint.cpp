@@ -63,7 +63,7 @@ struct OdeintEngine {
     if constexpr (steers)
       if (spec.adaptive || !takes_fixed)
         return odeint::integrate_adaptive<Steered<Sys>>(system, span, y, spec.rtol, spec.atol, error_order,
-                                                        observer, spec.max_steps);
+                                                        observer, spec.max_steps, spec.h_first, spec.h_max);
     if constexpr (takes_fixed)
       return odeint::integrate_fixed<Fixed<Sys>>(system, span, y, spec.h, observer, spec.max_steps);
   }

@@ -38,6 +38,8 @@ struct SundialsEngine {
                                       .h = spec.h,
                                       .rtol = spec.rtol,
                                       .atol = spec.atol,
+                                      .h_first = spec.h_first,
+                                      .h_max = spec.h_max,
                                       .jacobian = spec.jacobian};
     return sundials::integrate(method, settings, system, span, y, observer, spec.max_steps);
   }

@@ -46,11 +46,14 @@ struct RunSpec {
   bool adaptive = false;
   double h = 0;               ///< fixed step [s]; not read when adaptive
   double rtol = 0, atol = 0;  ///< not read when fixed
+  double h_first = 0;         ///< of an adaptive run [s]; 0: chosen from the right-hand side
+  double h_max =
+      std::numeric_limits<double>::infinity();  ///< of an adaptive run [s]; infinity: a tenth of the span
   Controllers control = Controllers::deadband;
-  JacobianUpdate jacobian{};   ///< read by methods that linearise
-  NewtonSettings newton{};     ///< read by methods that iterate
-  LinearSolve linear_solve{};  ///< of symmetric sparse equations, which second-order systems lead to
-  double every = 0;            ///< output interval [s]; 0: none, the sink then sees every accepted step
+  JacobianUpdate jacobian{};     ///< read by methods that linearise
+  NewtonSettings newton{};       ///< read by methods that iterate
+  LinearSolve linear_solve{};    ///< of symmetric sparse equations, which second-order systems lead to
+  double every = 0;              ///< output interval [s]; 0: none, the sink then sees every accepted step
   ImplicitWork* work = nullptr;  ///< where a run leaves, before each call of its sink, what was done so far
   std::int64_t max_steps = 1'000'000'000;
 };

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+
+#include "integrators/breakpoints.hpp"
 
 #if HMAX_HAVE_BOOST
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
@@ -22,8 +25,9 @@ constexpr double tight = 1e-13, loose = 1e-11;
 // an engine may well put a finite number on a pole.
 constexpr double largest_parting = 1e-4;
 
-/// Integrates y from t0 to t1; false when the engine gives up or y is no longer finite.
-bool advance(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, double tolerance) {
+/// Integrates y from t0 to t1, between which f does not jump; false when the engine gives up or y is no
+/// longer finite.
+bool advance_piece(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, double tolerance) {
 #if HMAX_HAVE_BOOST
   namespace odeint = boost::numeric::odeint;
   using Values = std::vector<double>;
@@ -47,10 +51,21 @@ bool advance(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, 
 #else
   const auto end =
       integrate(Rk<tableaux::Dop853, Eigen::VectorXd>{}, system, Span<double>{t0, t1}, y,
-                Adaptive<double, PiController>({tolerance, tolerance}, tableaux::Dop853::error_order),
+                Adaptive<double, PiController>({.rtol = tolerance, .atol = tolerance, .h_max = t1 - t0},
+                                               tableaux::Dop853::error_order),
                 ObserveNothing{}, 100'000);
   return end.outcome == Outcome::reached_end;
 #endif
+}
+
+/// The same where f may jump at the breakpoints of the system.
+bool advance(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, double tolerance) {
+  const auto piece = [&](const AnySystem& of, Span<double> span, std::int64_t) {
+    const bool done = advance_piece(of, y, span.t0, span.t_end, tolerance);
+    return RunEnd<double>{done ? Outcome::reached_end : Outcome::diverged, span.t_end, {}};
+  };
+  return run_by_pieces(system, Span<double>{t0, t1}, y, std::numeric_limits<std::int64_t>::max(), piece)
+             .outcome == Outcome::reached_end;
 }
 
 }  // namespace

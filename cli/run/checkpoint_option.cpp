@@ -52,6 +52,8 @@ std::vector<RunFact> facts_of(const CheckpointedRun& run) {
     facts.push_back({"--rtol", to_text(spec.rtol)});
     facts.push_back({"--atol", to_text(spec.atol)});
     facts.push_back({"--control", control_of(method, spec)});
+    facts.push_back({"--h0", spec.h_first > 0 ? to_text(spec.h_first) : "not given"});
+    facts.push_back({"--h-max", std::isfinite(spec.h_max) ? to_text(spec.h_max) : "not given"});
   } else {
     facts.push_back({"--h", to_text(spec.h)});
   }

@@ -26,6 +26,7 @@
 #include "core/parallel_for.hpp"
 #include "integrators/control.hpp"
 #include "integrators/implicit/newton.hpp"
+#include "integrators/run_end.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -41,7 +42,7 @@ using Json = nlohmann::ordered_json;
 struct RunOptions {
   ProblemChoice problem;
   MethodChoice method;
-  std::optional<double> h, rtol, atol, t_end, every, newton_tolerance;
+  std::optional<double> h, rtol, atol, h0, h_max, t_end, every, newton_tolerance;
   std::string newton_iterations;
   std::string control, jacobian, linear, output, max_steps;
   bool full = false;
@@ -49,6 +50,26 @@ struct RunOptions {
   CheckpointChoice checkpoint;
   const CLI::Option* jobs = nullptr;
 };
+
+/// The first and the longest step of an adaptive run.
+void set_step_bounds(const RunOptions& options, RunSpec& spec) {
+  if (!options.h0 && !options.h_max) return;
+  if (!spec.adaptive)
+    throw InputError(
+        "--h0 and --h-max are for adaptive runs; remove them, or give --rtol and --atol instead of --h");
+  for (const auto& [name, value] : {std::pair{"--h0", options.h0}, std::pair{"--h-max", options.h_max}})
+    if (value && !(*value > 0 && std::isfinite(*value)))
+      throw InputError(
+          fmt::format("{} is {} but must be a number of seconds above 0", name, to_text(*value)));
+  if (options.h0 && options.h_max && *options.h0 > *options.h_max)
+    throw InputError(fmt::format("--h0 is {}, above --h-max {}; give a first step of at most --h-max",
+                                 to_text(*options.h0), to_text(*options.h_max)));
+  if (options.h0 && *options.h0 > spec.t_end)
+    throw InputError(fmt::format("--h0 is {}, beyond the end time {}; give a shorter first step",
+                                 to_text(*options.h0), to_text(spec.t_end)));
+  spec.h_first = options.h0.value_or(spec.h_first);
+  spec.h_max = options.h_max.value_or(spec.h_max);
+}
 
 RunSpec spec_of(const RunOptions& options, const Problem& problem) {
   if (options.h && (options.rtol || options.atol))
@@ -67,6 +88,7 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
                .h = options.h.value_or(0),
                .rtol = options.rtol.value_or(0),
                .atol = options.atol.value_or(0)};
+  set_step_bounds(options, spec);
   if (!options.control.empty()) spec.control = controllers_from(options.control);
   if (!options.jacobian.empty()) spec.jacobian = jacobian_update_from(options.jacobian);
   if (!options.linear.empty()) spec.linear_solve = linear_solve_from(options.linear);
@@ -179,10 +201,19 @@ std::string unsolved_in_words(const RunRecord& record, const RunSpec& spec) {
                      spec.jacobian.every == JacobianUpdate::automatic ? "" : " or --jacobian auto");
 }
 
+/// What stops an adaptive run where the right-hand side jumps at a time that the model does not name.
+std::string jump_in_words(const RunRecord& record) {
+  return fmt::format(
+      "got stuck at t = {} s, where the right-hand side jumps in time; loosen the tolerances, or take fixed steps --h "
+      "that end there",
+      short_number(record.t, 10));
+}
+
 /// What happened, and what to do about it when the end was not reached.
 std::string in_words(const RunRecord& record, const RunSpec& spec) {
   const std::string at = fmt::format("t = {} s{}", short_number(record.t, 10),
                                      record.note.empty() ? "" : fmt::format(" ({})", record.note));
+  if (record.note == jump_note) return jump_in_words(record);
   switch (record.outcome) {
     case Outcome::reached_end:
       return "reached the end at " + at;
@@ -258,6 +289,8 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     document["rtol"] = spec.rtol;
     document["atol"] = spec.atol;
     document["control"] = control_of(method, spec);
+    if (spec.h_first > 0) document["h0"] = spec.h_first;
+    if (std::isfinite(spec.h_max)) document["h_max"] = spec.h_max;
   } else {
     document["h"] = spec.h;
   }
@@ -292,8 +325,8 @@ std::string largest_states(const Problem& problem, const RunRecord& record) {
   for (Eigen::Index first = 0; first < record.y.size(); first += n) {
     Eigen::Index i = 0;
     record.y.segment(first, n).cwiseAbs().maxCoeff(&i);
-    text += fmt::format("  largest of {} {:<10} {:> .16g}\n", n, problem.states[static_cast<std::size_t>(first + i)],
-                        record.y[first + i]);
+    text += fmt::format("  largest of {} {:<10} {:> .16g}\n", n,
+                        problem.states[static_cast<std::size_t>(first + i)], record.y[first + i]);
   }
   return text;
 }
@@ -406,7 +439,8 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
         "--newton-iterations out",
         method.id));
   if (is_given(options.jobs) && !problem.body && !is_matrices_id(problem.id))
-    throw InputError(fmt::format("--jobs is for bodies and matrices, and {} is neither; leave it out", problem.id));
+    throw InputError(
+        fmt::format("--jobs is for bodies and matrices, and {} is neither; leave it out", problem.id));
   if (options.full && !(json && problem.body))
     throw InputError(fmt::format("--full applies to {}; {}", problem.body ? "--json only" : "meshes only",
                                  problem.body ? "add --json, or remove it" : "remove it"));
@@ -430,7 +464,8 @@ void check_picture(const RunOptions& options, const Problem& problem) {
 }
 
 /// @returns whether the picture that is asked for is drawn
-bool draw_picture(const RunOptions& options, const WatchedRun& run, const RunRecord& record, Console& console) {
+bool draw_picture(const RunOptions& options, const WatchedRun& run, const RunRecord& record,
+                  Console& console) {
   if (!options.picture.wanted()) return false;
   const auto& [problem, method, runner, spec] = run;
   if (!problem.body) {
@@ -452,8 +487,8 @@ bool draw_picture(const RunOptions& options, const WatchedRun& run, const RunRec
   return true;
 }
 
-/// The end beside the start, by the largest number of each; of positions and velocities the smaller growth of those that
-/// do not start from zero.
+/// The end beside the start, by the largest number of each; of positions and velocities the smaller growth of
+/// those that do not start from zero.
 double growth_of(const Problem& problem, const Eigen::VectorXd& end) {
   const Eigen::Index n = is_second_order(problem) ? end.size() / 2 : end.size();
   double growth = std::numeric_limits<double>::infinity();
@@ -468,9 +503,10 @@ void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& re
   constexpr double far = 10, much = 1e6;
   if (const double growth = growth_of(problem, record.y); !problem.body && growth > much)
     console.remark(fmt::format("the motion ends {} times as large as it began; {}", short_number(growth, 3),
-                               spec.adaptive ? "the model itself grows"
-                                             : "unless the model itself grows take a smaller --h, `hmax stability "
-                                               "predict` shows the largest stable one"));
+                               spec.adaptive
+                                   ? "the model itself grows"
+                                   : "unless the model itself grows take a smaller --h, `hmax stability "
+                                     "predict` shows the largest stable one"));
   if (!problem.body) return;
   if (const double moved = sizes_moved(*problem.body, record.y); moved > far)
     console.remark(fmt::format(
@@ -499,16 +535,17 @@ void run(const RunOptions& options, Console& console) {
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
   if (is_matrices_id(problem.id) && options.problem.y0.empty() && matrix_files(problem.id).initial.empty())
-    console.remark(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
-                               is_second_order(problem) ? "displacements at rest" : "states", to_text(random_start_size)));
+    console.remark(fmt::format(
+        "the run starts from pseudo-random {} of up to {}; give another start with --y0",
+        is_second_order(problem) ? "displacements at rest" : "states", to_text(random_start_size)));
   const Runner runner = method.bind(problem);
   const std::optional<std::size_t> threads = given_jobs(options.jobs);
   std::optional<StopFlag> stop;
   if (!options.checkpoint.file.empty()) stop.emplace();
-  const std::unique_ptr<RunCheckpoint> checkpoint = options.checkpoint.open(
-      {problem, method, spec, options.method.tableau, options.output, options.every.value_or(0),
-       threads ? std::to_string(*threads) : "not given"},
-      stop ? &*stop : nullptr, console);
+  const std::unique_ptr<RunCheckpoint> checkpoint =
+      options.checkpoint.open({problem, method, spec, options.method.tableau, options.output,
+                               options.every.value_or(0), threads ? std::to_string(*threads) : "not given"},
+                              stop ? &*stop : nullptr, console);
   const TimedRun result{reported_run(runner, spec, threads, checkpoint.get(), console), threads};
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
@@ -546,8 +583,8 @@ void run_or_stop(const RunOptions& options, Console& console) {
   try {
     run(options, console);
   } catch (const InterruptedRun& at) {
-    console.remark(fmt::format("stopped at t = {} s; the same command goes on from {}", short_number(at.t, 10),
-                               options.checkpoint.file));
+    console.remark(fmt::format("stopped at t = {} s; the same command goes on from {}",
+                               short_number(at.t, 10), options.checkpoint.file));
     console.exit_code = Exit::interrupted;
   } catch (const StateNotSaved&) {
     throw InputError(without_checkpoints(options.method.make()));
@@ -572,8 +609,14 @@ void add_run(CLI::App& app, Console& console) {
   options->problem.add_to(command);
   options->method.add_to(command);
   add_number(command, "--h", options->h, "Fixed step size [s]");
-  add_number(command, "--rtol", options->rtol, "Relative tolerance of an adaptive run, which needs --atol too; no default");
-  add_number(command, "--atol", options->atol, "Absolute tolerance of an adaptive run, which needs --rtol too; no default");
+  add_number(command, "--rtol", options->rtol,
+             "Relative tolerance of an adaptive run, which needs --atol too; no default");
+  add_number(command, "--atol", options->atol,
+             "Absolute tolerance of an adaptive run, which needs --rtol too; no default");
+  add_number(command, "--h0", options->h0,
+             "First step of an adaptive run [s]; chosen from the right-hand side by default");
+  add_number(command, "--h-max", options->h_max,
+             "Longest step of an adaptive run [s]; a tenth of the end time by default");
   add_control(command, options->control);
   add_text(
       command, "--jacobian", options->jacobian,
@@ -589,7 +632,9 @@ void add_run(CLI::App& app, Console& console) {
   add_text(command, "--newton-iterations", options->newton_iterations,
            "Limit of Newton's method for each stage; 50, adaptive 7 by default", "NUMBER");
   add_flag(command, "--full", options->full, "With --json and a mesh: print the whole end state");
-  options->picture.add_to(command, "Draw the body at the end of the run; without a mesh the states over time and an oscillator's orbit");
+  options->picture.add_to(
+      command,
+      "Draw the body at the end of the run; without a mesh the states over time and an oscillator's orbit");
   add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
   add_text(command, "--output", options->output,
            "Write the motion to a CSV file, or of a body to FILE.pvd for ParaView", "FILE");

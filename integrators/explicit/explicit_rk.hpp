@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "integrators/error_norm.hpp"
+#include "integrators/explicit/own_tableau.hpp"
 #include "integrators/explicit/runtime_tableau.hpp"
 #include "integrators/explicit/tableau.hpp"
 #include "integrators/state.hpp"
@@ -22,6 +23,7 @@ namespace hmax {
 /// each stage compiles to its own straight line without loops, tests or zero weights.
 template <class Method>
 class StaticCoefficients {
+  static_assert(CheckedTableau<Method>::value);
   static constexpr const auto& tableau = Method::tableau;
   static constexpr std::size_t s = tableau.stages;
 
@@ -139,8 +141,11 @@ class ExplicitRk {
 
   /// Without coefficients of its own, for methods that are known at compile time.
   ExplicitRk() = default;
-  /// @param coefficients  a checked tableau: runtime_tableau() throws where one is not explicit or consistent
-  explicit ExplicitRk(Coefficients coefficients) : coefficients_(std::move(coefficients)) {}
+  /// @throws std::invalid_argument  where the coefficients of a RuntimeTableau do not keep what it says of
+  /// them
+  explicit ExplicitRk(Coefficients coefficients) : coefficients_(std::move(coefficients)) {
+    if constexpr (requires { require_kept(coefficients_); }) require_kept(coefficients_);
+  }
 
   /// Sizes the stages and forgets what was known of an earlier run. The only call that allocates.
   /// @param y  state of the run, shape (n); its values are not read

@@ -43,4 +43,9 @@ struct RuntimeTableau {
   }
 };
 
+/// Refuses coefficients that do not keep the invariants of RuntimeTableau, or do not reach the orders it
+/// names.
+/// @throws std::invalid_argument  naming what is wrong
+void require_kept(const RuntimeTableau& tableau);
+
 }  // namespace hmax

@@ -1,6 +1,7 @@
 /// Checks of a user's tableau. Each error names the row or entry at fault and the remedy.
 #include "integrators/explicit/user_tableau.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -140,6 +141,35 @@ RuntimeTableau runtime_tableau(const TableauRows& rows) {
       refuse(rows, "b_hat equals b, which makes every error estimate zero; leave b_hat out");
   }
   return completed_tableau(rows.name, std::move(a), rows.b, rows.b_hat);
+}
+
+/// One that runtime_tableau() has made passes; one that was filled in by hand may not.
+void require_kept(const RuntimeTableau& tableau) {
+  const std::size_t s = tableau.b.size();
+  TableauRows rows{.name = tableau.name, .a = {}, .b = tableau.b, .b_hat = {}, .c = tableau.c};
+  if (s == 0) refuse(rows, "b is empty; a method has at least one stage");
+  if (tableau.a.size() != s * s)
+    refuse(rows, "a has ", tableau.a.size(), " entries but b has ", s, "; give ", s * s, ", row by row");
+  for (std::size_t i = 0; i < s; ++i) {
+    const auto row = tableau.a.begin() + static_cast<std::ptrdiff_t>(i * s);
+    rows.a.emplace_back(row, row + static_cast<std::ptrdiff_t>(s));
+  }
+  require_consistent(rows, rows.b, "b");
+  const std::vector<long double> a = matrix_of(rows);
+  require_nodes(rows, a);
+  const auto require_order = [&](const std::vector<long double>& weights, int named, const char* what) {
+    const int checked = std::min(named, highest_order),
+              order = order_of(a, weights, checked, tableau_tolerance);
+    if (checked < 1 || order < checked)
+      refuse(rows, "its ", what, " is said to be ", named, " but is ", order,
+             "; leave orders to runtime_tableau(), which computes them");
+  };
+  require_order(rows.b, tableau.computed_order, "order");
+  if (!tableau.has_error()) return;
+  require_weights(rows, tableau.b_err, "b_err");
+  std::vector<long double> b_hat = rows.b;
+  for (std::size_t i = 0; i < s; ++i) b_hat[i] -= tableau.b_err[i];
+  require_order(b_hat, tableau.embedded_order, "embedded order");
 }
 
 }  // namespace hmax

@@ -37,26 +37,43 @@ struct AdamsErrors {
 template <class Real, class Atol = Real>
 class ShampineGordonControl {
  public:
+  using WholeSpan = Span<Real>;
+
   explicit ShampineGordonControl(Tolerances<Real, Atol> tolerances) : tolerances_(std::move(tolerances)) {
     tolerances_.rtol = Real(0.7) * std::min(tolerances_.rtol, Real(0.5));
     tolerances_.atol *= Real(0.7);
   }
 
+  /// The span of the whole run, from which the longest step follows; that of start() without this call.
+  void prepare(Span<Real> span) { longest_ = longest_step(tolerances_.h_max, span.t_end - span.t0); }
+
   /// Begins a run at order 1 with h = min(h_first, h_max, sqrt(eps / |f(t_0, y_0) / w|_2) / 4). An h_first of
-  /// 0 stands for the length of the span.
+  /// 0 stands for the longest step, or for first_step_from_rest() where f says nothing.
   /// @throws std::invalid_argument  unless there is one positive absolute tolerance for each component
   template <class Stepper, System Sys>
   void start(Stepper& stepper, const Sys& system, Span<Real> span, const typename Sys::State& y) {
+    using State = typename Sys::State;
     check_atol(tolerances_.atol, y.size());
     eps_ = std::max(tolerances_.rtol, detail::largest_atol(tolerances_.atol));
     destination_ = detail::Destination<Real>(span);
-    Real first = tolerances_.h_first > 0 ? tolerances_.h_first : std::abs(span.t_end - span.t0);
-    first = std::min(first, tolerances_.h_max);
-    const typename Sys::State& slope = stepper.evaluate_start(system, span.t0, y);
-    Real sum{0};
-    for (Eigen::Index i = 0; i < y.size(); ++i) sum += Eigen::numext::abs2(slope[i] * weight(y, i));
-    const Real rate = std::sqrt(sum);
-    if (eps_ < 16 * rate * first * first) first = std::sqrt(eps_ / rate) / 4;
+    if (!(longest_ > 0)) prepare(span);
+    const Real length = span.t_end - span.t0;
+    // |v / w|_2
+    const auto weighted = [&](const State& v) {
+      Real sum{0};
+      for (Eigen::Index i = 0; i < y.size(); ++i) sum += Eigen::numext::abs2(v[i] * weight(y, i));
+      return std::sqrt(sum);
+    };
+    const Real rate = weighted(stepper.evaluate_start(system, span.t0, y));
+    Real first =
+        std::min({tolerances_.h_first > 0 ? tolerances_.h_first : longest_, longest_, std::abs(length)});
+    if (!(tolerances_.h_first > 0) && starts_at_rest(rate / eps_, length))
+      first = std::min(first, first_step_from_rest(
+                                  system, span.t0, y, [&](const State& v) { return weighted(v) / eps_; },
+                                  length, longest_));
+    // In the unit of time of hairer_initial_step().
+    const Real unit = std::min(std::abs(length), Real(1));
+    if (unit * eps_ < 16 * rate * first * first) first = std::sqrt(unit * eps_ / rate) / 4;
     h_ = span.direction() * std::max(first, detail::smallest_step(span.t0));
     failures_ = 0;
     doubling_ = true;
@@ -150,7 +167,7 @@ class ShampineGordonControl {
     // h (eps / (2 e))^(1/(k+1)), held between 0.5 h and 0.9 h, with k the order of the next step.
     else
       h_ = h * std::clamp(std::pow(aim / error, 1 / static_cast<Real>(next + 1)), Real(0.5), Real(0.9));
-    h_ = destination_.cut(h_, tolerances_.h_max);
+    h_ = destination_.cut(h_, longest_);
   }
 
   /// The step after a failure: h / 2. From the fourth failure on, h (eps / (2 e))^(1/2) where that is
@@ -172,6 +189,7 @@ class ShampineGordonControl {
   Real eps_ = 0;
   detail::Destination<Real> destination_;
   Real h_ = 0;
+  Real longest_ = 0;  ///< step of the run; 0: prepare() has not been called
   int failures_ = 0;
   bool doubling_ = true;  ///< phase 1 of a run
 };

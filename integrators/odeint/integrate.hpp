@@ -2,6 +2,7 @@
 /// loops go on for ever where a derivative is not finite; these do not.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -138,6 +139,67 @@ class Walk {
 inline constexpr std::string_view not_solved = "Odeint does not solve the stage equation";
 inline constexpr std::string_view not_finite = "the derivative is not finite however short the step";
 
+/// Steps steered by Odeint over a piece of a run.
+/// @param longest  of a step
+template <class Peer, System Sys, class Observer>
+RunEnd<real_of<typename Sys::State>> steered_piece(const Sys& system, Span<real_of<typename Sys::State>> span,
+                                                   typename Sys::State& y, real_of<typename Sys::State> rtol,
+                                                   real_of<typename Sys::State> atol, int first_order,
+                                                   real_of<typename Sys::State> h_first,
+                                                   real_of<typename Sys::State> longest, Observer& observer,
+                                                   std::int64_t max_steps) {
+  using Real = real_of<typename Sys::State>;
+  Peer peer(system, rtol, atol);
+  Walk<Peer, typename Sys::State, Observer> walk(peer, span.t0, y, observer);
+  // Odeint takes the first step as an argument; later ones are its own.
+  Real h = h_first > 0 ? h_first
+                       : hairer_initial_step(system, span.t0, y, first_order, RmsNorm<Real>{rtol, atol},
+                                             span.t_end - span.t0, longest);
+  // A step that shrinks to nothing has diverged where the last candidate was not finite.
+  bool was_finite = true;
+  for (std::int64_t attempts = 0;; ++attempts) {
+    const Real t = walk.t;
+    if (attempts == max_steps) return walk.finish(Outcome::too_many_steps, t);
+    h = std::min(h, longest);
+    // 16 units in the last place of t: below that a step no longer moves the time.
+    const Real shortest = 16 * std::numeric_limits<Real>::epsilon() * std::abs(t);
+    if (!(h > shortest) || !(t + h > t))
+      return was_finite ? walk.finish(Outcome::step_too_small, t)
+                        : walk.finish(Outcome::diverged, t, not_finite);
+    // The last step is cut to the end of the span.
+    bool last = t + h >= span.t_end;
+    if (last) h = span.t_end - t;
+    const Real tried = h;
+    bool stands = false;
+    try {
+      stands = peer.try_step(walk.now, t, walk.next, h);
+    } catch (const NotSolved&) {
+      return walk.finish(Outcome::newton_failed, t, not_solved);
+    } catch (const boost::numeric::odeint::odeint_error&) {
+      return walk.finish(Outcome::step_too_small, t, "Odeint finds no step that it accepts");
+    }
+    was_finite = is_bounded(walk.next);
+    if (!stands || !was_finite) {
+      walk.reject();
+      if (stands) {
+        // Odeint takes an error that is no number for a small one: h is not cut by it, so it is here.
+        if constexpr (requires { peer.take_back(); }) peer.take_back();
+        h = tried / 4;
+      }
+      continue;
+    }
+    Real t_next = last ? span.t_end : t + tried;
+    // A stepper with dense output may have stopped short of what was tried.
+    if constexpr (requires { peer.reached(); }) {
+      last = last && peer.reached() >= t + tried;
+      t_next = last ? span.t_end : peer.reached();
+    }
+    if (!walk.admitted(system)) return walk.finish(Outcome::diverged, t_next);
+    if (walk.accept(t_next)) return walk.finish(Outcome::stopped, walk.t);
+    if (last) return walk.finish(Outcome::reached_end, walk.t);
+  }
+}
+
 }  // namespace detail
 
 /// Fixed steps over `span`, as hmax::integrate does them: time is t0 + n h, the last step may be shorter.
@@ -179,71 +241,31 @@ RunEnd<real_of<typename Sys::State>> integrate_fixed(const Sys& system,
 }
 
 /// Steps steered by Odeint; it wants to be told the first one, which hmax chooses as for its own methods.
+/// They land on the breakpoints of the system, where a fresh stepper goes on.
 /// @tparam Peer         try_step(y, t, y_new, h) -> bool and inside(...), as in explicit_peers.hpp
 /// @param y             initial state in, last accepted state out, shape (n)
 /// @param rtol, atol    Odeint's own test: how they weigh the error is up to its stepper; the first step is
 ///                      chosen in the root mean square of hmax
 /// @param first_order   order of the error estimate that the first step is chosen for
 /// @param max_steps     attempts allowed
+/// @param h_first, h_max  as in Tolerances
 /// @throws std::invalid_argument  where the span runs backwards
 template <class Peer, System Sys, class Observer>
-RunEnd<real_of<typename Sys::State>> integrate_adaptive(const Sys& system,
-                                                        Span<real_of<typename Sys::State>> span,
-                                                        typename Sys::State& y,
-                                                        real_of<typename Sys::State> rtol,
-                                                        real_of<typename Sys::State> atol, int first_order,
-                                                        Observer&& observer, std::int64_t max_steps) {
+RunEnd<real_of<typename Sys::State>> integrate_adaptive(
+    const Sys& system, Span<real_of<typename Sys::State>> span, typename Sys::State& y,
+    real_of<typename Sys::State> rtol, real_of<typename Sys::State> atol, int first_order,
+    Observer&& observer, std::int64_t max_steps, real_of<typename Sys::State> h_first = 0,
+    real_of<typename Sys::State> h_max = std::numeric_limits<real_of<typename Sys::State>>::infinity()) {
   using Real = real_of<typename Sys::State>;
   expect_forwards(span, "Boost.Odeint");
   if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
   if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
-  Peer peer(system, rtol, atol);
-  detail::Walk<Peer, typename Sys::State, std::remove_reference_t<Observer>> walk(peer, span.t0, y, observer);
-  // Odeint takes the first step as an argument; later ones are its own.
-  Real h =
-      hairer_initial_step(system, span.t0, y, first_order, RmsNorm<Real>{rtol, atol}, span.t_end - span.t0);
-  // A step that shrinks to nothing has diverged where the last candidate was not finite.
-  bool was_finite = true;
-  for (std::int64_t attempts = 0;; ++attempts) {
-    const Real t = walk.t;
-    if (attempts == max_steps) return walk.finish(Outcome::too_many_steps, t);
-    // 16 units in the last place of t: below that a step no longer moves the time.
-    const Real shortest = 16 * std::numeric_limits<Real>::epsilon() * std::abs(t);
-    if (!(h > shortest) || !(t + h > t))
-      return was_finite ? walk.finish(Outcome::step_too_small, t)
-                        : walk.finish(Outcome::diverged, t, detail::not_finite);
-    // The last step is cut to the end of the span.
-    bool last = t + h >= span.t_end;
-    if (last) h = span.t_end - t;
-    const Real tried = h;
-    bool stands = false;
-    try {
-      stands = peer.try_step(walk.now, t, walk.next, h);
-    } catch (const NotSolved&) {
-      return walk.finish(Outcome::newton_failed, t, detail::not_solved);
-    } catch (const boost::numeric::odeint::odeint_error&) {
-      return walk.finish(Outcome::step_too_small, t, "Odeint finds no step that it accepts");
-    }
-    was_finite = detail::is_bounded(walk.next);
-    if (!stands || !was_finite) {
-      walk.reject();
-      if (stands) {
-        // Odeint takes an error that is no number for a small one: h is not cut by it, so it is here.
-        if constexpr (requires { peer.take_back(); }) peer.take_back();
-        h = tried / 4;
-      }
-      continue;
-    }
-    Real t_next = last ? span.t_end : t + tried;
-    // A stepper with dense output may have stopped short of what was tried.
-    if constexpr (requires { peer.reached(); }) {
-      last = last && peer.reached() >= t + tried;
-      t_next = last ? span.t_end : peer.reached();
-    }
-    if (!walk.admitted(system)) return walk.finish(Outcome::diverged, t_next);
-    if (walk.accept(t_next)) return walk.finish(Outcome::stopped, walk.t);
-    if (last) return walk.finish(Outcome::reached_end, walk.t);
-  }
+  const Real longest = longest_step(h_max, span.t_end - span.t0);
+  return run_by_pieces(system, span, y, max_steps,
+                       [&](const Sys& of, Span<Real> piece, std::int64_t attempts) {
+                         return detail::steered_piece<Peer>(of, piece, y, rtol, atol, first_order, h_first,
+                                                            longest, observer, attempts);
+                       });
 }
 
 /// An absolute tolerance for each component, which Odeint does not have.

@@ -185,29 +185,17 @@ class Binding {
   std::exception_ptr thrown_;             ///< of a callback
 };
 
-}  // namespace detail
-
-/// Integrates y' = f(t, y) over `span`, as hmax::integrate does, by a method of SUNDIALS. Fixed steps are
-/// those of ARKODE; CVODE always chooses its own. Only forwards, with states of doubles.
-/// @param method     of imex and mri the system must be a SplitSystem
-/// @param y          initial state in, last bounded state out, shape (n)
-/// @param observer   called as observer(View&) once for each accepted step, in order of time
-/// @param max_steps  steps allowed, by our count
-/// @throws what the system throws; std::invalid_argument backwards and for `atols` that are not one for each
-///         component; std::runtime_error when the library refuses the settings
+/// Integrates over a piece of a run, of which nothing else is to be checked.
+/// @param settings  with the longest step of the whole run
 template <System Sys, class Observer>
-RunEnd<double> integrate(const Method& method, const Settings& settings, const Sys& system, Span<double> span,
-                         typename Sys::State& y, Observer&& observer, std::int64_t max_steps) {
+RunEnd<double> integrate_piece(const Method& method, const Settings& settings, const Sys& system,
+                               Span<double> span, typename Sys::State& y, Observer& observer,
+                               std::int64_t max_steps) {
   using State = typename Sys::State;
-  expect_forwards(span, "SUNDIALS");
-  if (settings.adaptive && settings.atols.size() > 0) check_atol(settings.atols, y.size());
-  if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
-  if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
-
   // next: memory of the library's state, which copies of y go through; inside: that of dense output.
   // Declared from what is used to what uses it: the solver is freed first, then vectors and binding.
   SUNContext context = this_context();
-  detail::Binding<Sys> binding(system, method.package == Package::imex, settings.jacobian);
+  Binding<Sys> binding(system, method.package == Package::imex, settings.jacobian);
   const Vector next = make_vector<State>(y.size(), context), inside = make_vector<State>(y.size(), context);
   State& y_next = state_of<State>(next.get());
   copy_state(y, y_next);
@@ -241,8 +229,8 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
     if (!(t_next > t))
       return finish(Outcome::step_too_small, t, "SUNDIALS takes steps that no longer change the time");
     if (!admits(system, y_next)) return finish(Outcome::diverged, t_next);
-    if constexpr (!std::is_same_v<std::remove_cvref_t<Observer>, ObserveNothing>) {
-      detail::View<State> view(*solver, t, t_next, y, y_next, inside.get());
+    if constexpr (!std::is_same_v<Observer, ObserveNothing>) {
+      View<State> view(*solver, t, t_next, y, y_next, inside.get());
       observer(view);
       if (view.stop()) {
         t = *view.stop();
@@ -254,6 +242,55 @@ RunEnd<double> integrate(const Method& method, const Settings& settings, const S
     t = t_next;
     if (t >= span.t_end) return finish(Outcome::reached_end, t);
   }
+}
+
+/// The settings of a piece: the library chooses its first step, unless it is given or f says nothing at the
+/// start.
+template <System Sys>
+Settings with_first_step(Settings settings, const Sys& system, Span<double> span,
+                         const typename Sys::State& y) {
+  if (settings.h_first > 0 || is_autonomous(system)) return settings;
+  using State = typename Sys::State;
+  const auto size = [&](const State& v) {
+    const auto component = [&](Eigen::Index i) { return v[i]; };
+    return std::sqrt(settings.atols.size() == 0
+                         ? RmsNorm<double>{settings.rtol, settings.atol}.squared(y, y, component)
+                         : ComponentRmsNorm<double>{settings.rtol, settings.atols}.squared(y, y, component));
+  };
+  State slope = y;
+  system.rhs(span.t0, y, slope);
+  const double length = span.t_end - span.t0;
+  if (starts_at_rest(size(slope), length))
+    settings.h_first = first_step_from_rest(system, span.t0, y, size, length, settings.h_max);
+  return settings;
+}
+
+}  // namespace detail
+
+/// Integrates y' = f(t, y) over `span`, as hmax::integrate does, by a method of SUNDIALS. Fixed steps are
+/// those of ARKODE; CVODE always chooses its own. Chosen steps land on the breakpoints of the system, where
+/// the library begins anew. Only forwards, with states of doubles.
+/// @param method     of imex and mri the system must be a SplitSystem
+/// @param y          initial state in, last bounded state out, shape (n)
+/// @param observer   called as observer(View&) once for each accepted step, in order of time
+/// @param max_steps  steps allowed, by our count
+/// @throws what the system throws; std::invalid_argument backwards and for `atols` that are not one for each
+///         component; std::runtime_error when the library refuses the settings
+template <System Sys, class Observer>
+RunEnd<double> integrate(const Method& method, Settings settings, const Sys& system, Span<double> span,
+                         typename Sys::State& y, Observer&& observer, std::int64_t max_steps) {
+  expect_forwards(span, "SUNDIALS");
+  if (settings.adaptive && settings.atols.size() > 0) check_atol(settings.atols, y.size());
+  if (!admits(system, y)) return {Outcome::diverged, span.t0, {}};
+  if (span.t_end == span.t0) return {Outcome::reached_end, span.t0, {}};
+  if (!settings.adaptive)
+    return detail::integrate_piece(method, settings, system, span, y, observer, max_steps);
+  settings.h_max = longest_step(settings.h_max, span.t_end - span.t0);
+  return run_by_pieces(
+      system, span, y, max_steps, [&](const Sys& of, Span<double> piece, std::int64_t attempts) {
+        return detail::integrate_piece(method, detail::with_first_step(settings, of, piece, y), of, piece, y,
+                                       observer, attempts);
+      });
 }
 
 }  // namespace hmax::sundials

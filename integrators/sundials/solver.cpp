@@ -78,6 +78,14 @@ void set_tolerances(void* memory, const Settings& settings, N_Vector y0, int (*s
   check(vector(memory, settings.rtol, atols.get()), "the tolerances");
 }
 
+/// Tells an integrator its longest step, and its first one where that is given.
+/// @throws std::runtime_error  where the library refuses them
+void set_steps(void* memory, const Settings& settings, int (*longest)(void*, double),
+               int (*first)(void*, double)) {
+  check(longest(memory, settings.h_max), "the longest step");
+  if (settings.h_first > 0) check(first(memory, settings.h_first), "the first step");
+}
+
 /// Of functional iteration; Newton's is the default of the library and owned by it.
 struct FreeNonlinearSolver {
   void operator()(SUNNonlinearSolver solver) const { SUNNonlinSolFree(solver); }
@@ -102,6 +110,7 @@ class Cvode final : public Solver {
     check(CVodeInit(cvode, calls.rhs, t0, y0), "the initial state");
     check(CVodeSetUserData(cvode, calls.user), "the system");
     set_tolerances(cvode, settings, y0, CVodeSStolerances, CVodeSVtolerances);
+    set_steps(cvode, settings, CVodeSetMaxStep, CVodeSetInitStep);
     check(CVodeSetMaxNumSteps(cvode, no_limit), "steps without limit");
     // The stop time is exact: no step passes the end of the run.
     check(CVodeSetStopTime(cvode, t_end), "the end time");
@@ -170,10 +179,12 @@ class ErkStep final : public Solver {
     check(ERKStepSetMaxNumSteps(erk, no_limit), "steps without limit");
     check(ERKStepSetStopTime(erk, t_end), "the end time");
     // At fixed steps there is no error test.
-    if (settings.adaptive)
+    if (settings.adaptive) {
       set_tolerances(erk, settings, y0, ERKStepSStolerances, ERKStepSVtolerances);
-    else
+      set_steps(erk, settings, ERKStepSetMaxStep, ERKStepSetInitStep);
+    } else {
       check(ERKStepSetFixedStep(erk, settings.h), "the step");
+    }
   }
 
   /// Where f is not finite the step is cut to a quarter, until it no longer moves t.
@@ -239,6 +250,7 @@ class ArkStep final : public Solver {
     check(ARKStepSetLinSysFn(ark, calls.arkode_system), "the linear equations");
     if (settings.adaptive) {
       set_tolerances(ark, settings, y0, ARKStepSStolerances, ARKStepSVtolerances);
+      set_steps(ark, settings, ARKStepSetMaxStep, ARKStepSetInitStep);
     } else {
       // Without an error test the tolerances serve the stage equations alone.
       check(ARKStepSStolerances(ark, tight, tight), "the tolerances");

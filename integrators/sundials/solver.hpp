@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string_view>
 
@@ -44,8 +45,9 @@ struct Method {
 /// How a run chooses its steps, and what is exact enough.
 struct Settings {
   bool adaptive = true;
-  double h = 0;                                     ///< when not adaptive
-  double rtol = default_rtol, atol = default_atol;  ///< when adaptive
+  double h = 0;                                                         ///< when not adaptive
+  double rtol = default_rtol, atol = default_atol;                      ///< when adaptive
+  double h_first = 0, h_max = std::numeric_limits<double>::infinity();  ///< as in Tolerances; when adaptive
   JacobianUpdate jacobian{};  ///< frozen: J of the start; K: every K-th step; automatic: the library's rule
   Eigen::VectorXd atols{};    ///< an absolute tolerance for each component in place of atol; empty: atol
 };

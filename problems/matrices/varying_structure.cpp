@@ -69,8 +69,8 @@ VaryingMatrices::Part VaryingMatrices::rate_of(const Numbers& numbers, double t)
   return {numbers.values[i].data(), numbers.values[i + 1].data(), -per_second, per_second};
 }
 
-void VaryingMatrices::subtract(const Part& K, const Part& C, double beta, const ConstVector& q, const ConstVector& v,
-                               Eigen::Ref<VectorXd> f) const {
+void VaryingMatrices::subtract(const Part& K, const Part& C, double beta, const ConstVector& q,
+                               const ConstVector& v, Eigen::Ref<VectorXd> f) const {
   const int* const begin = pattern_.outerIndexPtr();
   const int* const row = pattern_.innerIndexPtr();
   for (Index j = 0; j < pattern_.cols(); ++j) {
@@ -116,6 +116,14 @@ void VaryingStructure::rhs(double t, const State& y, State& dydt) const {
   matrices_->subtract_forces(t, beta_, y.head(n), y.tail(n), dydt.tail(n));
   divide_by_mass(dydt.tail(n));
   dydt.tail(n) -= alpha_ * y.tail(n);
+}
+
+std::vector<double> VaryingStructure::breakpoints(double t0, double t1) const {
+  const std::vector<double>& given = matrices_->times();
+  std::vector<double> inside;
+  for (const double t : given)
+    if (t > t0 && t < t1 && (inside.empty() || t > inside.back())) inside.push_back(t);
+  return inside;
 }
 
 void VaryingStructure::time_derivative(double t, const State& y, State& dfdt) const {

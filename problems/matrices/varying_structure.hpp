@@ -19,8 +19,8 @@ struct MatrixSeries {
   [[nodiscard]] bool varies() const { return t.size() > 1; }
 };
 
-/// K(t) and C(t), linear between the given times, and before and after all of them the nearest. Their numbers and
-/// those of M stand on one pattern, which also holds the diagonal.
+/// K(t) and C(t), linear between the given times, and before and after all of them the nearest. Their numbers
+/// and those of M stand on one pattern, which also holds the diagonal.
 class VaryingMatrices {
  public:
   /// @param C  empty without damping
@@ -64,8 +64,8 @@ class VaryingMatrices {
   std::vector<double> times_;
 };
 
-/// The structure of such matrices with Rayleigh damping alpha M + beta K(t), y = (q, v), shape (2 n). Copies share the
-/// matrices.
+/// The structure of such matrices with Rayleigh damping alpha M + beta K(t), y = (q, v), shape (2 n). Copies
+/// share the matrices.
 class VaryingStructure {
  public:
   using State = Eigen::VectorXd;
@@ -76,7 +76,8 @@ class VaryingStructure {
   /// @param mass   the M of the matrices, shape (n, n) [kg]
   /// @param alpha  [1/s]
   /// @param beta   [s]
-  VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, MassMatrix<double> mass, double alpha, double beta);
+  VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, MassMatrix<double> mass, double alpha,
+                   double beta);
 
   [[nodiscard]] Eigen::Index dofs() const { return mass_.size(); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
@@ -84,6 +85,8 @@ class VaryingStructure {
   /// @throws std::invalid_argument  as first_order_matrix
   void jacobian(double t, const State& y, Jacobian& J) const;
   void time_derivative(double t, const State& y, State& dfdt) const;
+  /// The given times in (t0, t1), where the rates of the matrices jump [s], rising.
+  [[nodiscard]] std::vector<double> breakpoints(double t0, double t1) const;
   /// @throws std::invalid_argument  where M couples unknowns
   [[nodiscard]] Dofs mass() const { return mass_.lumped(); }
   [[nodiscard]] const MassMatrix<double>& mass_matrix() const { return mass_; }

@@ -128,6 +128,19 @@ void TissueBody::number_free_points() {
     throw std::invalid_argument("every point of the mesh is supported; leave some of them free");
 }
 
+std::vector<double> TissueBody::breakpoints(double t0, double t1) const {
+  std::vector<double> times;
+  for (const Support& support : settings_.supports)
+    if (!support.travel.isZero(0)) support.profile.add_breakpoints(times);
+  for (const PressingForce& load : settings_.forces) load.profile.add_breakpoints(times);
+  for (const SphereTool& tool : settings_.tools)
+    if (!tool.travel.isZero(0)) tool.profile.add_breakpoints(times);
+  std::erase_if(times, [&](double t) { return !(t > t0 && t < t1); });
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
 void TissueBody::distribute_mass() {
   auto& materials = settings_.materials;
   const Index regions =
@@ -165,17 +178,19 @@ void TissueBody::raise_masses() {
   require(settings_.mass_step >= 0 && std::isfinite(settings_.mass_step), settings_.mass_step,
           "the step that masses are raised for", "zero or more and finite");
   if (settings_.mass_step > 0) {
-    // The largest eigenvalue of M^-1 K is at most that of sum_e p_e K_e(a, a) / m_a at one of the points a, with p_e
-    // the number of points of element e; the step is 2 / sqrt of it.
+    // The largest eigenvalue of M^-1 K is at most that of sum_e p_e K_e(a, a) / m_a at one of the points a,
+    // with p_e the number of points of element e; the step is 2 / sqrt of it.
     std::vector<Eigen::Matrix3d> blocks(at(mesh_.point_count()), Eigen::Matrix3d::Zero());
     visit_rest_stiffness([&](std::span<const Index> points, const Eigen::Ref<const Eigen::MatrixXd>& K) {
       for (std::size_t a = 0; a < points.size(); ++a)
-        blocks[at(points[a])] += static_cast<double>(points.size()) *
-                                 K.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(a));
+        blocks[at(points[a])] +=
+            static_cast<double>(points.size()) *
+            K.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(a));
     });
     const double kappa = 4 / (settings_.mass_step * settings_.mass_step);
     for (const Index i : free_points_) {
-      const Vector3d stiffest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(blocks[at(i)], Eigen::EigenvaluesOnly).eigenvalues();
+      const Vector3d stiffest =
+          Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(blocks[at(i)], Eigen::EigenvaluesOnly).eigenvalues();
       point_mass_[i] = std::max(point_mass_[i], stiffest[2] / kappa);
     }
   }
@@ -268,8 +283,8 @@ void TissueBody::for_moved_supports(const Of& of, const Visit& visit) const {
 
 template <class Visit>
 void TissueBody::visit_displacements(double t, Eigen::Ref<const Dofs> q, const Visit& visit) const {
-  for_moved_supports([&](const Support& support) -> Vector3d { return support.profile.value(t) * support.travel; },
-                     visit);
+  for_moved_supports(
+      [&](const Support& support) -> Vector3d { return support.profile.value(t) * support.travel; }, visit);
   for (std::size_t i = 0; i < free_points_.size(); ++i)
     visit(free_points_[i], q.segment<3>(3 * static_cast<Eigen::Index>(i)));
 }
@@ -296,8 +311,9 @@ TissueBody::Scratch TissueBody::rest() const {
 
 void TissueBody::move(double t, Eigen::Ref<const Dofs> v, NodeRows& rows) const {
   rows.resize(at(mesh_.point_count()));
-  for_moved_supports([&](const Support& support) -> Vector3d { return support.profile.rate(t) * support.travel; },
-                     [&](Index i, const Vector3d& velocity) { as_vector(rows[at(i)]) = velocity; });
+  for_moved_supports(
+      [&](const Support& support) -> Vector3d { return support.profile.rate(t) * support.travel; },
+      [&](Index i, const Vector3d& velocity) { as_vector(rows[at(i)]) = velocity; });
   for (std::size_t i = 0; i < free_points_.size(); ++i)
     as_vector(rows[at(free_points_[i])]) = v.segment<3>(3 * static_cast<Eigen::Index>(i));
 }

@@ -30,8 +30,9 @@ struct MeshOrigin;  // problems/mesh/files/mesh_import.hpp
 /// shape (dofs), v their velocities [m/s], and y = (q, v) the first-order state, shape (2 dofs). Supported
 /// points are no unknowns. The forces are
 ///   F = elastic(x) + skin(x) + m g + loads(t) + contact(t, x, v) - dampers(x) v - (alpha M + beta K0) v.
-/// Forces of 8000 St. Venant-Kirchhoff elements or 32,000 springs of a linear or cubic law and the stiffness of 1600
-/// elements take the threads of parallel_for(), with the same bits for any number. On one thread only the first call allocates.
+/// Forces of 8000 St. Venant-Kirchhoff elements or 32,000 springs of a linear or cubic law and the stiffness
+/// of 1600 elements take the threads of parallel_for(), with the same bits for any number. On one thread only
+/// the first call allocates.
 class TissueBody {
  public:
   using State = Eigen::VectorXd;
@@ -53,6 +54,8 @@ class TissueBody {
   /// The instant from which on no load changes with time [s], as after a ramp; infinity where one always
   /// does.
   [[nodiscard]] double steady_from() const { return steady_from_; }
+  /// Times in (t0, t1) where a load, a support or a tool begins or ceases to move [s], rising.
+  [[nodiscard]] std::vector<double> breakpoints(double t0, double t1) const;
   /// The state at rest: the body as the mesh has it.
   [[nodiscard]] State y0() const { return State::Zero(dim()); }
   /// (|X|, 0) of the free points, shape (dim): springs, skins and tools meet positions X + q, with their
@@ -160,9 +163,9 @@ class TissueBody {
   std::vector<SpringSet> springs_;
   std::optional<Membrane> membrane_;
   std::vector<ToolContact> contacts_;
-  DofMatrix rayleigh_;              ///< alpha M + beta K0; empty without damping
+  DofMatrix rayleigh_;                   ///< alpha M + beta K0; empty without damping
   std::vector<bool> continues_support_;  ///< of each support: its points are those of the one before
-  std::vector<Dofs> support_drag_;  ///< of each support: beta K0 times its travel, on the free points
+  std::vector<Dofs> support_drag_;       ///< of each support: beta K0 times its travel, on the free points
 };
 
 }  // namespace hmax

@@ -11,14 +11,16 @@
 
 namespace hmax {
 
-SampledCurve::SampledCurve(std::vector<double> t, std::vector<double> v) : t_(std::move(t)), v_(std::move(v)) {
+SampledCurve::SampledCurve(std::vector<double> t, std::vector<double> v)
+    : t_(std::move(t)), v_(std::move(v)) {
   const auto finite = [](double x) { return std::isfinite(x); };
   if (t_.size() < 2 || t_.size() != v_.size() || !std::ranges::all_of(t_, finite) ||
       !std::ranges::all_of(v_, finite) || std::ranges::adjacent_find(t_, std::greater_equal<>()) != t_.end())
     throw std::invalid_argument("a sampled curve needs two or more finite values at increasing times");
   const std::size_t n = t_.size();
   const auto secant = [&](std::size_t i) { return (v_[i + 1] - v_[i]) / (t_[i + 1] - t_[i]); };
-  // The ends are flat, as the curve is beyond them. Inside: zero at a turn, else a harmonic mean of both secants.
+  // The ends are flat, as the curve is beyond them. Inside: zero at a turn, else a harmonic mean of both
+  // secants.
   slope_.assign(n, 0);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double a = secant(i - 1), b = secant(i), before = t_[i] - t_[i - 1], after = t_[i + 1] - t_[i];
@@ -44,7 +46,8 @@ double SampledCurve::rate(double t) const {
   if (!(t > t_.front()) || t >= t_.back()) return 0;
   const std::size_t i = interval_of(t);
   const double width = t_[i + 1] - t_[i], u = (t - t_[i]) / width, rest = 1 - u;
-  return 6 * u * rest * (v_[i + 1] - v_[i]) / width + rest * (1 - 3 * u) * slope_[i] - u * (2 - 3 * u) * slope_[i + 1];
+  return 6 * u * rest * (v_[i + 1] - v_[i]) / width + rest * (1 - 3 * u) * slope_[i] -
+         u * (2 - 3 * u) * slope_[i + 1];
 }
 
 double TimeProfile::value(double t) const {
@@ -91,6 +94,21 @@ double TimeProfile::steady_from() const {
       break;
   }
   return 0;
+}
+
+// Between the samples the curve and its slope are continuous: steps see them.
+void TimeProfile::add_breakpoints(std::vector<double>& times) const {
+  switch (kind) {
+    case Kind::ramp:
+      times.insert(times.end(), {start, start + rise});
+      break;
+    case Kind::samples:
+      times.insert(times.end(), {curve->t_begin(), curve->t_end()});
+      break;
+    case Kind::sine:
+    case Kind::steady:
+      break;
+  }
 }
 
 SphereTool::Pose SphereTool::pose(double t) const {

@@ -10,8 +10,8 @@
 
 namespace hmax {
 
-/// A smooth curve through measured values: cubic between them, with a continuous derivative, without overshoot
-/// [fritsch1984method]. Before the first and after the last of them it is constant.
+/// A smooth curve through measured values: cubic between them, with a continuous derivative, without
+/// overshoot [fritsch1984method]. Before the first and after the last of them it is constant.
 class SampledCurve {
  public:
   /// @param t  [s], increasing, two at least
@@ -21,6 +21,7 @@ class SampledCurve {
 
   [[nodiscard]] double value(double t) const;
   [[nodiscard]] double rate(double t) const;
+  [[nodiscard]] double t_begin() const { return t_.front(); }
   [[nodiscard]] double t_end() const { return t_.back(); }
 
  private:
@@ -37,19 +38,21 @@ struct TimeProfile {
     samples  ///< a curve through measured values
   };
   Kind kind = Kind::steady;
-  double start = 0;  ///< [s]
-  double rise = 1;   ///< [s], of a ramp; positive
-  double omega = 1;  ///< [rad/s], of a sine
+  double start = 0;                                ///< [s]
+  double rise = 1;                                 ///< [s], of a ramp; positive
+  double omega = 1;                                ///< [rad/s], of a sine
   std::shared_ptr<const SampledCurve> curve = {};  ///< of samples
 
   [[nodiscard]] double value(double t) const;
   [[nodiscard]] double rate(double t) const;
   /// From when on the factor stays the same [s]; infinity: never.
   [[nodiscard]] double steady_from() const;
+  /// Appends the times where the factor begins and ceases to change [s]: its derivatives jump there.
+  void add_breakpoints(std::vector<double>& times) const;
 };
 
-/// Points that the equations no longer contain: they stand at rest + travel * profile(t). What supports of the same
-/// points add up to, one after the other, is the motion of these points.
+/// Points that the equations no longer contain: they stand at rest + travel * profile(t). What supports of
+/// the same points add up to, one after the other, is the motion of these points.
 struct Support {
   std::vector<TetMesh::Index> points;
   Eigen::Vector3d travel = Eigen::Vector3d::Zero();  ///< [m]
