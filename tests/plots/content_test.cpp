@@ -101,6 +101,28 @@ TEST(StepCostFigure, DividesTheMedianByTheSteps) {
   EXPECT_NEAR(figure.panels.at(0).curves.at(1).y.at(0), 1e-3 / 1e4 * 1e9, 1e-9);
 }
 
+TEST(WorkPrecisionFigure, DrawsTheCostOfTheFewestStepsThatAreStable) {
+  // 50 steps of 2 s take 1 ms and 200 evaluations; of 2.5 s, the largest stable ones, 40 would do.
+  std::vector<Row> some{row("rk4", "fixed", 2, 1e-3, 1e-2), row("rk4", "fixed", 0.1, 2e-2, 1e-6)};
+  for (Row& each : some) each.rhs = 4 * each.steps;
+  const auto limits = [&](double stable_step) {
+    std::vector<Curve> found;
+    for (const Panel& panel :
+         work_precision_figure(some, {{.id = "rk4", .order = 4, .stable_step = stable_step}}, "error").panels)
+      for (const Curve& curve : panel.curves)
+        if (curve.label == "least for stability") found.push_back(curve);
+    return found;
+  };
+  const std::vector<Curve> lines = limits(2.5);
+  ASSERT_EQ(lines.size(), 2U);
+  for (const Curve& line : lines) EXPECT_EQ(line.x, (std::vector{1e-6, 1e-2}));
+  EXPECT_NEAR(lines[0].y.at(0), 0.8e-3, 1e-12);
+  EXPECT_NEAR(lines[1].y.at(0), 160, 1e-9);
+  // Longer steps would be stable than any that was taken; nothing held it back.
+  EXPECT_TRUE(limits(3.5).empty());
+  EXPECT_TRUE(limits(INFINITY).empty());
+}
+
 TEST(MethodStyles, NoTwoOfManyMethodsLookTheSame) {
   std::vector<ShownMethod> methods;
   const int orders[] = {1, 2, 2, 2, 3, 3, 3, 4, 4, 5, 5, 5, 8, 8, 0, 6};

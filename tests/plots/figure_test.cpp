@@ -406,6 +406,27 @@ TEST_F(FigureTest, AFailureOfGnuplotIsTold) {
   EXPECT_NE(run_gnuplot(folder, "wrong.gp").find("could not draw"), std::string::npos);
 }
 
+TEST_F(FigureTest, ThePdfHasNoTimeOfDay) {
+  const std::string kept = std::getenv("PATH");
+  const auto pdf_of = [&](const std::string& drawn) {
+    std::ofstream(folder / "drawn") << drawn;
+    std::ofstream(folder / "gnuplot")
+        << "#!/bin/sh\n/bin/cp " << (folder / "drawn").string() << " steps.pdf\n";
+    std::filesystem::permissions(folder / "gnuplot", std::filesystem::perms::owner_all);
+    setenv("PATH", folder.c_str(), 1);
+    draw(small_figure(), folder, "steps");
+    setenv("PATH", kept.c_str(), 1);
+    return contents(folder / "steps.pdf");
+  };
+  EXPECT_EQ(pdf_of("%PDF-1.5 /CreationDate (D:20261126143301Z) end"),
+            "%PDF-1.5 /CreationDate (D:19700101000000Z) end");
+  EXPECT_EQ(pdf_of("%PDF-1.5 /CreationDate (D:20261126143301"), "%PDF-1.5 /CreationDate (D:19700101000000");
+  // Without a date, or cut off within it.
+  for (const char* other :
+       {"%PDF-1.5", "%PDF-1.5 /CreationDate (D:2026112614330", "%PDF-1.5 /CreationDate (D:"})
+    EXPECT_EQ(pdf_of(other), other);
+}
+
 TEST_F(FigureTest, AGnuplotThatHangsIsEnded) {
   std::ofstream(folder / "gnuplot") << "#!/bin/sh\nexec /bin/sleep 60\n";
   std::filesystem::permissions(folder / "gnuplot", std::filesystem::perms::owner_all);

@@ -50,6 +50,21 @@ TEST(StabilityFigures, AUnitIsEquallyLongOnBothAxes) {
     }
 }
 
+TEST(StabilityFigures, AreAsHighAsTheirPlaneWithinLimits) {
+  const double width = panel_width(1);
+  const auto expect_frame = [](const PlaneFrame& frame, double re, double im, double height) {
+    EXPECT_EQ(frame.height, std::lround(height));
+    EXPECT_NEAR(frame.re.high - frame.re.low, re, 2e-3 * re);
+    EXPECT_NEAR(frame.im.high - frame.im.low, im, 2e-3 * im);
+  };
+  expect_frame(equal_frame({-3, 1}, {-1, 1}, 1, 100, 1000), 4, 2, width / 2);
+  // Too low and too high for the limits: the other axis shows more.
+  expect_frame(equal_frame({-3, 1}, {-1, 1}, 1, 500, 1000), 4, 4 * 500 / width, 500);
+  expect_frame(equal_frame({-3, 1}, {-1, 1}, 1, 100, 200), 2 * width / 200, 2, 200);
+  const PlaneFrame wider = equal_frame({-3, 1}, {-1, 1}, 1, 100, 200);
+  EXPECT_NEAR(wider.re.low + wider.re.high, -2, 1e-12) << "about the same middle";
+}
+
 TEST(StabilityFigures, AHoleIsLeftOutOfTheFill) {
   const RegionShape ring{.label = "ring", .loops = {circle(0, 0, 2), circle(0, 0, 1, true)}};
   const Panel panel = region_panel(ring, equal_frame({-3, 3}, {-3, 3}, 1));

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <map>
 #include <numbers>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -223,6 +228,187 @@ TEST(Bodies, RefuseWhatDoesNotFit) {
   view.rest.clear();
   view.points[3][1] = NAN;
   EXPECT_THROW(bodies_svg({.views = {view}}), InputError);
+}
+
+/// The numbers of a text from a place on.
+std::vector<double> numbers_from(const std::string& text, std::size_t at, std::size_t count) {
+  std::vector<double> found;
+  const char* next = text.c_str() + at;
+  while (found.size() < count) {
+    next += std::strcspn(next, "-.0123456789");
+    char* end = nullptr;
+    found.push_back(std::strtod(next, &end));
+    next = end;
+  }
+  return found;
+}
+
+/// What the faces of a body take of the page [pixels].
+struct OnPage {
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9, area = 0, longest_side = 0;
+  std::size_t faces = 0;
+};
+std::vector<OnPage> bodies_of(const std::string& svg) {
+  std::vector<OnPage> bodies;
+  const std::string group = "<g class=\"body\">";
+  for (std::size_t at = svg.find(group); at != std::string::npos; at = svg.find(group, at + 1)) {
+    OnPage& body = bodies.emplace_back();
+    const std::string faces = svg.substr(at, svg.find("</g>", at) - at);
+    for (std::size_t m = faces.find('M'); m != std::string::npos; m = faces.find('M', m + 1)) {
+      if (faces.find('z', m) > faces.find('M', m + 1)) continue;  // a line
+      const std::vector<double> n = numbers_from(faces, m, 6);
+      ++body.faces;
+      body.longest_side = std::max({body.longest_side, std::hypot(n[2], n[3]), std::hypot(n[4], n[5])});
+      body.area += std::abs(n[2] * n[5] - n[3] * n[4]) / 2;
+      for (const double x : {n[0], n[0] + n[2], n[0] + n[2] + n[4]}) {
+        body.left = std::min(body.left, x);
+        body.right = std::max(body.right, x);
+      }
+      for (const double y : {n[1], n[1] + n[3], n[1] + n[3] + n[5]}) {
+        body.top = std::min(body.top, y);
+        body.bottom = std::max(body.bottom, y);
+      }
+    }
+  }
+  return bodies;
+}
+
+BodyView box(double across, double up) {
+  BodyView view = cube();
+  for (SpacePoint& p : view.points) p = {10 * across * p[0], p[1], 10 * up * p[2]};
+  return view;
+}
+const SpacePoint front{0, -1, 0};
+
+TEST(Bodies, FillTheirColumnInTheirProportions) {
+  for (const int columns : {1, 2}) {
+    // Pages of 900 pixels with margins of 16 and gaps of 14.
+    const double column = (900 - 2 * 16 + 14) / columns, left_of_second = columns == 1 ? 16 : 16 + column;
+    const auto wide =
+        bodies_of(bodies_svg({.towards = front, .columns = columns, .views = {box(1, 0.1), box(0.5, 0.1)}}));
+    ASSERT_EQ(wide.size(), 2U);
+    const double length = column - 14 - 8;
+    EXPECT_NEAR(wide[0].left, 16 + 4, 0.2);
+    EXPECT_NEAR(wide[0].right - wide[0].left, length, 0.2);
+    EXPECT_NEAR(wide[0].bottom - wide[0].top, length / 10, 0.2);
+    EXPECT_NEAR(wide[1].right - wide[1].left, length / 2, 0.2) << "one scale for both";
+    EXPECT_NEAR(wide[1].left, left_of_second + 4 + length / 4, 0.2) << "in the middle of its column";
+    EXPECT_EQ(wide[1].top > wide[0].bottom, columns == 1);
+    const auto high =
+        bodies_of(bodies_svg({.towards = front, .columns = columns, .views = {box(0.01, 1), box(0.01, 1)}}));
+    EXPECT_NEAR(high[1].bottom - high[1].top, columns == 1 ? 470 : 0.95 * column, 0.2);
+  }
+}
+
+TEST(Bodies, HaveAScaleBarOfTheLengthThatItSays) {
+  for (const double size : {1e-3, 0.02, 0.3, 7.0}) {
+    const std::string svg = bodies_svg({.towards = front, .views = {box(size, 0.1 * size)}});
+    const std::size_t bar = svg.find("v6m0 -3h"), unit = svg.find(" mm</text>");
+    ASSERT_NE(unit, std::string::npos);
+    const double shown = std::stod(svg.substr(svg.rfind('>', unit) + 1)) / 1000,
+                 pixels = numbers_from(svg, bar, 4)[3], left = numbers_from(svg, svg.rfind('M', bar), 1)[0];
+    const double across = bodies_of(svg)[0].right - bodies_of(svg)[0].left;
+    EXPECT_NEAR(pixels / across, shown / size, 1e-3) << size;
+    EXPECT_NEAR(left + pixels, 900 - 16 - 4, 0.2) << size;
+    EXPECT_GT(pixels, 40) << size;
+    EXPECT_LE(pixels, 110) << size;
+  }
+}
+
+TEST(Bodies, IncludeTheirToolsOfFiveRadii) {
+  BodyView view = box(0.001, 0.001);
+  view.tools = {{{0, 0, 0}, 0.01, {7, 0, 0}}};
+  const std::string svg = bodies_svg({.towards = front, .views = {view}});
+  const OnPage page = bodies_of(svg).at(0);
+  // The ball to the left, a bar of 0.36 radii that ends at five, and room for 0.4 radii more.
+  const double radius = (900 - 2 * 16 - 8) / 6.4;
+  EXPECT_NEAR(page.left, 16 + 4, 0.01 * radius);
+  EXPECT_NEAR(page.right - page.left, 6 * radius, 0.01 * radius);
+  EXPECT_NEAR(page.bottom - page.top, 2 * radius, 0.01 * radius);
+  view.tools[0].shaft = {0.001, 0, 0};
+  EXPECT_EQ(bodies_svg({.towards = front, .views = {view}}), svg) << "of any length";
+}
+
+TEST(Bodies, ShowForcesAsArrowsAlongThem) {
+  const auto picture = [](const SpacePoint& direction, bool leaves = false) {
+    BodyView view = box(1, 0.1);
+    view.arrows = {{{0.5, 0, 0.05}, direction, leaves}};
+    return bodies_svg({.towards = front, .views = {view}});
+  };
+  EXPECT_EQ(picture({1, 0, -1}), picture({70, 0, -70}));
+  const OnPage body = bodies_of(picture({1, 0, -1})).at(0);
+  const double x = (body.left + body.right) / 2, y = (body.top + body.bottom) / 2;
+  for (const SpacePoint& direction : {SpacePoint{1, 0, -1}, {0, 0, 1}, {-3, 4, 0}, {-1, 20, 0}})
+    for (const bool leaves : {false, true}) {
+      const double length = std::hypot(direction[0], direction[1], direction[2]),
+                   across = std::hypot(direction[0], direction[2]);
+      const double dx = direction[0] / across, dy = -direction[2] / across;
+      const std::string svg = picture(direction, leaves);
+      const std::size_t shaft = svg.find("<path stroke=\"#ffffff\" stroke-width=\"5\" d=\"M"),
+                        head = svg.find("stroke-width=\".8\" d=\"M", shaft);
+      if (direction[1] > 10) {
+        EXPECT_EQ(shaft, std::string::npos) << "away from the eye";
+        continue;
+      }
+      const auto line = numbers_from(svg, svg.find('M', shaft), 4),
+                 tip = numbers_from(svg, svg.find('M', head), 6);
+      // 44 pixels, less what its length is seen shorter; the head 11 long and 0.84 of that wide.
+      const double shown = 44 * std::max(0.4, across / length), from = leaves ? 0 : -shown,
+                   to = leaves ? shown : 0;
+      EXPECT_NEAR(line[0], x + from * dx, 0.15);
+      EXPECT_NEAR(line[1], y + from * dy, 0.15);
+      EXPECT_NEAR(line[2], x + (to - 8.8) * dx, 0.15);
+      EXPECT_NEAR(line[3], y + (to - 8.8) * dy, 0.15);
+      EXPECT_NEAR(tip[0], x + to * dx, 0.15);
+      EXPECT_NEAR(tip[1], y + to * dy, 0.15);
+      for (const std::size_t side : {2U, 4U}) {
+        const double back_x = tip[side] - tip[0], back_y = tip[side + 1] - tip[1];
+        EXPECT_NEAR(back_x * dx + back_y * dy, -11, 0.15);
+        EXPECT_NEAR(back_x * dy - back_y * dx, side == 2 ? -4.62 : 4.62, 0.15);
+      }
+    }
+}
+
+TEST(Bodies, HaveTheTicksOfTheirColoursInProportion) {
+  BodyView view = cube();
+  view.values = {-1, 0, 0.5, 1, 1.5, 2, 2.5, 3};
+  const auto ticks = [&](const BodyColours& colours) {
+    const std::string svg = bodies_svg({.colours = colours, .views = {view}});
+    std::map<double, double> found;  // place [pixels] of each number
+    const std::string mark = "stroke=\"#606060\" stroke-width=\".8\" d=\"M";
+    for (std::size_t at = svg.find(mark); at != std::string::npos; at = svg.find(mark, at + 1)) {
+      const double x = numbers_from(svg, at + mark.size(), 1)[0];
+      const std::size_t label = svg.find("</text>", at);
+      const std::string text = svg.substr(svg.rfind('>', label) + 1, label - svg.rfind('>', label) - 1);
+      found[std::stod(text.substr(text.find_first_of("-0123456789")))] = x;
+    }
+    return found;
+  };
+  const auto expect_even = [](const std::map<double, double>& found, double low, double high) {
+    EXPECT_GE(found.size(), 3U);
+    for (const auto& [value, x] : found)
+      EXPECT_NEAR(x, 16 + 300 * (value - low) / (high - low), 0.06) << value;
+    EXPECT_TRUE(found.contains(low) || found.begin()->first > low);
+  };
+  expect_even(ticks({.quantity = "z"}), -1, 3);
+  expect_even(ticks({.quantity = "z", .diverging = true}), -3, 3);
+  expect_even(ticks({.quantity = "z", .range = Range{0, 10}}), 0, 10);
+}
+
+TEST(Bodies, OfManyTrianglesKeepTheirShape) {
+  // A ball of 470 pixels, whatever is joined of it.
+  const OnPage page = bodies_of(bodies_svg({.views = {ball(300, 200)}})).at(0);
+  const double circle = std::numbers::pi * 470 * 470 / 4;
+  EXPECT_NEAR(page.right - page.left, 470, 10);
+  EXPECT_NEAR(page.bottom - page.top, 470, 10);
+  EXPECT_NEAR(page.area, circle, 0.05 * circle);
+  // Sides of six pixels, or of twenty where they may be coarse, but for half of one that is not cut.
+  const OnPage fine = bodies_of(bodies_svg({.views = {ball(20, 10)}})).at(0),
+               coarse = bodies_of(bodies_svg({.views = {ball(20, 10)}, .coarse = true})).at(0);
+  EXPECT_LT(fine.longest_side, 9.2);
+  EXPECT_GT(coarse.longest_side, 20);
+  EXPECT_LT(coarse.longest_side, 30.2);
+  EXPECT_LT(coarse.faces, fine.faces / 4);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <regex>
+#include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace hmax {
@@ -52,6 +54,20 @@ TEST(SlidingSpectrum, StandsWithExactlyOneStepWrittenWhereNothingMoves) {
   EXPECT_EQ(count(sliding_svg(square()), "visibility=\"visible\""), 1U);
 }
 
+TEST(SlidingSpectrum, NamesItsAxesInTheMiddle) {
+  const std::string svg = sliding_svg(square());
+  std::smatch frame, re, im;
+  ASSERT_TRUE(std::regex_search(
+      svg, frame,
+      std::regex(
+          "<clipPath id=\"plane\"><rect x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\"")));
+  ASSERT_TRUE(std::regex_search(
+      svg, im, std::regex("translate\\(16 ([0-9.]+)\\) rotate\\(-90\\)\" text-anchor=\"middle\">Im")));
+  ASSERT_TRUE(std::regex_search(svg, re, std::regex("<text x=\"([0-9.]+)\"[^>]*>Re h")));
+  EXPECT_NEAR(std::stod(im[1]), std::stod(frame[2]) + std::stod(frame[4]) / 2, 0.06);
+  EXPECT_NEAR(std::stod(re[1]), std::stod(frame[1]) + std::stod(frame[3]) / 2, 0.06);
+}
+
 TEST(SlidingSpectrum, FramesShowWhoIsOutside) {
   const std::string inside = sliding_frames_svg(square(), {0.5}),
                     outside = sliding_frames_svg(square(), {1.5});
@@ -60,6 +76,35 @@ TEST(SlidingSpectrum, FramesShowWhoIsOutside) {
   EXPECT_EQ(count(outside, "fill=\"#d00000\""), 2U);
   EXPECT_EQ(inside.find("<animate"), std::string::npos);
   EXPECT_EQ(count(sliding_frames_svg(square(), {0.1, 1, 2}), "<clipPath"), 3U);
+}
+
+TEST(SlidingSpectrum, ShowsThePlaneWithEqualScalesAndEachPointWhereItIs) {
+  // A frame of 900 - 20 - 34 pixels in width shows re from -4 to 1 and, as high as it may be, im from -3
+  // to 3.
+  SlidingPicture picture = square();
+  picture.spectra = {{"one", {{-2, 1, 9}, {-1, -0.5, 9}, {0, 0, 9}}}};
+  const double wide = 900 - 20 - 34, high = 1.2 * wide, left = 40, top = 68;
+  const auto expect_points = [&](const std::string& svg, double h) {
+    const std::regex circle("<circle cx=\"([-0-9.]+)\" cy=\"([-0-9.]+)\" r=\"4.5\"");
+    std::size_t i = 0;
+    for (std::sregex_iterator at(svg.begin(), svg.end(), circle), none; at != none; ++at, ++i) {
+      const SlidingPoint& p = picture.spectra[0].points.at(i);
+      EXPECT_NEAR(std::stod(at->str(1)), left + wide * (h * p.re + 4) / 5, 0.06) << i;
+      EXPECT_NEAR(std::stod(at->str(2)), top + high * (3 - h * p.im) / 6, 0.06) << i;
+    }
+    EXPECT_EQ(i, 3U);
+  };
+  for (const double h : {0.5, 1.5}) expect_points(sliding_frames_svg(picture, {h}), h);
+  // The corners of the region.
+  EXPECT_NE(sliding_frames_svg(picture, {1})
+                .find(fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", left + wide * 2 / 5, top + high * 5 / 6,
+                                  left + wide * 4 / 5, top + high * 5 / 6)),
+            std::string::npos);
+  // In a plane that is too low for it, re is wider on both sides: a point in the middle stays there.
+  picture.im = {-0.1, 0.1};
+  picture.spectra = {{"one", {{-1.5, 0, 9}}}};
+  const std::string low = sliding_frames_svg(picture, {1, 1});
+  EXPECT_NE(low.find(fmt::format("cx=\"{:.1f}\"", 40 + (440 - 34) / 2.0)), std::string::npos) << low;
 }
 
 }  // namespace
