@@ -3,15 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/limits/linearised_problem.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
+#include "core/size_limits.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -56,20 +59,89 @@ struct OrderReport {
   OrderObservation seen;
   int expected = 0;
   double tolerance = 0;
+  double fastest =
+      0;  ///< the largest |eigenvalue| of the Jacobian at the start [1/s]; 0 where it is not known
   bool extended = false;  ///< in long double
   std::string reference;
 
   [[nodiscard]] bool shown() const {
     return seen.observed && std::abs(*seen.observed - expected) <= tolerance;
   }
-  /// Why the order is not shown; empty where it is.
+
+  /// Whether the steps are long beside the fastest time scale, and the slopes below the order of the method.
+  [[nodiscard]] bool is_reduced() const {
+    if (seen.h.size() < 2 || shown() || !(seen.h.back() * fastest > 1)) return false;
+    return seen.observed ? *seen.observed < expected
+                         : seen.lack == OrderLack::not_asymptotic && slope(seen.h.size() - 1) < expected;
+  }
+
+  /// From one point to the next.
+  [[nodiscard]] double slope(std::size_t i) const {
+    return std::log(seen.error[i - 1] / seen.error[i]) / std::log(seen.h[i - 1] / seen.h[i]);
+  }
+
+  /// Why there is no order, or another one; empty where the expected one is shown.
   [[nodiscard]] std::string status() const {
-    if (!seen.observed) return "too few errors lie above rounding to fit a slope; try another --t-end";
     if (shown()) return "";
+    if (is_reduced())
+      return fmt::format(
+          "order reduction: the problem is stiff here, h |lambda| is {} at the finest step; order {} shows at steps far "
+          "below {} s",
+          short_number(seen.h.back() * fastest, 2), expected, short_number(1 / fastest, 2));
+    const auto at = [](const std::optional<double>& h) { return short_number(h.value_or(0), 3); };
+    switch (seen.lack) {
+      case OrderLack::diverged:
+        return fmt::format(
+            "the runs diverge, or miss the solution, at all steps down to h = {} s; try a smaller --t-end",
+            at(seen.h_diverged));
+      case OrderLack::rounded:
+        return fmt::format("errors are at rounding level from h = {} s on{}; try another --t-end",
+                           at(seen.h_rounded), seen.h.empty() ? "" : ", and above it are too few steps");
+      case OrderLack::narrow:
+        return fmt::format(
+            "the runs diverge, or miss the solution, down to h = {} s, and errors are at rounding level from h = {} s on; "
+            "try another --t-end",
+            at(seen.h_diverged), at(seen.h_rounded));
+      case OrderLack::stalled:
+        return fmt::format(
+            "the error no longer falls from h = {} s on, far above rounding: the runs do not converge to "
+            "the reference",
+            at(seen.h_rounded));
+      case OrderLack::not_asymptotic:
+        return "the slopes differ by more than 0.5: the steps are not in the asymptotic range yet; try another --t-end";
+      case OrderLack::none:
+        break;
+    }
     return fmt::format("the slope is not within {} of the order {}; try another --t-end", tolerance,
                        expected);
   }
+
+  /// The status in a word.
+  [[nodiscard]] std::string_view reason() const {
+    return is_reduced() ? "order_reduction" : seen.observed ? "" : name_of(seen.lack);
+  }
 };
+
+/// The largest |eigenvalue| of the Jacobian at the start [1/s]; 0 where it is not known.
+double fastest_rate(const Problem& problem) {
+  double fastest = 0;
+  if (problem.y0.size() > most_explained_states) return fastest;
+  try {
+    for (const std::complex<double> lambda : linearised(problem, 0, problem.y0).modes.spectrum.lambda)
+      fastest = std::max(fastest, std::abs(lambda));
+  } catch (const InputError&) {
+    // Without a spectrum nothing is said of stiffness.
+  }
+  return fastest;
+}
+
+/// The largest number of the solution at the start and at the end times.
+template <class Exact>
+double size_of(const Problem& problem, const std::vector<double>& times, const Exact& exact) {
+  double size = problem.y0.cwiseAbs().maxCoeff();
+  for (const double t : times) size = std::max(size, static_cast<double>(exact(t).cwiseAbs().maxCoeff()));
+  return size;
+}
 
 /// Errors over the step at a few end times [s], and the slope that they show.
 OrderReport measured(const Method& method, const Problem& problem, const std::vector<double>& times,
@@ -92,10 +164,10 @@ OrderReport measured(const Method& method, const Problem& problem, const std::ve
   };
   const long double epsilon =
       extended ? std::numeric_limits<long double>::epsilon() : std::numeric_limits<double>::epsilon();
-  const long double scale = std::max(1.0L, exact(times.front()).cwiseAbs().maxCoeff());
+  const double size = size_of(problem, times, exact);
   // Rounding of up to 20000 steps, with a margin that keeps it out of the slope.
   const double floor =
-      std::max(static_cast<double>(200 * epsilon * scale),
+      std::max(static_cast<double>(200 * epsilon * size),
                30 * (reference.extended_at ? reference.extended_error : reference.error_bound));
 
   Progress progress(console, "order");
@@ -104,9 +176,10 @@ OrderReport measured(const Method& method, const Problem& problem, const std::ve
     progress.update(at / static_cast<double>(times.size()));
     return static_cast<double>((end_state(h, t_end) - exact(t_end)).cwiseAbs().maxCoeff());
   };
-  return {.seen = observe_order(error_of, times, floor),
+  return {.seen = observe_order(error_of, times, {floor, size}),
           .expected = order_on(method, problem),
           .tolerance = method.order_tolerance(),
+          .fastest = fastest_rate(problem),
           .extended = extended,
           .reference = reference.name};
 }
@@ -121,6 +194,7 @@ Json to_json(const OrderReport& report, const Method& method, const Problem& pro
           {"error", seen.error},
           {"tolerance", report.tolerance},
           {"status", report.status()},
+          {"reason", report.reason().empty() ? Json() : Json(report.reason())},
           {"t_end", seen.t_end},
           {"parameters", describe(problem.parameters)},
           {"y0", describe(problem.y0)},
@@ -132,21 +206,19 @@ std::string in_words(const OrderReport& report, const Method& method, const Prob
                      const Console& console) {
   const OrderObservation& seen = report.seen;
   std::string text;
-  if (seen.observed)
+  if (!seen.h.empty())
     text += fmt::format("{} on {}, error at t = {} s in {}\n\n", method.id, problem.id, to_text(seen.t_end),
                         report.extended ? "long double" : "double");
   TextTable table({"h [s]", "error", "slope"});
   for (std::size_t i = 0; i < seen.h.size(); ++i)
     table.add({short_number(seen.h[i]), short_number(seen.error[i], 4),
-               i == 0 ? ""
-                      : fmt::format("{:.3f}", std::log(seen.error[i - 1] / seen.error[i]) /
-                                                  std::log(seen.h[i - 1] / seen.h[i]))});
+               i == 0 ? "" : fmt::format("{:.3f}", report.slope(i))});
   if (!seen.h.empty()) text += table.text(console) + "\n";
   const std::string verdict =
       seen.observed
           ? fmt::format("observed order {:.3f}, expected {}{}", *seen.observed, report.expected,
                         report.expected == method.order ? "" : " where forces do not depend on velocities")
-          : "no order observed";
+          : "no order";
   return text + (report.shown() ? console.strong(verdict) + "\n"
                                 : console.alarming(verdict) + ": " + report.status() + "\n");
 }

@@ -77,5 +77,34 @@ TEST(OrderCommand, ExpectsTheOrderThatAMethodHasOnTheFormOfTheProblem) {
   EXPECT_EQ(shell.hmax("order --json --method symplectic_euler --problem kepler").json().at("expected"), 1);
 }
 
+TEST(OrderCommand, SaysThatRunsDivergeInPlaceOfAnOrder) {
+  // |R| of rk4 is above one from h = 2.785e-3 s on, and e^-1000 of the solution is left at t = 1 s.
+  const Told told = Shell().hmax("order --problem dahlquist --set lambda=-1000 --method rk4 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  const Json order = told.json();
+  EXPECT_TRUE(order.at("observed").is_null()) << told.out;
+  EXPECT_NE(order.at("status").get<std::string>().find("diverge"), std::string::npos) << told.out;
+  const Told people = Shell().hmax("order --problem dahlquist --set lambda=-1000 --method rk4");
+  EXPECT_EQ(people.exit_code, 1);
+  EXPECT_NE(people.out.find("no order: "), std::string::npos) << people.out;
+}
+
+TEST(OrderCommand, ShowsNoOrderWhereErrorsAreAsLargeAsTheSolution) {
+  // 1,000 oscillations of explicit Euler: the motion grows by exp(omega^2 h t / 2).
+  const Told told =
+      Shell().hmax("order --problem liver_linear --set k1=1e4 --set c=0 --method explicit_euler --json");
+  EXPECT_EQ(told.exit_code, 1);
+  const Json order = told.json();
+  EXPECT_TRUE(order.at("observed").is_null() || order.at("error").back() < 9) << told.out;
+}
+
+TEST(OrderCommand, NamesOrderReductionOfStiffProblems) {
+  // h |lambda| is 1e3 at h = 1e-3 s: sdirk_4 shows its stage order there [prothero1974stability].
+  const Json order = Shell().hmax("order --problem prothero_robinson --method sdirk_4 --json").json();
+  EXPECT_EQ(order.at("reason"), "order_reduction") << order;
+  EXPECT_NE(order.at("status").get<std::string>().find("order reduction"), std::string::npos) << order;
+  EXPECT_TRUE(Shell().hmax("order --problem liver_forced --method rk4 --json").json().at("reason").is_null());
+}
+
 }  // namespace
 }  // namespace hmax
