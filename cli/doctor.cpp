@@ -1,7 +1,13 @@
 /// hmax doctor and hmax info: what this build was made of, and on which machine it runs.
+#include <algorithm>
+#include <filesystem>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/distributed/distributed_engine.hpp"
+#include "bench/ranks/module.hpp"
+#include "bench/ranks/ranks.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "core/instruction_set.hpp"
@@ -37,8 +43,58 @@ std::vector<Part> optional_parts() {
   return parts;
 }
 
+/// A part of hmax that is a file of its own and a target of the build.
+struct Module {
+  std::string target, needed_for;
+  bool built = false;
+};
+
+/// Whether a folder has a file that begins so.
+bool has_file(const std::filesystem::path& folder, std::string_view beginning) {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    if (entry.path().filename().string().starts_with(beginning)) return true;
+  return false;
+}
+
+bool is_build_tree() { return std::filesystem::exists(program_prefix() / "CMakeCache.txt"); }
+
+/// The modules for which the libraries were there when hmax was configured. Where an installation has its
+/// Python module is known to Python alone.
+std::vector<Module> modules() {
+  std::vector<Module> modules;
+  const auto add = [&](const char* target, const char* needed_for) {
+    const std::filesystem::path file = module_file((std::string(target) + ".so").c_str());
+    modules.push_back({target, needed_for, std::filesystem::exists(file)});
+  };
+  if (has_mpi()) add("hmax_mpi", "sweeps under mpirun");
+  if (has_distributed_engine()) add("hmax_petsc", "--engine petsc");
+  const std::vector<Part> parts = optional_parts();
+  const auto python = std::ranges::find(parts, "pybind11", &Part::name);
+  if (is_build_tree() && python != parts.end() && !python->version.empty())
+    modules.push_back(
+        {"hmax_python", "the Python module", has_file(program_prefix() / "python/hmax", "_core")});
+  return modules;
+}
+
+/// The modules that are not there, and how to get them; empty where all are.
+std::string modules_for_people(const Console& console) {
+  std::string missing, targets;
+  for (const Module& module : modules()) {
+    if (module.built) continue;
+    missing += fmt::format("{}{} ({})", missing.empty() ? "" : ", ", module.target, module.needed_for);
+    targets += " " + module.target;
+  }
+  if (missing.empty()) return "";
+  return console.strong("Not built: " + missing) +
+         (is_build_tree() ? fmt::format("; cmake --build {} --target{}\n", program_prefix().string(), targets)
+                          : "; install hmax again from a build that has them\n");
+}
+
 Json report() {
   const BuildInfo& build = build_info();
+  Json built = Json::array(), not_built = Json::array();
+  for (const Module& module : modules()) (module.built ? built : not_built).push_back(module.target);
   Json libraries = Json::array(), optional = Json::array(), missing = Json::array();
   for (const Part& part : build.libraries) libraries.push_back(to_json(part));
   for (const Part& part : optional_parts()) {
@@ -55,6 +111,8 @@ Json report() {
           {"libraries", libraries},
           {"optional", optional},
           {"missing", missing},
+          {"modules", built},
+          {"modules_not_built", not_built},
           {"fingerprint", Json::parse(to_json(fingerprint()))}};
 }
 
@@ -74,7 +132,9 @@ std::string parts_for_people(const Console& console) {
   for (const InstructionSet set : instruction_sets()) sets.push_back(to_string(set));
   std::string text = fmt::format("{}\nInstruction set of the kernels: {}; HMAX_KERNELS chooses of {}\n",
                                  table.text(console), sets.front(), fmt::join(sets, ", "));
-  if (packages.empty()) return text + "Nothing is missing.\n";
+  const std::string not_built = modules_for_people(console);
+  text += not_built;
+  if (packages.empty()) return text + (not_built.empty() ? "Nothing is missing.\n" : "");
   return text + console.strong("To add what is missing: apt install" + packages) +
          (rebuild ? ", then configure and build again.\n" : "\n");
 }

@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 
-#include <filesystem>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,10 +10,15 @@
 
 namespace hmax {
 
-void* symbol_of_module(const char* file, const char* symbol) {
+std::filesystem::path program_prefix() {
   std::error_code unknown;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  const std::string path = (program.parent_path().parent_path() / HMAX_MODULES / file).string();
+  return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path().parent_path();
+}
+
+std::filesystem::path module_file(const char* file) { return program_prefix() / HMAX_MODULES / file; }
+
+void* symbol_of_module(const char* file, const char* symbol) {
+  const std::string path = module_file(file).string();
   // Global, because the parts that OpenMPI loads look for its symbols there. It stays open: MPI ends once.
   void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (!module) throw InputError(fmt::format("the module {} cannot be opened: {}; build or install hmax again", file, dlerror()));

@@ -59,5 +59,21 @@ TEST(Completion, OffersTheNamesThatFitInBash) {
   EXPECT_EQ(offered("hmax list mat", 2), "materials\n");
 }
 
+/// A program without the modules that lie beside it where everything was built.
+TEST(Doctor, NamesModulesThatAreNotBuiltAndTheCommandThatBuildsThem) {
+  const Shell shell;
+  ASSERT_EQ(shell.line("mkdir -p tree/bin && cp '" HMAX_PROGRAM "' tree/bin/hmax").exit_code, 0);
+  const Json report = shell.line("tree/bin/hmax doctor --json").json();
+  if (report.at("modules_not_built").empty()) GTEST_SKIP() << "this build has no modules";
+  EXPECT_TRUE(report.at("modules").empty());
+  const Told installed = shell.line("tree/bin/hmax doctor");
+  EXPECT_NE(installed.out.find("Not built: hmax_"), std::string::npos) << installed.out;
+  EXPECT_EQ(installed.out.find("Nothing is missing"), std::string::npos) << installed.out;
+  write_text(shell / "tree/CMakeCache.txt", "");
+  const Told built = shell.line("tree/bin/hmax doctor");
+  EXPECT_NE(built.out.find("cmake --build "), std::string::npos) << built.out;
+  EXPECT_NE(built.out.find("--target hmax_"), std::string::npos) << built.out;
+}
+
 }  // namespace
 }  // namespace hmax
