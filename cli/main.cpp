@@ -191,8 +191,8 @@ int main(int argc, char** argv) {
     hmax::leave_error_to_rank_0();
     hmax::tell({error.what()});
     return static_cast<int>(Exit::usage);
-  } catch (const hmax::Interrupted&) {
-    hmax::tell({"interrupted; what was finished is kept"});
+  } catch (const hmax::Interrupted& interrupted) {
+    hmax::tell({"interrupted", interrupted.kept.empty() ? "" : "; ", interrupted.kept});
     return static_cast<int>(Exit::interrupted);
   } catch (const std::bad_alloc&) {
     hmax::tell({"out of memory; take fewer points or a smaller problem"});

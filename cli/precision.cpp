@@ -179,7 +179,10 @@ void precision(const PrecisionOptions& options, Console& console) {
     const SweepSummary summary = run_sweep(
         plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
         [&] { return interrupted.load(); });
-    if (summary.interrupted) throw Interrupted{};
+    if (summary.interrupted) {
+      if (options.store.empty()) throw Interrupted{};
+      throw Interrupted::with_store(options.store);
+    }
     for (const std::string& warning : summary.warnings) console.remark(warning);
     progress.update(1, "limits of the step");
     const double t_end = plan.blocks.front().run.t_end;

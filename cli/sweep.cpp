@@ -354,8 +354,8 @@ void sweep(const SweepOptions& options, Console& console) {
     for (const std::string& figure : figures) console.print(fmt::format("The figure: {}\n", figure));
   }
   if (summary.interrupted) {
-    console.remark(fmt::format("interrupted; {} of {} rows are in {}, --resume measures the rest",
-                               summary.rows, plan.rows(), file.string()));
+    console.note(fmt::format("interrupted; {} of {} rows are in {}, --resume measures the rest", summary.rows,
+                             plan.rows(), file.string()));
     console.exit_code = Exit::interrupted;
   }
 }

@@ -190,8 +190,8 @@ void advise_on(const AdviseOptions& options, Console& console) {
   if (!was_interrupted(end)) return;
   // An answer that was kept before is better than a part of one.
   const bool wanted = !options.out.empty() || !options.output.empty();
-  console.remark(wanted ? "interrupted; the rows so far are printed, and neither stored nor written to a page"
-                        : "interrupted; the rows so far are printed");
+  console.note(wanted ? "interrupted; the rows so far are printed, and neither stored nor written to a page"
+                      : "interrupted; the rows so far are printed");
   console.exit_code = Exit::interrupted;
 }
 

@@ -79,7 +79,7 @@ std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& fi
     const SweepSummary done = run_sweep(
         plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
         [&] { return interrupted.load(); });
-    if (done.interrupted) throw Interrupted{};
+    if (done.interrupted) throw Interrupted::with_store(file.string());
     for (const std::string& warning : done.warnings) console.remark(warning);
     count += done.measured;
   }
@@ -198,7 +198,7 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   std::vector<Method> chosen;
   for (const char* id : nonlinear_methods) chosen.push_back(find_method(id));
   const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
-  if (interrupted) throw Interrupted{};
+  if (interrupted) throw Interrupted::with_store((folder / limit_store).string());
   if (shard) return stored_shard(folder, {limit_store}, rows.size() + nonlinear.size(), started);
   const std::filesystem::path report =
       reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder,

@@ -75,9 +75,9 @@ std::vector<RunFact> facts_of(const CheckpointedRun& run) {
 void tell(Console& console, const RunCheckpoint& checkpoint, const std::string& file, bool has_output) {
   const bool finished = checkpoint.has_finished(reported_part);
   if (finished && (!has_output || checkpoint.has_finished(output_part)))
-    console.remark(fmt::format("the run is finished in {}; remove that file to run again", file));
+    console.note(fmt::format("the run is finished in {}; remove that file to run again", file));
   else if (const double t = checkpoint.resumes_at(finished ? output_part : reported_part); t >= 0)
-    console.remark(fmt::format("the run goes on at t = {} s from {}", short_number(t, 10), file));
+    console.note(fmt::format("the run goes on at t = {} s from {}", short_number(t, 10), file));
 }
 
 }  // namespace

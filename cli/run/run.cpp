@@ -535,9 +535,9 @@ void run(const RunOptions& options, Console& console) {
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
   if (is_matrices_id(problem.id) && options.problem.y0.empty() && matrix_files(problem.id).initial.empty())
-    console.remark(fmt::format(
-        "the run starts from pseudo-random {} of up to {}; give another start with --y0",
-        is_second_order(problem) ? "displacements at rest" : "states", to_text(random_start_size)));
+    console.note(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
+                             is_second_order(problem) ? "displacements at rest" : "states",
+                             to_text(random_start_size)));
   const Runner runner = method.bind(problem);
   const std::optional<std::size_t> threads = given_jobs(options.jobs);
   std::optional<StopFlag> stop;
@@ -583,8 +583,8 @@ void run_or_stop(const RunOptions& options, Console& console) {
   try {
     run(options, console);
   } catch (const InterruptedRun& at) {
-    console.remark(fmt::format("stopped at t = {} s; the same command goes on from {}",
-                               short_number(at.t, 10), options.checkpoint.file));
+    console.note(fmt::format("stopped at t = {} s; the same command goes on from {}", short_number(at.t, 10),
+                             options.checkpoint.file));
     console.exit_code = Exit::interrupted;
   } catch (const StateNotSaved&) {
     throw InputError(without_checkpoints(options.method.make()));

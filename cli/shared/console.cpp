@@ -148,7 +148,8 @@ void Console::flush() {
                                std::strerror(errno)));
 }
 
-void Console::remark(std::string_view text) { tell({text}); }
+void Console::remark(std::string_view text) { tell({"warning: ", text}); }
+void Console::note(std::string_view text) { tell({"note: ", text}); }
 
 std::string Console::strong(std::string_view text) const { return painted(colour_, "1", text); }
 std::string Console::faint(std::string_view text) const { return painted(colour_, "2", text); }
@@ -271,7 +272,7 @@ std::string TextTable::text(const Console& console) const {
 std::string short_number(double value, int digits) {
   if (std::isnan(value)) return std::string(no_number);
   if (std::isinf(value)) return std::string(value > 0 ? too_large : too_low);
-  return rounded_text(value, digits);
+  return rounded_text(value == 0 ? 0.0 : value, digits);  // no "-0"
 }
 
 }  // namespace hmax

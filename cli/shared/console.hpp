@@ -34,8 +34,10 @@ class Console {
   /// Pushes out what is buffered; @throws InputError like print
   void flush();
 
-  /// A remark for people on standard error, "hmax: text".
+  /// A warning on standard error, "hmax: warning: text"; the program goes on.
   void remark(std::string_view text);
+  /// What happens, on standard error: "hmax: note: text"; nothing is wrong.
+  void note(std::string_view text);
 
   /// True when a line of progress on standard error can be rewritten in place.
   [[nodiscard]] bool shows_progress() const { return progress_; }
@@ -69,8 +71,14 @@ class Progress {
   Clock::time_point start_, last_;
 };
 
-/// Thrown to leave a long task after Ctrl-C; the program ends with 130.
-struct Interrupted {};
+/// Thrown to leave a long task after Ctrl-C; the program ends with 130 and says what is kept of the work, if
+/// anything is.
+struct Interrupted {
+  std::string kept = {};  ///< a clause such as "the rows so far are printed"; empty where nothing is kept
+
+  /// Of a task whose finished parts are in a file.
+  static Interrupted with_store(const std::string& file) { return {"what was finished is kept in " + file}; }
+};
 
 /// From the first call on Ctrl-C sets the flag that is returned, and the task is to end at the next good
 /// moment; a second Ctrl-C ends the program at once. Without a call the first one does.

@@ -45,7 +45,7 @@ void announce_equilibrium(Console& console, const Problem& problem, AskedState a
   const double factored = dofs <= most_factored_often ? dofs : 0;
   const double seconds = 7.5e-5 * dofs * std::cbrt(dofs / 1e5) + 2.8e-9 * factored * factored;
   const double gigabytes = 3e-6 * dofs + 6.7e-7 * std::pow(factored, 4.0 / 3);
-  console.remark(fmt::format(
+  console.note(fmt::format(
       "the static equilibrium of {} degrees of freedom takes about {:.0f} s and {:.1f} GB; --at rest needs neither",
       problem.body->dofs(), std::ceil(seconds), gigabytes));
 }

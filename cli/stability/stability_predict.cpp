@@ -189,7 +189,9 @@ void predict_rows(const PredictOptions& options, Console& console) {
                                 store->file().string(), rows.rows().size() - rows.looked_up(),
                                 rows.looked_up()));
   }
-  if (interrupt_flag()) throw Interrupted{};
+  if (!interrupt_flag()) return;
+  if (store) throw Interrupted::with_store(store->file().string());
+  throw Interrupted{"the rows so far are printed"};
 }
 
 }  // namespace

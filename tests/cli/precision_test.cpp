@@ -104,5 +104,24 @@ TEST(PrecisionCommand, StatesItsTolerances) {
   EXPECT_TRUE(fixed.json().at(0).at("atol").is_null());
 }
 
+TEST(PrecisionCommand, SaysThatRowsAreKeptWhereTheyAreAlone) {
+  const Shell shell;
+  const std::string line = "timeout --foreground -s INT 1 '" HMAX_PROGRAM
+                           "' precision --methods explicit_runge_kutta --repeats 9000";
+  const Told without = shell.line(line);
+  ASSERT_EQ(without.exit_code, 124) << "`timeout` had to interrupt";
+  EXPECT_EQ(without.err, "hmax: interrupted\n");
+  const Told with = shell.line(line + " --store rows.sqlite");
+  ASSERT_EQ(with.exit_code, 124);
+  EXPECT_EQ(with.err, "hmax: interrupted; what was finished is kept in rows.sqlite\n");
+}
+
+TEST(PrecisionCommand, NamesMethodsThatTakeNoTolerance) {
+  const Told told = Shell().hmax("precision --methods rk4,ode45 --rtol 1e-4 --t-end 1");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  // rk4 runs at the default steps.
+  EXPECT_EQ(told.err.find("left out"), std::string::npos) << told.err;
+}
+
 }  // namespace
 }  // namespace hmax

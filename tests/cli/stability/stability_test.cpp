@@ -555,7 +555,7 @@ TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
       "' stability predict --problem liver_forced --methods explicit_runge_kutta,adams --along --verify "
       "--t-end 20000 --json");
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
-  EXPECT_EQ(told.err, "hmax: interrupted; what was finished is kept\n");
+  EXPECT_EQ(told.err, "hmax: interrupted; the rows so far are printed\n");
   const Json rows = told.json()["rows"];
   ASSERT_GT(rows.size(), 0U);
   int unfinished = 0;
