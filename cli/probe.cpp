@@ -13,6 +13,7 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
+#include "cli/shared/work_limit.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -24,9 +25,12 @@ using Json = nlohmann::ordered_json;
 
 struct ProbeOptions {
   std::string plugin, example;
-  std::optional<double> h0, h1, motion, patience;
+  std::optional<double> h0, h1, motion, patience, time_limit;
   bool no_runs = false;
 };
+
+/// About what a step costs that crosses to another process and back [s].
+constexpr double call_seconds = 1e-5;
 
 std::string length_in_words(double h) {
   return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h, 7) + " s";
@@ -98,6 +102,13 @@ void probe(const ProbeOptions& options, Console& console) {
   if (options.plugin.empty())
     throw InputError("give the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
   if (!options.h0 || !options.h1) throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
+  if (options.motion && *options.motion > 0 && std::isfinite(*options.motion) && *options.h0 > 0)
+    refuse_endless(
+        {.asked = fmt::format("--motion {} with --h0 {}", to_text(*options.motion), to_text(*options.h0)),
+         .count = *options.motion / *options.h0,
+         .seconds_each = call_seconds,
+         .most_seconds = time_limit_of(options.time_limit),
+         .remedy = "take a shorter --motion or a larger --h0, or raise --time-limit"});
   const std::atomic<bool>& interrupted = interrupt_flag();
   const auto leave = [&] {
     if (interrupted) throw Interrupted{};
@@ -133,6 +144,7 @@ void add_probe(CLI::App& app, Console& console) {
   add_number(command, "--motion", options->motion,
              "Growth of neighbours along the motion of this length [s], instead of one step at the start");
   add_patience(command, options->patience);
+  add_time_limit(command, options->time_limit);
   add_flag(command, "--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
   add_text(command, "--example", options->example,
            "Write the header and two examples into this folder, and end", "FOLDER");

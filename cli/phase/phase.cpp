@@ -11,6 +11,7 @@
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/work_limit.hpp"
 #include "plots/draw.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -142,6 +143,7 @@ void add_section_options(CLI::App& command, PhaseOptions& options) {
   add_text(command, "--skip", options.skip, "Discarded periods before them; 200 by default", "NUMBER");
   add_number(command, "--period", options.period,
              "Period of the force [s]; that of the oscillator by default");
+  add_time_limit(command, options.time_limit);
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ struct PhaseOptions {
   bool poincare = false, follow = false;
   std::string bifurcation, periods, skip, points;
   std::optional<double> period, from, to;
+  std::optional<double> time_limit;
 };
 
 /// A problem of two states as it is looked at: autonomous, or frozen at an instant.

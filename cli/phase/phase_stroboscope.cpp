@@ -10,6 +10,7 @@
 #include "bench/models/planar.hpp"
 #include "bench/step_maps/period_maps.hpp"
 #include "cli/phase/phase.hpp"
+#include "cli/shared/work_limit.hpp"
 #include "core/parallel_for.hpp"
 #include "plots/dynamics.hpp"
 #include "results/errors.hpp"
@@ -23,7 +24,7 @@ using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
-constexpr std::int64_t most_periods = 10'000'000;
+constexpr double most_periods = 1e7, most_values = 1e5;
 
 /// How many periods are seen, and how many pass before.
 struct Looks {
@@ -33,9 +34,11 @@ struct Looks {
 Looks looks_of(const PhaseOptions& options, int count) {
   const auto number = [](const char* what, const std::string& text, int otherwise, std::int64_t least) {
     const std::int64_t value = text.empty() ? otherwise : parse_count(what, text, least);
-    if (value > most_periods)
-      throw InputError(
-          fmt::format("{} is {}, more than the limit of {}; take fewer", what, value, most_periods));
+    refuse_endless({.asked = fmt::format("{} {}", what, text),
+                    .count = static_cast<double>(value),
+                    .of = "periods",
+                    .most_count = most_periods,
+                    .remedy = "take fewer"});
     return static_cast<int>(value);
   };
   return {number("--periods", options.periods, count, 1), number("--skip", options.skip, 200, 0)};
@@ -81,6 +84,28 @@ Window around(const Problem& problem, const std::vector<VectorXd>& points, doubl
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
+/// Applications of the period map after the looks, in which chaos dies out that does not last
+/// (analysis/dynamics/poincare.hpp).
+constexpr double settling = 3000;
+
+/// About what a period takes [s]: the first of the motion, or what its fixed steps take.
+double seconds_of_period(const Problem& problem, double period, const std::optional<FixedSteps>& steps) {
+  constexpr double stage = 15e-9;
+  if (steps) return period / steps->h * std::max(1, steps->method.stages) * stage;
+  return seconds_of([&] { stroboscope(problem, period, steps)(problem.y0); });
+}
+
+/// @throws InputError  where the periods would take too long
+void check_length(const PhaseOptions& options, const std::string& asked, double periods, double seconds) {
+  refuse_endless(
+      {.asked = asked,
+       .count = periods,
+       .of = "periods of the force",
+       .seconds_each = seconds,
+       .most_seconds = time_limit_of(options.time_limit),
+       .remedy = "take fewer --periods or --points, a larger --h or smaller forces, or raise --time-limit"});
+}
+
 struct Section {
   double drive_period;
   std::optional<FixedSteps> steps;
@@ -101,6 +126,8 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
   const double period = drive_period(problem, options.period);
   const Looks seen = looks_of(options, 2000);
   const auto steps = fixed_steps_of(options);
+  check_length(options, "this section", static_cast<double>(seen.skip) + seen.count + settling,
+               seconds_of_period(problem, period, steps));
   const VectorFunction map = stroboscope(problem, period, steps);
   const auto points = looks(map, problem.y0, seen.skip, seen.count);
   const Settled motion = settle(map, points, seen.count, {});
@@ -203,9 +230,13 @@ Figure picture(const Problem& problem, const Section& section) {
 std::vector<double> values_of(const PhaseOptions& options) {
   if (!options.from || !options.to)
     throw InputError("a bifurcation diagram needs --from and --to, the ends of the parameter");
-  const auto count = static_cast<int>(
-      options.points.empty() ? 200
-                             : std::min<std::int64_t>(parse_count("--points", options.points, 2), 100'000));
+  const std::int64_t asked = options.points.empty() ? 200 : parse_count("--points", options.points, 2);
+  refuse_endless({.asked = "--points " + options.points,
+                  .count = static_cast<double>(asked),
+                  .of = "values of the parameter",
+                  .most_count = most_values,
+                  .remedy = "take fewer"});
+  const auto count = static_cast<int>(asked);
   if (!std::isfinite(*options.from) || !std::isfinite(*options.to) || *options.from == *options.to)
     throw InputError(
         fmt::format("the parameter goes from {} to {}, which is no range; give --from and --to two "
@@ -240,6 +271,21 @@ std::vector<double> periods_of_force(const PhaseOptions& options, const std::vec
     periods.push_back(beside ? *beside : drive_period(problem, {}));
   }
   return periods;
+}
+
+/// The same of a diagram: both ends and the middle of the parameter say what a period takes.
+template <class ProblemAt>
+void check_length(const PhaseOptions& options, const ProblemAt& problem_at,
+                  const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
+                  const Looks& seen) {
+  double seconds = 0;
+  const std::size_t last = periods.size() - 1;
+  for (const std::size_t i : {std::size_t{0}, last / 2, last})
+    seconds += seconds_of_period(problem_at(i), periods[i], steps) / 3;
+  const double applications =
+      static_cast<double>(periods.size()) * (static_cast<double>(seen.skip) + seen.count + settling);
+  check_length(options, "this diagram", applications,
+               seconds / static_cast<double>(options.follow ? 1 : jobs()));
 }
 
 /// "4", "chaotic", "not settled" or "diverges"
@@ -390,6 +436,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   const auto steps = fixed_steps_of(options);
   const auto problem_at = [&](std::size_t i) { return with_value(options.problem, name, values[i]); };
   const std::vector<double> periods = periods_of_force(options, values);
+  check_length(options, problem_at, periods, steps, seen);
   // One motion after the other makes no ensemble.
   std::vector<MapEnsemble> ensembles;
   if (options.follow)

@@ -9,6 +9,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/catalogue/kept_sink.hpp"
+#include "bench/limits/trajectory_limit.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
@@ -23,6 +24,7 @@
 #include "cli/shared/drawn_svg.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/work_limit.hpp"
 #include "core/parallel_for.hpp"
 #include "integrators/control.hpp"
 #include "integrators/implicit/newton.hpp"
@@ -107,6 +109,18 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
   if (spec.adaptive) spec.max_steps = adaptive_attempts;
   if (!options.max_steps.empty()) spec.max_steps = parse_count("--max-steps", options.max_steps, 1);
   return spec;
+}
+
+/// An adaptive run follows each period of a load by a step at least. Fixed steps are counted by check().
+void check_length(const RunSpec& spec, const Problem& problem) {
+  const std::optional<double> period = spec.adaptive ? period_of_load(problem) : std::nullopt;
+  if (!period) return;
+  refuse_endless({.asked = fmt::format("--t-end {}", to_text(spec.t_end)),
+                  .count = spec.t_end / *period,
+                  .of = "periods of the load, each of which takes a step at least",
+                  .most_count = static_cast<double>(spec.max_steps),
+                  .most_seconds = std::numeric_limits<double>::infinity(),
+                  .remedy = "take a shorter --t-end or raise --max-steps"});
 }
 
 bool is_series(const RunOptions& options) {
@@ -528,6 +542,7 @@ void run(const RunOptions& options, Console& console) {
   const RunSpec asked = spec_of(options, problem);
   const RunSpec spec = options.checkpoint.file.empty() ? asked : kept_spec(asked);
   check(spec, method, problem);
+  check_length(spec, problem);
   check_choices(options, problem, method, console.json);
   check_output(options, spec, problem);
   check_picture(options, problem);

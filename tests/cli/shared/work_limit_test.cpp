@@ -1,0 +1,49 @@
+#include <chrono>
+#include <string>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+/// Refused before anything is computed, with the estimate.
+void expect_endless(const Shell& shell, const std::string& line, const std::string& estimate) {
+  const auto start = std::chrono::steady_clock::now();
+  const Told told = shell.hmax(line);
+  expect_refused(told, estimate);
+  EXPECT_NE(told.err.find("more than the limit of"), std::string::npos) << told.err;
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30)) << line;
+}
+
+TEST(WorkLimit, NamesTheEstimateOfWhatCannotEnd) {
+  const Shell shell;
+  // 2^31 s in periods of 4 pi s.
+  expect_endless(shell,
+                 "run --problem liver_forced --method ode45 --rtol 1e-6 --atol 1e-9 --t-end 2147483648",
+                 "1.71e+08 periods of the load");
+  // 2^31 steps of one second.
+  expect_endless(shell, "run --problem liver_forced --method rk4 --h 1 --t-end 2147483648", "2.15e+09 steps");
+  expect_endless(shell, "phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 2147483648",
+                 "values of the parameter");
+  expect_endless(shell, "phase --problem liver_forced --bifurcation P --from 0 --to 2147483648",
+                 "periods of the force, about");
+  expect_endless(shell, "phase --problem liver_forced --poincare --periods 2147483648", "2.15e+09 periods");
+  expect_endless(shell, "phase --problem liver_forced --poincare --method rk4 --h 1e-9",
+                 "periods of the force, about");
+  // No library is opened for it.
+  expect_endless(shell, "probe --plugin ./none.so --h0 1e-4 --h1 0.1 --motion 2147483648",
+                 "2.15e+13 steps, about 6.8 years");
+  write_text(shell / "far.csv", "t,fx,fy,fz\n0,0,0,0\n2147483648,1,0,0\n");
+  expect_endless(shell, "advise --mesh cube:n=1 --rate 100 --motion far.csv", "2.15e+11 frames");
+}
+
+TEST(WorkLimit, IsRaisedByAnOption) {
+  const Shell shell;
+  const std::string line = "phase --problem liver_forced --poincare --skip 10 --periods 20 --time-limit ";
+  expect_refused(shell.hmax(line + "1e-9"), "raise --time-limit");
+  expect_refused(shell.hmax(line + "0"), "--time-limit");
+  EXPECT_EQ(shell.hmax(line + "1000").exit_code, 0);
+}
+
+}  // namespace
+}  // namespace hmax
