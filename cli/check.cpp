@@ -1,11 +1,16 @@
 /// hmax check: accuracy and work of every method against the committed baseline.
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "bench/catalogue/tableau_file.hpp"
 #include "bench/timing/accuracy_suite.hpp"
+#include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
@@ -18,8 +23,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CheckOptions {
-  std::string baseline, methods;
+  std::string baseline, methods, tableau;
   bool update = false;
+
+  /// Whether methods are named, and not the whole suite is run.
+  [[nodiscard]] bool chooses() const { return !methods.empty() || !tableau.empty(); }
 };
 
 /// The baseline of the folder hmax is started in, or else of the folder it was built from.
@@ -61,19 +69,48 @@ std::string for_people(const AccuracyComparison& comparison, const Console& cons
   return text;
 }
 
+/// @throws InputError  where --update would lose rows of the baseline of hmax, or mix it with methods of
+/// users
+void check_choices(const CheckOptions& options) {
+  if (!options.update) return;
+  if (!options.methods.empty()) throw InputError("--update rewrites the whole baseline; remove --methods");
+  if (!options.tableau.empty() && options.baseline.empty())
+    throw InputError(
+        "--update with --tableau writes a baseline of your own; name its file, like --baseline mine.csv");
+}
+
+/// The cases of the chosen methods; what is left out is warned of.
+AccuracyPlan plan_of(const CheckOptions& options, Console& console) {
+  std::vector<std::string> names{"all"};
+  if (options.chooses())
+    names = options.methods.empty() ? std::vector<std::string>{} : parse_names("--methods", options.methods);
+  std::vector<Method> own;
+  if (!options.tableau.empty()) own.push_back(make_method(read_tableau(options.tableau)));
+  AccuracyPlan plan = accuracy_plan(names, own);
+  if (plan.cases.empty())
+    throw InputError(fmt::format("nothing to check: {}; name methods of hmax's own",
+                                 fmt::join(in_words(plan.left_out), "; ")));
+  if (options.chooses()) warn_of_left_out(console, plan.left_out);
+  return plan;
+}
+
 void check_accuracy(const CheckOptions& options, Console& console) {
+  check_choices(options);
   const std::filesystem::path file = baseline_file(options.baseline);
-  if (options.update && !options.methods.empty())
-    throw InputError("--update rewrites the whole baseline; remove --methods");
-  std::vector<AccuracyRow> baseline;
+  std::vector<AccuracyRow> baseline, others;
   if (!options.update || std::filesystem::exists(file)) baseline = read_baseline(file);
 
-  const AccuracyPlan plan = accuracy_plan(
-      options.methods.empty() ? std::vector<std::string>{"all"} : parse_names("--methods", options.methods));
-  if (!options.methods.empty()) {
+  const AccuracyPlan plan = plan_of(options, console);
+  if (options.chooses()) {
     std::set<std::string> chosen;
     for (const AccuracyCase& one : plan.cases) chosen.insert(one.method.id);
-    std::erase_if(baseline, [&](const AccuracyRow& row) { return !chosen.contains(row.method); });
+    const auto is_other = [&](const AccuracyRow& row) { return !chosen.contains(row.method); };
+    std::ranges::copy_if(baseline, std::back_inserter(others), is_other);
+    std::erase_if(baseline, is_other);
+    if (baseline.empty() && !options.update)
+      throw InputError(fmt::format(
+          "'{}' has no rows of {}; write a baseline of its own with hmax check --tableau FILE.toml --baseline mine.csv --update",
+          file.string(), fmt::join(chosen, ", ")));
   }
   const auto& interrupted = interrupt_flag();
   std::vector<AccuracyRow> rows;
@@ -85,7 +122,10 @@ void check_accuracy(const CheckOptions& options, Console& console) {
     });
   }
   const AccuracyComparison comparison = compare(baseline, rows);
-  if (options.update) write_baseline(file, rows);
+  if (options.update) {
+    others.insert(others.end(), rows.begin(), rows.end());
+    write_baseline(file, others);
+  }
   if (console.json) {
     console.print_json(to_json(comparison, file, options.update));
   } else {
@@ -94,7 +134,7 @@ void check_accuracy(const CheckOptions& options, Console& console) {
                               : fmt::format("{} rows compared, {} numbers changed, {} rows missing, {} added",
                                             comparison.compared, comparison.changed.size(),
                                             comparison.missing.size(), comparison.added.size());
-    if (options.update) verdict += fmt::format("\n{} rows written to {}", rows.size(), file.string());
+    if (options.update) verdict += fmt::format("\n{} rows written to {}", others.size(), file.string());
     const bool good = comparison.equal() || options.update;
     console.print(for_people(comparison, console) +
                   (good ? console.strong(verdict) : console.alarming(verdict)) + "\n");
@@ -115,6 +155,8 @@ void add_check(CLI::App& app, Console& console) {
   auto options = std::make_shared<CheckOptions>();
   add_flag(command, "--update", options->update, "Rewrite the baseline and show the changes");
   add_text(command, "--methods", options->methods, "Only these ids, aliases or families", "A,B");
+  add_text(command, "--tableau", options->tableau,
+           "Only the method of this file with an explicit tableau of your own, beside --methods", "FILE");
   add_text(command, "--baseline", options->baseline,
            "File of the baseline; results/baseline/accuracy.csv of the source folder by default", "FILE");
   add_force(command);

@@ -17,6 +17,7 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
+#include "cli/shared/work_limit.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/errors.hpp"
@@ -283,6 +284,21 @@ std::vector<std::string> draw_sweep(const SweepPlan& plan, const Store& store, c
   return files;
 }
 
+/// Sweeps may take days; what takes years is a mistake.
+void check_length(const SweepPlan& plan) {
+  constexpr double most_days = 30;
+  double seconds = 0;
+  for (const SweepBlock& block : plan.blocks) seconds += expected_cost(plan, block, block.methods);
+  const auto rows = static_cast<double>(plan.rows());
+  if (rows > 0)
+    refuse_endless({.asked = "this sweep",
+                    .count = rows,
+                    .of = "rows",
+                    .seconds_each = seconds / rows,
+                    .most_seconds = most_days * 86400,
+                    .remedy = "take a shorter --t-end or larger --h, or divide it with --shard"});
+}
+
 SweepRequest request_of(const SweepOptions& options) {
   const SweepRequest flags = flags_of(options);
   return options.file.empty() ? flags : merged(read_sweep(options.file), flags);
@@ -315,6 +331,8 @@ void sweep(const SweepOptions& options, Console& console) {
   const SweepSpec spec = spec_of(options, request);
   const SweepPlan plan = shard ? shard_of(plan_sweep(spec), *shard) : plan_sweep(spec);
   if (ranks) refuse_beside_ranks(options, plan, *ranks);
+  warn_of_left_out(console, plan.left_out);
+  check_length(plan);
   const std::filesystem::path file = sweep_store_path(request, options.file, shard);
   if (options.publish) require_publishable_build();
   if (options.output.empty())

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "analysis/amplification/multistep_amplification.hpp"
 #include "analysis/amplification/stabilised_amplification.hpp"
+#include "bench/catalogue/chosen_methods.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -53,9 +55,9 @@ const std::vector<Pattern>& patterns() {
        [](int k) { return formula(k + 1, 2, adams_amplification(AdamsMode::pece, k, k + 1)); }, "order", 4},
       {"bdf_", "K", 1, 6, [](int k) { return formula(k, 0, bdf_amplification(k)); }},
       {"rkc_2:stages=", "S", 2, most_stages,
-       [](int s) { return formula(2, s, stabilised_amplification<Rkc2>(s)); }, "number of stages", 11},
+       [](int s) { return formula(2, s, stabilised_amplification<Rkc2>(s)); }, "number of stages", 10},
       {"rkl_2:stages=", "S", 3, most_stages,
-       [](int s) { return formula(2, s, stabilised_amplification<Rkl2>(s)); }, "number of stages", 11},
+       [](int s) { return formula(2, s, stabilised_amplification<Rkl2>(s)); }, "number of stages", 10},
   };
   return all;
 }
@@ -74,6 +76,18 @@ std::shared_ptr<const Amplification> explicit_half_of(const std::shared_ptr<cons
 
 /// Evaluations of f in a step of a run: where the last stage is the first of the next step it costs nothing.
 int evaluations_of(const Method& method) { return method.stages - (method.first_same_as_last ? 1 : 0); }
+
+/// The pattern that begins with the id of a method and holds what the method chooses as it runs; null where
+/// there is none.
+const Pattern* pattern_of(const Method& method) {
+  const auto held = std::ranges::find_if(patterns(), [start = method.id + ":"](const Pattern& pattern) {
+    return pattern.prefix.starts_with(start);
+  });
+  return held == patterns().end() ? nullptr : &*held;
+}
+
+constexpr std::string_view no_stability =
+    "chooses its steps, and its order, as it runs: it has no stability of its own";
 
 /// A formula of the patterns; nothing where `name` follows none of them.
 std::optional<Formula> held_formula(std::string_view name) {
@@ -120,11 +134,7 @@ std::vector<std::string> formula_patterns() {
 Formula find_formula(std::string_view name) {
   if (std::optional<Formula> held = held_formula(name)) return *std::move(held);
   const Method method = find_method(name);
-  // A pattern that begins with the id of a method holds what the method chooses.
-  const auto held = std::ranges::find_if(patterns(), [start = method.id + ":"](const Pattern& pattern) {
-    return pattern.prefix.starts_with(start);
-  });
-  if (held != patterns().end())
+  if (const Pattern* const held = pattern_of(method))
     throw InputError(fmt::format(
         "{} chooses its {} as it runs, and every {} has a stability of its own; hold one, for instance {}{}",
         method.id, held->chosen, held->chosen, held->prefix, held->example));
@@ -133,10 +143,9 @@ Formula find_formula(std::string_view name) {
 
 Formula formula_of(const Method& method) {
   if (!method.amplification)
-    throw InputError(fmt::format(
-        "{} chooses its steps, and its order, as it runs: it has no stability of its own; formulas "
-        "that are held are bdf_K, adams_moulton_K and adams_pece:order=K",
-        method.id));
+    throw InputError(
+        fmt::format("{} {}; formulas that are held are bdf_K, adams_moulton_K and adams_pece:order=K",
+                    method.id, no_stability));
   Formula formula{
       .id = method.id, .order = method.order, .amplification = method.amplification, .method = method};
   if (method.is_explicit) formula.evaluations = evaluations_of(method);
@@ -144,34 +153,56 @@ Formula formula_of(const Method& method) {
   return formula;
 }
 
-std::vector<Method> choose_methods_and_formulas(const std::vector<std::string>& names,
-                                                const std::vector<Problem>& problems) {
-  std::vector<Method> chosen;
+ChosenMethods chosen_methods_and_formulas(const std::vector<std::string>& names,
+                                          const std::vector<Problem>& problems) {
+  ChosenMethods chosen;
   for (const std::string& name : with_their_parameters(names)) {
     const std::optional<Formula> held = held_formula(name);
-    if (held && !held->method) {
-      chosen.push_back(without_code(*held));
+    if (held && !held->method)
+      add_once(chosen.methods, without_code(*held));
+    else
+      add_methods(name, problems, chosen);
+  }
+  require_any(chosen, names);
+  return chosen;
+}
+
+std::vector<Method> choose_methods_and_formulas(const std::vector<std::string>& names,
+                                                const std::vector<Problem>& problems) {
+  return chosen_methods_and_formulas(names, problems).methods;
+}
+
+ChosenFormulas chosen_formulas(const std::vector<std::string>& names) {
+  const std::vector<std::string> families = method_families();
+  ChosenFormulas chosen;
+  for (const std::string& name : with_their_parameters(names)) {
+    if (name != "all" && std::ranges::find(families, name) == families.end()) {
+      add_once(chosen.formulas, find_formula(name));
       continue;
     }
-    const std::vector<Method> known = choose_methods({name}, problems);
-    chosen.insert(chosen.end(), known.begin(), known.end());
+    for (const Method& method : methods()) {
+      if (name != "all" && method.family != name) continue;
+      if (const Pattern* const held = pattern_of(method)) {
+        Formula formula = *held_formula(fmt::format("{}{}", held->prefix, held->example));
+        chosen.held.push_back(fmt::format("{} chooses its {} as it runs; {} is shown, name others with {}{}",
+                                          method.id, held->chosen, formula.id, held->prefix, held->letter));
+        add_once(chosen.formulas, std::move(formula));
+      } else if (method.amplification) {
+        add_once(chosen.formulas, formula_of(method));
+      } else {
+        add_once(chosen.left_out, LeftOut{method.id, std::string(no_stability)});
+      }
+    }
   }
+  if (chosen.formulas.empty() && !chosen.left_out.empty())
+    throw InputError(fmt::format(
+        "no method of {} has a stability to show: {}; hold a formula, like bdf_3 or adams_pece:order=4",
+        fmt::join(names, ","), fmt::join(in_words(chosen.left_out), "; ")));
   return chosen;
 }
 
 std::vector<Formula> choose_formulas(const std::vector<std::string>& names) {
-  const std::vector<std::string> families = method_families();
-  std::vector<Formula> chosen;
-  for (const std::string& name : with_their_parameters(names)) {
-    if (name != "all" && std::ranges::find(families, name) == families.end()) {
-      chosen.push_back(find_formula(name));
-      continue;
-    }
-    for (const Method& method : methods())
-      if ((name == "all" || method.family == name) && method.amplification && !method.stages_by_radius)
-        chosen.push_back(formula_of(method));
-  }
-  return chosen;
+  return chosen_formulas(names).formulas;
 }
 
 }  // namespace hmax

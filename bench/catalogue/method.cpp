@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
+#include "bench/catalogue/chosen_methods.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/structural/structural.hpp"
 #include "results/errors.hpp"
@@ -35,10 +36,16 @@ bool lacks_lumped_masses(const Method& method, const Problem& problem) {
 
 }  // namespace
 
-bool suits(const Method& method, const Problem& problem) {
-  return (!method.needs_second_order || is_second_order(problem)) &&
-         (!method.needs_split || has_split(problem)) && !lacks_lumped_masses(method, problem);
+std::string why_unsuited(const Method& method, const Problem& problem) {
+  if (method.needs_second_order && !is_second_order(problem))
+    return fmt::format("steps positions and velocities, which {} does not have", problem.id);
+  if (lacks_lumped_masses(method, problem)) return std::string(needs_lumped_masses);
+  if (method.needs_split && !has_split(problem))
+    return fmt::format("needs a problem that declares a stiff part, which {} does not", problem.id);
+  return {};
 }
+
+bool suits(const Method& method, const Problem& problem) { return why_unsuited(method, problem).empty(); }
 
 std::string control_of(const Method& method, const RunSpec& spec) {
   if (!spec.adaptive) return "none";
@@ -151,24 +158,20 @@ void check_output_interval(const RunSpec& spec) {
 
 /// Throws unless the problem has the structure that the method needs.
 void check_structure(const Method& method, const Problem& problem) {
-  if (method.needs_second_order && !is_second_order(problem))
-    throw InputError(fmt::format(
-        "{} steps positions and velocities, which {} does not have; choose another method, or a problem like "
-        "liver_forced or kepler",
-        method.id, problem.id));
-  if (lacks_lumped_masses(method, problem))
-    throw InputError(fmt::format("{} {}", method.id, needs_lumped_masses));
+  if (const std::string why = why_unsuited(method, problem); !why.empty()) {
+    const bool is_told = lacks_lumped_masses(method, problem);  // what to do
+    throw InputError(
+        fmt::format("{} {}{}", method.id, why,
+                    is_told ? ""
+                            : fmt::format("; choose another method, or a problem like liver_forced or {}",
+                                          method.needs_split ? "spring_chain" : "kepler")));
+  }
   if (const AnySystem* const any = with_coupled_mass(problem);
       any != nullptr && method.dense_equations && any->dofs() > most_coupled_masses)
     throw InputError(
         fmt::format("{} takes M^-1 K as one matrix, which is full, and the mass couples {} unknowns, more than {}; take "
                     "another implicit method, or lump the mass matrix",
                     method.id, any->dofs(), most_coupled_masses));
-  if (method.needs_split && !has_split(problem))
-    throw InputError(
-        fmt::format("{} needs a problem that declares a stiff part, which {} does not; choose another "
-                    "method, or a problem like liver_forced or spring_chain",
-                    method.id, problem.id));
 }
 
 /// Throws unless the right-hand side is finite at the start.

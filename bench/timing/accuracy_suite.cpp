@@ -114,17 +114,25 @@ void add_adaptive(AccuracyPlan& plan, std::size_t p, const Method& method, doubl
 
 }  // namespace
 
-AccuracyPlan accuracy_plan(const std::vector<std::string>& methods) {
+AccuracyPlan accuracy_plan(const std::vector<std::string>& methods, const std::vector<Method>& own) {
   AccuracyPlan plan;
+  std::vector<Method> chosen = choose_methods(methods, {});
+  for (const Method& method : own) add_once(chosen, method);
+  std::erase_if(chosen, [&](const Method& method) {
+    // Foreign engines are peers, not ours to guard: their numbers change with their version.
+    if (method.is_foreign())
+      plan.left_out.push_back(
+          {method.id, fmt::format("is of {}, whose numbers change with its version", method.engine)});
+    return method.is_foreign();
+  });
   for (const SuiteProblem& entry : suite_problems()) {
     const std::size_t p = plan.problems.size();
     plan.problems.push_back(
         make_problem(entry.id, {.material = {}, .parameters = entry.parameters, .y0 = entry.y0}));
     if (entry.derivatives != Derivatives::own) take_derivatives_away(plan.problems[p], entry.derivatives);
     const std::size_t first_case = plan.cases.size();
-    for (const Method& method : choose_methods(methods, {})) {
-      // Foreign engines are peers, not ours to guard: their numbers change with their version.
-      if (method.is_foreign() || !suits(method, plan.problems[p])) continue;
+    for (const Method& method : chosen) {
+      if (!suits(method, plan.problems[p])) continue;
       if (entry.stiff && !method.needs_jacobian) continue;
       if (method.fixed_step && !entry.stiff && entry.y0.empty()) add_fixed(plan, p, method, entry.t_end);
       if (method.adaptive()) add_adaptive(plan, p, method, entry.t_end);

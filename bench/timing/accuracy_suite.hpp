@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/catalogue/chosen_methods.hpp"
 #include "results/baseline.hpp"
 
 namespace hmax {
@@ -23,10 +24,12 @@ struct AccuracyCase {
 struct AccuracyPlan {
   std::vector<Problem> problems;
   std::vector<AccuracyCase> cases;
+  std::vector<LeftOut> left_out;  ///< methods without a case
 };
 
-/// The whole suite, or the cases of some methods (names of choose_methods).
-AccuracyPlan accuracy_plan(const std::vector<std::string>& methods = {"all"});
+/// The whole suite, or the cases of some methods (names of choose_methods) and of methods of users.
+AccuracyPlan accuracy_plan(const std::vector<std::string>& methods = {"all"},
+                           const std::vector<Method>& own = {});
 
 /// Runs it on all cores. Rows are in the order of the plan.
 /// @param progress  called by the calling thread with the share that is done and the name of a case; may

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/catalogue/chosen_methods.hpp"
 #include "problems/oscillator/liver_problems.hpp"
 #include "results/store.hpp"
 
@@ -72,6 +73,7 @@ struct SweepPlan {
   std::vector<Problem> problems;
   std::vector<Method> methods;
   std::vector<SweepBlock> blocks;
+  std::vector<LeftOut> left_out;  ///< methods that no block runs
   /// All that decides the rows, as JSON with every default filled in and the text of users' files: two plans
   /// with equal texts measure the same rows.
   std::string canonical;

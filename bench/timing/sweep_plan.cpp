@@ -38,10 +38,26 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::vector<Method> methods_of(const SweepSpec& spec, const std::vector<Problem>& problems) {
-  std::vector<Method> chosen = choose_methods(spec.methods, problems);
-  for (const fs::path& file : spec.tableaux) chosen.push_back(make_method(read_tableau(file)));
-  return chosen.empty() ? choose_methods(study_methods(), problems) : chosen;
+ChosenMethods methods_of(const SweepSpec& spec, const std::vector<Problem>& problems) {
+  const bool is_default = spec.methods.empty() && spec.tableaux.empty();
+  ChosenMethods chosen = chosen_methods(is_default ? study_methods() : spec.methods, problems);
+  if (is_default) chosen.left_out.clear();  // nobody has named them
+  for (const fs::path& file : spec.tableaux) chosen.methods.push_back(make_method(read_tableau(file)));
+  return chosen;
+}
+
+/// Adds the methods of a plan that no block runs.
+void name_methods_without_block(SweepPlan& plan) {
+  std::set<std::size_t> run;
+  for (const SweepBlock& block : plan.blocks) run.insert(block.methods.begin(), block.methods.end());
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    if (run.contains(m)) continue;
+    const Method& method = plan.methods[m];
+    add_once(
+        plan.left_out,
+        LeftOut{method.id, method.adaptive() ? "chooses its steps itself, and these runs have fixed steps"
+                                             : "has no error estimate, which these runs need"});
+  }
 }
 
 template <class Wanted>
@@ -284,10 +300,12 @@ RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t metho
 
 SweepPlan plan_sweep(const SweepSpec& spec) {
   check_settings(spec);
-  SweepPlan plan{.spec = spec, .problems = {}, .methods = {}, .blocks = {}, .canonical = {}};
+  SweepPlan plan{.spec = spec, .problems = {}, .methods = {}, .blocks = {}, .left_out = {}, .canonical = {}};
   for (const SweepProblem& problem : spec.problems)
     plan.problems.push_back(make_problem(problem.name, problem.settings));
-  plan.methods = methods_of(spec, plan.problems);
+  ChosenMethods chosen = methods_of(spec, plan.problems);
+  plan.methods = std::move(chosen.methods);
+  plan.left_out = std::move(chosen.left_out);
   if (!spec.tolerances.empty() && spec.unsteered_h.empty() &&
       std::ranges::none_of(plan.methods, &Method::adaptive))
     throw InputError(
@@ -303,6 +321,7 @@ SweepPlan plan_sweep(const SweepSpec& spec) {
     if (block.run.adaptive) block.run.max_steps = std::min(block.run.max_steps, adaptive_attempts);
   }
   refuse_duplicates(plan);
+  if (!spec.methods.empty() || !spec.tableaux.empty()) name_methods_without_block(plan);
   plan.canonical = canonical_text(spec, plan.problems, plan.methods);
   return plan;
 }

@@ -1,4 +1,6 @@
 /// hmax advise: which integrator, and how large a step, for a model and a frame rate.
+#include "bench/advice/advise.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -9,7 +11,6 @@
 #include <fmt/ranges.h>
 
 #include "bench/advice/advice_records.hpp"
-#include "bench/advice/advise.hpp"
 #include "bench/advice/remaking.hpp"
 #include "bench/documents/advice_json.hpp"
 #include "bench/models/support_sets.hpp"
@@ -22,6 +23,7 @@
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/work_limit.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
@@ -39,13 +41,23 @@ struct AdviseOptions {
   std::vector<std::string> motion_at;
 };
 
+/// Frames of a motion of the user's: days at 100 Hz.
+constexpr double most_motion_frames = 1e7;
+
 double positive(const char* option, double value, const char* example) {
   if (!(value > 0 && std::isfinite(value)))
     throw InputError(fmt::format("{} is {} but must be positive, such as {}", option, to_text(value), example));
   return value;
 }
 
-AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem) {
+/// The methods of --methods; what is left out of families is warned of.
+std::vector<Method> named_methods(const AdviseOptions& options, const Problem& problem, Console& console) {
+  ChosenMethods chosen = chosen_methods(parse_names("--methods", options.methods), {problem});
+  warn_of_left_out(console, chosen.left_out);
+  return std::move(chosen.methods);
+}
+
+AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem, Console& console) {
   if (!options.rate) throw InputError("no frame rate is given; add --rate, such as --rate 100");
   AdviceQuestion question;
   question.rate = positive("--rate", *options.rate, "100");
@@ -71,15 +83,20 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem)
     throw InputError("--motion-at names the points of --motion; add a file of forces or displacements");
   if (!options.motion.empty()) {
     question.motion = read_user_motion(options.motion);
+    refuse_endless({.asked = fmt::format("--motion of {} s at --rate {}", to_text(question.motion->t_end),
+                                         to_text(question.rate)),
+                    .count = question.motion->t_end * question.rate,
+                    .of = "frames",
+                    .most_count = most_motion_frames,
+                    .remedy = "take a shorter motion"});
     if (!options.motion_at.empty()) {
       if (options.problem.body.mesh.empty()) throw InputError("--motion-at names points of --mesh; name a mesh");
       question.motion->points = points_of_sets(
           options.motion_at, load_mesh(options.problem.body.mesh, options.problem.body.metres()));
     }
   }
-  question.methods = options.methods.empty()
-                         ? choose_methods(simulator_methods(), {problem})
-                         : choose_methods(with_their_parameters(parse_names("--methods", options.methods)), {problem});
+  question.methods = options.methods.empty() ? choose_methods(simulator_methods(), {problem})
+                                             : named_methods(options, problem, console);
   return question;
 }
 
@@ -168,7 +185,7 @@ void advise_on(const AdviseOptions& options, Console& console) {
   if (!options.out.empty()) refuse_copies("hmax advise --out");
   check_names(options);
   const Problem problem = options.problem.make();
-  const AdviceQuestion question = question_of(options, problem);
+  const AdviceQuestion question = question_of(options, problem, console);
   // Before the minutes of the search, and behind the files that are read, which are no outputs.
   if (!options.output.empty()) check_writable(options.output);
   remark_unusual(console, problem);

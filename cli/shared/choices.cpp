@@ -196,4 +196,8 @@ void add_control(CLI::App& command, std::string& control) {
            "NAME");
 }
 
+void warn_of_left_out(Console& console, const std::vector<LeftOut>& left_out) {
+  for (const std::string& line : in_words(left_out)) console.remark("left out: " + line);
+}
+
 }  // namespace hmax

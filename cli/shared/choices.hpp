@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/catalogue/chosen_methods.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 #include "integrators/tolerances.hpp"
@@ -85,5 +86,8 @@ nlohmann::ordered_json to_json(const Tolerances<double>& tolerances);
 
 /// --control, a word of controller_names
 void add_control(CLI::App& command, std::string& control);
+
+/// Warns of methods that a family or `all` holds and that are not taken, with the reason.
+void warn_of_left_out(Console& console, const std::vector<LeftOut>& left_out);
 
 }  // namespace hmax

@@ -141,7 +141,7 @@ void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& ch
   // Before minutes are spent on eigenvalues: whatever they are, the methods are the same.
   StructureEnds any;
   any.kappa_max = 1;
-  const std::vector<Method> chosen = methods.methods({pair_with_ends(choice.id(), any)});
+  const std::vector<Method> chosen = methods.methods({pair_with_ends(choice.id(), any)}, console);
   if (verified) require_steps(chosen);
   const std::unique_ptr<DistributedModel> model = engine.read(std::move(asked.structure));
   const StructureEnds& ends = model->ends();

@@ -31,7 +31,7 @@ std::string number_or_unbounded(double value, int digits = 10) {
 // ---- limits
 
 void limits(const MethodsChoice& choice, Console& console) {
-  const std::vector<Formula> formulas = choice.formulas();
+  const std::vector<Formula> formulas = choice.formulas(console);
   Json documents = Json::array();
   TextTable table({"method", "real", "imaginary", "weakly", "alpha [deg]", "A", "L", "at infinity"});
   std::string remarks;
@@ -79,6 +79,33 @@ struct DampingOptions {
   std::optional<double> h, frequency, zeta;
 };
 
+/// A difference that is rounding is none.
+double without_rounding(double difference) {
+  constexpr double rounding = 1e-14;
+  return std::abs(difference) <= rounding ? 0 : difference;
+}
+
+/// "7.92 %"; without a sign what rounds to nothing.
+std::string percent(double share) {
+  const std::string text = fmt::format("{:.2f} %", 100 * share);
+  return text == "-0.00 %" ? text.substr(1) : text;
+}
+
+/// What steps of h seconds show where the Nyquist frequency is passed.
+/// @param damped  frequency of the mode [Hz]
+std::string words_of_aliased(const std::vector<std::string>& methods, double damped, double h) {
+  const double nyquist = 1 / (2 * h);
+  if (damped > nyquist)
+    return fmt::format(
+        "The mode oscillates at {} Hz, above the Nyquist frequency 1/(2 h) = {} Hz: the frequencies seen are aliased; "
+        "take h below {} s.\n",
+        short_number(damped, 4), short_number(nyquist, 4), short_number(1 / (2 * damped), 3));
+  return fmt::format(
+      "Of {} a step turns the mode by more than half a period: the frequency seen is aliased; take a "
+      "smaller h.\n",
+      fmt::join(methods, ", "));
+}
+
 void numerical_damping(const DampingOptions& options, Console& console) {
   const auto positive = [](const std::optional<double>& value, std::string_view what,
                            std::string_view example) {
@@ -99,29 +126,35 @@ void numerical_damping(const DampingOptions& options, Console& console) {
   const double omega = 2 * std::numbers::pi * frequency;
   Json documents = Json::array();
   TextTable table({"method", "damping ratio", "added", "seen at [Hz]", "period error", "growth a step"});
-  const std::vector<Formula> formulas = options.methods.formulas();
+  const std::vector<Formula> formulas = options.methods.formulas(console);
+  std::vector<std::string> aliased;
   for (const Formula& formula : formulas) {
     const ShownOscillation shown = shown_oscillation(*formula.amplification, omega, zeta, h);
     const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+    const double added = without_rounding(shown.zeta - zeta);
+    if (shown.aliased) aliased.push_back(formula.id);
     documents.push_back({{"method", formula.id},
                          {"h", h},
                          {"frequency", frequency},
                          {"zeta", zeta},
                          {"zeta_shown", finite(shown.zeta)},
-                         {"zeta_added", finite(shown.zeta - zeta)},
+                         {"zeta_added", finite(added)},
                          {"frequency_shown", finite(shown.frequency_damped)},
                          {"period_error", finite(shown.period_error)},
+                         {"nyquist_frequency", 1 / (2 * h)},
+                         {"aliased", shown.aliased},
                          {"spectral_radius", finite(shown.spectral_radius)},
                          {"stable", shown.spectral_radius <= 1 + 1e-12}});
-    table.add({formula.id, short_number(shown.zeta, 4), short_number(shown.zeta - zeta, 4),
+    table.add({formula.id, short_number(shown.zeta, 4), short_number(added, 4),
                short_number(shown.frequency_damped, 4),
-               std::isfinite(shown.period_error) ? fmt::format("{:.2f} %", 100 * shown.period_error) : "-",
+               std::isfinite(shown.period_error) ? percent(shown.period_error) : "-",
                short_number(shown.spectral_radius, 6)});
   }
   if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);
   console.print(table.text(console));
   console.print(fmt::format("\nA mode of {} Hz with {} of critical damping, integrated with h = {} s.\n",
                             short_number(frequency), short_number(zeta), short_number(h)));
+  if (!aliased.empty()) console.print(words_of_aliased(aliased, frequency * std::sqrt(1 - zeta * zeta), h));
 }
 
 }  // namespace
@@ -131,30 +164,37 @@ void MethodsChoice::add_to(CLI::App& command, const std::string& description) {
   add_text(command, "--tableau", tableau, "A file with an explicit tableau of your own", "FILE");
 }
 
-std::vector<Formula> MethodsChoice::formulas() const {
+std::vector<Formula> MethodsChoice::formulas(Console& console) const {
   std::vector<Formula> chosen;
-  if (!names.empty() || tableau.empty()) chosen = formulas_of(names);
+  if (!names.empty() || tableau.empty()) chosen = formulas_of(names, console);
   if (!tableau.empty()) chosen.push_back(formula_of(make_method(read_tableau(tableau))));
   return chosen;
 }
 
-std::vector<Method> MethodsChoice::methods(const std::vector<Problem>& problems) const {
+std::vector<Method> MethodsChoice::methods(const std::vector<Problem>& problems, Console& console) const {
   if (names.empty() && tableau.empty())
     throw InputError(
         "no method is given; name some with --methods, like ode45,newmark,bdf_3, a family of `hmax list "
         "methods`, or all");
   std::vector<Method> chosen;
-  if (!names.empty()) chosen = choose_methods_and_formulas(parse_names("--methods", names), problems);
+  if (!names.empty()) {
+    ChosenMethods named = chosen_methods_and_formulas(parse_names("--methods", names), problems);
+    warn_of_left_out(console, named.left_out);
+    chosen = std::move(named.methods);
+  }
   if (!tableau.empty()) chosen.push_back(make_method(read_tableau(tableau)));
   return chosen;
 }
 
-std::vector<Formula> formulas_of(const std::string& names) {
+std::vector<Formula> formulas_of(const std::string& names, Console& console) {
   if (names.empty())
     throw InputError(
         "no method is given; name one with --method, like rk4, adams_pece:order=4 or bdf_3, or several with "
         "commas");
-  return choose_formulas(parse_names("--method", names));
+  ChosenFormulas chosen = chosen_formulas(parse_names("--method", names));
+  for (const std::string& sentence : chosen.held) console.note(sentence);
+  warn_of_left_out(console, chosen.left_out);
+  return std::move(chosen.formulas);
 }
 
 void add_stability(CLI::App& app, Console& console) {

@@ -8,8 +8,8 @@
 
 namespace hmax {
 
-/// The formulas of --method. @throws InputError when there is none
-std::vector<Formula> formulas_of(const std::string& names);
+/// The formulas of --method; what is left out of families is warned of. @throws InputError when there is none
+std::vector<Formula> formulas_of(const std::string& names, Console& console);
 
 /// --methods and --tableau: names, and a tableau of the user's own beside them
 struct MethodsChoice {
@@ -18,9 +18,9 @@ struct MethodsChoice {
   /// @param description  of --methods
   void add_to(CLI::App& command, const std::string& description);
   /// @throws InputError when neither is given, or something is unknown
-  [[nodiscard]] std::vector<Formula> formulas() const;
+  [[nodiscard]] std::vector<Formula> formulas(Console& console) const;
   /// The same for predictions on these problems; what has no code has no `bind`.
-  [[nodiscard]] std::vector<Method> methods(const std::vector<Problem>& problems) const;
+  [[nodiscard]] std::vector<Method> methods(const std::vector<Problem>& problems, Console& console) const;
 };
 
 /// @param formulas  what can be named, for --help

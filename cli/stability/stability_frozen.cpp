@@ -46,7 +46,7 @@ void frozen(const FrozenOptions& options, Console& console) {
   TextTable table(std::move(header));
   Json documents = Json::array();
   const auto& interrupted = interrupt_flag();
-  for (const Formula& formula : formulas_of(options.methods)) {
+  for (const Formula& formula : formulas_of(options.methods, console)) {
     if (interrupted) throw Interrupted{};
     const std::optional<LinearlyImplicitMethod> method = linearly_implicit_method(formula.id);
     if (!method)

@@ -11,6 +11,7 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "bench/limits/predict.hpp"
+#include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
@@ -97,9 +98,11 @@ std::vector<Group> groups() {
 }
 
 /// The chapters of the formulas that are asked for; what no group holds is told by family at the end.
-std::vector<Chapter> chapters_of(const std::string& names) {
+std::vector<Chapter> chapters_of(const std::string& names, Console& console) {
   const bool all = names == "all";
-  std::vector<Formula> left = formulas_of(names);
+  ChosenFormulas chosen = chosen_formulas(parse_names("--methods", names));
+  warn_of_left_out(console, chosen.left_out);
+  std::vector<Formula> left = std::move(chosen.formulas);
   std::vector<Chapter> chapters;
   for (const Group& group : groups()) {
     Chapter chapter{.title = group.title, .text = group.text, .stem = group.stem, .by_cost = group.by_cost};
@@ -288,7 +291,7 @@ void gallery(const std::string& names, const std::string& output, Console& conso
   if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
   const fs::path page = fs::path(output) / "index.html";
   check_writable(page, "<!DOCTYPE html>");
-  const std::vector<Chapter> chapters = chapters_of(names);
+  const std::vector<Chapter> chapters = chapters_of(names, console);
   Json files = Json::array();
   std::vector<PageSection> sections;
   for (auto& [section, drawn] : sections_of(chapters, output, console)) {

@@ -10,12 +10,16 @@
 #include <fmt/ranges.h>
 
 #include "analysis/dynamics/phase_plane.hpp"
+#include "bench/limits/linearised_problem.hpp"
+#include "bench/limits/predict.hpp"
 #include "bench/models/parameter_units.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/work_limit.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/parallel_for.hpp"
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"
 #include "results/errors.hpp"
@@ -32,6 +36,7 @@ struct MapOptions {
   MethodsChoice methods;
   std::string x, y, output;
   bool log_x = false, log_y = false, rayleigh = false;
+  std::optional<double> time_limit;
 };
 
 Json to_json(const MapAxis& axis) {
@@ -214,7 +219,26 @@ std::pair<MapAxis, MapAxis> axes_of(const MapOptions& options) {
   return {std::move(x), std::move(y)};
 }
 
-MapStudy study_of(const MapOptions& options, const Console& console) {
+/// The first point says what each of them takes.
+void check_length(const MapOptions& options, const MapStudy& study, const std::vector<Method>& methods) {
+  const double limit = time_limit_of(options.time_limit);
+  constexpr std::size_t few = 10'000;  // that take a second
+  const std::size_t points = study.x.values.size() * study.y.values.size();
+  if (!study.bare.body && points * methods.size() <= few) return;
+  const double seconds = seconds_of([&] {
+    const Linearised near = linearised(study.bare);
+    for (const Method& method : methods) predict(method, near);
+  });
+  refuse_endless(
+      {.asked = fmt::format("a map of {} x {} points", study.x.values.size(), study.y.values.size()),
+       .count = static_cast<double>(points),
+       .of = "linearisations",
+       .seconds_each = seconds / static_cast<double>(jobs()),
+       .most_seconds = limit,
+       .remedy = "take fewer values of --x and --y, or raise --time-limit"});
+}
+
+MapStudy study_of(const MapOptions& options, Console& console) {
   auto [x, y] = axes_of(options);
   MapStudy study{
       .x = std::move(x), .y = std::move(y), .bare = options.problem.make(), .maps = {}, .figure = {}};
@@ -222,7 +246,8 @@ MapStudy study_of(const MapOptions& options, const Console& console) {
   const ProblemAt problem_at = options.rayleigh
                                    ? over_rayleigh(options.problem.id(), settings)
                                    : over_parameters(options.problem.id(), settings, study.x, study.y);
-  const std::vector<Method> methods = options.methods.methods({study.bare});
+  const std::vector<Method> methods = options.methods.methods({study.bare}, console);
+  check_length(options, study, methods);
   const auto& interrupted = interrupt_flag();
   Progress progress(console, "map");
   study.maps = stability_maps(methods, problem_at, study.x, study.y, [&](double share) {
@@ -314,6 +339,7 @@ void add_stability_map(CLI::App& stability, Console& console) {
   add_flag(command, "--log-y", options->log_y, "Logarithmic y axis");
   add_flag(command, "--rayleigh", options->rayleigh,
            "Rayleigh damping c = alpha m + beta k1: x is alpha in 1/s, y is beta in s");
+  add_time_limit(command, options->time_limit);
   add_text(command, "--output", options->output, "Draw map.svg, map.png and map.pdf into this folder",
            "FOLDER");
   add_force(command);

@@ -161,7 +161,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
     problems.push_back(choices.back().make());
   }
   LimitQuestion question = question_of(options, problems.front());
-  std::vector<Method> methods = options.methods.methods(problems);
+  std::vector<Method> methods = options.methods.methods(problems, console);
   question.options = step_options(options, methods);
   question.named = named_one_by_one(options.methods, methods);
   if (options.verify) require_code(methods);

@@ -86,9 +86,9 @@ struct RegionStudy {
   }
 };
 
-RegionStudy study_of(const RegionOptions& options, const PlaneLook& look) {
+RegionStudy study_of(const RegionOptions& options, const PlaneLook& look, Console& console) {
   RegionStudy study;
-  study.chosen = options.methods.formulas();
+  study.chosen = options.methods.formulas(console);
   study.parts = parts_of(study.chosen, options);
   std::optional<PlaneWindow> window_of_parts;
   if (!study.parts.empty()) window_of_parts = window_of(study.parts, look);
@@ -150,7 +150,7 @@ std::string in_words(const DrawnRegion& region) {
 void region(const RegionOptions& options, Console& console) {
   const PlaneLook look = look_of(options);
   if (!options.wants_figure()) refuse_style_without_figure("--output FOLDER");
-  RegionStudy study = study_of(options, look);
+  RegionStudy study = study_of(options, look, console);
   const bool wants_points = !options.output.empty() && !options.wants_figure();
   if (options.wants_figure()) study.figure = drawn(study, options, look);
   if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);

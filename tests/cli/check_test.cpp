@@ -1,4 +1,6 @@
 #include <fstream>
+#include <set>
+#include <string>
 
 #include "results/baseline.hpp"
 #include "tests/cli/program.hpp"
@@ -54,6 +56,47 @@ TEST(CheckCommand, BadInputIsRefusedInOneSentence) {
   expect_refused(shell.hmax("check --baseline nowhere.csv"), "nowhere.csv");
   expect_refused(shell.hmax("check --methods rk5"), "rk5");
   expect_refused(shell.hmax("check --update --methods rk4"), "--methods");
+}
+
+TEST(CheckCommand, TakesAMethodThatIsNamedTwiceOnce) {
+  const Told told = Shell().hmax("check --methods rk4,explicit_runge_kutta,rk4 --json");
+  EXPECT_EQ(told.exit_code, 0) << told.out;
+  EXPECT_TRUE(told.json().at("added").empty());
+}
+
+TEST(CheckCommand, GuardsAMethodOfOnesOwn) {
+  const Shell shell;
+  write_text(shell / "mine.toml", "a = [[], [1]]\nb = [\"1/2\", \"1/2\"]\n");
+  // Nothing knows it yet.
+  expect_refused(shell.hmax("check --tableau mine.toml"), "no rows of mine");
+  expect_refused(shell.hmax("check --tableau mine.toml --update"), "--baseline");
+  ASSERT_EQ(shell.hmax("check --tableau mine.toml --baseline mine.csv --update").exit_code, 0);
+  const Told same = shell.hmax("check --tableau mine.toml --baseline mine.csv --json");
+  EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
+  EXPECT_GT(same.json().at("compared"), 0);
+  EXPECT_EQ(same.json().at("compared"), read_baseline(shell / "mine.csv").size());
+  // Another method of the same order.
+  write_text(shell / "mine.toml", "a = [[], [\"2/3\"]]\nb = [\"1/4\", \"3/4\"]\n");
+  EXPECT_EQ(shell.hmax("check --tableau mine.toml --baseline mine.csv").exit_code, 1);
+  // Rows of others stay.
+  write_text(shell / "other.toml", "a = [[], [\"1/2\"]]\nb = [0, 1]\n");
+  ASSERT_EQ(shell.hmax("check --tableau other.toml --baseline mine.csv --update").exit_code, 0);
+  std::set<std::string> ids;
+  for (const AccuracyRow& row : read_baseline(shell / "mine.csv")) ids.insert(row.method);
+  EXPECT_EQ(ids, (std::set<std::string>{"mine", "other"}));
+}
+
+TEST(CheckCommand, NamesMethodsThatItDoesNotRun) {
+  const Shell shell;
+  for (const nlohmann::json& method : shell.hmax("list methods --json").json()) {
+    if (method.at("engine") == "hmax") continue;
+    const std::string id = method.at("id");
+    expect_refused(shell.hmax("check --methods " + id), id);
+    const Told beside = shell.hmax("check --methods rk4," + id);
+    EXPECT_EQ(beside.exit_code, 0);
+    EXPECT_NE(beside.err.find(id), std::string::npos) << beside.err;
+    return;
+  }
 }
 
 }  // namespace

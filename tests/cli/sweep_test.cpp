@@ -296,5 +296,17 @@ TEST(SweepCommand, StatesItsTolerances) {
   EXPECT_NE(adaptive.out.find("rtol 1e-04, atol 1e-05"), std::string::npos) << adaptive.out;
 }
 
+TEST(SweepCommand, NamesMethodsThatItDoesNotRunAndRunsNoOthersInTheirPlace) {
+  const Shell shell;
+  const Told none =
+      shell.hmax("sweep --problem hires --methods structural --h 0.1 --fixed --t-end 1 --out none");
+  expect_refused(none, "newmark");
+  EXPECT_FALSE(std::filesystem::exists(shell / "results/runs/none.sqlite"));
+  const Told some = shell.hmax("sweep --methods rk4,ode45 --rtol 1e-4 --t-end 1 --out some");
+  EXPECT_EQ(some.exit_code, 0) << some.err;
+  EXPECT_NE(some.err.find("hmax: warning: left out: rk4: has no error estimate"), std::string::npos)
+      << some.err;
+}
+
 }  // namespace
 }  // namespace hmax

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/catalogue/chosen_methods.hpp"
 #include "bench/catalogue/families.hpp"
 #include "results/errors.hpp"
 
@@ -38,8 +39,54 @@ TEST(Catalogue, FamiliesAndAllStandForTheMethodsThatSuitTheProblem) {
   EXPECT_EQ(all.size(), methods().size());
   const std::vector<Method> explicit_ones = choose_methods({"explicit_runge_kutta", "rk4"}, {});
   ASSERT_GE(explicit_ones.size(), 14U);
-  EXPECT_EQ(explicit_ones.back().id, "rk4");
   EXPECT_THROW(choose_methods({"explicit_runge_kuta"}, {}), InputError);
+}
+
+TEST(Catalogue, TakesAMethodThatIsNamedTwiceOnceInItsFirstPlace) {
+  const auto ids = [](const std::vector<std::string>& names) {
+    std::vector<std::string> chosen;
+    for (const Method& method : choose_methods(names, {})) chosen.push_back(method.id);
+    return chosen;
+  };
+  const std::vector<std::string> family = ids({"explicit_runge_kutta"});
+  EXPECT_EQ(ids({"explicit_runge_kutta", "rk4"}), family);
+  EXPECT_EQ(ids({"rk4", "ode45", "rk4", "dormand_prince_54"}),
+            (std::vector<std::string>{"rk4", "dormand_prince_54"}));
+  const std::vector<std::string> rk4_first = ids({"rk4", "explicit_runge_kutta"});
+  EXPECT_EQ(rk4_first.front(), "rk4");
+  EXPECT_EQ(rk4_first.size(), family.size());
+  EXPECT_EQ(choose_formulas({"bdf_3", "rk4", "bdf_3", "explicit_runge_kutta"}).size(), family.size() + 1);
+  EXPECT_EQ(choose_methods_and_formulas({"bdf_3", "rk4", "bdf_3"}, {}).size(), 2U);
+}
+
+TEST(Catalogue, NamesWhatItLeavesOutOfFamiliesWithTheReason) {
+  const Problem kepler = make_problem("kepler"), first_order = make_problem("hires");
+  const ChosenMethods chosen = chosen_methods({"structural", "rk4"}, {first_order});
+  ASSERT_EQ(chosen.methods.size(), 1U);
+  const std::size_t structural = choose_methods({"structural"}, {kepler}).size();
+  EXPECT_EQ(chosen.left_out.size(), structural);
+  for (const LeftOut& one : chosen.left_out)
+    EXPECT_EQ(one.why, "steps positions and velocities, which hires does not have") << one.id;
+  EXPECT_EQ(in_words(chosen.left_out).size(), 1U);
+  EXPECT_TRUE(chosen_methods({"all"}, {make_problem("liver_forced")}).left_out.empty());
+  try {
+    choose_methods({"structural"}, {first_order});
+    FAIL() << "no method is left";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("newmark"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Catalogue, OfFormulasHoldsTheNumberThatAMethodChoosesAsItRuns) {
+  const ChosenFormulas stabilised = chosen_formulas({"stabilised"});
+  ASSERT_EQ(stabilised.formulas.size(), 2U);
+  EXPECT_EQ(stabilised.formulas[0].id, "rkc_2:stages=10");
+  EXPECT_EQ(stabilised.formulas[1].id, "rkl_2:stages=10");
+  EXPECT_EQ(stabilised.held.size(), 2U);
+  // Every method of the catalogue is shown, held or named.
+  const ChosenFormulas all = chosen_formulas({"all"});
+  EXPECT_EQ(all.formulas.size() + all.left_out.size(), methods().size());
+  for (const LeftOut& one : all.left_out) EXPECT_EQ(find_method(one.id).amplification, nullptr) << one.id;
 }
 
 TEST(Catalogue, KnowsWhichMethodsSolveNonlinearEquations) {

@@ -587,5 +587,51 @@ TEST(StabilityPredict, LinearisesABodyAtEquilibriumOrAtRestAndSaysWhere) {
   expect_refused(shell.hmax(predict + "--mesh phantom --at motion"), "rest");
 }
 
+TEST(NumericalDamping, FollowsThePrincipalRootAndSaysWhereNyquistIsPassed) {
+  const Shell shell;
+  const std::string line = "stability numerical-damping --method hht_alpha --frequency 5 --zeta 0.9 --h 0.06";
+  const Json below = shell.hmax(line + " --json").json();
+  EXPECT_NEAR(below.at("zeta_shown").get<double>(), 0.5622, 5e-5);
+  EXPECT_NEAR(below.at("frequency_shown").get<double>(), 3.94, 5e-3);
+  EXPECT_FALSE(below.at("aliased").get<bool>());
+  const Told above = shell.hmax("stability numerical-damping --method newmark --frequency 8 --h 0.1");
+  EXPECT_NE(above.out.find("Nyquist frequency 1/(2 h) = 5 Hz"), std::string::npos) << above.out;
+  // 1/(2 h) = 5 Hz is above 5 sqrt(1 - 0.81) = 2.18 Hz, the frequency of the damped mode.
+  EXPECT_EQ(shell.hmax("stability numerical-damping --method hht_alpha --frequency 5 --zeta 0.9 --h 0.1")
+                .out.find("Nyquist"),
+            std::string::npos);
+}
+
+TEST(NumericalDamping, HasNoNegativeZero) {
+  const Told told =
+      Shell().hmax("stability numerical-damping --methods structural,trapezoidal --frequency 8 --h 0.001");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  for (const char* zero : {" -0 ", " -0.00 %"}) EXPECT_EQ(told.out.find(zero), std::string::npos) << told.out;
+}
+
+TEST(StabilityLimits, ShowEveryMethodOfAFamilyOrNameIt) {
+  const Shell shell;
+  const Told stabilised = shell.hmax("stability limits --methods stabilised");
+  EXPECT_EQ(stabilised.exit_code, 0);
+  for (const char* id : {"rkc_2:stages=10", "rkl_2:stages=10"})
+    EXPECT_NE(stabilised.out.find(id), std::string::npos) << stabilised.out;
+  EXPECT_NE(stabilised.err.find("hmax: note: rkc_2 chooses its number of stages"), std::string::npos)
+      << stabilised.err;
+  const Told all = shell.hmax("stability limits --methods all");
+  for (const Json& method : shell.hmax("list methods --json").json())
+    EXPECT_NE((all.out + all.err).find(method.at("id").get<std::string>()), std::string::npos)
+        << method.at("id");
+  EXPECT_EQ(shell.hmax("stability region --methods stabilised --json").json().size(), 2U);
+}
+
+TEST(StabilityPredict, NamesMethodsOfAFamilyThatTheModelDoesNotSuit) {
+  const Shell shell;
+  expect_refused(shell.hmax("stability predict --problem hires --methods structural"),
+                 "positions and velocities");
+  const Told told = shell.hmax("stability predict --problem hires --methods structural,rk4 --at rest");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NE(told.err.find("newmark"), std::string::npos) << told.err;
+}
+
 }  // namespace
 }  // namespace hmax
