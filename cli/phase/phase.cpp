@@ -386,7 +386,7 @@ void add_phase(CLI::App& app, Console& console) {
         "--set k3=1 --set m=1 --set w=1 --method rk4 --h 0.02"),
        "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
-  options->problem.add_to(command);
+  options->problem.add_without_meshes_to(command);
   options->method.add_to(command);
   add_number(command, "--h", options->h,
              "Step size of the method, whose map of the plane is analysed [s]; with --poincare and "

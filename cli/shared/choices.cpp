@@ -105,9 +105,23 @@ void add_patience(CLI::App& command, std::optional<double>& seconds) {
 }
 
 void ProblemChoice::add_to(CLI::App& command) {
+  add_name_to(command);
+  body.add_to(command);
+  add_rest_to(command);
+}
+
+void ProblemChoice::add_without_meshes_to(CLI::App& command) {
+  takes_meshes = false;
+  add_name_to(command);
+  add_rest_to(command);
+}
+
+void ProblemChoice::add_name_to(CLI::App& command) {
   add_text(command, "--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml",
            "ID");
-  body.add_to(command);
+}
+
+void ProblemChoice::add_rest_to(CLI::App& command) {
   own.add_to(command);
   add_text(command, "--plugin", plugin,
            "Model of your own behind the C interface hmax/plugin.h; `hmax probe --example FOLDER` writes one",
@@ -127,9 +141,10 @@ std::string ProblemChoice::id() const {
   if (!own.matrices.empty()) given.emplace_back("--matrices");
   if (!plugin.empty()) given.emplace_back("--plugin");
   if (given.empty())
-    throw InputError(
-        "no problem is given; name one with --problem, `hmax list problems` shows all of them, a mesh with --mesh, "
-        "matrices with --matrices, or a plugin with --plugin");
+    throw InputError(fmt::format(
+        "no problem is given; name one with --problem, `hmax list problems` shows all of them, {}matrices "
+        "with --matrices, or a plugin with --plugin",
+        takes_meshes ? "a mesh with --mesh, " : ""));
   if (given.size() > 1)
     throw InputError(fmt::format("{} and {} are both given; choose one of them", given[0], given[1]));
   if (!own.matrices.empty()) return own.problem_id();
@@ -181,6 +196,10 @@ Method MethodChoice::make() const {
   return find_method(method);
 }
 
+void warn_of_left_out(Console& console, const std::vector<LeftOut>& left_out) {
+  for (const std::string& line : in_words(left_out)) console.remark("left out: " + line);
+}
+
 std::string in_words(const Tolerances<double>& tolerances) {
   return fmt::format("rtol {}, atol {}", to_text(tolerances.rtol), to_text(tolerances.atol));
 }
@@ -194,10 +213,6 @@ void add_control(CLI::App& command, std::string& control) {
            fmt::format("Step size control: {}; {} by default", fmt::join(controller_names, ", "),
                        to_string(RunSpec{}.control)),
            "NAME");
-}
-
-void warn_of_left_out(Console& console, const std::vector<LeftOut>& left_out) {
-  for (const std::string& line : in_words(left_out)) console.remark("left out: " + line);
 }
 
 }  // namespace hmax

@@ -56,8 +56,11 @@ struct ProblemChoice {
   MatrixOptions own;
   std::vector<std::string> set;
   std::optional<double> patience;
+  bool takes_meshes = true;  ///< false after add_without_meshes_to()
 
   void add_to(CLI::App& command);
+  /// The options of a command for a few states, which no body on a mesh has.
+  void add_without_meshes_to(CLI::App& command);
   /// @throws InputError when something is missing or unknown
   [[nodiscard]] Problem make() const { return make_problem(id(), settings()); }
   /// Whether no model is named.
@@ -69,6 +72,10 @@ struct ProblemChoice {
   [[nodiscard]] ProblemSettings settings() const;
   /// Says on standard error which parameters of --set change nothing of the problem that came of them.
   void remark_idle(Console& console, const Problem& made) const;
+
+ private:
+  void add_name_to(CLI::App& command);
+  void add_rest_to(CLI::App& command);
 };
 
 /// --method or --tableau
@@ -80,14 +87,14 @@ struct MethodChoice {
   [[nodiscard]] Method make() const;
 };
 
+/// Warns of methods that a family or `all` holds and that are not taken, with the reason.
+void warn_of_left_out(Console& console, const std::vector<LeftOut>& left_out);
+
 /// "rtol 1e-06, atol 1e-08", and {rtol, atol}
 std::string in_words(const Tolerances<double>& tolerances);
 nlohmann::ordered_json to_json(const Tolerances<double>& tolerances);
 
 /// --control, a word of controller_names
 void add_control(CLI::App& command, std::string& control);
-
-/// Warns of methods that a family or `all` holds and that are not taken, with the reason.
-void warn_of_left_out(Console& console, const std::vector<LeftOut>& left_out);
 
 }  // namespace hmax

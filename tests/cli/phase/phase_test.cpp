@@ -451,5 +451,22 @@ TEST(Phase, StatesTheTolerancesOfMotions) {
     EXPECT_NE(help.find(words), std::string::npos) << words;
 }
 
+/// Of the options that choose a problem: a body on a mesh has no two states, matrices may.
+TEST(Phase, OffersNoOptionThatCannotWork) {
+  const Shell shell;
+  const std::string help = shell.hmax("phase --help").out;
+  for (const char* option :
+       {"--mesh", "--unit", "--model", "--load", "--gravity", "--support", "--tool-at", "--tool-direction"})
+    EXPECT_EQ(help.find(option), std::string::npos) << option;
+  write_text(shell / "K.mtx", "%%MatrixMarket matrix coordinate real symmetric\n1 1 1\n1 1 4\n");
+  write_text(shell / "M.mtx", "%%MatrixMarket matrix coordinate real symmetric\n1 1 1\n1 1 1\n");
+  const Json spring = shell.hmax("phase --matrices stiffness=K.mtx,mass=M.mtx --alpha 0.4 --json").json();
+  // lambda^2 + 0.4 lambda + 4 = 0
+  ASSERT_EQ(spring.at("equilibria").size(), 1U);
+  EXPECT_NEAR(spring.at("equilibria")[0].at("eigenvalues")[0][0].get<double>(), -0.2, 1e-9);
+  EXPECT_NEAR(std::abs(spring.at("equilibria")[0].at("eigenvalues")[0][1].get<double>()), std::sqrt(4 - 0.04),
+              1e-9);
+}
+
 }  // namespace
 }  // namespace hmax
