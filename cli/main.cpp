@@ -128,7 +128,7 @@ Exit run(int argc, char** argv) {
   check_environment();
   allow_replacing(Replacing::own);
   constexpr int ten_minutes = 600'000;
-  set_patience({.milliseconds = ten_minutes, .tell = [](std::string_view text) { tell({text}); }});
+  set_patience({.milliseconds = ten_minutes, .tell = [](std::string_view text) { tell({"note: ", text}); }});
   Console console;
   CLI::App app("Benchmarks of numerical integrators and their stability on soft-tissue models.", "hmax");
   app.set_version_flag("--version", fmt::format("hmax {}", build_info().version));

@@ -284,8 +284,10 @@ std::vector<std::string> draw_sweep(const SweepPlan& plan, const Store& store, c
   return files;
 }
 
-/// Sweeps may take days; what takes years is a mistake.
-void check_length(const SweepPlan& plan) {
+/// Warns of methods that are left out.
+/// @throws InputError  for a sweep without end: sweeps may take days; what takes years is a mistake
+void look_over(const SweepPlan& plan, Console& console) {
+  warn_of_left_out(console, plan.left_out);
   constexpr double most_days = 30;
   double seconds = 0;
   for (const SweepBlock& block : plan.blocks) seconds += expected_cost(plan, block, block.methods);
@@ -331,8 +333,7 @@ void sweep(const SweepOptions& options, Console& console) {
   const SweepSpec spec = spec_of(options, request);
   const SweepPlan plan = shard ? shard_of(plan_sweep(spec), *shard) : plan_sweep(spec);
   if (ranks) refuse_beside_ranks(options, plan, *ranks);
-  warn_of_left_out(console, plan.left_out);
-  check_length(plan);
+  look_over(plan, console);
   const std::filesystem::path file = sweep_store_path(request, options.file, shard);
   if (options.publish) require_publishable_build();
   if (options.output.empty())
