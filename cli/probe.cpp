@@ -125,6 +125,7 @@ void probe(const ProbeOptions& options, Console& console) {
                                   progress.update(share, detail);
                                 }});
   }();
+  if (found.contradiction) console.exit_code = Exit::failed;
   if (console.json) return console.print_json(probe_json(found));
   console.print(in_words(options, found, console));
 }

@@ -89,6 +89,18 @@ bool StepDerivative::is_linear() const {
   return off <= 30 * error_ * both.norm() || off <= 0.05 * (sum - both).norm();
 }
 
+double StepDerivative::error_along(const VectorXd& v) const {
+  const double largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return error_;
+  const VectorXd w = v / largest, here = difference(w, increment_);
+  double least = infinity;
+  for (const double factor : {0.3, 3.0}) {
+    const double off = (difference(w, factor * increment_) - here).norm() / w.norm();
+    if (std::isfinite(off)) least = std::min(least, off);
+  }
+  return std::max(error_, least);
+}
+
 VectorXd StepDerivative::product(const VectorXd& v) const {
   const double largest = v.cwiseAbs().maxCoeff();
   if (!(largest > 0)) return VectorXd::Zero(v.size());

@@ -30,6 +30,10 @@ class StepDerivative {
   /// directions, not less than rounding.
   [[nodiscard]] double error() const { return error_; }
 
+  /// The error of differences in the direction v, relative to |v|: what other increments make of it. At least
+  /// error().
+  [[nodiscard]] double error_along(const Eigen::VectorXd& v) const;
+
   /// Whether the changes of two disturbances together are the sum of their changes, beyond error() and to a twentieth: no
   /// matrix tells what such a step does, as one with bounded impulses, however small the disturbances are.
   [[nodiscard]] bool is_linear() const;

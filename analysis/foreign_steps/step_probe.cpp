@@ -25,6 +25,11 @@ constexpr int home = 0, work = 1, rest = 2;
 /// A motion that grows by less than this factor more than at h0 is no growth of the steps.
 const double least_growth = std::log(10.0);
 
+/// ln of the growth that runs show for certain.
+constexpr double seen_growth = 15;
+/// Between h_max and observed, as a share of h_max.
+constexpr double allowed_gap = 0.05, allowed_gap_of_motion = 0.2;
+
 /// What all parts of a probe need.
 class Probe {
  public:
@@ -53,7 +58,16 @@ class Probe {
   void observe();
   bool runs_grow(double h);
   std::int64_t observed_steps();
-  void bracket(double low, double high, bool low_known);
+  void bracket(double low, double high);
+  void narrow(double low, double high, double resolution);
+  void compare_with_runs();
+  void observe_beyond_limits();
+  void say_what_is_unresolved();
+  /// One of the two limits is wrong.
+  void contradict(const std::string& text) {
+    found_.contradiction = true;
+    found_.status.push_back(text);
+  }
 
   /// Sizes of numbers at the start.
   [[nodiscard]] VectorXd plain_scale() const {
@@ -391,22 +405,25 @@ std::int64_t Probe::observed_steps() {
   const double affordable = std::clamp(settings_.seconds_a_run / one, least, most);
   if (!is_linear_ || !std::isfinite(found_.h_max)) return static_cast<std::int64_t>(std::min(affordable, 20000.0));
   const double rate = std::log(found_.critical->spectral_radius);
-  const double needed = rate > 0 ? 10 / rate : infinity;
-  if (needed > affordable)
-    found_.status.push_back("growth just above the limit is " + rounded_text(rate, 2) + " a step: runs of " +
-                            std::to_string(std::llround(affordable)) + " steps show it late, observed is too large");
-  return std::llround(std::clamp(needed, least, affordable));
+  return std::llround(std::clamp(rate > 0 ? 10 / rate : infinity, least, affordable));
 }
 
-/// @param low_known  whether runs at `low` are known not to grow
-void Probe::bracket(double low, double high, bool low_known) {
-  for (double away = 0.004; !low_known && runs_grow(low); away *= 2) {
+void Probe::narrow(double low, double high, double resolution) {
+  while (high - low > resolution * high) {
+    const double middle = (low + high) / 2;
+    (runs_grow(middle) ? high : low) = middle;
+  }
+  found_.observed = (low + high) / 2;
+}
+
+/// From a little on both sides of h_max away from it.
+void Probe::bracket(double low, double high) {
+  for (double away = 0.004; runs_grow(low); away *= 2) {
     high = low;
     low = found_.h_max * (1 - away);
     if (low < settings_.h0 / 2 || away > 1) {
       found_.observed = nan;
-      found_.status.push_back("runs grow at h0 already, though no multiplier does");
-      return;
+      return contradict("runs grow at h0 already, though no multiplier does; take a smaller h0");
     }
   }
   for (double away = 0.004; !runs_grow(high); away *= 2) {
@@ -417,33 +434,86 @@ void Probe::bracket(double low, double high, bool low_known) {
     low = high;
     high = std::min(settings_.h1, found_.h_max * (1 + away));
   }
-  while (high - low > settings_.resolution * high) {
-    const double middle = (low + high) / 2;
-    (runs_grow(middle) ? high : low) = middle;
+  narrow(low, high, settings_.resolution);
+}
+
+/// Where multipliers grow at h0 already, or nowhere.
+void Probe::observe_beyond_limits() {
+  if (std::isinf(found_.h_max)) {
+    found_.observed = infinity;
+    if (!runs_grow(settings_.h1)) return;
+    found_.observed = nan;
+    if (!runs_grow(settings_.h0)) narrow(settings_.h0, settings_.h1, 0.01);
+    return contradict("multipliers and runs contradict each other: runs of " + std::to_string(found_.steps) +
+                      " steps grow from " +
+                      rounded_text(std::isnan(found_.observed) ? settings_.h0 : found_.observed, 3) +
+                      " s on, though no multiplier does; use steps below that");
   }
-  found_.observed = (low + high) / 2;
+  if (found_.state == ProbedState::motion || !std::isfinite(found_.rows.front().spectral_radius)) return;
+  const double rate = std::log(found_.rows.front().spectral_radius);
+  if (rate * static_cast<double>(found_.steps) > seen_growth && !runs_grow(settings_.h0))
+    contradict("multipliers and runs contradict each other: a multiplier grows by " + rounded_text(rate, 2) +
+               " a step of h0, and runs of " + std::to_string(found_.steps) + " steps do not grow");
+}
+
+/// Whether h_max and observed can both be true.
+void Probe::compare_with_runs() {
+  if (!std::isfinite(found_.h_max) || std::isnan(found_.observed)) return;
+  const double shown = std::min(found_.observed, settings_.h1), gap = shown / found_.h_max - 1;
+  const bool is_motion = found_.state == ProbedState::motion;
+  if (std::abs(gap) <= 0.005) return;
+  const std::string runs = is_motion ? "runs" : "runs of " + std::to_string(found_.steps) + " steps";
+  if (gap > 0 && !is_motion) {
+    const double rate = std::log(at((found_.h_max + shown) / 2).spectral_radius);
+    if (rate * static_cast<double>(found_.steps) < seen_growth) {
+      found_.contradiction = gap > allowed_gap;
+      found_.status.push_back("undecided between " + rounded_text(found_.h_max, 4) + " s and " +
+                              rounded_text(shown, 4) + " s: a multiplier grows by " + rounded_text(rate, 2) +
+                              " a step between them, which " + runs + " do not show; use the smaller one");
+      return;
+    }
+  }
+  if (std::abs(gap) <= (is_motion ? allowed_gap_of_motion : allowed_gap)) return;
+  contradict("multipliers and runs contradict each other: growth begins at " + rounded_text(found_.h_max, 4) +
+             " s by multipliers, " +
+             (std::isinf(found_.observed) ? "and not up to " + rounded_text(shown, 4)
+                                          : "and at " + rounded_text(shown, 4)) +
+             " s by " + runs + "; use the smaller one");
 }
 
 void Probe::observe() {
   found_.observed = found_.gap = nan;
-  if (!settings_.observe || std::isnan(found_.h_max)) return;
+  if (!settings_.observe) return;
   share_ = std::max(share_, 0.6);
   detail_ = "runs";
   found_.steps = found_.state == ProbedState::motion ? 0 : observed_steps();
   engine_.restore(home);
   if (rest_ != start_) engine_.set_state(rest_);
   engine_.save(rest);
-  if (std::isinf(found_.h_max)) {
-    if (!runs_grow(settings_.h1)) {
-      found_.observed = infinity;
-    } else {
-      found_.status.push_back("runs at h1 grow, though no multiplier does");
-    }
-    return;
-  }
-  bracket(0.998 * found_.h_max, std::min(settings_.h1, 1.002 * found_.h_max), false);
+  if (!std::isfinite(found_.h_max)) return observe_beyond_limits();
+  bracket(0.998 * found_.h_max, std::min(settings_.h1, 1.002 * found_.h_max));
   found_.gap = (found_.observed - found_.h_max) / found_.h_max;
   if (!std::isfinite(found_.gap)) found_.gap = nan;
+  compare_with_runs();
+}
+
+/// Multipliers may hide slow growth among others of modulus 1; where runs agree with h_max there is none to
+/// speak of.
+void Probe::say_what_is_unresolved() {
+  const bool agree = std::isinf(found_.h_max) ? std::isinf(found_.observed) : std::abs(found_.gap) < 0.01;
+  if (agree || std::isnan(found_.h_max)) return;
+  double first = infinity, unseen = 0;
+  for (const StepSpectrum& row : found_.rows) {
+    if (row.resolved) continue;
+    first = std::min(first, row.h);
+    unseen = std::max(unseen, row.tolerance);
+  }
+  if (std::isinf(first)) return;
+  found_.status.push_back("undecided between " + rounded_text(first, 3) + " s and " +
+                          rounded_text(std::min(found_.h_max, settings_.h1), 3) +
+                          " s: many multipliers have modulus 1, and growth of less than " +
+                          rounded_text(unseen, 2) + " a step is not seen among them" +
+                          (settings_.observe ? "" : "; let the engine run"));
 }
 
 ProbedLimit Probe::run() {
@@ -455,9 +525,8 @@ ProbedLimit Probe::run() {
   check_smoothness();
   check_pattern();
   name_growing_numbers();
-  if (std::ranges::any_of(found_.rows, [](const StepSpectrum& row) { return !row.resolved; }))
-    found_.status.push_back("an iteration for the largest multiplier ended undecided: slow growth may be missed");
   observe();
+  say_what_is_unresolved();
   engine_.restore(home);
   std::ranges::sort(found_.rows, {}, &StepSpectrum::h);
   return found_;
@@ -482,6 +551,9 @@ ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings) {
   if (settings.motion && !(*settings.motion >= settings.h1 && std::isfinite(*settings.motion)))
     throw InputError("motion " + to_text(*settings.motion) +
                      " is shorter than a step of h1; give its length in seconds");
+  if (engine.dim() > most_probed_numbers)
+    throw InputError("the state has " + std::to_string(engine.dim()) + " numbers, and a probe takes up to " +
+                     std::to_string(most_probed_numbers) + "; probe a smaller scene of the same engine");
   return Probe(engine, settings).run();
 }
 

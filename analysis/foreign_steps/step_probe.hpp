@@ -41,13 +41,20 @@ struct ProbedLimit {
   double observed = 0;  ///< [s] by runs; as h_max; NaN where nothing was run
   double gap = 0;       ///< (observed - h_max) / h_max; NaN without a number on both sides
   std::int64_t steps = 0;            ///< of each of the runs
+  /// h_max and observed are apart by more than 5 %, along a motion by more than 20 %: one of them is wrong,
+  /// or the runs are too short. `status` has a sentence.
+  bool contradiction = false;
   std::vector<std::string> status{}; ///< sentences: what the numbers do not tell
 };
 
+/// Numbers of the largest state that is probed: a spectrum takes some thousand steps and a basis of eighty
+/// vectors.
+inline constexpr Eigen::Index most_probed_numbers = 100'000;
+
 /// About the state that the engine has now; it has this state again at the end. Slots 0 to 2 are written.
-/// Step sizes from h0 to h1 in equal ratios, then bisection between the largest stable one below the first that grows, and
-/// that one. Windows of instability between two of them are not seen.
-/// @throws InputError  for step sizes or a start that make no sense
+/// Step sizes from h0 to h1 in equal ratios, then bisection between the largest stable one below the first
+/// that grows, and that one. Windows of instability between two of them are not seen.
+/// @throws InputError  for step sizes or a start that make no sense, and for more than most_probed_numbers
 ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings);
 
 }  // namespace hmax

@@ -9,8 +9,8 @@
 #include <Eigen/SparseCore>
 
 #include "analysis/foreign_steps/step_derivative.hpp"
+#include "analysis/foreign_steps/step_growth.hpp"
 #include "analysis/spectrum/lanczos.hpp"
-#include "analysis/step_limits/step_map_limit.hpp"
 #include "core/dense_solvers.hpp"
 
 namespace hmax {
@@ -22,9 +22,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Growth of less is no growth, however exact the differences are.
-constexpr double least_tolerance = 1e-9;
-
 /// A motion in scaled coordinates as numbers of the state.
 VectorXd on_state(const VectorXd& motion, const StateCoordinates& coordinates, const VectorXd& scale, Index dim) {
   VectorXd numbers = VectorXd::Zero(dim);
@@ -59,9 +56,7 @@ void by_eigenvalues(const MatrixXd& J, const StepDerivative& derivative, StepSpe
   for (std::size_t i = 0; i < pairs.values.size(); ++i) {
     const auto at = static_cast<Index>(i);
     const double condition = left.row(at).norm() * pairs.vectors.col(at).norm();
-    const double defective = 4 * std::sqrt(error);
-    const double tolerance =
-        least_tolerance + (std::isfinite(condition) ? std::min(4 * error * condition, defective) : defective);
+    const double tolerance = multiplier_tolerance(error, condition);
     const double excess = std::abs(pairs.values[i]) - 1 - tolerance;
     if (excess > most) {
       most = excess;
@@ -88,68 +83,19 @@ void by_eigenvalues(const MatrixXd& J, const StepDerivative& derivative, StepSpe
   motion = vector.cwiseAbs();
 }
 
-/// The multiplier of a motion w in a plane that J maps to itself: J^2 w = a J w + b w, mu^2 = a mu + b.
-Complex multiplier_of(const std::function<VectorXd(const VectorXd&)>& J, const VectorXd& w) {
-  const VectorXd w1 = J(w), w2 = J(w1);
-  const double c = w.dot(w1) / w.squaredNorm();
-  if ((w1 - c * w).norm() < 1e-4 * w1.norm()) return c;
-  Eigen::Matrix2d normal;
-  normal << w1.dot(w1), w1.dot(w), w1.dot(w), w.dot(w);
-  const Eigen::Vector2d ab = normal.inverse() * Eigen::Vector2d(w1.dot(w2), w.dot(w2));
-  const Complex root = std::sqrt(Complex(ab[0] * ab[0] / 4 + ab[1]));
-  const Complex one = ab[0] / 2 + root, other = ab[0] / 2 - root;
-  return std::abs(one) >= std::abs(other) ? one : other;
-}
-
-/// Steps as products, one after the other.
-StepMap repeated(std::function<VectorXd(const VectorXd&)> J, std::function<void()> watch) {
-  return [J = std::move(J), watch = std::move(watch)](const VectorXd& v, int steps) {
-    VectorXd w = v;
-    for (int i = 0; i < steps && w.allFinite(); ++i) w = J(w);
-    if (watch) watch();
-    return w;
-  };
-}
-
-/// Steps as products with J^(2^k), which are made when they are first asked for.
-class MatrixPowers {
- public:
-  explicit MatrixPowers(MatrixXd J) : powers_{std::move(J)} {}
-  VectorXd operator()(const VectorXd& v, int steps) {
-    VectorXd w = v;
-    for (std::size_t k = 0; steps > 0; ++k, steps /= 2) {
-      if (k == powers_.size()) powers_.push_back(powers_.back() * powers_.back());
-      if (steps % 2 == 1) w = powers_[k] * w;
-    }
-    return w;
-  }
-
- private:
-  std::vector<MatrixXd> powers_;
-};
-
-/// Steps as products with a matrix: most engines couple neighbours alone.
-StepMap products_with(const Eigen::SparseMatrix<double>& J) {
-  const auto n = static_cast<double>(J.rows());
-  if (static_cast<double>(J.nonZeros()) > 0.1 * n * n) return MatrixPowers(J);
-  return repeated([J](const VectorXd& v) { return VectorXd(J * v); }, {});
-}
-
 /// The largest multiplier by products.
-void by_products(const StepMap& map, Index n, double error, StepSpectrum& found, VectorXd& motion) {
-  found.tolerance = std::max(1e-6, 40 * error);
-  const StepGrowth growth =
-      growth_of_steps(map, start_vector(n), {.weak_growth = std::log1p(found.tolerance), .dense_to = 0});
+void by_products(const LinearOperator& J, Index n, const StepDerivative& derivative, StepSpectrum& found,
+                 VectorXd& motion) {
+  const ProductGrowth growth =
+      growth_of_products(J, n, {.error = derivative.error(), .error_along = [&](const VectorXd& v) {
+                                  return derivative.error_along(v);
+                                }});
   found.grows = growth.grows;
   found.resolved = growth.resolved;
-  motion = growth.motion.cwiseAbs();
-  const auto J = [&](const VectorXd& v) { return map(v, 1); };
-  found.multiplier = multiplier_of(J, growth.motion);
-  found.spectral_radius = std::exp(growth.rate);
-  // Of a motion that is not that of one pair the sign is all that is known.
-  const double size = std::abs(found.multiplier);
-  if (!(std::abs(size - found.spectral_radius) < 1e-3 * found.spectral_radius))
-    found.multiplier = std::copysign(found.spectral_radius, growth.motion.dot(J(growth.motion)));
+  found.tolerance = growth.tolerance;
+  found.multiplier = growth.multiplier;
+  found.spectral_radius = std::abs(growth.multiplier);
+  motion = growth.motion;
 }
 
 }  // namespace
@@ -171,6 +117,7 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
   const auto told = [&](double) {
     if (settings.watch) settings.watch();
   };
+  std::int64_t products = 0;
   std::optional<Eigen::SparseMatrix<double>> J;
   if (pattern.pays()) J = derivative.grouped_matrix(pattern, told);
   // Entries below the error of the matrix are none.
@@ -180,8 +127,12 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
   if (J && n <= settings.eigenvalues_to)
     by_eigenvalues(*J, derivative, found, motion);
   else
-    by_products(J ? products_with(*J) : repeated([&](const VectorXd& v) { return derivative.product(v); }, settings.watch), n,
-                derivative.error(), found, motion);
+    by_products(
+        [&](const VectorXd& v) {
+          if (settings.watch && ++products % 16 == 0) settings.watch();
+          return J ? VectorXd(*J * v) : derivative.product(v);
+        },
+        n, derivative, found, motion);
   found.motion = on_state(motion, coordinates, scale, engine.dim());
   return found;
 }

@@ -24,18 +24,20 @@ struct StepSpectrum {
   double spectral_radius = 0; ///< infinity where a step cannot be done, or leaves the range of numbers
   /// That grows most, or the largest one where none grows; NaN along motions.
   std::complex<double> multiplier{};
-  /// Of |multiplier|: how far it may be off by differences. A multiplier of modulus 1 to this accuracy does not grow.
+  /// Of |multiplier|: how far it may be off by differences. A multiplier of modulus 1 to this accuracy does
+  /// not grow. Of a step that is not resolved the growth that may be there unseen.
   double tolerance = 0;
   double increment = 0;    ///< of the differences, in units of scales
   bool grows = false;
-  bool resolved = true;    ///< false: an iteration ended undecided
+  bool resolved = true;      ///< false: growth of less than `tolerance` a step may be there unseen
   Eigen::VectorXd motion{};  ///< that grows, as numbers of the state; shape (dim), its largest number 1
 };
 
-/// About the state of the engine in `slot`. Each eigenvalue has a tolerance of its own, 4 |E| |x| |y| / |y^H x| with the
-/// error E of the matrix, x and y its right and left eigenvectors, but at most 4 sqrt|E|: of modulus 1 are all multipliers
-/// of undamped motions under symplectic methods, and pairs of them meet.
-/// @param pattern  of the step, in coordinates; where it pays the matrix is made by its groups at any size. It is learned
+/// About the state of the engine in `slot`. Each eigenvalue has a tolerance of its own, as
+/// multiplier_tolerance(): of modulus 1 are all multipliers of undamped motions under symplectic methods,
+/// pairs of them meet, and those of rigid motions are defective.
+/// @param pattern  of the step, in coordinates; where it pays the matrix is made by its groups at any size.
+/// It is learned
 ///                 where a matrix is made without it
 StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale,
                               int slot, const Eigen::VectorXd& y, double h, StepPattern& pattern,

@@ -26,8 +26,9 @@ class KrylovSpace {
 
   /// Up to the full basis, or until the space is invariant.
   /// @returns false where a product is not finite
-  bool extend() {
-    while (size_ < most_ && !invariant_) {
+  bool extend() { return extend_to(most_); }
+  bool extend_to(Index size) {
+    while (size_ < std::min(size, most_) && !invariant_) {
       VectorXd w = A_(V_.col(size_));
       ++products_;
       if (!w.allFinite()) return false;
@@ -52,6 +53,24 @@ class KrylovSpace {
     found.residual = std::abs((H_.row(size_).head(size_) * ritz.vectors.col(0)).value());
     found.converged = found.residual <= tolerance * std::abs(found.value);
     found.products = products_;
+    return found;
+  }
+
+  /// Residuals and conditions of Ritz pairs, and their vectors.
+  [[nodiscard]] RitzSpectrum spectrum(const SortedEigenpairs& ritz) const {
+    RitzSpectrum found{.products = products_, .invariant = invariant_};
+    const Eigen::MatrixXcd left = ritz.vectors.partialPivLu().inverse();
+    for (std::size_t i = 0; i < ritz.values.size(); ++i) {
+      const auto at = static_cast<Index>(i);
+      const double condition = left.row(at).norm();
+      found.values.push_back(
+          {.value = ritz.values[i],
+           .residual = std::abs((H_.row(size_).head(size_) * ritz.vectors.col(at)).value()),
+           .condition = std::isfinite(condition) ? condition : std::numeric_limits<double>::infinity()});
+    }
+    found.vector = [this, &ritz](std::size_t i) {
+      return Eigen::VectorXcd(V_.leftCols(size_) * ritz.vectors.col(static_cast<Index>(i)));
+    };
     return found;
   }
 
@@ -80,6 +99,8 @@ class KrylovSpace {
   }
 
   [[nodiscard]] bool is_invariant() const { return invariant_; }
+  [[nodiscard]] bool is_full() const { return size_ == most_ || invariant_; }
+  [[nodiscard]] Index size() const { return size_; }
   [[nodiscard]] Index products() const { return products_; }
 
  private:
@@ -111,6 +132,23 @@ DominantEigenvalue dominant_eigenvalue(const LinearOperator& A, const VectorXd& 
     if (found.converged || decided || space.is_invariant() || settings.kept + 1 >= count ||
         found.products + count - settings.kept > settings.most_products)
       return found;
+    space.restart(ritz, settings.kept);
+  }
+}
+
+RitzSearch visit_ritz_spectra(const LinearOperator& A, const VectorXd& start, const ArnoldiSettings& settings,
+                              Index stride, const std::function<bool(const RitzSpectrum&)>& is_decided) {
+  KrylovSpace space(A, start, settings);
+  while (true) {
+    if (!space.extend_to(space.size() + stride)) return RitzSearch::not_finite;
+    const SortedEigenpairs ritz = space.ritz();
+    const auto count = static_cast<Index>(ritz.values.size());
+    if (count == 0) return RitzSearch::undecided;
+    if (is_decided(space.spectrum(ritz))) return RitzSearch::decided;
+    if (space.is_invariant() || space.products() + stride > settings.most_products)
+      return RitzSearch::undecided;
+    if (!space.is_full()) continue;
+    if (settings.kept + 1 >= count) return RitzSearch::undecided;
     space.restart(ritz, settings.kept);
   }
 }

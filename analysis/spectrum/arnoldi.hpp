@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <functional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -47,5 +48,32 @@ struct DominantEigenvalue {
 /// @param start  shape (n), not zero, with a part in every eigenvector of interest
 DominantEigenvalue dominant_eigenvalue(const LinearOperator& A, const Eigen::VectorXd& start,
                                        const ArnoldiSettings& settings = {});
+
+struct RitzValue {
+  std::complex<double> value;
+  double residual = 0;  ///< |A x - value x|, |x| = 1
+  /// |y| |x| / |y^H x| of the projected operator: a defective eigenvalue has an infinite one. Within the
+  /// space it is at most that of A.
+  double condition = 1;
+};
+
+/// What a Krylov space tells of the spectrum of its operator. Valid while it is visited.
+struct RitzSpectrum {
+  std::vector<RitzValue> values{};  ///< largest modulus first
+  Eigen::Index products = 0;        ///< so far
+  bool invariant = false;           ///< the values are eigenvalues of the operator to rounding
+  /// The Ritz vector of values[i], shape (n), of length 1.
+  std::function<Eigen::VectorXcd(std::size_t i)> vector{};
+};
+
+/// How the search of visit_ritz_spectra() ended.
+enum class RitzSearch { decided, undecided, not_finite };
+
+/// The iteration of dominant_eigenvalue() for callers that judge all Ritz values: `is_decided` is called each
+/// time that `stride` vectors have come to the basis, and ends the search with true. `tolerance` and
+/// `threshold` are not used.
+RitzSearch visit_ritz_spectra(const LinearOperator& A, const Eigen::VectorXd& start,
+                              const ArnoldiSettings& settings, Eigen::Index stride,
+                              const std::function<bool(const RitzSpectrum&)>& is_decided);
 
 }  // namespace hmax

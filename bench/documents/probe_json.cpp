@@ -38,6 +38,7 @@ Json probe_json(const ProbedLimit& found) {
           {"observed", number_or_word(found.observed)},
           {"gap", number_or_word(found.gap)},
           {"steps", found.steps},
+          {"contradiction", found.contradiction},
           {"status", found.status.empty() ? Json() : Json(fmt::format("{}", fmt::join(found.status, "; ")))}};
 }
 

@@ -51,7 +51,8 @@ def probe(
     A state of numpy.float32 says that steps are computed in single precision.
 
     Returns the keys of `hmax probe --json`: `h_max` and `observed` [s] (inf: no growth up to h1; None: not found), `gap`, `state`
-    ("equilibrium", "initial" or "motion"), `rows` by h, `moving`, `dim`, `steps`, `status`.
+    ("equilibrium", "initial" or "motion"), `rows` by h, `moving`, `dim`, `steps`, `status`, `contradiction` (h_max and observed cannot
+    both be right; `status` says why).
 
     Exceptions of step, save and restore are raised as they are. Raises ValueError for other input that is wrong.
 

@@ -1,0 +1,125 @@
+/// Limits of lattices of more numbers than all eigenvalues are computed of, against dense eigenvalues of
+/// their step.
+#include "analysis/foreign_steps/step_probe.hpp"
+
+#include <cstdio>
+#include <ctime>
+
+#include <gtest/gtest.h>
+
+#include "tests/analysis/foreign_steps/random_lattice.hpp"
+
+namespace hmax {
+namespace {
+
+std::string status_of(const ProbedLimit& found) {
+  std::string all;
+  for (const std::string& remark : found.status) all += remark + "; ";
+  return all;
+}
+
+struct Judged {
+  double exact = 0, least = 0, most = 0;
+  ProbedLimit found;
+  std::int64_t steps = 0;
+
+  [[nodiscard]] bool is_right() const {
+    if (std::isinf(exact))
+      return std::isinf(found.h_max) && std::isinf(found.observed) && !found.contradiction;
+    return std::abs(found.h_max / exact - 1) < 2e-3 && std::abs(found.observed / exact - 1) < 0.05 &&
+           !found.contradiction;
+  }
+};
+
+/// @param random  of the range of step sizes
+Judged judged(const Lattice& lattice, std::mt19937_64& random, double seconds_a_run) {
+  const auto uniform = [&](double from, double to) {
+    return std::uniform_real_distribution(from, to)(random);
+  };
+  const Eigen::VectorXd w2 = lattice.squared_frequencies();
+  const double top = std::sqrt(w2.maxCoeff());
+  Judged judged;
+  judged.exact = lattice.limit(w2, 1e-4 / top, 1e3 / top);
+  const double about = std::isinf(judged.exact) ? 2 / top : judged.exact;
+  judged.least = about / std::pow(10, uniform(0.5, 2));
+  judged.most = about * std::pow(10, uniform(0.3, 1));
+  LatticeStepper engine(lattice);
+  judged.found = probe_steps(engine, {.h0 = judged.least, .h1 = judged.most, .seconds_a_run = seconds_a_run});
+  judged.steps = engine.steps;
+  return judged;
+}
+
+TEST(RandomLattice, ItsModesAreThoseOfTheMatrixOfItsStep) {
+  std::mt19937_64 random(1);
+  for (const Scheme scheme :
+       {Scheme::symplectic_euler, Scheme::explicit_euler, Scheme::implicit_euler, Scheme::newmark})
+    for (const Support support : {Support::free, Support::held, Support::touching}) {
+      const Lattice lattice = random_lattice(random, support, scheme, 60);
+      const Eigen::VectorXd w2 = lattice.squared_frequencies();
+      const double h = 2.5 / std::sqrt(w2.maxCoeff());
+      double by_modes = 0;
+      for (const double each : w2) by_modes = std::max(by_modes, Lattice::radius(lattice.block(each, h)));
+      const double dense = dense_eigenvalues(lattice.step_matrix(h)).cwiseAbs().maxCoeff();
+      EXPECT_NEAR(by_modes, dense, 1e-6) << lattice.name();
+      // And the matrix is that of the step.
+      LatticeStepper engine(lattice);
+      engine.save(0);
+      const Eigen::VectorXd y = engine.state();
+      Eigen::VectorXd v = Eigen::VectorXd::Random(y.size()) * 1e-7 * y.cwiseAbs().maxCoeff();
+      const auto is_held = [&](Eigen::Index i) {
+        return lattice.held[static_cast<std::size_t>(i % (y.size() / 2) / 3)];
+      };
+      for (Eigen::Index i = 0; i < y.size(); ++i)
+        if (is_held(i)) v[i] = 0;
+      const Eigen::VectorXd moved = engine.after(0, y + v, h, 1) - engine.after(0, y - v, h, 1);
+      const Eigen::VectorXd expected = 2 * lattice.step_matrix(h) * v;
+      EXPECT_LT((moved - expected).norm(), 1e-5 * expected.norm()) << lattice.name();
+    }
+}
+
+TEST(StepProbe, BodiesOfMoreThan300NumbersHaveTheirLimits) {
+  std::mt19937_64 random(36);
+  const auto expect_right = [&](Support support, Scheme scheme, double numbers) {
+    const Lattice lattice = random_lattice(random, support, scheme, numbers);
+    const Judged found = judged(lattice, random, 0.1);
+    EXPECT_TRUE(found.is_right()) << lattice.name() << ", " << found.found.dim << " numbers: h_max "
+                                  << found.found.h_max << ", observed " << found.found.observed << ", right "
+                                  << found.exact << "; " << status_of(found.found);
+  };
+  expect_right(Support::free, Scheme::symplectic_euler, 384);
+  expect_right(Support::free, Scheme::symplectic_euler, 750);
+  expect_right(Support::touching, Scheme::symplectic_euler, 400);
+  expect_right(Support::free, Scheme::explicit_euler, 384);
+  expect_right(Support::held, Scheme::symplectic_euler, 600);
+  expect_right(Support::free, Scheme::newmark, 330);
+  expect_right(Support::free, Scheme::implicit_euler, 330);
+}
+
+/// Free bodies, held ones and bodies on a floor, of 48 to 3,000 numbers. Takes half an hour:
+/// test_analysis --gtest_also_run_disabled_tests --gtest_filter='*TwoHundredRandomLattices'
+TEST(StepProbe, DISABLED_TwoHundredRandomLattices) {
+  constexpr std::uint64_t seed = 20361;
+  int wrong = 0, remarked = 0;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    std::mt19937_64 random(seed + i);
+    const auto support = static_cast<Support>(i % 3);
+    const auto scheme = static_cast<Scheme>(std::array{0, 0, 1, 1, 3, 0, 1, 2}[i / 3 % 8]);
+    const double numbers = 48 * std::pow(3000.0 / 48, std::uniform_real_distribution(0.0, 1.0)(random));
+    const Lattice lattice = random_lattice(random, support, scheme, numbers);
+    const std::clock_t begin = std::clock();
+    const Judged found = judged(lattice, random, 0.3);
+    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    wrong += !found.is_right();
+    remarked += !found.found.status.empty();
+    std::printf("%3d %-26s %5d numbers  exact %-11.6g h_max %-11.6g observed %-11.6g %s %5.1f s  %s\n",
+                static_cast<int>(i), lattice.name().c_str(), static_cast<int>(found.found.dim), found.exact,
+                found.found.h_max, found.found.observed, found.is_right() ? "right" : "WRONG", seconds,
+                status_of(found.found).c_str());
+    std::fflush(stdout);
+  }
+  std::printf("%d wrong, %d with a remark\n", wrong, remarked);
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace hmax
