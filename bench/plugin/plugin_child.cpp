@@ -11,6 +11,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <pthread.h>
 #include <string>
 #include <string_view>
 #include <sys/prctl.h>
@@ -31,6 +32,9 @@ struct Failure {
 };
 /// A step that cannot be done at its size.
 struct Diverged {};
+
+/// Whether this process was forked by the plugin, to which hmax does not talk.
+bool is_copy = false;
 
 /// Memory of the alignment that plugin.h promises.
 class Block {
@@ -110,6 +114,7 @@ class Server {
     stage_.call.store(call, std::memory_order_relaxed);
     try {
       const int code = function();
+      if (is_copy) _exit(0);
       stage_.call.store(PluginCall::none, std::memory_order_relaxed);
       return code;
     } catch (const std::exception& error) {
@@ -406,7 +411,8 @@ std::size_t Server::handle_model(const PluginRequest& request) {
   }
 }
 
-/// Signals do what they do without hmax, standard output stays that of hmax, and the child ends with its parent.
+/// Signals do what they do without hmax, the child ends with its parent, and takes care of orphans that the
+/// plugin leaves.
 void leave_the_parent(pid_t parent) {
   for (const int each : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGPIPE})
     std::signal(each, SIG_DFL);
@@ -416,7 +422,8 @@ void leave_the_parent(pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(0);
-  dup2(STDERR_FILENO, STDOUT_FILENO);
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  pthread_atfork(nullptr, nullptr, [] { is_copy = true; });
   // A plugin that calls exit() must not end hmax's files and threads, which this process has copies of.
   on_exit([](int code, void*) { _exit(code); }, nullptr);
 }
@@ -431,12 +438,14 @@ void serve_plugin(PluginPage& page, const PluginName& plugin, pid_t parent) {
     while (server.answer()) {
     }
     server.close();
+    server.reply(PluginReply::Kind::done, 0, "");
   } catch (const Failure& failure) {
     server.reply(PluginReply::Kind::failed, 0, failure.text);
   } catch (const std::bad_alloc&) {
     server.reply(PluginReply::Kind::failed, 0, "the plugin asked for more memory than there is");
   }
-  _exit(0);
+  // hmax ends this process with all that the plugin has started.
+  while (true) pause();
 }
 
 }  // namespace hmax

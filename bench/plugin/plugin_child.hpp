@@ -8,7 +8,7 @@
 
 namespace hmax {
 
-/// Loads the plugin, answers requests until it is told to quit, and ends the process.
+/// Loads the plugin, answers requests until it is told to quit, and waits to be ended.
 /// @param page  in memory that both processes see
 /// @param parent  ends the child when it ends
 [[noreturn]] void serve_plugin(PluginPage& page, const PluginName& plugin, pid_t parent);

@@ -7,7 +7,10 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <functional>
+#include <set>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,14 +25,45 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Waits up to `milliseconds` for the child to end.
-bool has_ended(pid_t child, int milliseconds, int* status) {
-  for (int waited = 0;; ++waited) {
-    const pid_t ended = waitpid(child, status, WNOHANG);
-    if (ended == child || (ended < 0 && errno == ECHILD)) return true;
-    if (waited >= milliseconds) return false;
-    usleep(1000);
+/// Characters of what a plugin says of an error that are shown.
+constexpr std::size_t most_shown = 500;
+
+std::vector<pid_t> children_of(pid_t process) {
+  namespace fs = std::filesystem;
+  std::vector<pid_t> found;
+  std::error_code failed;
+  // Each thread has its own.
+  for (fs::directory_iterator thread(fmt::format("/proc/{}/task", process), failed), end;
+       !failed && thread != end; thread.increment(failed)) {
+    std::ifstream list(thread->path() / "children");
+    for (pid_t child = 0; list >> child;) found.push_back(child);
   }
+  return found;
+}
+
+/// Ends all that the child has started, also what has left its group: such processes are children of the
+/// child, which takes care of orphans. A child that has ended has its group left.
+void end_with_descendants(pid_t child) {
+  kill(child, SIGSTOP);
+  std::set<pid_t> ended;
+  constexpr int rounds = 100;  // of processes that go on to make others
+  bool more = true;
+  for (int round = 0; more && round < rounds; ++round) {
+    more = false;
+    std::vector<pid_t> open{child};
+    while (!open.empty()) {
+      const pid_t next = open.back();
+      open.pop_back();
+      for (const pid_t each : children_of(next)) {
+        open.push_back(each);
+        if (!ended.insert(each).second) continue;
+        kill(each, SIGKILL);
+        more = true;
+      }
+    }
+  }
+  kill(-child, SIGKILL);
+  kill(child, SIGKILL);
 }
 
 }  // namespace
@@ -52,34 +86,53 @@ PluginProcess::~PluginProcess() {
   if (memory_ && page().answered.load() == asked_) {
     page().request = {.ask = PluginAsk::quit};
     page().asked.store(++asked_);
-    if (int status = 0; has_ended(child_, 500, &status)) child_ = -1;
+    for (int waited = 0; waited < 50 && page().answered.load() != asked_ && !has_ended(); ++waited)
+      page().answered.sleep_unless(asked_, 10);
   }
   end();
 }
 
+/// Whether the child has: it is looked at without reaping, and still there to be ended.
+bool PluginProcess::has_ended() const {
+  siginfo_t info{};
+  return waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         info.si_pid == child_;
+}
+
 void PluginProcess::start() {
   memory_.emplace();
+  output_.emplace();
   // What is buffered here would be written twice.
   std::fflush(nullptr);
   const pid_t parent = getpid();
   child_ = fork();
-  if (child_ == 0) serve_plugin(page(), plugin_, parent);
+  if (child_ == 0) {
+    memory_->close_to_further_children();
+    output_->take_over();
+    serve_plugin(page(), plugin_, parent);
+  }
   if (child_ < 0) {
     const InputError error(fmt::format("the system has no process for the plugin: {}", std::strerror(errno)));
     end();
     throw error;
   }
+  // Both do it: whoever comes first.
+  setpgid(child_, child_);
   memory_->close_to_further_children();
+  output_->show();
 }
 
-void PluginProcess::end() {
+int PluginProcess::end() {
+  int status = 0;
   if (child_ > 0) {
-    kill(child_, SIGKILL);
-    while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+    end_with_descendants(child_);
+    while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
     }
   }
   child_ = -1;
+  output_.reset();
   memory_.reset();
+  return status;
 }
 
 std::string PluginProcess::where() const {
@@ -91,10 +144,9 @@ std::string PluginProcess::where() const {
                                   : fmt::format("in {}()", plugin_call_names[number]);
 }
 
-void PluginProcess::explain_end(int status) {
+void PluginProcess::explain_end() {
   const std::string place = where();
-  child_ = -1;
-  end();
+  const int status = end();
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     throw InputError(fmt::format("the plugin crashed {} with signal {} ({}); run it in a debugger, or try other step sizes",
@@ -109,6 +161,14 @@ void PluginProcess::explain_hang() {
   end();
   throw InputError(fmt::format("the plugin did not return within {} s {}; --patience gives it longer",
                                to_text(settings_.patience), place));
+}
+
+void PluginProcess::explain_flood() {
+  const std::string place = where();
+  end();
+  throw InputError(
+      fmt::format("the plugin wrote more than {} MB to its standard output, at last {}; print less",
+                  flood_of_plugin_output / 1'000'000, place));
 }
 
 void PluginProcess::explain_destruction() {
@@ -126,14 +186,8 @@ void PluginProcess::await() {
     if (count == asked_) return;
     if (count != asked_ - 1) explain_destruction();
     if (settings_.watch) settings_.watch();
-    // Looked at without reaping: after an answer it is still there to be ended.
-    siginfo_t info{};
-    if (waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == child_ &&
-        answered.load() != asked_) {
-      int status = 0;
-      has_ended(child_, 0, &status);
-      explain_end(status);
-    }
+    if (output_->is_flooded()) explain_flood();
+    if (has_ended() && answered.load() != asked_) explain_end();
     if (const std::uint64_t now = page().stage.calls; now != calls) {
       calls = now;
       begin = Clock::now();
@@ -145,6 +199,7 @@ void PluginProcess::await() {
 /// The answer to the last request.
 PluginReply PluginProcess::reply() {
   await();
+  if (output_->is_flooded()) explain_flood();
   const PluginReply reply = page().reply;
   if (reply.numbers > most_plugin_numbers || reply.characters > most_plugin_characters ||
       reply.numbers * sizeof(double) + reply.characters > sizeof page().numbers)
@@ -152,7 +207,10 @@ PluginReply PluginProcess::reply() {
   switch (reply.kind) {
     case PluginReply::Kind::done:
     case PluginReply::Kind::diverged: return reply;
-    case PluginReply::Kind::failed: throw InputError(text_of(reply));
+    case PluginReply::Kind::failed: {
+      const std::string text = text_of(reply);
+      throw InputError(text.size() > most_shown ? text.substr(0, most_shown) + " ..." : text);
+    }
   }
   explain_destruction();
 }

@@ -15,6 +15,7 @@
 #include "bench/plugin/plugin_memory.hpp"
 #include "bench/plugin/plugin_messages.hpp"
 #include "bench/plugin/plugin_name.hpp"
+#include "bench/plugin/plugin_output.hpp"
 
 namespace hmax {
 
@@ -38,8 +39,9 @@ struct PluginFacts {
   Eigen::VectorXd y0, mass;               ///< of a model; mass of shape (dim / 2), or empty
 };
 
-/// Fork and shared memory. One thread at a time. A call of a plugin takes about 0.3 us beside its own time where
-/// each process has a core, and some 8 us where they share one. The child dies with the thread that made it.
+/// Fork and shared memory. One thread at a time. A call of a plugin takes about 0.3 us beside its own time
+/// where each process has a core, and some 8 us where they share one. The child dies with the thread that
+/// made it, and at the end of this object all processes that the plugin has started.
 /// @throws InputError  from every function: what the plugin did, in a sentence
 class PluginProcess {
  public:
@@ -62,16 +64,19 @@ class PluginProcess {
   PluginReply reply();
   [[nodiscard]] std::string text_of(const PluginReply& reply);
   [[nodiscard]] PluginPage& page() const { return memory_->page(); }
-  [[noreturn]] void explain_end(int status);
+  [[nodiscard]] bool has_ended() const;
+  [[noreturn]] void explain_end();
   [[noreturn]] void explain_hang();
+  [[noreturn]] void explain_flood();
   [[noreturn]] void explain_destruction();
-  void end();
+  int end();  ///< @returns the status of the child
   [[nodiscard]] std::string where() const;
 
   PluginName plugin_;
   PluginSettings settings_;
   PluginFacts facts_;
   std::optional<PluginMemory> memory_;
+  std::optional<PluginOutput> output_;
   std::uint32_t asked_ = 1;  ///< how often; the first answer comes unasked
   Spin spin_;
   pid_t child_ = -1;

@@ -20,7 +20,7 @@ PluginStepper::PluginStepper(PluginName plugin, PluginSettings settings) : proce
                                  process_.facts().name));
   // Overlaps are told before anything is computed.
   try {
-    StateCoordinates(dim(), quaternions());
+    if (!quaternions().empty()) StateCoordinates(dim(), quaternions());
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("the plugin: {}", error.what()));
   }

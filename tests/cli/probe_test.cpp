@@ -24,6 +24,7 @@ TEST(ProbeCommand, PrintsTheContractedKeys) {
   EXPECT_NEAR(found["observed"].get<double>(), 0.01010, 5e-5);
   EXPECT_LT(std::abs(found["gap"].get<double>()), 5e-3);
   EXPECT_TRUE(found["status"].is_null()) << found["status"];
+  EXPECT_EQ(found["contradiction"], false);
   double before = 0;
   for (const auto& row : found["rows"]) {
     EXPECT_GT(row["h"].get<double>(), before);
@@ -38,6 +39,14 @@ TEST(ProbeCommand, WhatHasNoLimitIsUnbounded) {
   EXPECT_EQ(found["h_max"], "unbounded");
   EXPECT_EQ(found["observed"], "unbounded");
   EXPECT_TRUE(found["gap"].is_null());
+}
+
+TEST(ProbeCommand, LimitsAndRunsThatContradictEachOtherAreANegativeAnswer) {
+  const Told told = probe(tested + ":bounded --h0 1e-3 --h1 1 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_EQ(told.json()["contradiction"], true);
+  EXPECT_NE(told.json()["status"].get<std::string>().find("multipliers and runs contradict each other"),
+            std::string::npos);
 }
 
 TEST(ProbeCommand, RefusesWhatDoesNotWork) {
@@ -65,6 +74,53 @@ TEST(ProbeCommand, InterruptedItLeavesNoProcess) {
                                ":crash:hang --h0 1e-3 --h1 1; echo $?; sleep 0.2; pgrep -f '^" HMAX_PROGRAM
                                " probe .*crash:hang' | wc -l");
   EXPECT_EQ(told.out.substr(told.out.size() - 2), "0\n") << told.out << told.err;
+}
+
+/// A pipe at which somebody waits for the end of the command, and what is left of the plugin then.
+Told told_by_pipe(const std::string& arguments) {
+  return Shell().line("timeout 30 sh -c \"'" HMAX_PROGRAM "' " + arguments +
+                      " 2>&1 | cat\"; echo ended with $?; sleep 0.1; pgrep -fc '^sleep 61.25'");
+}
+
+TEST(ProbeCommand, ProcessesOfAPluginEndWithIt) {
+  for (const std::string way : {"child", "daemon", "copy"}) {
+    const Told told =
+        told_by_pipe("probe --plugin " + tested + ":unruly:" + way + " --h0 1e-2 --h1 1 --no-runs");
+    EXPECT_NE(told.out.find("h_max     0.2"), std::string::npos) << way << told.out;
+    EXPECT_NE(told.out.find("ended with 0\n0\n"), std::string::npos) << way << told.out;
+  }
+  const Told told = told_by_pipe("run --plugin " + tested + ":faulty:child:5 --method rk4 --h 0.01");
+  EXPECT_NE(told.out.find("ended with 0\n0\n"), std::string::npos) << told.out;
+}
+
+TEST(ProbeCommand, WhatAPluginPrintsIsBounded) {
+  const Told told = probe(tested + ":unruly:prints --h0 1e-2 --h1 1 --no-runs --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err.substr(0, 1000);
+  EXPECT_LT(told.err.size(), 101'000U);
+  EXPECT_NE(told.err.find("hmax: the plugin wrote more than 100000 characters; the rest is not shown"),
+            std::string::npos);
+  const Told flood = probe(tested + ":unruly:floods --h0 1e-2 --h1 1");
+  EXPECT_EQ(flood.exit_code, 2);
+  EXPECT_NE(
+      flood.err.find(
+          "hmax: the plugin wrote more than 64 MB to its standard output, at last in step(0.01); print less"),
+      std::string::npos)
+      << flood.err.substr(flood.err.size() - std::min<std::size_t>(300, flood.err.size()));
+}
+
+TEST(ProbeCommand, AStateOfTenMillionNumbersIsRefused) {
+  expect_refused(probe(tested + ":unruly:numbers --h0 1e-2 --h1 1"),
+                 "the state has 10000000 numbers, and a probe takes up to 100000");
+}
+
+TEST(ProbeCommand, WhatAPluginDoesToItsProcessChangesNothing) {
+  for (const std::string way : {"closes", "deaf", "elsewhere", "exit", "abort", "stays"}) {
+    const Told told = probe(tested + ":unruly:" + way + " --h0 1e-2 --h1 1 --no-runs --json");
+    ASSERT_EQ(told.exit_code, 0) << way << told.err;
+    EXPECT_NEAR(told.json()["h_max"].get<double>(), 0.2, 1e-4) << way;
+  }
+  expect_refused(probe(tested + ":unruly:sleeps --patience 0.2 --h0 1e-2 --h1 1"),
+                 "did not return within 0.2 s in create()");
 }
 
 TEST(ProbeCommand, ItsExamplesAreThoseThatTheTestsRun) {

@@ -225,6 +225,48 @@ struct Crash : Engine {
   }
 };
 
+/// A process that outlives what made it, and holds its files open.
+void leave_a_process(bool as_daemon) {
+  if (fork() != 0) return;
+  if (as_daemon) setsid();
+  execlp("sleep", "sleep", "61.25", nullptr);
+  _exit(1);
+}
+
+/// x'' = -100 x by symplectic Euler, h_max = 0.2, in a library that does what a guest does not.
+struct Unruly : Engine {
+  explicit Unruly(const std::string& argument) : Engine({0, 0}), way(argument) {
+    if (way == "child" || way == "daemon") leave_a_process(way == "daemon");
+    if (way == "copy" && fork() < 0) throw std::runtime_error("no copy");
+    if (way == "closes")
+      for (int file = 0; file < 100; ++file) close(file);
+    if (way == "deaf") {
+      for (int signal = 1; signal < 32; ++signal) std::signal(signal, SIG_IGN);
+      sigset_t all;
+      sigfillset(&all);
+      sigprocmask(SIG_SETMASK, &all, nullptr);
+    }
+    if (way == "elsewhere" && chdir("/") != 0) throw std::runtime_error("no other folder");
+    if (way == "numbers") y.resize(10'000'000);
+    if (way == "sleeps") sleep(60);
+  }
+  ~Unruly() override {
+    if (way == "exit") std::exit(0);
+    if (way == "abort") std::abort();
+    if (way == "stays") sleep(60);
+  }
+  Unruly(const Unruly&) = delete;
+  Unruly& operator=(const Unruly&) = delete;
+  std::string way;
+  int step(double h) override {
+    y[1] -= h * 100 * y[0];
+    y[0] += h * y[1];
+    const int lines = way == "floods" ? 200'000 : way == "prints" ? 100 : 0;
+    for (int line = 0; line < lines; ++line) std::printf("line %d of noise\n", line);
+    return HMAX_OK;
+  }
+};
+
 struct Start : Engine {
   explicit Start(const std::string& argument) : Engine({0, 0}) {
     if (argument == "nan") y[1] = std::nan("");
@@ -332,6 +374,7 @@ int rhs_faulty(void* handle, double, const double* y, double* dydt) {
     pause();
   }
   if (faulty.way == "threads" && faulty.calls == faulty.from + 1) scribble_on(0xff, 192);
+  if (faulty.way == "child" && faulty.calls == faulty.from + 1) leave_a_process(false);
   if (faulty.way == "slow") usleep(20000);
   if (faulty.way == "nan") *dydt = std::nan("");
   while (faulty.way == "hang") usleep(1000);
@@ -368,10 +411,11 @@ const hmax_model stiff_pendulums{{create_faulty, destroy_faulty, nullptr, six}, 
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
                    explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
                    implicit_euler = table<ImplicitEuler>(), stiffening = table<Stiffening>(),
-                   gimbal = table<Gimbal>(0, first_four), warm_start = table<WarmStart>(), counting = table<Counting>(),
-                   crash = table<Crash>(), start = table<Start>(),
-                   coupled = table<CoupledChain>(0, nullptr, couplings), reaching = table<ReachingChain>(0, nullptr, couplings),
-                   shifting = table<Shifting>(), bounded = table<Bounded>(), far_float = table<FarFloat>(HMAX_SINGLE_PRECISION);
+                   gimbal = table<Gimbal>(0, first_four), warm_start = table<WarmStart>(),
+                   counting = table<Counting>(), crash = table<Crash>(), start = table<Start>(),
+                   unruly = table<Unruly>(), coupled = table<CoupledChain>(0, nullptr, couplings),
+                   reaching = table<ReachingChain>(0, nullptr, couplings), shifting = table<Shifting>(),
+                   bounded = table<Bounded>(), far_float = table<FarFloat>(HMAX_SINGLE_PRECISION);
 
 const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain},
                                   {"float_chain", "", nullptr, &float_chain},
@@ -384,6 +428,7 @@ const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain
                                   {"counting", "", nullptr, &counting},
                                   {"crash", "", nullptr, &crash},
                                   {"start", "", nullptr, &start},
+                                  {"unruly", "", nullptr, &unruly},
                                   {"coupled", "", nullptr, &coupled},
                                   {"reaching", "", nullptr, &reaching},
                                   {"shifting", "", nullptr, &shifting},
