@@ -113,11 +113,13 @@ namespace {
 // order of 1e-6.
 MapTask<Exponent> lyapunov(OneMap map, VectorXd y, VectorXd scale, ExponentLimits limits) {
   constexpr double separation = 1e-6, infinity = std::numeric_limits<double>::infinity();
-  constexpr int turning = 20;  // until the separation points where neighbours part fastest
+  constexpr double weak_exponent = 50;  // in units of the absolute error
+  constexpr int turning = 20;           // until the separation points where neighbours part fastest
   // Any direction but an invariant one.
   VectorXd apart = VectorXd::LinSpaced(y.size(), 1, 1.7).cwiseProduct(scale);
   apart *= separation / apart.cwiseQuotient(scale).norm();
   std::vector<double> grown;
+  std::optional<double> before;  // the mean over half as many applications, of a weak exponent
   for (int next = std::max(limits.least, batches), i = -turning;; ++i) {
     auto [there, beside] = co_await map(y, y + apart);
     // The separation after one application, |apart| = separation before.
@@ -131,11 +133,15 @@ MapTask<Exponent> lyapunov(OneMap map, VectorXd y, VectorXd scale, ExponentLimit
     apart /= growth;
     if (i >= 0) grown.push_back(std::log(growth));
     if (count < next) continue;
-    const auto [value, error] = mean_of(grown);
-    if (count >= limits.most || error <= std::max(limits.relative * std::abs(value), limits.absolute))
-      co_return Exponent{value, error, count, y};
-    // The error is looked at again after a quarter more.
-    next = std::min(limits.most, count + count / 4);
+    auto [value, error] = mean_of(grown);
+    if (before) error = std::max(error, std::abs(value - *before));
+    const bool known = error <= std::max(limits.relative * std::abs(value), limits.absolute);
+    const bool weak = std::abs(value) < weak_exponent * limits.absolute;
+    if (count >= limits.most || (known && (!weak || before))) co_return Exponent{value, error, count, y};
+    // A weak exponent is looked at again after twice as many applications, else the error after a quarter
+    // more.
+    before = known ? std::optional(value) : std::nullopt;
+    next = std::min(limits.most, known ? 2 * count : count + count / 4);
   }
 }
 

@@ -86,8 +86,10 @@ struct Exponent {
 /// not independent, and no less than the difference of the two halves or 2 ln(N) / N after N applications,
 /// the mean that neighbours show which part as N^2: where nothing is damped they part by powers, without
 /// chaos.
-/// Nor is it less than 0.003: the rounding of a map that is integrated, seen at a separation of a millionth,
-/// turns neighbours aside and lets those that part by powers part by some 0.001 per application.
+/// An exponent below 50 times the absolute error may be that of a motion that still settles, evenly slow in
+/// both halves: it is looked at again after twice as many applications, and the error is no less than what it
+/// has changed. Nor is it less than 0.003: the rounding of a map that is integrated, seen at a separation of
+/// a millionth, turns neighbours aside and lets those that part by powers part by some 0.001 per application.
 /// With e_0 of size 1e-6 in units of `scale`:
 ///   lambda = (1 / N) sum_i ln(|d_i| / |e_i|),   d_i = P(y_i + e_i) - P(y_i),   e_i+1 = d_i |e_0| / |d_i|.
 /// The first 20 applications only turn e into the direction that grows fastest and are not counted.

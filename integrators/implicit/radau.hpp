@@ -6,10 +6,12 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
+#include "integrators/implicit/anderson.hpp"
 #include "integrators/implicit/newton.hpp"
 #include "integrators/implicit/radau_coefficients.hpp"
 #include "integrators/implicit/residual_rounding.hpp"
@@ -184,9 +186,53 @@ class RadauIIA5 {
   template <System Sys>
   bool solve(const Sys& system, Real t, const State& y, Real h) {
     // The three stages have no potential together: a slower flow would not come nearer.
-    return solve_or_continue(
-        jacobian_, norm_, attempt_memory_, system, t, y, std::span(first_mu).first(1),
-        [&](std::optional<Real> continuation) { return solve_stages(system, t, y, h, continuation); });
+    if (solve_or_continue(
+            jacobian_, norm_, attempt_memory_, system, t, y, std::span(first_mu).first(1),
+            [&](std::optional<Real> continuation) { return solve_stages(system, t, y, h, continuation); }))
+      return true;
+    if (!norm_.may_continue() || !jacobian_.decides()) return false;
+    attempt_memory_ = {.theta = 1};
+    return solve_accelerated(system, t, y, h);
+  }
+
+  /// The last resort of fixed steps. One Jacobian serves three stages that lie far apart, so that iterations
+  /// may converge too slowly from the best start: they are accelerated, from z = 0, with the Jacobian at the
+  /// second stage, which is renewed.
+  template <System Sys>
+  bool solve_accelerated(const Sys& system, Real t, const State& y, Real h) {
+    constexpr int most = 120, renewed = 15;
+    const SlopeAt<Sys> slopes[]{{system, t + c(0) * h}, {system, t + c(1) * h}, {system, t + h}};
+    for (State* v : {&z_[0], &z_[1], &z_[2], &w_[0], &w_[1], &w_[2]}) v->setZero();
+    Y_[1] = y;
+    AndersonMixing<State, 3> mixing;
+    for (int k = 0; k < most; ++k) {
+      if (k % renewed == 0) {
+        jacobian_.take(system, t + c(1) * h, Y_[1]);
+        mixing.forget();
+        if (!factor(h)) return ends(NewtonEnd::singular);
+      }
+      find_residual(slopes, y, h);
+      ++work_.newton;
+      attempt_memory_.error = std::sqrt(find_corrections(1));
+      if (!(attempt_memory_.error <= std::numeric_limits<Real>::max())) return ends(NewtonEnd::not_finite);
+      const bool solved = attempt_memory_.error <= std::max(Real(1), rounding(h, true));
+      if (!solved) {
+        mixing.step(w_, f_);
+      } else {
+        for (std::size_t i = 0; i < 3; ++i) w_[i] += f_[i];
+      }
+      transform<Forward>(w_, z_);
+      if (solved) return ends(NewtonEnd::converged);
+    }
+    return ends(NewtonEnd::too_slow);
+  }
+
+  /// Notes how an iteration has ended. @returns whether it has converged
+  bool ends(NewtonEnd end) {
+    if (end != NewtonEnd::converged) work_.failure = to_string(end);
+    // Zero in adaptive runs, see NewtonNorm::relative().
+    work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
+    return end == NewtonEnd::converged;
   }
 
   /// h / (alpha + i beta), the shift of the complex equation.
@@ -239,10 +285,7 @@ class RadauIIA5 {
           },
           rounds);
     }
-    if (end != NewtonEnd::converged) work_.failure = to_string(end);
-    // Zero in adaptive runs, see NewtonNorm::relative().
-    work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
-    return end == NewtonEnd::converged;
+    return ends(end);
   }
 
   /// Leaves the right-hand sides of the equations for dw, of the iterate w, z, in f_:
@@ -266,6 +309,15 @@ class RadauIIA5 {
   /// Solves for dw, of which a share is added to w; z becomes that of the new w.
   /// @returns the mean square of the norms of what was added
   Real correct(Real share) {
+    const Real squared = find_corrections(share);
+    for (std::size_t i = 0; i < 3; ++i)
+      detail::assign(w_[i], [&](auto access) { return access(w_[i]) + access(f_[i]); });
+    transform<Forward>(w_, z_);
+    return squared;
+  }
+
+  /// Leaves a share of dw in f_. @returns the mean square of its norms
+  Real find_corrections(Real share) {
     // The complex equation stands for two real ones: (f_1, f_2) = (Re, Im).
     for (Eigen::Index d = 0; d < pair_.size(); ++d) pair_[d] = Complex(f_[1][d], f_[2][d]);
     work_.linear_iterations += real_.solve(f_[0]);
@@ -277,10 +329,8 @@ class RadauIIA5 {
     Real sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       detail::assign(f_[i], [&](auto access) { return share * access(f_[i]); });
-      detail::assign(w_[i], [&](auto access) { return access(w_[i]) + access(f_[i]); });
       sum += norm_.squared(f_[i], Y_[2]);
     }
-    transform<Forward>(w_, z_);
     return sum / 3;
   }
 

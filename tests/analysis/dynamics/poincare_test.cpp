@@ -148,6 +148,18 @@ TEST(Poincare, MeasuresKnownExponents) {
   expect_known(largest_lyapunov(henon, Vector2d(0.1, 0.1), Vector2d(1, 0.3)), 0.419);
 }
 
+/// (x, n) -> (exp(rate(n)) x, n + 1) at x = 0: neighbours part by `rate`, which falls after 9000
+/// applications. In 5813 of them both halves agree.
+TEST(Poincare, TheErrorOfAWeakExponentCoversAMotionThatSettlesSlowly) {
+  constexpr double early = 0.0195, late = 0.0038;
+  const VectorFunction settling = [](const VectorXd& y) -> VectorXd {
+    return Vector2d(std::exp(y(1) < 9000 ? early : late) * y(0), y(1) + 1);
+  };
+  const Exponent exponent = largest_lyapunov(settling, Vector2d(0, 0), Vector2d(1, 1));
+  EXPECT_NEAR(exponent.value, late, exponent.error);
+  EXPECT_GT(exponent.count, 9000);
+}
+
 TEST(Poincare, KnowsWhatIsNeitherPeriodicNorChaotic) {
   // (x, v) -> (x + v, v) on the circle: neighbours part linearly, with no exponent.
   const VectorFunction shear = [](const VectorXd& y) -> VectorXd { return Vector2d(y(0) + y(1), y(1)); };

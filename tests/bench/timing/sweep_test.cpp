@@ -592,5 +592,20 @@ TEST(SweepPlan, RefusesWhatCannotBeMeasuredBeforeAnythingRuns) {
   EXPECT_NE(changed([](S& s) { s.h = {}, s.tolerances = {{1e-6, 1e-6}}, s.methods = {"rk4"}; }), "");
 }
 
+// The reference of a stiff problem is integrated while errors are measured, which takes many times the run.
+TEST(Sweep, TheBudgetOfARunIsThatOfTheRunAlone) {
+  SweepSpec spec;
+  spec.problems = {"oregonator"};
+  spec.methods = {"radau_iia_5"};
+  spec.h.clear();
+  spec.tolerances = {{1e-9, 1e-9}};
+  spec.min_sample_s = 2e-5;
+  spec.budget_s = 0.25;
+  const std::vector<Row> rows = measured(spec);
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].outcome, "reached_end") << rows[0].status;
+  EXPECT_LT(rows[0].error_end, 1e-3);
+}
+
 }  // namespace
 }  // namespace hmax

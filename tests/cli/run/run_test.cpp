@@ -52,9 +52,12 @@ TEST(Run, DrawsMotionsOfWhatIsNoBody) {
   } else {
     EXPECT_NE(told.err.find("gnuplot is not installed"), std::string::npos) << told.err;
   }
-  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --picture motion.svg --colour displacement"),
-                 "is for pictures of bodies");
-  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --picture motion.pdf"), "end in .svg");
+  expect_refused(
+      shell.hmax(
+          "run --problem liver_forced --method rk4 --h 0.1 --picture motion.svg --colour displacement"),
+      "is for pictures of bodies");
+  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --picture motion.pdf"),
+                 "end in .svg");
 }
 
 TEST(Run, DrawsAMotionOfMoreStepsThanCanBeKept) {
@@ -83,7 +86,8 @@ TEST(Run, HasTheKeysOfTheContract) {
   const Json run = told.json();
   for (const char* key : {"problem", "method", "outcome", "t", "y", "stats", "cpu_seconds"})
     EXPECT_TRUE(run.contains(key)) << key;
-  for (const char* key : {"steps", "rejected", "rhs", "jacobian", "factorisations", "newton", "linear_iterations"})
+  for (const char* key :
+       {"steps", "rejected", "rhs", "jacobian", "factorisations", "newton", "linear_iterations"})
     EXPECT_TRUE(run.at("stats").contains(key)) << key;
   EXPECT_EQ(run.at("outcome"), "reached_end");
   EXPECT_EQ(run.at("t"), 100);
@@ -295,6 +299,52 @@ TEST(Run, CountsNewtonIterationsOfTheMethodsWhoseLimitItTakes) {
     const bool counts = shell.hmax(run).json().at("stats").at("newton") > 0;
     EXPECT_EQ(shell.hmax(run + " --newton-iterations 20").exit_code, counts ? 0 : 2) << method;
   }
+}
+
+/// x' = sin(2 pi t) - x from rest: x(10) in closed form. A method that looks at whole seconds sees nothing.
+TEST(Run, SeesAForceThatBeginsAndEndsAtZero) {
+  const Shell shell;
+  write_text(shell / "seconds.toml",
+             "[problem]\nt_end = 100\n[equations]\nx = \"sin(2*pi*t) - x\"\n[initial]\nx = 0\n");
+  for (const char* method : {"ode113", "ode23t", "sdirk_4", "radau_iia_5", "ode45"}) {
+    const Told told = shell.hmax(
+        std::string("run --problem seconds.toml --rtol 1e-6 --atol 1e-9 --t-end 10 --json --method ") +
+        method);
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_NEAR(told.json().at("y")[0].get<double>(), -0.15521604901698566, 1e-5) << method;
+  }
+}
+
+TEST(Run, SeesABreathingBody) {
+  double displacement[2]{};
+  int i = 0;
+  for (const char* method : {"ode113", "radau_iia_5"}) {
+    const Told told = Shell().hmax(
+        std::string(
+            "run --mesh phantom --load breathing --rtol 1e-4 --atol 1e-8 --t-end 4 --json --method ") +
+        method);
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    displacement[i++] = told.json().at("max_displacement");
+  }
+  EXPECT_NEAR(displacement[0], 0.5607e-3, 3e-6);
+  EXPECT_NEAR(displacement[1], 0.5607e-3, 3e-6);
+}
+
+TEST(Run, TakesTheFirstAndTheLongestStep) {
+  const Shell shell;
+  const auto run = [&](const std::string& options) {
+    return shell.hmax("run --problem liver_forced --method ode45 --t-end 10 --json " + options);
+  };
+  const Told told = run("--rtol 1e-3 --atol 1e-3 --h0 0.001 --h-max 0.01");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_GE(told.json().at("stats").at("steps"), 1000);
+  EXPECT_EQ(told.json().at("h0"), 0.001);
+  EXPECT_EQ(told.json().at("h_max"), 0.01);
+  expect_refused(run("--h 0.1 --h0 0.01"), "are for adaptive runs");
+  expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 0.2 --h-max 0.1"), "above --h-max 0.1");
+  expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 0"), "--h0 is 0 but must be");
+  expect_refused(run("--rtol 1e-3 --atol 1e-3 --h-max -1"), "--h-max is -1 but must be");
+  expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 11"), "beyond the end time 10");
 }
 
 }  // namespace

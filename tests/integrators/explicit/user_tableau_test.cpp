@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "integrators/explicit/explicit_rk.hpp"
+#include "integrators/explicit/own_tableau.hpp"
 #include "integrators/explicit/tableaux.hpp"
 
 namespace hmax {
@@ -68,6 +70,58 @@ TEST(UserTableau, RefusesCoefficientsThatMakeNoMethodInOneSentence) {
   EXPECT_NE(complaint(rows).find("not finite"), std::string::npos);
   EXPECT_NE(complaint({.name = "none", .a = {}, .b = {}}).find("b is empty"), std::string::npos);
 }
+
+std::string complaint_of_stepper(const RuntimeTableau& tableau) {
+  try {
+    ExplicitRk<RuntimeTableau, Eigen::VectorXd> stepper(tableau);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+TEST(UserTableau, FilledInByHandIsCheckedByTheStepper) {
+  const RuntimeTableau right = runtime_tableau(heun());
+  EXPECT_EQ(complaint_of_stepper(right), "nothing");
+  RuntimeTableau tableau = right;
+  tableau.b = {0.5L, 0.417L};
+  EXPECT_NE(complaint_of_stepper(tableau).find("the weights b sum to 0.917 and not to 1"), std::string::npos)
+      << complaint_of_stepper(tableau);
+  tableau = right;
+  tableau.computed_order = 3;
+  EXPECT_NE(complaint_of_stepper(tableau).find("its order is said to be 3 but is 2"), std::string::npos)
+      << complaint_of_stepper(tableau);
+  tableau = right;
+  tableau.embedded_order = 2;
+  EXPECT_NE(complaint_of_stepper(tableau).find("its embedded order is said to be 2 but is 1"),
+            std::string::npos)
+      << complaint_of_stepper(tableau);
+  tableau = right;
+  tableau.c[1] = 0.5L;
+  EXPECT_NE(complaint_of_stepper(tableau).find("row 2 of a sums to 1"), std::string::npos);
+  tableau = right;
+  tableau.a.pop_back();
+  EXPECT_NE(complaint_of_stepper(tableau).find("a has 3 entries"), std::string::npos);
+}
+
+// What the compiler says of methods of one's own, as constants: static_assert refuses them in ExplicitRk.
+struct Heun {
+  static constexpr int order = 2, error_order = 2;
+  static constexpr ButcherTableau<2> tableau{
+      .a = {{{}, {1}}}, .b = {0.5L, 0.5L}, .b_err = {-0.5L, 0.5L}, .c = {0, 1}};
+};
+struct LighterHeun : Heun {
+  static constexpr ButcherTableau<2> tableau{.a = {{{}, {1}}}, .b = {0.5L, 0.417L}, .b_err = {}, .c = {0, 1}};
+};
+struct ProudHeun : Heun {
+  static constexpr int order = 3;
+};
+struct ProudEstimate : Heun {
+  static constexpr int error_order = 3;
+};
+static_assert(CheckedTableau<Heun>::value && CheckedTableau<tableaux::Dop853>::value);
+static_assert(!detail::is_consistent<LighterHeun>() && detail::is_consistent<Heun>());
+static_assert(!detail::reaches_its_order<ProudHeun>() && !detail::reaches_its_error_order<ProudEstimate>());
 
 }  // namespace
 }  // namespace hmax
