@@ -92,6 +92,8 @@ TEST(CoupledMass, RefusesWhatIsNoMass) {
   };
   EXPECT_NE(refusal(MatrixXd{{1, 2}, {2, 1}}).find("not positive definite"), std::string::npos);
   EXPECT_NE(refusal(MatrixXd{{1, 1}, {1, -1}}).find("not positive definite"), std::string::npos);
+  // Without a single entry.
+  EXPECT_NE(refusal(MatrixXd::Zero(2, 2)).find("not positive definite"), std::string::npos);
   EXPECT_NE(refusal(MatrixXd{{2, 1}, {0.5, 2}}).find("not symmetric"), std::string::npos);
   EXPECT_NE(refusal(MatrixXd{{2, NAN}, {NAN, 2}}).find("not symmetric"), std::string::npos);
   EXPECT_NE(refusal(MatrixXd::Ones(2, 3)).find("square"), std::string::npos);

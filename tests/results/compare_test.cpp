@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <span>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -160,6 +161,30 @@ TEST(Compare, WithFewRowsNoCommonRatioIsRemoved) {
   EXPECT_EQ(c.common_ratio, 1.0);
   EXPECT_EQ(c.count(Verdict::slower), 2u);
   EXPECT_NE(c.remarks.at(0).find("Only 2 rows"), std::string::npos);
+}
+
+TEST(Compare, EightRowsAreEnoughForACommonRatio) {
+  std::mt19937 random(4);
+  auto a = session(random, 0.01, [](int, int) { return 1.0; });
+  auto b = session(random, 0.01, [](int, int) { return 1.3; });
+  for (const std::size_t rows : {7U, 8U, 9U}) {
+    const Comparison c = compare(std::span(a).first(rows), std::span(b).first(rows));
+    EXPECT_NEAR(c.common_ratio, rows < 8 ? 1 : 1.3, 0.02) << rows;
+    EXPECT_EQ(c.remarks.at(0).find("Only 7 rows") == 0, rows < 8) << c.remarks[0];
+    EXPECT_EQ(c.remarks.at(0).find("B takes 1.") == 0, rows >= 8) << c.remarks[0];
+    EXPECT_EQ(c.remarks.size(), rows < 8 ? 1U : 2U) << rows;
+  }
+}
+
+TEST(Compare, SaysHowManyRowsHaveFewRepetitions) {
+  std::mt19937 random(5);
+  auto a = session(random, 0.01, [](int, int) { return 1.0; });
+  auto b = session(random, 0.01, [](int, int) { return 1.0; });
+  EXPECT_EQ(compare(a, b).remarks.size(), 2U);  // nine of all
+  a[3].cpu_s.pop_back();
+  b[5].cpu_s.pop_back();
+  EXPECT_EQ(compare(a, b).remarks.back(),
+            "2 of the rows have fewer than 9 repetitions: their differences can be missed.");
 }
 
 TEST(Compare, AnotherResultIsAChangeWhateverTheTimes) {

@@ -1,5 +1,6 @@
 #include "analysis/amplification/numerical_damping.hpp"
 
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -8,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/amplification/one_step_amplification.hpp"
 #include "analysis/amplification/principal_root.hpp"
+#include "analysis/amplification/structural_amplification.hpp"
 #include "bench/catalogue/formulas.hpp"
 
 namespace hmax {
@@ -124,6 +127,64 @@ TEST(PrincipalRoot, MovesContinuouslyWithTheStep) {
         before = here;
       }
     }
+}
+
+/// A step multiplies the mode of omega and zeta by radius exp(+-i angle).
+void expect_shown(const ShownOscillation& shown, double radius, double angle, double omega, double zeta,
+                  double h) {
+  const double decay = -std::log(radius);
+  EXPECT_NEAR(shown.omega, std::hypot(decay, angle) / h, 1e-11 * omega);
+  EXPECT_NEAR(shown.zeta, decay / std::hypot(decay, angle), 1e-11);
+  EXPECT_NEAR(shown.frequency_damped, angle / (2 * std::numbers::pi * h), 1e-12 * omega);
+  EXPECT_NEAR(shown.period_error, omega * std::sqrt(1 - zeta * zeta) * h / angle - 1, 1e-11);
+  EXPECT_NEAR(shown.spectral_radius, radius, 1e-12);
+}
+
+TEST(ShownOscillation, OfTheTrapezoidalRuleLastsLongerAndKeepsItsAmplitude) {
+  // tan(angle / 2) = omega h / 2 [hughes2000finite, 9.3]
+  const Amplification newmark = generalized_alpha_amplification(newmark_parameters(0.25L, 0.5L));
+  constexpr std::array<long double, 4> a{0, 0, 0.5L, 0.5L};
+  constexpr std::array<long double, 2> b{0.5L, 0.5L};
+  const Amplification trapezoidal = runge_kutta_amplification(a, b, 2);
+  for (const double h : {0.01, 0.3, 1.4})
+    for (const Amplification& amplification : {newmark, trapezoidal})
+      expect_shown(shown_oscillation(amplification, 2, 0, h), 1, 2 * std::atan(h), 2, 0, h);
+}
+
+TEST(ShownOscillation, OfADampedOneIsThatOfTheRootsOfTheMap) {
+  // zeta^2 - (2 - h gamma - h^2 kappa) zeta + 1 - h gamma of symplectic Euler.
+  const double omega = 3, zeta = 0.1, gamma = 2 * zeta * omega;
+  for (const double h : {0.01, 0.2, 0.5}) {
+    const double radius = std::sqrt(1 - h * gamma),
+                 angle = std::acos((2 - h * gamma - h * h * omega * omega) / (2 * radius));
+    expect_shown(shown_oscillation(symplectic_euler_amplification(), omega, zeta, h), radius, angle, omega,
+                 zeta, h);
+  }
+}
+
+TEST(ShownOscillation, OfImplicitEulerIsDampedByTheStep) {
+  // 1 / (1 - i omega h)
+  constexpr std::array<long double, 1> one{1};
+  const Amplification euler = runge_kutta_amplification(one, one, 1);
+  for (const double h : {0.01, 0.2, 0.5})
+    expect_shown(shown_oscillation(euler, 3, 0, h), 1 / std::hypot(1, 3 * h), std::atan(3 * h), 3, 0, h);
+}
+
+TEST(ShownOscillation, OfTheFlowItselfIsTheMode) {
+  Amplification flow;
+  flow.of_eigenmode = [](const Eigenmode& mode) {
+    return Growth{.polynomial = {},
+                  .radius = [mode](double h) { return std::abs(std::exp(h * mode.lambda)); }};
+  };
+  flow.R = [](Complex z) { return std::exp(z); };
+  const double omega = 5, zeta = 0.3, h = 0.2;
+  expect_shown(shown_oscillation(flow, omega, zeta, h), std::exp(-zeta * omega * h),
+               omega * std::sqrt(1 - zeta * zeta) * h, omega, zeta, h);
+  // Known by its radius alone.
+  flow.R = {};
+  const ShownOscillation shown = shown_oscillation(flow, omega, zeta, h);
+  EXPECT_TRUE(std::isnan(shown.omega) && std::isnan(shown.zeta) && std::isnan(shown.period_error));
+  EXPECT_NEAR(shown.spectral_radius, std::exp(-zeta * omega * h), 1e-15);
 }
 
 }  // namespace

@@ -251,5 +251,32 @@ TEST(CoupledMotion, OfLargeSystemsIsRefusedWhereOnlyStridesWouldDo) {
   EXPECT_TRUE(limit->proved);
 }
 
+TEST(CoupledMotion, OfCentralDifferencesIsProvedAsFarAsItsConditionHolds) {
+  // K = C = (1 + a) I - a J, J of ones: eigenvalues 1 + a, and 1 - (n - 1) a of all bodies together. It
+  // leaves at zeta = -1, where 4 - 4 a h - (1 + a) h^2 = 0; I + h/2 C + h^2/2 (C - diag C) is definite where
+  // 1 + h/2 (1 - (n - 1) a) > h^2/2 (n - 1) a.
+  constexpr Eigen::Index n = 6;
+  const auto exit = [](double a) { return 2 * (std::sqrt(a * a + a + 1) - a) / (1 + a); };
+  const auto is_proved = [&](double a) {
+    const double h = exit(a);
+    return 1 + h / 2 * (1 - (n - 1) * a) > h * h / 2 * (n - 1) * a;
+  };
+  double low = 0.1, high = 0.2;
+  ASSERT_TRUE(is_proved(low) && !is_proved(high));
+  while (high - low > 1e-9) (is_proved((low + high) / 2) ? low : high) = (low + high) / 2;
+  const Amplification lumped = kick_drift_kick_amplification(KickDamping::lumped);
+  for (const double share : {0.99, 1.01}) {
+    const double a = share * low;
+    const MatrixXd C = (1 + a) * MatrixXd::Identity(n, n) - a * MatrixXd::Ones(n, n);
+    const auto limit =
+        CoupledMotion(*lumped.motion, mechanical_part(VectorXd::Ones(n), C, C)).first_exit(lumped);
+    ASSERT_TRUE(limit);
+    EXPECT_EQ(limit->proved, share < 1) << share;
+    // Beyond it all bodies together leave before that.
+    EXPECT_NEAR(limit->h_max / exit(a), 1, share < 1 ? 1e-9 : 0.01) << share;
+    EXPECT_EQ(limit->h_max<exit(a) * (1 - 1e-6), share> 1) << share;
+  }
+}
+
 }  // namespace
 }  // namespace hmax

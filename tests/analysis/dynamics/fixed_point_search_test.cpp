@@ -86,6 +86,31 @@ TEST(FixedPointSearch, CountsHowOftenAFunctionTurns) {
   EXPECT_FALSE(degree_around([](const VectorXd& y) -> VectorXd { return y / (y(0) < 0.9 ? 1 : 0); }, square));
 }
 
+/// Two points in the square of the lattice whose middle is (w, w), where a straight line through the corners
+/// misses them: g is the same at all corners, or at opposite ones.
+TEST(FixedPointSearch, FindsPairsThatTheCornersOfTheirSquareDoNotShow) {
+  constexpr double w = 1.0 / 32;
+  const auto found = [&](const auto& g) {
+    return search_fixed_points([&](const VectorXd& y) -> VectorXd { return y + g(y(0) - w, y(1) - w); },
+                               square);
+  };
+  const auto expect_pair = [&](const FixedPointSearch& pair, const Vector2d& from_middle) {
+    ASSERT_EQ(pair.points.size(), 2U);
+    for (const double sign : {-1.0, 1.0})
+      EXPECT_LT((pair.points[sign < 0 ? 0 : 1].state - Vector2d(w, w) - sign * from_middle).norm(), 1e-9)
+          << sign;
+    EXPECT_EQ(pair.degree, 0);
+    EXPECT_TRUE(pair.accounts());
+  };
+  for (const double share : {0.3, 0.6, 0.9}) {
+    const double r = share * w, s = r * r;
+    expect_pair(found([=](double u, double v) { return Vector2d(u * u - s, -v / 2); }), {r, 0});
+    expect_pair(found([=](double u, double v) { return Vector2d(-u / 2, s - v * v); }), {0, r});
+    expect_pair(found([=](double u, double v) { return Vector2d(u * v - s, v - u); }), {r, r});
+    expect_pair(found([=](double u, double v) { return Vector2d(u * v + s, u + v); }), {r, -r});
+  }
+}
+
 TEST(FixedPointSearch, SaysWhatItCannotTell) {
   // Every point is fixed.
   const auto all = search_fixed_points([](const VectorXd& y) { return y; }, square);

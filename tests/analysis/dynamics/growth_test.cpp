@@ -160,5 +160,41 @@ TEST(ObservedLimit, IsFoundWhereGrowthIsSlowAndAlone) {
   EXPECT_LE(runs, 6);
 }
 
+TEST(ObservedGrowth, IsThatOfHalfARunWhateverTheUnit) {
+  constexpr std::int64_t steps = 512;
+  for (const double unit : {1e-12, 1.0, 1e12})
+    for (const double r : {0.99, 1.0, 1.01}) {
+      const ShowSteps run = [=](double, std::int64_t n, const auto& show) {
+        for (std::int64_t k = 0; k <= n; ++k)
+          show(Eigen::VectorXd::Constant(1, unit * std::pow(r, static_cast<double>(k))));
+        return true;
+      };
+      EXPECT_NEAR(observed_growth(run, size, 1, steps), steps / 2 * std::log(r), 1e-10) << unit << " " << r;
+    }
+}
+
+TEST(ObservedGrowth, CountsWhatIsFarOutFromTheFirstQuarterOn) {
+  for (const double unit : {1e-12, 1.0, 1e12})
+    for (const double far : {1e2, 1e6}) {
+      const ShowSteps run = [=](double, std::int64_t n, const auto& show) {
+        for (std::int64_t k = 0; k <= n; ++k) show(Eigen::VectorXd::Constant(1, k <= 1 ? unit : far * unit));
+        return true;
+      };
+      EXPECT_NEAR(observed_growth(run, size, 1, 512), far > 1e4 ? std::log(far) : 0, 1e-12)
+          << unit << " " << far;
+    }
+}
+
+TEST(ObservedGrowth, OfLessThanTheNoiseIsNone) {
+  // From 1 to 1e-12 at once, then 1.1 times a step: what is below the noise of 1e-6 has not grown.
+  const ShowSteps run = [](double, std::int64_t n, const auto& show) {
+    for (std::int64_t k = 0; k <= n; ++k)
+      show(Eigen::VectorXd::Constant(1, k <= 1 ? 1 : 1e-12 * std::pow(1.1, static_cast<double>(k))));
+    return true;
+  };
+  EXPECT_NEAR(observed_growth(run, size, 1, 100), 50 * std::log(1.1), 1e-10);
+  EXPECT_NEAR(observed_growth(run, size, 1, 100, 1e-6), std::log(1e-6 * std::pow(1.1, 100)), 1e-10);
+}
+
 }  // namespace
 }  // namespace hmax

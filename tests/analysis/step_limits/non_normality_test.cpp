@@ -51,6 +51,14 @@ TEST(NonNormality, OfASmallCornerIsNotLostInRounding) {
   EXPECT_NEAR(non_normality(two(-1, 1e-9, 0, -2)).departure, 1e-9, 1e-22);
 }
 
+TEST(NonNormality, OfAModelThatStandsStillIsNone) {
+  const NonNormality found = non_normality(MatrixXd::Zero(3, 3));
+  EXPECT_EQ(found.departure, 0);
+  EXPECT_EQ(found.relative_departure, 0);
+  EXPECT_EQ(found.spectral_abscissa, 0);
+  EXPECT_EQ(found.numerical_abscissa, 0);
+}
+
 TEST(KreissConstant, OfNormalMatricesIsOne) {
   for (const Matrix2d& J : {two(-1, 0, 0, -3), two(0, 7, -7, 0), two(-1, 2, -2, -1)}) {
     EXPECT_EQ(kreiss_constant(J).value, 1) << J;
