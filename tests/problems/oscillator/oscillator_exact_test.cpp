@@ -69,6 +69,8 @@ const std::vector<Case> cubic_cases{
     {"double well, over the hump", {1, 0, -1, 1, 0, 0}, {0.5, 1}},
     {"double well, right side", {1, 0, -1, 1, 0, 0}, {1.2, 0.2}},
     {"double well, left side", {1, 0, -1, 1, 0, 0}, {-0.8, 0.3}},
+    {"double well of another mass, right side", {2, 0, -3, 5, 0, 0}, {1, 0.2}},
+    {"double well of another mass, left side", {2, 0, -3, 5, 0, 0}, {-0.6, 0.1}},
     {"double well, at rest", {1, 0, -1, 1, 0, 0}, {1, 0}},
     {"softening", {1, 0, 1, -0.5, 0, 0}, {0.5, 0.6}},
     {"softening, other side", {1, 0, 1, -0.5, 0, 0}, {-0.9, -0.2}},
