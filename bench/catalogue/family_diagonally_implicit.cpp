@@ -1,8 +1,11 @@
 /// The diagonally implicit Runge-Kutta methods of the catalogue.
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+
+#include <fmt/format.h>
 
 #include "analysis/amplification/one_step_amplification.hpp"
 #include "bench/catalogue/bind.hpp"
@@ -10,10 +13,18 @@
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/implicit/dirk.hpp"
 #include "integrators/implicit/dirk_tableaux.hpp"
+#include "results/numbers.hpp"
 
 namespace hmax {
 
 namespace {
+
+/// The part of a step before its first stage, where f at the start of the step is not used either.
+template <class T>
+constexpr double unseen_part() {
+  if (!has_error_estimate(T::tableau)) return 0;
+  return static_cast<double>(*std::min_element(T::tableau.c.begin(), T::tableau.c.end()));
+}
 
 /// The line of one diagonally implicit method: everything else is in its struct.
 template <class T>
@@ -32,6 +43,9 @@ Method diagonally_implicit() {
                 .l_stable = T::l_stable,
                 .source = std::string(T::source),
                 .bind = {}};
+  if (unseen_part<T>() > 0)
+    method.note = fmt::format("its error estimate does not see a jump in time in the first {} of a step",
+                              to_text(unseen_part<T>()));
   method.amplification =
       shared(runge_kutta_amplification(detail::flattened(T::tableau.a), T::tableau.b, T::order));
   for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);

@@ -16,14 +16,14 @@ namespace hmax {
 /// slowly converge too.
 /// @tparam StateT  Eigen column vector of a real scalar, shape (n)
 /// @tparam parts   vectors that are iterated together
-/// @source [anderson1965iterative], [walker2011anderson]
+/// @source [walker2011anderson]
 template <class StateT, std::size_t parts>
 class AndersonMixing {
  public:
   using State = StateT;
   using Real = real_of<State>;
   using Vectors = std::array<State, parts>;
-  static constexpr Eigen::Index most = 8;  ///< changes that are remembered
+  static constexpr Eigen::Index most = 25;  ///< changes that are remembered
 
   /// Forgets all changes, as where G has become another map.
   void forget() { known_ = 0, has_last_ = false; }

@@ -200,7 +200,7 @@ class RadauIIA5 {
   /// second stage, which is renewed.
   template <System Sys>
   bool solve_accelerated(const Sys& system, Real t, const State& y, Real h) {
-    constexpr int most = 120, renewed = 15;
+    constexpr int most = 200, renewed = 40;
     const SlopeAt<Sys> slopes[]{{system, t + c(0) * h}, {system, t + c(1) * h}, {system, t + h}};
     for (State* v : {&z_[0], &z_[1], &z_[2], &w_[0], &w_[1], &w_[2]}) v->setZero();
     Y_[1] = y;

@@ -72,6 +72,15 @@ TEST(MethodFacts, TellWhichErrorEstimatesMissAFunctionOfTimeAlone) {
   EXPECT_EQ(told, std::set<std::string>{"fehlberg_78"});
 }
 
+/// Its stages stand at 1/4, 3/4, 11/20, 1/2 and 1, and none at the start of the step.
+TEST(MethodFacts, TellWhichErrorEstimatesMissAJump) {
+  for (const Method& method : methods())
+    EXPECT_EQ(
+        method.note.find("does not see a jump in time in the first 0.25 of a step") != std::string::npos,
+        method.id == "sdirk_4")
+        << method.id;
+}
+
 TEST(MethodFacts, OnlyForeignMethodsFactorDenseMatricesAlone) {
   for (const Method& method : methods()) {
     EXPECT_FALSE(method.dense_equations && (!method.is_foreign() || !method.needs_jacobian)) << method.id;

@@ -347,5 +347,16 @@ TEST(Run, TakesTheFirstAndTheLongestStep) {
   expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 11"), "beyond the end time 10");
 }
 
+/// Steps of 0.05 s in which a hanging beam doubles its length: three stages that lie far apart share one
+/// Jacobian.
+TEST(Run, RadauSolvesStepsInWhichTheBodyDeformsFar) {
+  const Told told = Shell().hmax(
+      "run --mesh beam:n=4 --model fem_neo_hookean --load gravity --set E=20000 --method radau_iia_5 --h 0.05 --t-end "
+      "0.4 --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err << told.out;
+  EXPECT_EQ(told.json().at("outcome"), "reached_end");
+  EXPECT_LT(told.json().at("stats").at("newton_error"), 1e-9);
+}
+
 }  // namespace
 }  // namespace hmax
