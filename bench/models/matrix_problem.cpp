@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/spectrum/entry_rounding.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/modal_motion.hpp"
 #include "bench/input/suggest.hpp"
@@ -348,9 +349,15 @@ std::optional<ModeCounts> mode_counts(const MatrixModel& model) {
       mechanical_part(mass, model.K, Eigen::SparseMatrix<double>(model.size(), model.size()));
   const ExtremeStiffnesses least = smallest_stiffnesses(part, std::min<Index>(7, model.size()));
   if (!least.converged) return std::nullopt;
-  const double rounding = rigid_share * model.facts.constraints.others * model.facts.constraints.others;
+  const double largest = model.facts.constraints.others * model.facts.constraints.others,
+               rounding = rigid_share * largest, of_entries = entry_rounding(model.K) * largest;
   ModeCounts counts{.negative = least.negative};
-  for (const double kappa : least.kappa) counts.rigid += std::abs(kappa) <= rounding ? 1 : 0;
+  for (const double kappa : least.kappa) {
+    // A negative stiffness within the rounding of the decimals of the file is none.
+    const bool is_rounded = kappa < 0 && -kappa <= of_entries;
+    if (is_rounded) --counts.negative;
+    counts.rigid += is_rounded || std::abs(kappa) <= rounding ? 1 : 0;
+  }
   return counts;
 }
 
