@@ -11,6 +11,7 @@
 #include "analysis/amplification/structural_amplification.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 #include "core/dense_solvers.hpp"
+#include "problems/matrix_entries.hpp"
 
 namespace hmax {
 
@@ -130,17 +131,19 @@ std::optional<CoupledLimit> without_exit(const MotionMap& map, const Amplificati
 bool couples_modes(const MotionMap& map, const MechanicalPart& part) {
   if (!part.decouples()) return true;
   if (map.lumped.empty()) return false;
-  MatrixXd beside = dense(part.C);
-  const double size = beside.norm();
-  beside.diagonal().setZero();
-  return beside.norm() > 1e-12 * size;
+  double all = 0, beside = 0;  // squares of Frobenius norms
+  each_entry(part.C, [&](Index i, Index j, double value) {
+    all += value * value;
+    if (i != j) beside += value * value;
+  });
+  return std::sqrt(beside) > 1e-12 * std::sqrt(all);
 }
 
 // A Newton-like iteration for the least h at which P(-1, h) has a kernel: the quadratic of the current
 // least eigenvector is solved exactly, then a new eigenvector is taken. Products with sparse k and c
 // alone.
-std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const FindLargestOfSum& find, double most_c,
-                                              double most_k, const Amplification& single) {
+std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const FindLargestOfSum& find,
+                                              double most_c, double most_k, const Amplification& single) {
   if (std::optional<CoupledLimit> none = without_exit(map, single)) return none;
   if (!map.lumped.empty() || !singles_leave_at_minus_one(single, map)) return std::nullopt;
   const double inertia = value_of(map.inertia, -1).real(), sign = inertia < 0 ? -1 : 1,
@@ -179,10 +182,7 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
 }
 
 CoupledMotion::CoupledMotion(const MotionMap& map, const MechanicalPart& part)
-    : map_(without_zeros(map)),
-      n_(part.mass.size()),
-      mass_(part.mass),
-      symmetric_(part.symmetric) {
+    : map_(without_zeros(map)), n_(part.mass.size()), mass_(part.mass), symmetric_(part.symmetric) {
   k_ = mass_scaled(part.mass, part.K);
   c_ = mass_scaled(part.mass, part.C);
   // Symmetric to the last bit.
@@ -359,8 +359,8 @@ std::optional<CoupledLimit> CoupledMotion::by_strides(std::optional<double> at_m
   const double ratio = rows <= 60 ? 1.05 : rows <= 240 ? 1.2 : 1.5;
   const auto growth_at = [&](double h) { return spectral_radius(h) - 1; };
   const auto is_stable = [&](double h) { return growth_at(h) <= rounding_; };
-  // Growth that fades no faster than h^5 ends nowhere but in rounding: gyroscopic forces of the velocities before a step
-  // amplify by O(h^2). Beyond a step where stability ends it is large.
+  // Growth that fades no faster than h^5 ends nowhere but in rounding: gyroscopic forces of the velocities
+  // before a step amplify by O(h^2). Beyond a step where stability ends it is large.
   const auto unless_fading = [&](CoupledLimit limit) {
     constexpr double fading = 32;
     if (growth_at(2 * limit.h_max) <= fading * rounding_) limit.h_max = 0;

@@ -76,12 +76,16 @@ std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf&
 }
 
 std::int64_t steps_to_see(const ExpectedGrowth& expected) {
-  constexpr double most = most_observed_steps;
   // Half of the run lies between the two quarters that are compared; what dies away has a quarter of it.
-  // N / 2 steps lie between the quarters: share g N / 2 = threshold.
-  const double to_grow = 2 * threshold_of(expected) / (expected.share * expected.above);
-  const double to_decay = 4 * expected.fall / -expected.beside;
-  return static_cast<std::int64_t>(std::clamp(std::ceil(std::max(to_grow, to_decay)), expected.least, most));
+  // N / 2 steps lie between the quarters: g N / 2 = threshold.
+  const double growth = std::max(expected.close, expected.share * expected.above);
+  const double to_grow = 2 * threshold_of(expected) / growth;
+  // Growth in proportion to time outgrows nothing.
+  const double to_decay = 4 * expected.fall / -expected.beside,
+               to_outgrow = expected.linear ? std::numeric_limits<double>::infinity()
+                                            : (expected.fall + threshold_of(expected)) / growth;
+  const double steps = std::ceil(std::max(to_grow, std::min(to_decay, to_outgrow)));
+  return static_cast<std::int64_t>(std::clamp(steps, expected.least, std::max(expected.least, static_cast<double>(expected.most))));
 }
 
 namespace {
@@ -130,7 +134,7 @@ ObservedLimit observe_limit(const GrowthAt& growth, double predicted, const Expe
   // runs tell, as long as they come nearer to what is expected.
   const auto as_expected = [&] { return !(at_low > 0) && at_high > 0; };
   constexpr std::int64_t longer = 4, longest = 64;
-  for (const std::int64_t most = std::min(longest * limit.steps, most_observed_steps);
+  for (const std::int64_t most = std::min(longest * limit.steps, expected.most);
        !as_expected() && longer * limit.steps <= most;) {
     limit.steps *= longer;
     const double before_low = std::exchange(at_low, excess(low)),

@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "analysis/spectrum/entry_rounding.hpp"
 #include "analysis/statics/equilibrium.hpp"
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
+#include "bench/limits/problem_linearity.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
@@ -53,14 +55,6 @@ void require_writable_jacobian(const LinearModel& model) {
 
 }  // namespace
 
-bool is_nonlinear(const Problem& problem) {
-  if (is_matrices_id(problem.id)) return false;
-  const LinearModel here = linear_model(problem, 0, problem.y0);
-  const Eigen::VectorXd elsewhere = problem.y0 + Eigen::VectorXd::Ones(problem.y0.size());
-  // Jacobians by differences are known to some digits.
-  return !(relative_distance(here, linear_model(problem, 0, elsewhere)) <= 1e-6);
-}
-
 LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y) {
   return std::visit(
       [&]<class Sys>(const Sys& system) { return linearise(system, t, typename Sys::State(y)); },
@@ -88,11 +82,42 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
                        .material = problem.material,
                        .parameters = problem.parameters,
                        .is_body = problem.body != nullptr,
-                       .model = linear_model(problem, t, y)};
+                       .model = linear_model(problem, t, y),
+                       .linearity = linearity_of(problem)};
   ask(point, problem);
   point.state =
       fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(point.model.origin));
   return point;
+}
+
+namespace {
+/// Of K of a user, whose decimals may be few: negative stiffnesses within their rounding are rigid-body
+/// modes.
+void round_negative_stiffness(const LinearModel& model, ModeSet& modes) {
+  const double rounding = rounding_of_stiffness(model);
+  if (rounding == 0 || modes.range) return;
+  auto& oscillations = modes.spectrum.mechanical;
+  double largest = 0;
+  for (const MechanicalMode& mode : oscillations) largest = std::max(largest, mode.kappa);
+  const auto is_rounding = [&](double kappa) { return kappa < 0 && -kappa <= rounding * largest; };
+  for (std::size_t i = 0; i < oscillations.size(); ++i) {
+    if (!is_rounding(oscillations[i].kappa)) continue;
+    oscillations[i].kappa = 0;
+    std::ranges::copy(eigenvalues_of(oscillations[i]),
+                      modes.spectrum.lambda.begin() + 2 * static_cast<std::ptrdiff_t>(i));
+  }
+  if (modes.curve && is_rounding(modes.curve->kappa_min)) modes.curve->kappa_min = 0;
+  if (!oscillations.empty()) return;
+  // Where damping couples the modes: what grows as no more than such a stiffness makes it.
+  double radius = 0;
+  for (const Complex lambda : modes.spectrum.lambda) radius = std::max(radius, std::norm(lambda));
+  for (Complex& lambda : modes.spectrum.lambda)
+    if (lambda.real() > 0 && lambda.imag() == 0 && std::norm(lambda) <= rounding * radius) lambda = 0;
+}
+}  // namespace
+
+double rounding_of_stiffness(const LinearModel& model) {
+  return model.mechanical && model.mechanical->symmetric ? entry_rounding(model.mechanical->K) : 0;
 }
 
 ModeSet mode_set(const LinearModel& model, bool is_body) {
@@ -102,6 +127,7 @@ ModeSet mode_set(const LinearModel& model, bool is_body) {
     require_writable_jacobian(model);
     if (!set_largest(model, modes)) modes.spectrum = spectrum_of(model);
   }
+  if (!is_body) round_negative_stiffness(model, modes);
   require_usual_rates(modes.spectrum);
   return modes;
 }
@@ -133,15 +159,17 @@ void look_at_contact(OperatingPoint& point, const Problem& problem) {
         "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
 }
 
-/// @throws InputError  where the rates of the initial state are no numbers: matrices that are say nothing then
+/// @throws InputError  where the rates of the initial state are no numbers: matrices that are say nothing
+/// then
 void require_rates(const Problem& problem) {
   std::visit(
       [&]<class Sys>(const Sys& system) {
         typename Sys::State y(problem.y0), f(problem.y0);
         system.rhs(0, y, f);
         if (!f.allFinite())
-          throw InputError(fmt::format("the rates of {} in its initial state are not finite; give another state, or correct the model",
-                                       problem.id));
+          throw InputError(fmt::format(
+              "the rates of {} in its initial state are not finite; give another state, or correct the model",
+              problem.id));
       },
       problem.system);
 }
@@ -163,9 +191,7 @@ EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumW
   // One that is not stable tells that the body buckles.
   if (!solution.converged && !solution.unstable) {
     search.outcome = EquilibriumOutcome::no_equilibrium;
-    search.message =
-        fmt::format("no equilibrium was found: {}{}", cause_of(problem, solution),
-                    solution.singular ? "" : "; a smaller load or a stiffer material may have one");
+    search.message = fmt::format("no equilibrium was found: {}", cause_of(problem, solution));
     return search;
   }
   search.state.head(body.dofs()) = solution.q;
@@ -188,8 +214,8 @@ OperatingPoint point_of_matrices(const Problem& problem) {
   OperatingPoint point = operating_point(problem, 0, Eigen::VectorXd::Zero(problem.y0.size()));
   point.kind = StateKind::matrices;
   point.at_equilibrium = true;
-  point.state = fmt::format("the matrices{}, {} states", times_of_matrices(problem).empty() ? "" : " at t = 0 s",
-                            problem.y0.size());
+  point.state = fmt::format("the matrices{}, {} states",
+                            times_of_matrices(problem).empty() ? "" : " at t = 0 s", problem.y0.size());
   return point;
 }
 }  // namespace

@@ -22,9 +22,6 @@ Linearised linearised(const Problem& problem, AskedState at = AskedState::equili
 OperatingPoint operating_point(const Problem& problem, AskedState at = AskedState::equilibrium,
                                const EquilibriumWatcher& watcher = {});
 LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd& y);
-/// Whether the Jacobian depends on the state, so that limits are those of small motions; bodies are not
-/// asked, as all but those of small strains are.
-bool is_nonlinear(const Problem& problem);
 /// Near a state of its own.
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
 OperatingPoint operating_point(const Problem& problem, double t, const Eigen::VectorXd& y);
@@ -32,8 +29,11 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
 /// where the system has a workspace (problems/formula_system.hpp).
 /// @param problem  that of the point, or one that was made as it was
 void ask(OperatingPoint& point, const Problem& problem);
+/// entry_rounding() of a symmetric stiffness; 0 of other models.
+double rounding_of_stiffness(const LinearModel& model);
 /// All modes, or of large structures those that limits need.
 /// @throws InputError  where rates leave the range of numbers, or all modes are asked for and are too many
+/// Negative stiffnesses within the rounding of few digits count as zero.
 /// @param is_body  of the point of the model
 ModeSet mode_set(const LinearModel& model, bool is_body = true);
 

@@ -8,6 +8,7 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/spectrum/davidson.hpp"
+#include "analysis/spectrum/entry_rounding.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
@@ -46,8 +47,12 @@ double slow_end(const MechanicalPart& part, double kappa_max) {
   if (!least.converged) return 0;
   // Those nearest to zero; a body that buckles has others.
   const double nearest = std::abs(least.kappa.at(0)) <= 1e-12 * kappa_max ? 0 : least.kappa.at(0);
+  if (least.negative == 0) return nearest;
+  const double lowest = least_stiffness(part, kappa_max, 2000);
+  // Within the rounding of few decimals.
+  if (const double rounding = entry_rounding(part.K); rounding > 0 && -lowest <= rounding * kappa_max) return 0;
   // Known to be below zero by that much, whatever the iteration for the least of them says.
-  return least.negative > 0 ? std::min(least_stiffness(part, kappa_max, 2000), -1e-8 * kappa_max) : nearest;
+  return std::min(lowest, -1e-8 * kappa_max);
 }
 
 /// Whether the model is that of a body without displacement, whose stiffness has no negative eigenvalue.
@@ -67,7 +72,7 @@ std::optional<double> negative_stiffness(const LinearModel& model, double kappa_
   constexpr Eigen::Index few_products = 100, many_products = 300;
   if (is_undeformed(model, is_body)) return {};
   const double least = least_stiffness(*model.mechanical, kappa_max, is_body ? many_products : few_products);
-  if (!(least < -1e-8 * kappa_max)) return {};
+  if (!(least < -std::max(1e-8, entry_rounding(model.mechanical->K)) * kappa_max)) return {};
   return least;
 }
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
+#include "analysis/spectrum/entry_rounding.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/statics/static_solution.hpp"
 #include "bench/limits/mode_curve.hpp"
@@ -79,8 +80,11 @@ class WorstInRange {
 bool may_buckle(const LinearModel& model, double kappa_max, bool is_body) {
   const MechanicalPart& part = *model.mechanical;
   if (affords_slow_end(model, is_body)) {
-    const ExtremeStiffnesses least = smallest_stiffnesses(part);
-    return !least.converged || least.negative > 0;
+    const ExtremeStiffnesses least = smallest_stiffnesses(part, std::min<Eigen::Index>(7, part.mass.size()));
+    // Within the rounding of few decimals it is a rigid-body mode.
+    const double rounding = entry_rounding(part.K) * kappa_max;
+    const auto rigid = std::ranges::count_if(least.kappa, [&](double kappa) { return kappa < 0 && -kappa <= rounding; });
+    return !least.converged || least.negative > rigid;
   }
   return negative_stiffness(model, kappa_max, is_body).has_value();
 }

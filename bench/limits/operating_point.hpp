@@ -12,6 +12,7 @@
 #include "analysis/amplification/curve_limit.hpp"
 #include "analysis/spectrum/linear_model.hpp"
 #include "analysis/spectrum/spectrum.hpp"
+#include "problems/linearity.hpp"
 
 namespace hmax {
 
@@ -27,10 +28,10 @@ enum class AskedState { equilibrium, rest };
 /// The state that a model was linearised at.
 enum class StateKind {
   equilibrium,
-  rest,     ///< of a body: without displacement
-  initial,  ///< of other problems: no equilibrium was found
+  rest,      ///< of a body: without displacement
+  initial,   ///< of other problems: no equilibrium was found
   matrices,  ///< of matrices of a user, which hold in every state
-  motion,   ///< a state that was given
+  motion,    ///< a state that was given
 };
 
 /// "equilibrium", "rest", "initial", "matrices", "motion".
@@ -64,11 +65,13 @@ struct OperatingPoint {
   std::string state = {};    ///< in words: which state, whose Jacobian
   std::string status = {};   ///< why it is not the state that was asked for
   std::string missing = {};  ///< says that a tool does not touch the body in this state
+  /// Of the problem, from its structure (problem_linearity.hpp).
+  Linearity linearity = Linearity::unknown;
   /// The bound of the spectral radius here that the system has [1/s]; null where it has none. It takes a
   /// while for a large body, and few methods ask for it.
   std::function<double()> radius_bound = {};
-  /// The linear model at another state and the same time, shape (dim): tells whether the Jacobian is
-  /// constant. Only methods that solve nonlinear equations ask for it.
+  /// The linear model at another state and the same time, shape (dim). Asked for where `linearity` is
+  /// unknown, by methods that solve nonlinear equations.
   std::function<LinearModel(const Eigen::VectorXd& y)> model_at = {};
 };
 

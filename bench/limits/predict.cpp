@@ -4,13 +4,17 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
+#include "bench/limits/problem_linearity.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "integrators/structural/structural.hpp"
 
@@ -50,6 +54,8 @@ std::vector<Complex> lambda_of(const std::vector<Mode>& modes) {
   for (const Mode& mode : modes) lambda.push_back(mode.lambda);
   return lambda;
 }
+
+constexpr std::string_view other_modes = "; h_max is the limit of its other modes";
 
 constexpr const char* without_common_modes =
     "the stiff part and the rest of this model have no common modes here, so that no mode alone says what a step "
@@ -92,16 +98,16 @@ double radius_told(const Method& method, const OperatingPoint& point, const Mode
   return SpectralRadius<Eigen::VectorXd>::margin * radius;
 }
 
-/// Whether the Jacobian elsewhere is the same to rounding: the model is linear.
-bool has_constant_jacobian(const OperatingPoint& point) {
-  const Eigen::VectorXd elsewhere = point.model.y + Eigen::VectorXd::Ones(point.model.y.size());
-  return relative_distance(point.model, point.model_at(elsewhere)) <= 1e-12;
+/// Whether equations of implicit steps are linear, as far as that is known here.
+bool has_linear_equations(const OperatingPoint& point) {
+  if (point.linearity != Linearity::unknown) return is_affine(point.linearity);
+  return !depends_on_state(point.model, point.model_at);
 }
 
 /// What sets the step where no step is unstable.
 Bound bound_without_limit(const Method& method, const OperatingPoint& point) {
-  return method.solves_nonlinear_equations() && !has_constant_jacobian(point) ? Bound::newton
-                                                                              : Bound::accuracy;
+  return method.solves_nonlinear_equations() && !has_linear_equations(point) ? Bound::newton
+                                                                             : Bound::accuracy;
 }
 
 /// An oscillation named by the one of its eigenvalues that grows faster.
@@ -116,7 +122,8 @@ std::size_t fastest_of(const std::vector<std::size_t>& growing, const std::vecto
   return *std::ranges::max_element(growing, {}, [&](std::size_t i) { return lambda[i].real(); });
 }
 
-/// The end of a curve of modes that grows, of both the one that grows faster: no mode between grows faster still.
+/// The end of a curve of modes that grows, of both the one that grows faster: no mode between grows faster
+/// still.
 std::optional<MechanicalMode> growing_end(const MechanicalPart& part, const ModeSet& modes) {
   DampingCurve curve = *modes.curve;
   if (modes.slow_end && curve.alpha < 0) curve.kappa_min = modes.slow_end->of(part, curve);
@@ -124,30 +131,29 @@ std::optional<MechanicalMode> growing_end(const MechanicalPart& part, const Mode
   std::vector<Complex> lambda;
   for (const MechanicalMode& end : ends)
     for (const Complex each : eigenvalues_of(end)) lambda.push_back(each);
-  if (const auto growing = growing_modes(lambda); !growing.empty()) return ends.at(fastest_of(growing, lambda) / 2);
+  if (const auto growing = growing_modes(lambda); !growing.empty())
+    return ends.at(fastest_of(growing, lambda) / 2);
   if (curve.kappa_min < 0) return ends[0];
   return std::nullopt;
 }
 
-void is_of_growing_model(Prediction& row, const Mode& mode, const OperatingPoint& point) {
-  row.bound = Bound::model;
+/// The part of a curve whose modes do not grow, kappa >= 0 and alpha + beta kappa >= 0; nothing where there
+/// is none.
+std::optional<ModeSet> without_growth(ModeSet modes) {
+  DampingCurve& curve = *modes.curve;
+  if (curve.alpha < 0 && curve.beta <= 0) return std::nullopt;
+  curve.kappa_min = std::max(curve.kappa_min, curve.alpha < 0 ? -curve.alpha / curve.beta : 0.0);
+  if (curve.beta < 0) curve.kappa_max = std::min(curve.kappa_max, curve.alpha / -curve.beta);
+  if (!(curve.kappa_max > 0 && curve.kappa_min <= curve.kappa_max)) return std::nullopt;
+  modes.slow_end = nullptr;
+  return modes;
+}
+
+/// Of a model of which no mode has a limit that means anything.
+void is_of_growing_model(Prediction& row, const Mode& mode) {
+  row.growing = mode;
   row.limiting = mode;
-  const Complex lambda = mode.lambda;
-  if (point.is_body && point.at_equilibrium && lambda.imag() == 0)
-    row.note = fmt::format(
-        "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
-        "exp({:.4g} t) whatever the step; take less load, `--along load` shows up to which share it does not",
-        lambda.real());
-  else if (point.kind == StateKind::matrices)
-    row.note = fmt::format(
-        "the model itself grows as exp({:.4g} t): an eigenvalue has a positive real part, which no step changes; check "
-        "whether the matrices are those of a stable state",
-        lambda.real());
-  else
-    row.note = fmt::format(
-        "the model itself grows as exp({:.4g} t) here: an eigenvalue has a positive real part, which no step changes; "
-        "the limits that steps have are those along its motion, see `hmax stability predict --along motion`",
-        lambda.real());
+  row.bound = Bound::model;
 }
 
 /// Names what limits the step: nothing, or a mode.
@@ -166,19 +172,41 @@ void conclude(Prediction& row, double h_max, const Mode& mode, const Method& met
 /// Where only the ends of a spectrum are known the limit is the least along the curve of all modes between.
 void predict_on_curve(Prediction& row, const Method& method, const OperatingPoint& point,
                       const ModeSet& modes) {
-  if (const auto growing = growing_end(*point.model.mechanical, modes))
-    return is_of_growing_model(row, growing_of(*growing), point);
-  LimitOnCurve limit = limit_on_curve(*method.amplification, *point.model.mechanical, modes,
+  std::optional<ModeSet> calm = modes;
+  if (const auto growing = growing_end(*point.model.mechanical, modes)) {
+    calm = without_growth(modes);
+    if (!calm) return is_of_growing_model(row, growing_of(*growing));
+    row.growing = growing_of(*growing);
+  }
+  LimitOnCurve limit = limit_on_curve(*method.amplification, *point.model.mechanical, *calm,
                                       radius_told(method, point, modes));
   row.modes = std::move(limit.modes);
   conclude(row, limit.h_max, limit.mode, method, point);
   if (row.note.empty()) row.note = limit.note;
 }
 
+/// From which step on the modes that are known, the fastest ones, are unstable.
+StepLimit look_at_known(Prediction& row, const Method& method, const OperatingPoint& point,
+                        const ModeSet& modes) {
+  std::vector<Mode> all = modes_of(modes.spectrum);
+  std::vector<Eigenmode> told;
+  for (const Mode& mode : all) told.emplace_back(mode.lambda).radius = radius_told(method, point, modes);
+  StepLimit limit = largest_stable_step(*method.amplification, told);
+  for (std::size_t i = 0; i < all.size(); ++i) row.modes.push_back({all[i], limit.of_modes[i], told[i]});
+  row.unstable_from = limit.h_max;
+  return limit;
+}
+
 /// Where only the largest eigenvalues are known, and between which damping and stiffness all modes lie.
 void predict_in_range(Prediction& row, const Method& method, const OperatingPoint& point,
                       const ModeSet& modes) {
-  if (modes.range->growing) return is_of_growing_model(row, mode_of(*modes.range->growing), point);
+  if (modes.range->growing) {
+    is_of_growing_model(row, mode_of(*modes.range->growing));
+    const double from = look_at_known(row, method, point, modes).h_max;
+    row.note = std::isinf(from) ? "none of its fastest modes limits the step"
+                                : fmt::format("its fastest modes are unstable from {:.6g} s on", from);
+    return;
+  }
   if (method.needs_split && !is_all_stiff(point.model)) {
     row.note = without_common_modes;
     return;
@@ -203,25 +231,32 @@ void predict_in_range(Prediction& row, const Method& method, const OperatingPoin
 }
 
 /// Where the largest eigenvalues alone are known: from which step on these are unstable.
-void predict_from_largest(Prediction& row, const Method& method, const OperatingPoint& point, const ModeSet& modes) {
+void predict_from_largest(Prediction& row, const Method& method, const OperatingPoint& point,
+                          const ModeSet& modes) {
   if (method.needs_split && !is_all_stiff(point.model)) {
     row.note = without_common_modes;
     return;
   }
-  std::vector<Mode> all = modes_of(modes.spectrum);
-  std::vector<Eigenmode> told;
-  for (const Mode& mode : all) told.emplace_back(mode.lambda).radius = radius_told(method, point, modes);
-  const StepLimit limit = largest_stable_step(*method.amplification, told);
-  for (std::size_t i = 0; i < all.size(); ++i) row.modes.push_back({all[i], limit.of_modes[i], told[i]});
-  if (!limit.growing.empty())
-    return is_of_growing_model(row, all[fastest_of(limit.growing, lambda_of(all))], point);
-  row.unstable_from = limit.h_max;
+  const StepLimit limit = look_at_known(row, method, point, modes);
+  if (!limit.growing.empty()) {
+    std::vector<Complex> lambda;
+    for (const ModeMargin& margin : row.modes) lambda.push_back(margin.mode.lambda);
+    is_of_growing_model(row, row.modes[fastest_of(limit.growing, lambda)].mode);
+  }
   row.note = fmt::format(
       "only the fastest modes of {} states without symmetric matrices are known; {}, and `hmax run` with --method and "
       "--h shows whether a step holds",
       point.model.y.size(),
       std::isinf(limit.h_max) ? std::string("none of them limits the step")
                               : fmt::format("they are unstable from {:.6g} s on", limit.h_max));
+}
+
+/// "; take explicit_newmark or symplectic_euler, which need none": without the method itself.
+std::string methods_without_search(const Method& method) {
+  std::vector<std::string_view> others{"explicit_newmark", "symplectic_euler"};
+  std::erase(others, method.id);
+  return fmt::format("; take {}, which need{} none", fmt::join(others, " or "),
+                     others.size() == 1 ? "s" : "");
 }
 
 /// Where the steps couple modes the whole model has one limit.
@@ -231,27 +266,53 @@ void predict_coupled(Prediction& row, const Method& method, const OperatingPoint
   const std::vector<Mode> all = modes_of(modes.spectrum);
   for (const Mode& mode : all)
     row.modes.push_back({mode, std::numeric_limits<double>::quiet_NaN(), Eigenmode(mode.lambda)});
-  if (modes.range && modes.range->growing)
-    return is_of_growing_model(row, mode_of(*modes.range->growing), point);
   const std::vector<Complex> lambda = lambda_of(all);
-  if (const auto growing = growing_modes(lambda); !growing.empty())
-    return is_of_growing_model(row, all[fastest_of(growing, lambda)], point);
+  if (modes.range && modes.range->growing)
+    row.growing = mode_of(*modes.range->growing);
+  else if (const auto growing = growing_modes(lambda); !growing.empty())
+    row.growing = all[fastest_of(growing, lambda)];
   const MechanicalPart& part = *point.model.mechanical;
   const MotionMap& map = *method.amplification->motion;
+  if (row.growing) {
+    // Growth leaves at zeta = +1, and steps that are too long at -1, which is where P(-1, h) is singular.
+    row.coupled = proved_first_exit(map, part, *method.amplification);
+    if (!row.coupled) return is_of_growing_model(row, *row.growing);
+    return conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, point);
+  }
   if (modes.range) row.coupled = modes.range->first_exit(*method.amplification, part);
   const bool elsewhere = modes.range && modes.range->find;
   if (!row.coupled && !elsewhere && part.mass.size() <= most_dense_modes)
     row.coupled = CoupledMotion(map, part).first_exit(*method.amplification);
   if (!row.coupled) {
-    row.note = elsewhere ? "damping couples the modes, and a limit of this method would take a search among all of them; take "
-                           "explicit_newmark or symplectic_euler, which need none"
-                         : fmt::format("{} degrees of freedom whose modes are coupled are too many to look for the limit of this "
-                                       "method; take explicit_newmark or symplectic_euler, which need no search, fewer degrees of "
-                                       "freedom, or damping that couples nothing",
-                                       part.mass.size());
+    const std::string others = methods_without_search(method);
+    row.note =
+        elsewhere
+            ? fmt::format(
+                  "damping couples the modes, and a limit of this method would take a search among all of them{}",
+                  others)
+            : fmt::format(
+                  "{} degrees of freedom whose modes are coupled are too many to look for the limit of this "
+                  "method{}{} fewer degrees of freedom, or damping that couples nothing",
+                  part.mass.size(), others, others.empty() ? "; take" : ", or take");
     return;
   }
   conclude(row, row.coupled->h_max, mode_of(row.coupled->shape), method, point);
+}
+
+/// The mode with the least limit of those that neither grow nor belong to an oscillation that does; nothing
+/// where none of them moves.
+/// @param growing  numbers of those that grow
+std::optional<std::size_t> limiting_beside_growth(const std::vector<ModeMargin>& modes,
+                                                  const std::vector<std::size_t>& growing) {
+  std::optional<std::size_t> limiting;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const Mode& mode = modes[i].mode;
+    const bool grows = std::ranges::any_of(
+        growing, [&](std::size_t k) { return k == i || (mode.rates && modes[k].mode.rates == mode.rates); });
+    if (grows || mode.lambda == 0.0) continue;
+    if (!limiting || modes[i].h_max < modes[*limiting].h_max) limiting = i;
+  }
+  return limiting;
 }
 
 /// From all modes, one by one.
@@ -283,14 +344,36 @@ void predict_by_modes(Prediction& row, const Method& method, const OperatingPoin
                                           : largest_stable_step(amplification, told);
   for (std::size_t i = 0; i < all.size(); ++i) row.modes.push_back({all[i], limit.of_modes[i], told[i]});
   if (limit.growing.empty()) return conclude(row, limit.h_max, all[limit.limiting], method, point);
-  if (!of_oscillations) return is_of_growing_model(row, all[fastest_of(limit.growing, lambda)], point);
-  std::vector<Complex> faster;
-  for (const MechanicalMode& oscillation : modes.spectrum.mechanical)
-    faster.push_back(eigenvalues_of(oscillation)[0]);
-  is_of_growing_model(row, growing_of(modes.spectrum.mechanical[fastest_of(limit.growing, faster)]), point);
+  std::vector<Complex> faster = lambda;
+  if (of_oscillations)
+    std::ranges::transform(modes.spectrum.mechanical, faster.begin(),
+                           [](const MechanicalMode& each) { return eigenvalues_of(each)[0]; });
+  const std::size_t at = fastest_of(limit.growing, faster);
+  const Mode fastest = of_oscillations ? growing_of(modes.spectrum.mechanical[at]) : all[at];
+  const std::optional<std::size_t> limiting = limiting_beside_growth(row.modes, limit.growing);
+  if (!limiting) return is_of_growing_model(row, fastest);
+  row.growing = fastest;
+  conclude(row, limit.of_modes[*limiting], all[*limiting], method, point);
 }
 
 }  // namespace
+
+std::string growth_in_words(const Mode& growing, const OperatingPoint& point) {
+  const Complex lambda = growing.lambda;
+  const std::string rate =
+      fmt::format("exp({:.4g} t), doubling in {:.4g} s", lambda.real(), std::numbers::ln2 / lambda.real());
+  if (point.is_body && point.at_equilibrium && lambda.imag() == 0)
+    return fmt::format(
+        "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
+        "{} whatever the step; take less load, `--along load` shows up to which share it does not",
+        rate);
+  return fmt::format(
+      "the model itself grows as {}{}: an eigenvalue has a positive real part, which no step changes; {}",
+      rate, point.kind == StateKind::matrices ? "" : " here",
+      point.kind == StateKind::matrices
+          ? "check whether the matrices are those of a stable state"
+          : "the limits that steps have are those along its motion, see `hmax stability predict --along motion`");
+}
 
 Prediction predict(const Method& method, const OperatingPoint& point, const ModeSet& modes) {
   Prediction row;
@@ -311,9 +394,9 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
   const std::optional<MotionMap>& motion = method.amplification->motion;
   if (modes.curve && method.needs_split && !is_all_stiff(point.model))
     row.note = without_common_modes;
-  else if (modes.curve && motion && !motion->lumped.empty() && modes.curve->beta != 0)
+  else if (modes.curve && motion && couples_modes(*motion, *point.model.mechanical))
     row.note =
-        "the method solves for a part of the damping alone, which couples the modes of this model; take "
+        "the method solves for the diagonal of the damping alone, which couples the modes of this model; take "
         "explicit_newmark, which solves for all of it, fewer degrees of freedom, or alpha in place of beta";
   else if (modes.curve)
     predict_on_curve(row, method, point, modes);
@@ -330,6 +413,11 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
     predict_in_range(row, method, point, modes);
   else
     predict_by_modes(row, method, point, modes);
+  if (row.growing) {
+    std::string words = growth_in_words(*row.growing, point);
+    if (row.h_max) words += other_modes;
+    row.note = words + (row.note.empty() ? "" : "; ") + row.note;
+  }
   return row;
 }
 

@@ -2,6 +2,8 @@
 /// amplification.
 #pragma once
 
+#include <string>
+
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/prediction.hpp"
 
@@ -13,5 +15,9 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
 inline Prediction predict(const Method& method, const Linearised& near) {
   return predict(method, near.point, near.modes);
 }
+
+/// What the model does by itself where one of its modes grows: how fast, in which time it doubles, and what
+/// to do.
+std::string growth_in_words(const Mode& growing, const OperatingPoint& point);
 
 }  // namespace hmax

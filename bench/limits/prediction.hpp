@@ -21,7 +21,7 @@ enum class Bound {
   stability,      ///< h_max is a number: beyond it a mode is amplified that the model damps or keeps
   accuracy,       ///< no step is unstable: what limits it is the error it makes
   newton,         ///< no step is unstable for the linearised model: Newton's method must still converge
-  model,          ///< the model itself grows here: no step makes it stable
+  model,          ///< every mode of the model itself grows here, or no limit of the others is known
   every_step,     ///< every step is unstable, however small
   error_control,  ///< the method chooses its steps as it runs
   unknown,        ///< the analysis does not cover the pair; `note` says why
@@ -60,12 +60,15 @@ struct Prediction {
   std::vector<std::pair<std::string, double>> parameters;
   Bound bound = Bound::unknown;
   std::optional<double> h_max;   ///< [s]; infinity for accuracy and newton; nothing where there is no answer
-  std::optional<Mode> limiting;  ///< the mode that sets it, or that grows
+  std::optional<Mode> limiting;  ///< the mode that sets it; for Bound::model the one that grows
+  /// The mode of the model itself that grows fastest; h_max is then the limit of the decaying and the neutral
+  /// modes.
+  std::optional<Mode> growing = {};
   /// Where h_max is a lower bound: from here on a mode is known to be unstable [s]; infinity if none is.
   std::optional<double> unstable_from = {};
   std::vector<ModeMargin> modes;  ///< every mode; conjugates once
   std::optional<CoupledLimit> coupled =
-      {};                       ///< where the steps couple the modes: they have one limit together
+      {};  ///< where the steps couple the modes: they have one limit together
   StateKind state_kind = StateKind::motion;
   std::string state;
   std::string note;

@@ -33,6 +33,8 @@ struct FarSteps {
 /// @param fastest  |lambda| of the fastest mode [1/s]
 FarSteps short_far_steps(double fastest);
 
+/// Whether the model itself grows so fast that runs show this in place of a limit.
+bool grows_in_runs(const Prediction& row);
 /// Whether runs of fixed steps can show what a row says.
 bool has_claim(const Prediction& row, const Method& method);
 

@@ -6,8 +6,10 @@
 #include <tuple>
 #include <utility>
 
-#include "bench/rows/model_digest.hpp"
+#include <fmt/format.h>
+
 #include "bench/models/tissue_problem.hpp"
+#include "bench/rows/model_digest.hpp"
 
 namespace hmax {
 
@@ -69,10 +71,11 @@ void add_path(LimitRow& row, const TrajectoryLimit& along, const std::string& no
   row.along_least = along.least;
   row.along_at = along.t_least;
   row.along_growing = along.growing;
-  const auto first = std::ranges::find_if(along.h_max, [](double h) { return std::isnan(h); });
-  if (along.growing > 0 && first != along.h_max.end())
-    row.along_grows_from = along.t[static_cast<std::size_t>(first - along.h_max.begin())];
+  row.along_grows_from = along.grows_from;
   row.path_note = note;
+  if (along.note.empty()) return;
+  row.path_note += fmt::format("{}{} the path no limit is known: {}", note.empty() ? "" : "; ",
+                               std::isnan(along.least) ? "along" : "on parts of", along.note);
 }
 
 void add_start(LimitRow& row, const StartLimit& limit) {
@@ -80,7 +83,8 @@ void add_start(LimitRow& row, const StartLimit& limit) {
   row.from_start_stride = limit.stride;
 }
 
-std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key, const WantedLimit& wanted) {
+std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key,
+                                    const WantedLimit& wanted) {
   std::vector<LimitRow> rows = store.limits_at(key);
   if (rows.empty()) return rows;
   const std::string own = fingerprint().program;
@@ -89,7 +93,8 @@ std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey&
     is_own[session.id] = own != "unknown" && session.fingerprint.program == own;
   std::erase_if(rows, [&](const LimitRow& row) {
     return !is_own[row.session] || (wanted.verified && row.verdict.empty()) ||
-           (wanted.from_start && std::isnan(row.from_start_stride)) || (wanted.details && row.details == "{}");
+           (wanted.from_start && std::isnan(row.from_start_stride)) ||
+           (wanted.details && row.details == "{}");
   });
   return rows;
 }

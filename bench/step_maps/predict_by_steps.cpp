@@ -112,7 +112,13 @@ Found found_limit(const Method& method, const Problem& problem, const Linearised
   // A model that grows does so with every method.
   found.row = predict(question.options ? method : find_method("linearly_implicit_euler"), near);
   found.row.method = method.id;
-  if (found.row.bound == Bound::model) return found;
+  if (found.row.growing) {
+    found.row.bound = Bound::model;
+    found.row.h_max.reset();
+    found.row.limiting = found.row.growing;
+    found.row.note = growth_in_words(*found.row.growing, near.point);
+    return found;
+  }
   const bool same = near.point.model.t == 0 && near.point.model.y == problem.y0;
   if (question.options) say(found.row, words_of_jacobian(options, same));
   const Eigen::Index n = near.point.model.y.size();

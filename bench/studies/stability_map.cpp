@@ -121,7 +121,7 @@ std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, con
     for (std::size_t i = 0; i < methods.size(); ++i) {
       const Prediction prediction = lost ? Prediction{} : predict(methods[i], near);
       maps[i].h_max[point] = prediction.h_max.value_or(nan);
-      if (!prediction.h_max) note(i, point, lost ? near.point.state : prediction.note);
+      if (!prediction.h_max || prediction.growing) note(i, point, lost ? near.point.state : prediction.note);
       note(i, point, near.point.missing);
     }
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bench/models/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
@@ -59,7 +60,13 @@ Json details_json(const Prediction& prediction) {
     mode["h_max"] = number_or_word(margin.h_max);
     modes.push_back(std::move(mode));
   }
-  return {{"modes", std::move(modes)}};
+  Json details{{"modes", std::move(modes)}};
+  if (prediction.growing) {
+    const Complex lambda = prediction.growing->lambda;
+    details["growth"] = {
+        {"re", lambda.real()}, {"im", lambda.imag()}, {"doubling_time", std::numbers::ln2 / lambda.real()}};
+  }
+  return details;
 }
 
 Json options_json(const std::optional<StepChoices>& options) {
@@ -94,25 +101,25 @@ Json to_json(const LimitRow& row, const std::string& state_status,
   for (const auto& [name, value] : parameters) values[name] = value;
   Json details = Json::parse(row.details);
   const bool seen = row.is_observed();
-  Json document{
-      {"problem", row.point.problem},
-      {"material", row.point.material},
-      {"method", id_in(row.method)},
-      {"h_max", number_or_word(row.h_max)},
-      {"h_unstable", number_or_word(row.h_unstable)},
-      {"bound", row.bound},
-      {"limiting", std::isnan(row.re)
-                       ? Json()
-                       : mode_json(row.re, row.im, row.omega, row.zeta, row.rate_fast, row.rate_slow)},
-      {"observed", number_or_word(row.observed)},
-      {"gap", number_or_null(row.gap)},
-      {"steps_used", seen ? Json(static_cast<std::int64_t>(row.steps_used)) : Json()},
-      {"agrees", seen ? Json(row.verdict == "confirmed") : Json()},
-      {"step_defect", seen ? number_or_word(row.step_defect) : Json()},
-      {"modes", std::move(details["modes"])},
-      {"state_kind", row.state_kind},
-      {"state", row.state},
-      {"parameters", std::move(values)}};
+  Json document{{"problem", row.point.problem},
+                {"material", row.point.material},
+                {"method", id_in(row.method)},
+                {"h_max", number_or_word(row.h_max)},
+                {"h_unstable", number_or_word(row.h_unstable)},
+                {"bound", row.bound},
+                {"limiting", std::isnan(row.re) ? Json()
+                                                : mode_json(row.re, row.im, row.omega, row.zeta,
+                                                            row.rate_fast, row.rate_slow)},
+                {"observed", number_or_word(row.observed)},
+                {"gap", number_or_null(row.gap)},
+                {"steps_used", seen ? Json(static_cast<std::int64_t>(row.steps_used)) : Json()},
+                {"agrees", seen ? Json(row.verdict == "confirmed") : Json()},
+                {"step_defect", seen ? number_or_word(row.step_defect) : Json()},
+                {"modes", std::move(details["modes"])},
+                {"state_kind", row.state_kind},
+                {"state", row.state},
+                {"parameters", std::move(values)}};
+  if (details.contains("growth")) document["growth"] = std::move(details["growth"]);
   if (details.contains("options")) document["options"] = std::move(details["options"]);
   if (!row.newton.empty())
     document["newton_step"] = {{"h", row.newton_h},

@@ -7,12 +7,14 @@
 #include <fmt/format.h>
 
 #include "analysis/step_limits/non_normality.hpp"
-#include "bench/rows/limit_rows.hpp"
 #include "bench/limits/predict.hpp"
+#include "bench/limits/problem_linearity.hpp"
 #include "bench/limits/verification.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
+#include "bench/models/support_advice.hpp"
 #include "bench/models/tissue_problem.hpp"
+#include "bench/rows/limit_rows.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/tool_report.hpp"
 #include "cli/stability/fastest_mode_words.hpp"
@@ -55,6 +57,7 @@ Json model_json(const Problem& problem, const Linearised& near) {
                 {"state", near.point.state},
                 {"state_kind", name_of(near.point.kind)},
                 {"at_equilibrium", near.point.at_equilibrium},
+                {"linearity", name_of(near.point.linearity)},
                 {"eigenvalues", std::move(eigenvalues)}};
   if (near.modes.curve)
     document["status"] = near.modes.slow_end
@@ -89,8 +92,11 @@ void leave_when_interrupted() {
 /// @throws Interrupted  after Ctrl-C
 Path path_of(const LimitQuestion& question, const Problem& problem, const Watcher& watcher) {
   if (question.path == "load") return load_path(problem, 40, watcher);
-  // Contact comes and goes faster than a body moves otherwise.
-  const int points = problem.body && problem.body->settings().tools.empty() ? 100 : 400;
+  // Contact comes and goes faster than a body moves otherwise; differences of many states take long.
+  constexpr double most_evaluations = 4e5;
+  const double states = static_cast<double>(problem.y0.size());
+  const int points = problem.body ? (problem.body->settings().tools.empty() ? 100 : 400)
+                                  : static_cast<int>(std::clamp(most_evaluations / states, 20.0, 400.0));
   return motion_path(problem, question.end_of(problem), points, watcher);
 }
 
@@ -103,11 +109,25 @@ std::string task_along(const LimitQuestion& question, const Problem& problem, st
                      question.path_by_default ? "; --along none goes without" : "");
 }
 
-/// Why the limits of one state do not tell of a motion.
+/// Why the limits of one state do not tell of a motion, or may not.
 std::string_view why_along(const Problem& problem) {
-  return problem.body                  ? "the load changes with time"
-         : is_matrices_id(problem.id) ? "the matrices change with time"
-                                      : "the model is not linear";
+  if (problem.body) return "the load changes with time";
+  if (is_matrices_id(problem.id)) return "the matrices change with time";
+  switch (linearity_of(problem)) {
+    case Linearity::time_varying:
+      return "the model changes with time";
+    case Linearity::nonlinear:
+      return "the model is not linear";
+    default:
+      return "whether the model is linear is not known from its right-hand side";
+  }
+}
+
+/// What the states of a motion show of a model that does not say whether it is linear; empty for others.
+std::string words_of_samples(const Problem& problem, const std::optional<bool>& constant) {
+  if (!constant || linearity_of(problem) != Linearity::unknown) return {};
+  return *constant ? "its Jacobian is the same at all states of the motion that were looked at\n"
+                   : "its Jacobian changes along the motion\n";
 }
 
 /// What is to be said where the motion that is looked at without being asked for has no limits.
@@ -124,8 +144,9 @@ std::string words_of_part(const Problem& problem, double t_end) {
 }
 
 /// What the limits of a model hold for, and where it was linearised.
+/// @param constant  whether the Jacobian is the same along the path; nothing where nobody looked
 std::string words_of_model(const LimitQuestion& question, const Problem& problem, const Linearised& near,
-                           bool has_path) {
+                           bool has_path, const std::optional<bool>& constant) {
   std::string words = fmt::format("{}: {}\n", problem.id, near.point.state);
   if (has_path && is_matrices_id(problem.id)) {
     if (!times_of_matrices(problem).empty())
@@ -145,6 +166,7 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
   else if (problem.body && !has_path && near.point.kind == StateKind::equilibrium &&
            near.point.model.y.norm() > 0 && !problem.body->settings().model.is_linear)
     words += "h_max holds for small motions about this state; for a sudden load add --along\n";
+  if (has_path) words += words_of_samples(problem, constant);
   if (has_path && question.path == "motion") {
     words += fmt::format("the motion: dormand_prince_54, {}\n", in_words(motion_tolerances));
     words += words_of_part(problem, question.end_of(problem));
@@ -153,6 +175,14 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
       tool && near.point.at_equilibrium)
     words += fmt::format("tool: {}\n", tool->words());
   return words;
+}
+
+/// Says what helps a body that has no equilibrium.
+void add_remedy(const Problem& problem, OperatingPoint& point) {
+  const std::string remedy = remedy_without_equilibrium(problem);
+  if (remedy.empty()) return;
+  point.status += "; " + remedy;
+  point.state += "; " + remedy;
 }
 
 void add_line(std::string& lines, const std::string& line) {
@@ -199,6 +229,12 @@ void PredictedRows::judge() const {
         return row.point.asked == "equilibrium" && row.state_kind == "rest";
       }))
     console_.exit_code = Exit::failed;
+  // Of a model that only grows no step is stable, here or on its path.
+  const bool only_grows = !rows_.empty() && std::ranges::all_of(rows_, [](const LimitRow& row) {
+    return row.bound == name_of(Bound::model) && std::isnan(row.h_max) && std::isnan(row.h_unstable) &&
+           std::isnan(row.along_least);
+  });
+  if (only_grows) console_.exit_code = Exit::failed;
   if (question_.verify) judge_runs(rows_, console_);
 }
 
@@ -222,11 +258,11 @@ OperatingPointKey PredictedRows::key_of(const Problem& problem) const {
 std::vector<LimitRow> PredictedRows::stored_rows(const OperatingPointKey& key) const {
   if (!store_ || !looks_up_) return {};
   std::vector<LimitRow> known = stored_limits(
-      *store_, key,
-      {.verified = question_.verify, .from_start = question_.runs_from_start, .details = true});
+      *store_, key, {.verified = question_.verify, .from_start = question_.runs_from_start, .details = true});
   // It may have been left unknown where nobody named the method.
   std::erase_if(known, [&](const LimitRow& row) {
-    return row.bound == name_of(Bound::unknown) && std::ranges::find(question_.named, row.method) != question_.named.end();
+    return row.bound == name_of(Bound::unknown) &&
+           std::ranges::find(question_.named, row.method) != question_.named.end();
   });
   return known;
 }
@@ -266,13 +302,17 @@ void PredictedRows::add(std::size_t which) {
 /// What is computed stays in `answer` also after Ctrl-C.
 void PredictedRows::compute(std::size_t which, const std::vector<Method>& methods, Answer& answer) {
   const Problem& problem = problems_[which];
+  constant_along_.reset();
   try {
     std::optional<Path> path = motion_of(problem, answer.point.remarks);
     const AskedState at = question_.at.of(problem);
     announce_equilibrium(console_, problem, at);
     const Linearised near = [&] {
       LinearisationProgress shown(*progress_);
-      return linearised(problem, at, shown.watcher());
+      Linearised found = linearised(problem, at, shown.watcher());
+      if (problem.body && at == AskedState::equilibrium && found.point.kind == StateKind::rest)
+        add_remedy(problem, found.point);
+      return found;
     }();
     predict_all(which, near, methods, answer.rows);
     for (LimitRow& row : answer.rows) row.point = answer.point.key;
@@ -329,14 +369,14 @@ std::string PredictedRows::name_of_row(const Method& method) const {
 /// One row, verified where that is asked for.
 Prediction PredictedRows::predicted(const Method& method, const Problem& problem, const OperatingPoint& point,
                                     const Linearised& near) const {
-  const StepQuestion by_steps{.options = options_of(method),
-                              .verified = question_.verify,
-                              .watch = [] { leave_when_interrupted(); }};
+  const StepQuestion by_steps{
+      .options = options_of(method), .verified = question_.verify, .watch = [] { leave_when_interrupted(); }};
   if (by_steps.options) return predict_by_steps(method, problem, near, by_steps);
   Prediction prediction = predict(method, point, near.modes);
   if (needs_step_map(method, prediction)) {
     if (question_.seeks_in_steps(method, problem)) return predict_by_steps(method, problem, near, by_steps);
-    prediction.note += fmt::format("; --methods {} computes its limit from its steps, which takes minutes", method.id);
+    prediction.note +=
+        fmt::format("; --methods {} computes its limit from its steps, which takes minutes", method.id);
   }
   if (prediction.bound == Bound::newton && method.bind)  // formulas step nothing
     prediction.newton_step = largest_newton_step(method, problem);
@@ -399,6 +439,7 @@ void PredictedRows::look_along(const Problem& problem, const Path& path, const s
   for (std::size_t i = 0; i < rows.size(); ++i) {
     rows[i].path_note = path.note;
     if (!limits[i]) continue;
+    constant_along_ = limits[i]->constant;
     add_path(rows[i], *limits[i], path.note);
     Json details = Json::parse(rows[i].details);
     details["along"] = path_json(*limits[i], rows[i], problem);
@@ -411,8 +452,7 @@ void PredictedRows::look_along(const Problem& problem, const Path& path, const s
     rows[i].from_start_stride = 0;
     if (!limits[i] || !(limits[i]->least > 0) || !std::isfinite(limits[i]->least)) continue;
     if (!size) size = size_of_motion(problem, t_end, watcher);
-    if (const auto limit =
-            limit_from_start(methods[i], problem, t_end, limits[i]->least, *size, watcher))
+    if (const auto limit = limit_from_start(methods[i], problem, t_end, limits[i]->least, *size, watcher))
       add_start(rows[i], *limit);
   }
 }
@@ -424,7 +464,7 @@ void PredictedRows::tell_of_state(std::size_t which, const Linearised& near, boo
   if (near.point.at_equilibrium)
     add_line(point.remarks, warning_of_tool(problem, near.point.model.t, near.point.model.y));
   if (has_moving_load(problem)) add_line(point.remarks, point.status);
-  point.words = words_of_model(question_, problem, near, along);
+  point.words = words_of_model(question_, problem, near, along, constant_along_);
   if (console_.json || store_) point.document = model_json(problem, near).dump();
   if (problem.body && (store_ || (which == 0 && !console_.json)))
     point.body_words = body_in_words(problem) + "\n" + fastest_mode_in_words(problem, near);

@@ -50,8 +50,8 @@ class PredictedRows {
   /// Every problem with every method; ends early when the user interrupts, with what is finished.
   void compute();
 
-  /// Sets the exit code: fails where there is no equilibrium though it was asked for, where runs contradict a row,
-  /// and where --verify has nothing to show for any.
+  /// Sets the exit code: fails where there is no equilibrium though it was asked for, where every row is of a model that
+  /// only grows, where runs contradict a row, and where --verify has nothing to show for any.
   void judge() const;
 
   [[nodiscard]] const std::vector<LimitRow>& rows() const { return rows_; }
@@ -102,6 +102,7 @@ class PredictedRows {
   std::vector<std::size_t> row_problems_;  ///< of each row, its index in problems_
   std::vector<OperatingPointRow> points_;  ///< one a problem
   std::size_t looked_up_ = 0;
+  std::optional<bool> constant_along_ = {};  ///< whether the Jacobian of the last problem is the same along its path
 };
 
 }  // namespace hmax

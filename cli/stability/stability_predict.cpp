@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/limits/problem_linearity.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
@@ -57,14 +58,15 @@ std::optional<StepChoices> step_options(const PredictOptions& options, const std
   return chosen;
 }
 
-/// Whether the limits of one state do not tell of the motion.
+/// Whether the limits of one state do not tell of the motion, or nobody knows that they do.
 bool changes_along_motion(const Problem& problem) {
   if (problem.body) return has_moving_load(problem);
-  return !times_of_matrices(problem).empty() || is_nonlinear(problem);
+  return linearity_of(problem) != Linearity::linear;
 }
 
 /// The question with what --along stands for: loads of bodies and matrices that change with time, and other models
-/// that are not linear, are looked at along the motion unless the user asks for the state at rest, or for no path.
+/// that are not known to be linear, are looked at along the motion unless the user asks for the state at rest, or for
+/// no path.
 LimitQuestion question_of(const PredictOptions& options, const Problem& problem) {
   LimitQuestion question{
       .at = options.at, .verify = options.verify, .path = options.along, .t_end = options.t_end};
@@ -236,7 +238,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
           "Also the smallest limit along the motion from the initial state, at " +
               in_words(motion_tolerances) +
               " (with --verify also the largest step that stays near it), or of a body while its load grows; "
-              "motion for nonlinear models, and matrices and loads that change with time, else none, by default",
+              "motion for models that are not known to be linear and for loads that change with time, else none, by default",
           "motion|load|none"),
       std::string(path_names[0]));
   add_number(

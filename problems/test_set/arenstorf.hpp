@@ -58,6 +58,7 @@ class Arenstorf {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 4; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"q1", "q2", "v1", "v2"}; }
   [[nodiscard]] static State y0() {
     return Eigen::Vector4d(0.994, 0, 0, -2.00158510637908252240537862224).template cast<Real>();

@@ -61,6 +61,7 @@ class Brusselator {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] Eigen::Index dim() const { return 2 * n_; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] std::vector<std::string> states() const {
     std::vector<std::string> names;
     for (Eigen::Index i = 1; i <= n_; ++i) {

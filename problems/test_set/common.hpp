@@ -20,6 +20,7 @@
 #include <Eigen/SparseCore>
 
 #include "problems/digits.hpp"
+#include "problems/linearity.hpp"
 
 namespace hmax {
 

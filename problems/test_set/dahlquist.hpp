@@ -36,6 +36,7 @@ class Dahlquist {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 1; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::linear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"y"}; }
   [[nodiscard]] static State y0() { return State(Real(1)); }
 

@@ -45,6 +45,7 @@ class Hires {
 
   [[nodiscard]] static Parameters parameters() noexcept { return {}; }
   static constexpr Eigen::Index dim() { return 8; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() {
     return {"y1", "y2", "y3", "y4", "y5", "y6", "y7", "y8"};
   }

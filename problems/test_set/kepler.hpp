@@ -49,6 +49,7 @@ class Kepler {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 4; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"q1", "q2", "v1", "v2"}; }
   [[nodiscard]] State y0() const {
     const double e = parameters_.e;

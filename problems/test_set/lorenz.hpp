@@ -49,6 +49,7 @@ class Lorenz {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 3; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"x", "y", "z"}; }
   [[nodiscard]] static State y0() { return {Real(0), Real(1), Real(0)}; }
 

@@ -52,6 +52,7 @@ class Oregonator {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 3; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"y1", "y2", "y3"}; }
   [[nodiscard]] static State y0() { return {Real(1), Real(2), Real(3)}; }
 

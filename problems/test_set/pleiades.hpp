@@ -46,6 +46,7 @@ class Pleiades {
 
   [[nodiscard]] static Parameters parameters() noexcept { return {}; }
   static constexpr Eigen::Index dim() { return 4 * bodies; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() {
     std::vector<std::string> names;
     for (const char* stem : {"x", "y", "vx", "vy"}) detail::append_numbered(names, stem, bodies);

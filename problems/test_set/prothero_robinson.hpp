@@ -39,6 +39,7 @@ class ProtheroRobinson {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 1; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::linear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"y"}; }
   [[nodiscard]] static State y0() { return State(Real(1)); }
 

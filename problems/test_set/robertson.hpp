@@ -52,6 +52,7 @@ class Robertson {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 3; }
+  [[nodiscard]] static constexpr Linearity linearity() { return Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"A", "B", "C"}; }
   [[nodiscard]] static State y0() { return {Real(1), Real(0), Real(0)}; }
 

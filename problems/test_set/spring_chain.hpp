@@ -72,6 +72,7 @@ class SpringChain {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] Eigen::Index dim() const { return 2 * n_; }
+  [[nodiscard]] Linearity linearity() const { return k3_ == 0 ? Linearity::linear : Linearity::nonlinear; }
   [[nodiscard]] std::vector<std::string> states() const {
     std::vector<std::string> names;
     detail::append_numbered(names, "q", n_);

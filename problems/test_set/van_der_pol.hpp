@@ -41,6 +41,7 @@ class VanDerPol {
 
   [[nodiscard]] const Parameters& parameters() const noexcept { return parameters_; }
   static constexpr Eigen::Index dim() { return 2; }
+  [[nodiscard]] Linearity linearity() const { return mu_ == 0 ? Linearity::linear : Linearity::nonlinear; }
   [[nodiscard]] static std::vector<std::string> states() { return {"x", "v"}; }
   [[nodiscard]] static State y0() { return {Real(2), Real(0)}; }
 

@@ -76,7 +76,7 @@ class Limit:
     h_max: float
     """[s]; inf: no step is unstable; 0: every step is unstable; nan: there is no limit, as `bound` and `status` say."""
     bound: str
-    """"stability", "accuracy" or "newton" (no step is unstable), "every_step", "model" (the model itself grows),
+    """"stability", "accuracy" or "newton" (no step is unstable), "every_step", "model" (every mode grows),
     "error_control" or "unknown"."""
     omega: Optional[float]
     """Natural frequency of the mode that sets the limit [rad/s]; None where it has none."""

@@ -38,6 +38,27 @@ TEST(ObservedLimit, SaysThatNothingEverGrowsOrEverythingDoes) {
   EXPECT_EQ(observe_limit(powers([](double) { return 1.01; }), size, 2, some).h, 0);
 }
 
+TEST(ObservedLimit, TakesNoMoreStepsThanGrowthNeedsToOvertakeWhatFadesSlowly) {
+  // Beyond h = 2 a motion grows as the square root of the distance, from exp(-30) beside one that loses 0.25
+  // % a step: to wait until exp(-37) is left of that would take 59,000 steps.
+  const auto growth = [](double h) { return h < 2 ? -1e-3 : 2 * std::sqrt(h / 2 - 1); };
+  const ShowSteps run = [&](double h, std::int64_t steps, const auto& show) {
+    for (std::int64_t n = 0; n <= steps; ++n) {
+      const double k = static_cast<double>(n);
+      show(Eigen::VectorXd::Constant(1, std::exp(growth(h) * k - 30) + std::exp(-0.0025 * k)));
+    }
+    return true;
+  };
+  const ExpectedGrowth expected{.above = growth(2.002), .close = growth(2 * 1.00008), .beside = -0.0025};
+  EXPECT_LT(steps_to_see(expected), 2100);
+  EXPECT_GE(steps_to_see({.above = growth(2.002), .close = 0, .beside = -0.0025}), 7000)
+      << "without its slope at the limit";
+  const ObservedLimit limit = observe_limit(run, size, 2, expected);
+  EXPECT_TRUE(limit.below_decays && limit.above_grows);
+  EXPECT_LT(limit.steps, 2100);
+  EXPECT_NEAR(limit.h, 2, 2e-4);
+}
+
 TEST(ObservedGrowth, CountsARunThatBreaksDownAsGrowth) {
   const ShowSteps stops = [](double, std::int64_t, const auto& show) {
     show(Eigen::VectorXd::Ones(1));
@@ -130,7 +151,8 @@ TEST(GrowthOfRecurrence, TellsBothSidesOfALimitInADozenSteps) {
     EXPECT_NEAR(*growth, 2 * std::acosh(h / 2), 1e-6) << h;
   }
   // A degree too many leaves a root that nothing is seen of.
-  EXPECT_NEAR(growth_of_recurrence(symplectic_steps, first_of_two, 3, 2.01, 18).value(), 2 * std::acosh(1.005), 1e-6);
+  EXPECT_NEAR(growth_of_recurrence(symplectic_steps, first_of_two, 3, 2.01, 18).value(),
+              2 * std::acosh(1.005), 1e-6);
 }
 
 TEST(GrowthOfRecurrence, SaysNothingOfWhatObeysNone) {

@@ -1,0 +1,104 @@
+/// What `hmax stability predict` says of models whose Jacobian changes where it is not looked for at first.
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::json;
+
+/// The row of a method on x' = v, v' = acceleration.
+Json row_of(const std::string& acceleration, double t_end, const std::string& initial,
+            const std::string& options = "--methods rk4") {
+  const Shell shell;
+  std::ofstream(shell / "own.toml") << fmt::format(
+      "[problem]\nt_end = {}\n[equations]\nx = \"v\"\nv = \"{}\"\n[initial]\n{}\n", t_end, acceleration,
+      initial);
+  const Told told = shell.hmax("stability predict --problem own.toml --json " + options);
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  return told.json().at("rows").at(0);
+}
+
+double least_of(const Json& row) {
+  return row.contains("along") ? row.at("along").at("h_min").get<double>() : 0;
+}
+
+// |R(h lambda)| = 1 with R = 1 + z + z^2/2 + z^3/6 + z^4/24 and lambda^2 + c lambda + k = 0, by bisection.
+TEST(PredictAlongMotions, FindsTheSmallestLimitWithoutBeingAsked) {
+  EXPECT_NEAR(least_of(row_of("-9.81 + (x < 0 ? -1e6*x - 10*v : 0)", 2, "x = 1\nv = 0")), 0.002838771, 1e-8);
+  EXPECT_NEAR(least_of(row_of("-(t < 1 ? 1 : 10000)*x - 0.02*v", 2, "x = 1\nv = 0")), 0.0282863951, 1e-7);
+  EXPECT_NEAR(least_of(row_of("-1000*(1 + 0.9*sin(t))*x - 0.1*v", 20, "x = 1\nv = 0")), 0.0649441457, 2e-5);
+  EXPECT_NEAR(least_of(row_of("-x - x*x*x/1e12", 10, "x = 1e8\nv = 0")), std::sqrt(8 / (1 + 3e4)), 1e-7);
+}
+
+TEST(PredictAlongMotions, LooksAlongThePendulumAndNotAlongALinearModel) {
+  EXPECT_TRUE(row_of("-9.81*sin(x) - 0.1*v", 10, "x = -0.5\nv = 0").contains("along"));
+  const Shell shell;
+  EXPECT_FALSE(shell.hmax("stability predict --problem liver_linear --methods rk4 --json")
+                   .json()
+                   .at("rows")
+                   .at(0)
+                   .contains("along"));
+  // y0 and y0 + 1 have one Jacobian: x^2 is 1/4 at both.
+  const auto least = [&](const char* y0) {
+    const Json row =
+        shell
+            .hmax(fmt::format(
+                "stability predict --problem liver_cubic --set k3=800 --y0 {} --methods rk4 --json", y0))
+            .json()
+            .at("rows")
+            .at(0);
+    return row.at("along").at("h_min").get<double>();
+  };
+  EXPECT_NEAR(least("-0.5,0"), least("0.5,0"), 1e-9);
+  EXPECT_NEAR(least("-0.5,0"), 0.1419, 5e-5);
+}
+
+TEST(PredictOfMatrices, TakesNegativeStiffnessWithinTheirDigitsForARigidMotion) {
+  const Shell shell;
+  std::ofstream(shell / "K.mtx")
+      << "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 0.33333333\n2 1 -0.33333333\n"
+         "2 2 0.66666665\n3 2 -0.33333333\n3 3 0.33333333\n";
+  std::ofstream(shell / "M.mtx") << "%%MatrixMarket matrix array real general\n3 1\n1\n1\n1\n";
+  const Told told =
+      shell.hmax("stability predict --matrices stiffness=K.mtx,mass=M.mtx --methods rk4 --verify --json");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  const Json row = told.json().at("rows").at(0);
+  EXPECT_NEAR(row.at("h_max").get<double>(), 2.8284271, 1e-6);
+  EXPECT_EQ(row.at("agrees"), true) << row;
+  EXPECT_FALSE(row.contains("growth"));
+  EXPECT_EQ(told.err.find("negative stiffness"), std::string::npos) << told.err;
+}
+
+TEST(PredictOfMatrices, SaysHowFastAModelGrowsBesideTheLimitOfTheOthers) {
+  const Shell shell;
+  std::ofstream(shell / "J.mtx")
+      << "%%MatrixMarket matrix coordinate real general\n3 3 3\n1 1 0.001\n2 2 -14000\n3 3 -1\n";
+  const Told told = shell.hmax("stability predict --matrices jacobian=J.mtx --methods rk4 --json");
+  EXPECT_EQ(told.exit_code, 0);
+  const Json row = told.json().at("rows").at(0);
+  EXPECT_NEAR(row.at("h_max").get<double>(), 2.785293563 / 14000, 1e-11);
+  EXPECT_NEAR(row.at("growth").at("doubling_time").get<double>(), 693.147, 1e-2);
+  EXPECT_NE(
+      shell.hmax("stability predict --matrices jacobian=J.mtx --methods rk4").out.find("doubling in 693.1 s"),
+      std::string::npos);
+}
+
+TEST(PredictOfBodies, CentralDifferenceHasALimitAlongTheMotionWithMassDamping) {
+  // Damping alpha M is diagonal: nothing is taken apart, and Newmark's form of the same method has the same
+  // limit.
+  const Told told = Shell{}.hmax(
+      "stability predict --mesh cube:n=4 --methods central_difference,explicit_newmark --alpha 5 --along motion --t-end 0.02 --json");
+  const Json rows = told.json().at("rows");
+  const double central = least_of(rows.at(0)), newmark = least_of(rows.at(1));
+  EXPECT_GT(central, 0);
+  EXPECT_NEAR(central, newmark, 1e-6 * newmark);
+}
+
+}  // namespace
+}  // namespace hmax
