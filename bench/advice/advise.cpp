@@ -86,8 +86,7 @@ class StepSearch {
     AdviceBound cause = steps > 1 ? AdviceBound::stability : AdviceBound::rate;
     std::int64_t failed = steps - 1;  // the most steps that do not suffice
     for (;; steps *= 2) {
-      if (steps > most_steps)
-        return fail(row, fmt::format("a stable step would be less than 1/{} of a frame", most_steps));
+      if (steps > most_steps) return give_up(row, first);
       const MotionRun run = run_at(row, steps);
       if (suffices(run)) break;
       cause = cause_of(run);
@@ -176,6 +175,15 @@ class StepSearch {
     row.bound = AdviceBound::budget;
   }
 
+  /// Without a step that is long enough: no run was stable, or none was made.
+  static void give_up(AdviceRow& row, std::int64_t first) {
+    if (first <= most_steps)
+      return fail(row, fmt::format("a stable step would be less than 1/{} of a frame", most_steps));
+    row.verdict = AdviceVerdict::too_slow;
+    row.bound = AdviceBound::stability;
+    row.status = fmt::format("its limit, {:.3g} s, lies below the smallest step that is tried, 1/{} of a frame", row.h_max, most_steps);
+  }
+
   static void fail(AdviceRow& row, const std::string& why) {
     row.verdict = AdviceVerdict::unstable;
     row.bound = AdviceBound::stability;
@@ -234,6 +242,7 @@ AdviceRow searched_row(const Candidate& candidate, std::size_t i, const AdviceQu
   AdviceRow row;
   row.candidate = candidate;
   row.h_max = model.limits[i].h_max;
+  row.h_max_of_start = model.limits[i].of_start;
   reset_peak_memory();
   StepSearch(question, model, watcher)(row);
   row.memory = peak_memory();

@@ -60,6 +60,7 @@ struct AdviceRow {
   std::int64_t steps_per_frame = 0;   ///< a frame is a whole number of steps
   std::int64_t least_steps = 0;       ///< the fewest of them that were seen to suffice
   double h_max = none;                ///< predicted, the least along the motion [s]; infinity: no step is unstable
+  bool h_max_of_start = false;        ///< that of the start alone: none is known along the motion
   double h_max_observed = none;       ///< on the motion, to 0.25 % [s], of rows that suit; else NaN
   double h_accurate = none;           ///< the longest step tried that meets the tolerance [s]
   AdviceBound bound = AdviceBound::rate;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/limits/steps/linearly_implicit.hpp"
@@ -33,8 +35,8 @@ Path thinned(const Path& path, std::size_t most) {
   return few;
 }
 
-/// The states at which limits are looked for: of bodies and of large problems ten of the reference, of small ones four
-/// hundred of the motion, which may be fast between two instants of the reference.
+/// The states at which limits are looked for: of bodies and of large problems ten of the reference, of small
+/// ones four hundred of the motion, which may be fast between two instants of the reference.
 Path path_of(const AnalysedModel& model, const Watcher& watcher) {
   const Problem& problem = model.motion.problem;
   const ReferenceMotion& reference = model.reference;
@@ -67,8 +69,8 @@ StepChoices choices_of(const Candidate& candidate) {
 
 /// The least limit of the maps of steps at all places; NaN where none has one.
 /// @param at_start  that of the method itself there
-CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& at_start, const AnalysedModel& model,
-                              const Watcher& watcher) {
+CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& at_start,
+                              const AnalysedModel& model, const Watcher& watcher) {
   StepQuestion question{.options = std::nullopt, .watch = watcher};
   if (takes_step_options(candidate.method)) question.options = choices_of(candidate);
   CandidateLimit limit;
@@ -88,23 +90,28 @@ CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& 
   return limit;
 }
 
-/// The limit of the largest bodies where the Jacobian is that of the start, as of an undamped spring that stiffens as
-/// much as the motion makes the fastest mode stiffen.
+/// The limit of the largest bodies where the Jacobian is that of the start, as of an undamped spring that
+/// stiffens as much as the motion makes the fastest mode stiffen.
 CandidateLimit limit_of_frozen_spring(const Candidate& candidate, const AnalysedModel& model) {
   const auto method = linearly_implicit_method(candidate.method.id);
   if (!method) return {};
   const double exit = frozen_spring_exit(*method, model.stiffened);
-  return {.h_max = std::isinf(exit) ? infinity : model.fastest > 0 ? exit / model.fastest : unknown, .status = {}};
+  return {.h_max = std::isinf(exit)    ? infinity
+                   : model.fastest > 0 ? exit / model.fastest
+                                       : unknown,
+          .status = {}};
 }
 
 /// @param at_start, along  of the method as it is: at the start, and the least of all places
-CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& at_start, const CandidateLimit& along,
-                        const AnalysedModel& model, const Watcher& watcher) {
+CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& at_start,
+                        const CandidateLimit& along, const AnalysedModel& model, const Watcher& watcher) {
   const bool is_of_modes = !is_frozen(candidate) && !is_truncated(candidate) &&
                            !(candidate.method.needs_split && std::isnan(along.h_max));
   if (is_of_modes) return along;
-  if (model.motion.problem.y0.size() <= most_states_stepped) return limit_by_steps(candidate, at_start, model, watcher);
-  return is_frozen(candidate) && !is_truncated(candidate) ? limit_of_frozen_spring(candidate, model) : CandidateLimit{};
+  if (model.motion.problem.y0.size() <= most_states_stepped)
+    return limit_by_steps(candidate, at_start, model, watcher);
+  return is_frozen(candidate) && !is_truncated(candidate) ? limit_of_frozen_spring(candidate, model)
+                                                          : CandidateLimit{};
 }
 
 /// Where the maps of steps are looked at besides the start: of a body where it is stiffest.
@@ -118,8 +125,10 @@ std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
       places.push_back(linearised(problem, central->t_least, central->y_least));
   } else if (problem.y0.size() <= small) {
     const Path few = thinned(path, 10);
-    for (std::size_t i = 1; i < few.at.size(); ++i) places.push_back(linearised(problem, few.at[i], few.y[i]));
-    if (central && central->y_least.size() > 0) places.push_back(linearised(problem, central->t_least, central->y_least));
+    for (std::size_t i = 1; i < few.at.size(); ++i)
+      places.push_back(linearised(problem, few.at[i], few.y[i]));
+    if (central && central->y_least.size() > 0)
+      places.push_back(linearised(problem, central->t_least, central->y_least));
   }
   return places;
 }
@@ -141,16 +150,23 @@ void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, con
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (progress) progress(i);
     const Prediction start = predict(all[i].method, model.near);
-    CandidateLimit of_modes{.h_max = lesser(start.h_max.value_or(unknown), along[i] ? along[i]->least : unknown),
-                            .status = {}};
+    CandidateLimit of_modes{
+        .h_max = lesser(start.h_max.value_or(unknown), along[i] ? along[i]->least : unknown), .status = {}};
     if (std::isnan(of_modes.h_max)) of_modes.status = start.note;
-    model.limits.push_back(limit_of(all[i], {start.h_max.value_or(unknown), start.note}, of_modes, model, watcher));
+    of_modes.of_start = start.h_max && !(along[i] && !std::isnan(along[i]->least));
+    if (of_modes.of_start)
+      of_modes.status =
+          fmt::format("h_max is that of the start; along the motion no limit is known{}{}",
+                      along[i] && !along[i]->note.empty() ? ": " : "", along[i] ? along[i]->note : "");
+    model.limits.push_back(
+        limit_of(all[i], {start.h_max.value_or(unknown), start.note}, of_modes, model, watcher));
   }
 }
 
 double stiffening_margin(const Candidate& candidate, double h_max, const AnalysedModel& model, double h,
                          const Watcher& watcher) {
-  if (!(h > 0) || is_truncated(candidate) || candidate.jacobian.every > 1 || candidate.method.needs_split) return unknown;
+  if (!(h > 0) || is_truncated(candidate) || candidate.jacobian.every > 1 || candidate.method.needs_split)
+    return unknown;
   if (!is_frozen(candidate)) return std::isfinite(h_max) ? std::pow(h_max / h, 2) : h_max;
   const Problem& problem = model.motion.problem;
   if (problem.y0.size() <= most_states_stepped && takes_step_options(candidate.method)) {

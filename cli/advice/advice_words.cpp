@@ -57,7 +57,8 @@ std::string words_of_limit(const AdviceRow& row) {
   if (std::isnan(row.h_max)) return "no limit is predicted; stable in the run";
   const std::string seen = std::isnan(row.h_max_observed) ? "growth just beyond it is too slow to be observed"
                                                           : milliseconds(row.h_max_observed) + " ms observed";
-  return fmt::format("h_max {} ms predicted, the smallest along the motion; {}", milliseconds(row.h_max, 4),
+  return fmt::format("h_max {} ms predicted, {}; {}", milliseconds(row.h_max, 4),
+                     row.h_max_of_start ? "that of the start: along the motion none is known" : "the smallest along the motion",
                      seen);
 }
 
