@@ -1,6 +1,7 @@
 #include "bench/models/body_summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -56,7 +57,26 @@ void judge_loads(const BodySummary& summary, std::vector<std::string>& sentences
     too_much("force", summary.force, "N", crushing, "E times the square of its longest side");
 }
 
+void judge_added_mass(const BodySummary& summary, std::vector<std::string>& sentences) {
+  const double share = summary.added_mass / summary.mass;
+  if (share > usual_added_mass)
+    sentences.push_back(fmt::format(
+        "mass_step adds {} kg to a body of {} kg ({:.3g} %), and frequencies of slow modes fall by up to {:.2g} %; take a smaller "
+        "mass_step, or an implicit method",
+        rounded(summary.added_mass), rounded(summary.mass), 100 * share, 100 * slowed_by(share)));
+}
+
+void judge_locking(const BodySummary& summary, std::vector<std::string>& sentences) {
+  if (summary.of_elements && summary.poisson[1] >= locking_from)
+    sentences.push_back(fmt::format(
+        "nu is {}, and linear tetrahedra lock from {} on: they are too stiff by volumetric locking; take nu 0.45, "
+        "or compare with a finer mesh",
+        rounded(summary.poisson[1]), rounded(locking_from)));
+}
+
 }  // namespace
+
+double slowed_by(double added_share) { return 1 - 1 / std::sqrt(1 + added_share); }
 
 BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   const auto region_count = [](const TetMesh& of) {
@@ -89,7 +109,8 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   for (const PressingForce& load : settings.forces)
     summary.force = std::max(summary.force, load.force.norm());
   if (settings.skin.kind != SkinSettings::Kind::none) summary.skin = settings.skin.young;
-  if (settings.model.is_of_springs()) summary.poisson.fill(poisson_of_springs);
+  summary.of_elements = !settings.model.is_of_springs();
+  if (!summary.of_elements) summary.poisson.fill(poisson_of_springs);
   double volume = 0, mass = 0;
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
     const double of_tetrahedron = signed_volume(corners_of(mesh, t));
@@ -113,9 +134,10 @@ BodySummary summary_of(const TissueBody& body) {
 
 std::string in_words(const BodySummary& summary) {
   const Eigen::Vector3d mm = 1000 * summary.size;
-  const std::string added = summary.heavier > 0 ? fmt::format("; mass_step adds {} kg to {} of them",
-                                                              rounded(summary.added_mass), summary.heavier)
-                                                : "";
+  const std::string added = summary.heavier > 0
+                                ? fmt::format("; mass_step adds {} kg to {} of them, {:.3g} % of the mass", rounded(summary.added_mass),
+                                              summary.heavier, 100 * summary.added_mass / summary.mass)
+                                : "";
   return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} points held{}",
                      rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
                      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "",
@@ -134,6 +156,8 @@ std::vector<std::string> unusual_values(const BodySummary& summary) {
   judge(usual_size, summary.size.maxCoeff(), sentences);
   if (const double g = summary.gravity.norm(); g > 0) judge(usual_gravity, g, sentences);
   judge_loads(summary, sentences);
+  judge_added_mass(summary, sentences);
+  judge_locking(summary, sentences);
   return sentences;
 }
 

@@ -66,8 +66,8 @@ Lame lame(double young, double poisson) {
                                 " Pa but must be positive and finite");
   if (!(poisson > -1 && poisson < 0.5))
     throw std::invalid_argument("Poisson's ratio is " + shortest_digits(poisson) +
-                                " but must lie above -1 and below 0.5; tissue that keeps its volume has 0.45 "
-                                "to 0.499");
+                                " but must lie above -1 and below 0.5; take 0.45 for tissue that keeps its "
+                                "volume, since linear tetrahedra lock near 0.5");
   return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
 }
 

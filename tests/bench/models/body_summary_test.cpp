@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/models/body_balance.hpp"
 
 namespace hmax {
 namespace {
@@ -62,6 +63,41 @@ TEST(BodySummary, SlipsInUnitsAreUnusual) {
   const auto heavy = unusual_values(made("fem_green@cube:n=2", {{"mass", 1000}}));
   ASSERT_EQ(heavy.size(), 1U);
   EXPECT_NE(heavy.front().find("--unit"), std::string::npos) << heavy.front();
+}
+
+TEST(BodySummary, WarnsWhereMassScalingMakesAnotherBody) {
+  const auto told = [](double step) {
+    return unusual_values(made("fem_green@cube:n=2", {{"mass_step", step}}));
+  };
+  const BodySummary heavy = made("fem_green@cube:n=2", {{"mass_step", 0.05}});
+  const double share = heavy.added_mass / heavy.mass;
+  ASSERT_GT(share, 1) << "more is added than there was";
+  ASSERT_EQ(told(0.05).size(), 1U);
+  EXPECT_NE(told(0.05)[0].find("mass_step adds "), std::string::npos) << told(0.05)[0];
+  EXPECT_NE(told(0.05)[0].find("to a body of 1.06 kg"), std::string::npos) << told(0.05)[0];
+  EXPECT_TRUE(told(1e-4).empty()) << "nothing is added";
+  // Four times the mass: half the frequency.
+  EXPECT_NEAR(slowed_by(3), 0.5, 1e-15);
+}
+
+/// The tip of a cantilever under its weight sags by rho g L^4 / (8 E I), whatever nu is.
+TEST(BodySummary, WarnsOfLockingWhereLinearTetrahedraLoseAQuarterOfTheSag) {
+  EXPECT_TRUE(unusual_values(made("fem_green@beam:n=2", {{"nu", 0.45}})).empty());
+  EXPECT_TRUE(unusual_values(made("mass_spring@beam:n=2")).empty());
+  for (const double nu : {0.48, 0.499}) {
+    const auto told = unusual_values(made("fem_green@beam:n=2", {{"nu", nu}}));
+    ASSERT_EQ(told.size(), 1U) << nu;
+    EXPECT_NE(told[0].find("volumetric locking"), std::string::npos) << told[0];
+  }
+  const auto sag = [](double nu) {
+    ProblemSettings settings;
+    settings.parameters = {{"nu", nu}, {"g", 0.3}};
+    const Problem problem = make_problem("fem_cauchy@beam:n=8", settings);
+    return largest_displacement(found_equilibrium(problem, 1, {}, [] { return 0.0; }).q);
+  };
+  const double soft = sag(0.3);
+  EXPECT_LT(sag(locking_from) / soft, 0.76);
+  EXPECT_GT(sag(0.45) / soft, 0.85);
 }
 
 }  // namespace
