@@ -11,6 +11,7 @@
 #include "bench/catalogue/kept_sink.hpp"
 #include "bench/limits/trajectory_limit.hpp"
 #include "bench/models/body_balance.hpp"
+#include "bench/models/inversion.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
@@ -205,14 +206,27 @@ bool stopped_by_limit(const RunRecord& record, const RunSpec& spec) {
   return spec.newton.iterations > 0 && record.note == to_string(NewtonEnd::too_slow);
 }
 
+/// What to do where a fixed step fails: a body that collapses under its load does so at every step.
+std::string remedy_of_step(const Problem& problem, const RunRecord& record, const RunSpec& spec) {
+  constexpr double nearly_flat = 0.1;  // of the volume at rest
+  const auto crushed = inversion_at(problem, record.t_state, record.y, nearly_flat);
+  const bool is_old = spec.jacobian.every != JacobianUpdate::automatic && spec.jacobian.every != 1;
+  return fmt::format(
+      "{}take a smaller step{}",
+      crushed ? in_words(*crushed) + "; `hmax static` shows whether the load causes this, otherwise " : "",
+      is_old ? fmt::format(
+                   ", or --jacobian exact, which tells whether the Jacobian of --jacobian {} is the cause",
+                   to_string(spec.jacobian))
+             : "");
+}
+
 /// Why the equations of a fixed step were not solved, and what to do about it.
-std::string unsolved_in_words(const RunRecord& record, const RunSpec& spec) {
+std::string unsolved_in_words(const Problem& problem, const RunRecord& record, const RunSpec& spec) {
   if (stopped_by_limit(record, spec))
     return fmt::format("Newton's method has not converged within {} iteration{}; raise --newton-iterations",
                        spec.newton.iterations, spec.newton.iterations == 1 ? "" : "s");
-  return fmt::format("{}; take a smaller step{}",
-                     record.note.empty() ? "the equations of a step are not solved" : record.note,
-                     spec.jacobian.every == JacobianUpdate::automatic ? "" : " or --jacobian auto");
+  return fmt::format("{}; {}", record.note.empty() ? "the equations of a step are not solved" : record.note,
+                     remedy_of_step(problem, record, spec));
 }
 
 /// What stops an adaptive run where the right-hand side jumps at a time that the model does not name.
@@ -224,7 +238,7 @@ std::string jump_in_words(const RunRecord& record) {
 }
 
 /// What happened, and what to do about it when the end was not reached.
-std::string in_words(const RunRecord& record, const RunSpec& spec) {
+std::string in_words(const Problem& problem, const RunRecord& record, const RunSpec& spec) {
   const std::string at = fmt::format("t = {} s{}", short_number(record.t, 10),
                                      record.note.empty() ? "" : fmt::format(" ({})", record.note));
   if (record.note == jump_note) return jump_in_words(record);
@@ -236,7 +250,7 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
     case Outcome::diverged:
       return "diverged at " + at +
              (spec.adaptive ? "; the solution may have no bound, or the tolerances are too loose for it"
-                            : "; take a smaller step");
+                            : "; " + remedy_of_step(problem, record, spec));
     case Outcome::step_too_small:
       return "got stuck at " + at + ", where no step meets the tolerances; " +
              (is_limited(record, spec) ? without_limit
@@ -247,7 +261,7 @@ std::string in_words(const RunRecord& record, const RunSpec& spec) {
           is_limited(record, spec) ? without_limit : "raise --max-steps or take looser tolerances");
     case Outcome::newton_failed:
       return fmt::format("stopped at t = {} s: {}", short_number(record.t, 10),
-                         unsolved_in_words(record, spec));
+                         unsolved_in_words(problem, record, spec));
   }
   return "ended at " + at;
 }
@@ -290,7 +304,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
                   {"linear_iterations", stats.linear_iterations},
                   {"newton_error", stats.newton_error}}},
                 {"cpu_seconds", run.cpu_seconds},
-                {"status", record.outcome == Outcome::reached_end ? "" : in_words(record, spec)},
+                {"status", record.outcome == Outcome::reached_end ? "" : in_words(problem, record, spec)},
                 {"material", problem.material.empty() ? Json() : Json(problem.material)},
                 {"parameters", parameters},
                 {"y0", std::vector<double>(problem.y0.begin(), problem.y0.end())},
@@ -378,7 +392,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
     text += fmt::format("; its order is {}{}", method.order,
                         method.adaptive() ? fmt::format(", its error estimate O(h^{})", method.error_order)
                                           : ", without error estimate");
-  const std::string words = in_words(record, spec);
+  const std::string words = in_words(problem, record, spec);
   text += "\n\n" + (done ? console.strong(words) : console.alarming(words)) + "\n";
   if (record.t_state < record.t)
     text += fmt::format("before that, at t = {} s:\n", short_number(record.t_state, 10));

@@ -291,6 +291,35 @@ TEST(Run, SaysWhenItsLimitOfNewtonIterationsIsTheCause) {
   EXPECT_NE(adaptive.out.find("--newton-iterations"), std::string::npos) << adaptive.out;
 }
 
+TEST(Run, NamesTheElementThatInvertsWhereARunFails) {
+  const Shell shell;
+  for (const char* run : {"run --mesh ball:n=2 --set g=40 --t-end 2 --method sdirk_4 --h 0.02",
+                          "run --mesh cube:n=2 --load pull --set force=50 --t-end 2 --method symplectic_euler --h 0.005"}) {
+    const Told told = shell.hmax(run);
+    ASSERT_EQ(told.exit_code, 1) << told.out;
+    EXPECT_NE(told.out.find(" is inverted at t = "), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("`hmax static` shows whether the load causes this, otherwise take a smaller step"),
+              std::string::npos)
+        << told.out;
+  }
+  // Without a body there is no element to name.
+  const Told oscillator = shell.hmax("run --problem liver_linear --method rk4 --h 5 --t-end 1e5");
+  ASSERT_EQ(oscillator.exit_code, 1);
+  EXPECT_NE(oscillator.out.find("; take a smaller step"), std::string::npos) << oscillator.out;
+}
+
+TEST(Run, NamesAnOldJacobianAsAPossibleCause) {
+  const Shell shell;
+  const std::string run = "run --mesh cube:n=2 --load press --set force=8 --t-end 5 --method rosenbrock_23 --h 0.01 --jacobian ";
+  const Told frozen = shell.hmax(run + "frozen");
+  ASSERT_EQ(frozen.exit_code, 1) << frozen.out;
+  EXPECT_NE(frozen.out.find("or --jacobian exact, which tells whether the Jacobian of --jacobian frozen is the cause"),
+            std::string::npos)
+      << frozen.out;
+  // It is: the advice leads to the end.
+  EXPECT_EQ(shell.hmax(run + "exact").exit_code, 0);
+}
+
 TEST(Run, CountsNewtonIterationsOfTheMethodsWhoseLimitItTakes) {
   const Shell shell;
   for (const char* method : {"explicit_newmark", "newmark", "rk4", "rodas_4", "symplectic_euler"}) {
