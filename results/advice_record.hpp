@@ -71,4 +71,11 @@ struct AdviceScene {
   std::int64_t session = 0;  ///< as AdviceRecord::session
 };
 
+/// What is said of an answer beside its rows.
+struct AdviceWords {
+  AdviceKey key;
+  std::string words;         ///< JSON, as answer_text() of plots/pages writes it; never read here
+  std::int64_t session = 0;  ///< as AdviceRecord::session
+};
+
 }  // namespace hmax

@@ -37,10 +37,10 @@ struct Session {
 /// another schema.
 class Store {
  public:
-  /// The number of the table layout in results/sqlite/schema.hpp. A file with a lower one is brought to it when it
-  /// is opened, in one transaction, or where it cannot be written read as it is, with NaN for numbers that it
-  /// does not have; one with a higher number is refused and left untouched.
-  static constexpr int schema_version = 6;
+  /// The number of the table layout in results/sqlite/schema.hpp. A file with a lower one is brought to it
+  /// when it is opened, in one transaction, or where it cannot be written read as it is, with NaN for numbers
+  /// that it does not have; one with a higher number is refused and left untouched.
+  static constexpr int schema_version = 7;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.
   static Store open_or_create(const std::filesystem::path& file);
@@ -91,13 +91,17 @@ class Store {
   /// The answer to a question, in one transaction; what was stored for the same question before is replaced.
   /// AdviceRecord::key of `records` is not read.
   /// @param scene  AdviceScene::scene; empty: none is stored
+  /// @param words  AdviceWords::words; empty: none are stored
   /// @throws std::logic_error       without begin_session()
   /// @throws std::invalid_argument  when a number of the key is not finite
-  void insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records, std::string_view scene = {});
+  void insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records, std::string_view scene = {},
+                     std::string_view words = {});
   /// Every answer, ordered by its key, and best first.
   std::vector<AdviceRecord> advice() const;
   /// The bodies of answers, ordered by their keys.
   std::vector<AdviceScene> scenes() const;
+  /// What is said of answers, ordered by their keys.
+  std::vector<AdviceWords> advice_words() const;
 
   /// Number of measured rows.
   std::int64_t size() const;

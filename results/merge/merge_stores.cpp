@@ -130,8 +130,9 @@ struct Merger::Parts {
   }
 
   void write(const Store& in) {
-    std::map<std::string, std::string> scenes;
+    std::map<std::string, std::string> scenes, words;
     for (AdviceScene& scene : in.scenes()) scenes.emplace(text_of(scene.key), std::move(scene.scene));
+    for (AdviceWords& each : in.advice_words()) words.emplace(text_of(each.key), std::move(each.words));
     for (const Session& session : in.sessions()) {
       const auto found = additions.find(session.id);
       if (found == additions.end()) continue;
@@ -144,7 +145,7 @@ struct Merger::Parts {
         summary.added += static_cast<std::int64_t>(of_point.size());
       }
       for (const auto& [question, answer] : added.advice) {
-        out.insert_advice(question, answer, scenes[text_of(question)]);
+        out.insert_advice(question, answer, scenes[text_of(question)], words[text_of(question)]);
         summary.added += static_cast<std::int64_t>(answer.size());
       }
     }

@@ -149,6 +149,7 @@ void lay_out(sqlite3* database) {
   sqlite::execute(database, limit_schema().c_str());
   sqlite::execute(database, advice_schema().c_str());
   sqlite::execute(database, scene_schema().c_str());
+  sqlite::execute(database, words_schema().c_str());
   sqlite::execute(database, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                         store_application_id, Store::schema_version)
                                 .c_str());
@@ -165,6 +166,10 @@ void bring_up_to_date(sqlite3* database) {
   if (version == 4) sqlite::execute(database, store_schema_4_to_5);
   if (version >= 1 && version <= 4) sqlite::execute(database, scene_schema().c_str());
   if (version >= 1 && version <= 5) sqlite::execute(database, store_schema_to_6);
+  if (version >= 1 && version <= 6) {
+    sqlite::execute(database, words_schema().c_str());
+    sqlite::execute(database, "PRAGMA user_version = 7");
+  }
   transaction.commit();
 }
 

@@ -46,16 +46,53 @@ void forget(sqlite3* database, const char* table, const AdviceKey& key) {
   statement.run();
 }
 
-void add_scene(sqlite3* database, const AdviceKey& key, std::string_view scene, std::int64_t session) {
-  Statement statement(database,
-                      fmt::format("INSERT INTO scenes ({}, scene, session) VALUES ({})", key_names(),
-                                  sqlite::question_marks(advice_key_texts.size() + advice_key_numbers.size() + 2))
-                          .c_str());
+/// A text of an answer into its table, in the column of this name.
+void add_text(sqlite3* database, const char* table, const char* column, const AdviceKey& key,
+              std::string_view text, std::int64_t session) {
+  Statement statement(
+      database, fmt::format("INSERT INTO {} ({}, {}, session) VALUES ({})", table, key_names(), column,
+                            sqlite::question_marks(advice_key_texts.size() + advice_key_numbers.size() + 2))
+                    .c_str());
   int index = 0;
   bind_key(statement, index, key);
-  statement.bind(index++, scene);
+  statement.bind(index++, text);
   statement.bind(index, session);
   statement.run();
+}
+
+std::string text_schema(const char* table, const char* column) {
+  return fmt::format(
+      R"sql(
+CREATE TABLE {} (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+{},
+  {} TEXT NOT NULL,
+  UNIQUE ({})
+);
+)sql",
+      table, key_schema(), column, key_names());
+}
+
+/// Every text of a table, ordered by the keys.
+/// @param text  the member of Kept that holds it
+template <class Kept>
+std::vector<Kept> texts_of(sqlite3* database, const char* table, const char* column,
+                           std::string Kept::*text) {
+  Statement query(
+      database,
+      fmt::format("SELECT {0}, {1}, session FROM {2} ORDER BY {0}", key_names(), column, table).c_str());
+  std::vector<Kept> all;
+  while (query.step()) {
+    Kept kept;
+    int index = 0;
+    sqlite::read_texts(query, index, kept.key, advice_key_texts);
+    sqlite::read_numbers(query, index, kept.key, advice_key_numbers);
+    kept.*text = query.text(index++);
+    kept.session = query.integer(index);
+    all.push_back(std::move(kept));
+  }
+  return all;
 }
 
 }  // namespace
@@ -75,29 +112,20 @@ CREATE TABLE advice (
       key_schema(), joined("", " TEXT NOT NULL", ",\n  ", advice_texts), joined("", " NOT NULL", ",\n  ", advice_numbers), key_names());
 }
 
-std::string scene_schema() {
-  return fmt::format(
-      R"sql(
-CREATE TABLE scenes (
-  id INTEGER PRIMARY KEY AUTOINCREMENT,
-  session INTEGER NOT NULL REFERENCES sessions(id),
-{},
-  scene TEXT NOT NULL,
-  UNIQUE ({})
-);
-)sql",
-      key_schema(), key_names());
-}
+std::string scene_schema() { return text_schema("scenes", "scene"); }
+std::string words_schema() { return text_schema("answers", "words"); }
 
-void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records, std::string_view scene) {
+void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> records, std::string_view scene,
+                          std::string_view words) {
   if (impl_->session == 0) throw std::logic_error("Store::insert_advice needs begin_session() first.");
   for (const auto& column : advice_key_numbers)
     if (!std::isfinite(key.*column.member))
       throw std::invalid_argument("The numbers of a question must be finite.");
   reporting(impl_->file, [&] {
     sqlite::Transaction transaction(impl_->db());
-    for (const char* table : {"advice", "scenes"}) forget(impl_->db(), table, key);
-    if (!scene.empty()) add_scene(impl_->db(), key, scene, impl_->session);
+    for (const char* table : {"advice", "scenes", "answers"}) forget(impl_->db(), table, key);
+    if (!scene.empty()) add_text(impl_->db(), "scenes", "scene", key, scene, impl_->session);
+    if (!words.empty()) add_text(impl_->db(), "answers", "words", key, words, impl_->session);
     Statement add(impl_->db(),
                   fmt::format("INSERT INTO advice ({}, {}, session) VALUES ({})", key_names(), own_names(),
                               sqlite::question_marks(advice_key_texts.size() + advice_key_numbers.size() +
@@ -140,19 +168,14 @@ std::vector<AdviceRecord> Store::advice() const {
 std::vector<AdviceScene> Store::scenes() const {
   return reporting(impl_->file, [&]() -> std::vector<AdviceScene> {
     if (layout_of(impl_->db()) < 5) return {};
-    Statement query(impl_->db(),
-                    fmt::format("SELECT {0}, scene, session FROM scenes ORDER BY {0}", key_names()).c_str());
-    std::vector<AdviceScene> scenes;
-    while (query.step()) {
-      AdviceScene scene;
-      int index = 0;
-      sqlite::read_texts(query, index, scene.key, advice_key_texts);
-      sqlite::read_numbers(query, index, scene.key, advice_key_numbers);
-      scene.scene = query.text(index++);
-      scene.session = query.integer(index);
-      scenes.push_back(std::move(scene));
-    }
-    return scenes;
+    return texts_of(impl_->db(), "scenes", "scene", &AdviceScene::scene);
+  });
+}
+
+std::vector<AdviceWords> Store::advice_words() const {
+  return reporting(impl_->file, [&]() -> std::vector<AdviceWords> {
+    if (layout_of(impl_->db()) < 7) return {};
+    return texts_of(impl_->db(), "answers", "words", &AdviceWords::words);
   });
 }
 

@@ -21,6 +21,8 @@ std::string limit_schema();
 std::string advice_schema();
 /// The table of the bodies of answers, with the same key.
 std::string scene_schema();
+/// The table of the words of answers, with the same key.
+std::string words_schema();
 
 /// What SQLite could not do, as a sentence with a remedy.
 InputError translated(const sqlite::Failure& failure, const std::filesystem::path& file);

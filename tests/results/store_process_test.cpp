@@ -151,7 +151,9 @@ void write_earlier_store(const std::filesystem::path& file) {
     store.begin_session({});
     store.insert(numbered(1));
   }
-  foreign_sql(file, "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 1");
+  foreign_sql(
+      file,
+      "ALTER TABLE rows DROP COLUMN error_l2; DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; DROP TABLE answers; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 1");
 }
 
 TEST(StoreProcess, AStoreOfAnEarlierLayoutIsBroughtUpToDate) {
@@ -173,7 +175,8 @@ TEST(StoreProcess, RowsOfLayout5WereMeasured) {
     store.begin_session({});
     store.insert(numbered(1));
   }
-  foreign_sql(scratch / "old", "ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 5");
+  foreign_sql(scratch / "old",
+              "DROP TABLE answers; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 5");
   Store store = Store::open_existing(scratch / "old");
   ASSERT_EQ(store.size(), 1);
   EXPECT_FALSE(store.rows()[0].explored);

@@ -84,6 +84,22 @@ TEST(AdviceStore, KeepsTheBodyOfAnAnswerUntilItIsReplaced) {
   EXPECT_TRUE(store.scenes().empty());
 }
 
+TEST(AdviceStore, KeepsTheWordsOfAnAnswerUntilItIsReplaced) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  store.begin_session({});
+  const std::vector records{a_record("rk4")};
+  store.insert_advice(a_question(), records, "", "{\"facts\": []}");
+  store.insert_advice(a_question(1000), records);
+  const std::vector<AdviceWords> words = store.advice_words();
+  ASSERT_EQ(words.size(), 1U);
+  EXPECT_EQ(words[0].key, a_question());
+  EXPECT_EQ(words[0].words, "{\"facts\": []}");
+  EXPECT_EQ(words[0].session, 1);
+  store.insert_advice(a_question(), records);
+  EXPECT_TRUE(store.advice_words().empty());
+}
+
 /// Layout 4 had neither iterations of conjugate gradients nor bodies.
 TEST(AdviceStore, BringsAdviceOfLayout4UpToDate) {
   const Scratch scratch;
@@ -95,10 +111,12 @@ TEST(AdviceStore, BringsAdviceOfLayout4UpToDate) {
   }
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(database,
-                         "ALTER TABLE advice DROP COLUMN linear_per_frame; ALTER TABLE advice DROP COLUMN frame_tail_s; DROP TABLE scenes; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 4",
-                         nullptr, nullptr, nullptr),
-            SQLITE_OK);
+  ASSERT_EQ(
+      sqlite3_exec(
+          database,
+          "ALTER TABLE advice DROP COLUMN linear_per_frame; ALTER TABLE advice DROP COLUMN frame_tail_s; DROP TABLE scenes; DROP TABLE answers; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 4",
+          nullptr, nullptr, nullptr),
+      SQLITE_OK);
   sqlite3_close(database);
   Store store = Store::open_existing(file);
   ASSERT_EQ(store.advice().size(), 1U);

@@ -189,7 +189,7 @@ constexpr const char* scenes_of_layout_5 = R"sql(CREATE TABLE scenes (
 /// Another column in the lists is another layout: raise Store::schema_version, bring earlier stores to it,
 /// and write the tables down here.
 TEST(LimitStore, HasTheTablesOfItsLayout) {
-  static_assert(Store::schema_version == 6);
+  static_assert(Store::schema_version == 7);
   const Scratch scratch;
   const std::string file = (scratch / "s.sqlite").string();
   Store::open_or_create(file);
@@ -258,9 +258,12 @@ TEST(LimitStore, BringsAStoreWithoutLimitsToTheLayout) {
   // What layout 2 was.
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  ASSERT_EQ(sqlite3_exec(database, "DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 2",
-                         nullptr, nullptr, nullptr),
-            SQLITE_OK);
+  ASSERT_EQ(
+      sqlite3_exec(
+          database,
+          "DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; DROP TABLE answers; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 2",
+          nullptr, nullptr, nullptr),
+      SQLITE_OK);
   sqlite3_close(database);
   Store store = Store::open_existing(file);
   EXPECT_TRUE(store.limits().empty());

@@ -169,7 +169,7 @@ TEST(Merge, TakesLimitsAndAnswersWithTheirBodies) {
     Store a = Store::open_or_create(scratch / "a.sqlite");
     a.begin_session(machine("first"));
     a.insert_limits(point, std::vector<LimitRow>{limit("rk4", 0.1)});
-    a.insert_advice(question, std::vector<AdviceRecord>{recommended("rk4")}, "{}");
+    a.insert_advice(question, std::vector<AdviceRecord>{recommended("rk4")}, "{}", "{\"words\": 1}");
   }
   {
     Store b = Store::open_or_create(scratch / "b.sqlite");
@@ -191,6 +191,8 @@ TEST(Merge, TakesLimitsAndAnswersWithTheirBodies) {
   ASSERT_EQ(out.advice().size(), 1U) << "an answer is not mixed from two";
   EXPECT_EQ(out.advice()[0].method, "rk4");
   ASSERT_EQ(out.scenes().size(), 1U);
+  ASSERT_EQ(out.advice_words().size(), 1U);
+  EXPECT_EQ(out.advice_words()[0].words, "{\"words\": 1}");
 }
 
 TEST(Merge, RefusesTheOutputAsInputAndWhatIsNoStore) {
