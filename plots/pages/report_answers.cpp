@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -9,7 +10,9 @@
 #include <fmt/ranges.h>
 
 #include "plots/figure.hpp"
+#include "plots/pages/answer_words.hpp"
 #include "plots/pages/html_text.hpp"
+#include "results/errors.hpp"
 #include "results/numbers.hpp"
 
 namespace hmax {
@@ -85,21 +88,58 @@ std::string question_of(const AdviceKey& key) {
                      ms(key.budget), key.ranked_by == "error" ? "the smallest error" : "the lowest CPU time");
 }
 
+/// What the store keeps of the answer in words; nothing of stores of an earlier hmax, and of words that are
+/// damaged.
+std::optional<AnswerWords> words_of(const AdviceKey& key, const ReportedStore& store) {
+  const auto found = std::ranges::find(store.words, key, &AdviceWords::key);
+  if (found == store.words.end()) return std::nullopt;
+  try {
+    return answer_words_of(found->words);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+std::string html_of(const Facts& facts) {
+  std::string html;
+  for (const auto& [name, words] : facts) {
+    if (words.empty()) continue;
+    // What has no name goes on with the last.
+    if (!name.empty()) html += fmt::format("<dt>{}</dt>", html_text(name));
+    html += fmt::format("<dd>{}</dd>\n", html_text(words));
+  }
+  return html;
+}
+
+/// What is recommended, in the words of the answer where the store has them; or what would help.
+Facts facts_of(const AdviceRecord* best, const AnswerWords* words) {
+  Facts facts;
+  if (words && !words->facts.empty())
+    facts = words->facts;
+  else if (best)
+    facts = facts_of(*best);
+  if (!words || best) return facts;
+  facts.emplace_back("remedies", words->help);
+  for (const std::string& remedy : words->remedies) facts.emplace_back("", remedy);
+  return facts;
+}
+
 std::string html_of(const Answer& answer, std::span<const ReportedStore> stores) {
   const AdviceKey& key = answer.rows.front().key;
   const auto best = std::ranges::find(answer.rows, "recommended", &AdviceRecord::verdict);
   const bool found = best != answer.rows.end();
-  std::string html = fmt::format(
-      "<article class=\"answer\">\n<h3>{}{}{} at {} Hz</h3>\n<p class=\"take\">{}</p>\n<dl>\n",
-      html_text(title_of(key.problem)), key.material.empty() ? "" : ", ", html_text(key.material), digits(key.rate, 6),
-      html_text(found ? "Take " + step_of(*best) + "." : "No method that was tried meets this."));
-  Facts facts{{"question", question_of(key)}, {"motion", key.motion}};
-  if (found)
-    for (auto& fact : facts_of(*best)) facts.push_back(std::move(fact));
+  std::string html =
+      fmt::format("<article class=\"answer\">\n<h3>{}{}{} at {} Hz</h3>\n<p class=\"take\">{}</p>\n<dl>\n",
+                  html_text(title_of(key.problem)), key.material.empty() ? "" : ", ", html_text(key.material),
+                  digits(key.rate, 6),
+                  html_text(found ? "Take " + step_of(*best) + "." : "No method that was tried meets this."));
+  const std::optional<AnswerWords> words = words_of(key, stores[answer.store]);
+  Facts facts{{"model", words ? words->body : ""}, {"question", question_of(key)}, {"motion", key.motion}};
+  for (auto& fact : facts_of(found ? &*best : nullptr, words ? &*words : nullptr))
+    facts.push_back(std::move(fact));
   if (const std::string others = words_of_others(answer.rows, found ? &*best : nullptr); !others.empty())
     facts.emplace_back("other methods", others);
-  for (const auto& [name, words] : facts)
-    if (!words.empty()) html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html_text(words));
+  html += html_of(facts);
   const std::size_t number =
       answer.first + (found ? static_cast<std::size_t>(best - answer.rows.begin()) : 0);
   return html + fmt::format("<dt>source</dt><dd><a href=\"#{}\">row {} of {}</a></dd>\n</dl>\n</article>\n",

@@ -12,6 +12,7 @@ ReportedStore reported_store(const Store& store, std::string name) {
           .limits = store.limits(),
           .advice = store.advice(),
           .scenes = store.scenes(),
+          .words = store.advice_words(),
           .sessions = store.sessions()};
 }
 

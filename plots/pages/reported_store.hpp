@@ -17,6 +17,7 @@ struct ReportedStore {
   std::vector<LimitRow> limits = {};
   std::vector<AdviceRecord> advice = {};
   std::vector<AdviceScene> scenes = {};  ///< bodies of this advice
+  std::vector<AdviceWords> words = {};   ///< what is said of it
   std::vector<Session> sessions = {};
 
   [[nodiscard]] std::size_t size() const { return runs.size() + limits.size() + advice.size(); }

@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/own_files.hpp"
+#include "plots/pages/answer_words.hpp"
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_data.hpp"
+#include "results/errors.hpp"
 #include "tests/plots/pages/reported_stores.hpp"
 
 namespace hmax {
@@ -50,6 +52,39 @@ TEST(StoreReport, SaysInWordsWhatAdviceRecommends) {
   EXPECT_TRUE(contains(page, "0.0538\u00a0ms (median), 0.0827\u00a0ms (99 %), 0.123\u00a0ms (maximum)"));
   EXPECT_TRUE(contains(page, "rk4 at 2.5\u00a0ms (equally good)"));
   EXPECT_TRUE(contains(page, "<a href=\"#advice-1\">row 1 of a.sqlite</a>"));
+}
+
+TEST(StoreReport, SaysOfAnAnswerAllThatWasSaid) {
+  ReportedStore store = made_store("a.sqlite");
+  const AnswerWords words{.body = "E 5500 Pa, nu 0.45, 1060 kg/m^3; 1.5 kg",
+                          .facts = {{"caution", "tried with 0.5 of the load only"},
+                                    {"", "a second <caution>"},
+                                    {"margin", "observed: stable at 2 times the loads"}}};
+  EXPECT_EQ(answer_words_of(answer_text(words)), words);
+  store.words = {{.key = store.advice.front().key, .words = answer_text(words), .session = 1}};
+  const std::string page = report_answers({&store, 1});
+  std::size_t last = 0;
+  for (const char* place :
+       {"Take symplectic_euler", "<dt>model</dt><dd>E 5500 Pa, nu 0.45, 1060 kg/m^3; 1.5 kg</dd>",
+        "<dt>caution</dt><dd>tried with 0.5 of the load only</dd>\n<dd>a second &lt;caution&gt;</dd>",
+        "<dt>margin</dt><dd>observed: stable at 2 times the loads</dd>", "row 1 of a.sqlite"}) {
+    const std::size_t at = page.find(place, last);
+    ASSERT_NE(at, std::string::npos) << place << "\n" << page;
+    last = at;
+  }
+}
+
+TEST(StoreReport, SaysWhatWouldHelpWhereNothingMeetsAQuestion) {
+  ReportedStore store{.name = "a.sqlite", .advice = {made_advice("rk4", "too_slow", 1e-3)}};
+  const AnswerWords words{.help = "What helps, each tried:",
+                          .remedies = {"rate 50 in place of 100", "rho 4240 in place of 1060"}};
+  store.words = {{.key = store.advice.front().key, .words = answer_text(words), .session = 1}};
+  EXPECT_TRUE(contains(
+      report_answers({&store, 1}),
+      "<dt>remedies</dt><dd>What helps, each tried:</dd>\n<dd>rate 50 in place of 100</dd>\n<dd>rho 4240"));
+  store.words.front().words = "{";  // damaged: the rows are shown all the same
+  EXPECT_TRUE(contains(report_answers({&store, 1}), "No method that was tried meets this."));
+  EXPECT_THROW(answer_words_of("{}"), InputError);
 }
 
 TEST(StoreReport, SaysThatNothingMeetsAQuestion) {

@@ -1,0 +1,36 @@
+#include "plots/pages/answer_words.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "results/errors.hpp"
+
+namespace hmax {
+
+using Json = nlohmann::ordered_json;
+
+std::string answer_text(const AnswerWords& words) {
+  const Json document{{"version", 1},
+                      {"body", words.body},
+                      {"facts", words.facts},
+                      {"help", words.help},
+                      {"remedies", words.remedies}};
+  return document.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+AnswerWords answer_words_of(std::string_view text) {
+  try {
+    const Json document = Json::parse(text);
+    AnswerWords words;
+    document.at("body").get_to(words.body);
+    document.at("facts").get_to(words.facts);
+    document.at("help").get_to(words.help);
+    document.at("remedies").get_to(words.remedies);
+    return words;
+  } catch (const Json::exception& error) {
+    throw InputError(
+        fmt::format("the stored words of an answer are damaged ({}); ask `hmax advise` again", error.what()));
+  }
+}
+
+}  // namespace hmax
