@@ -61,8 +61,8 @@ void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const Advi
   row.frame = frame_times(run.frames_s);
   row.first_frame = run.first_frame_s;
   row.frames = run.frames_s.size();
-  row.missed = static_cast<std::size_t>(
-      std::ranges::count_if(run.frames_s, [&](double s) { return s > question.frame_budget(); }));
+  row.missed = run.missed;
+  row.disturbed = run.disturbed;
   // Foreign engines tell their iterations at the end alone.
   const auto in_nearly_all = [](const std::vector<double>& counts) {
     const double most = quantile(counts, 0.999);
@@ -89,7 +89,7 @@ class StepSearch {
       if (steps > most_steps) return give_up(row, first);
       const MotionRun run = run_at(row, steps);
       if (suffices(run)) break;
-      cause = cause_of(run);
+      cause = cause_of(row, run);
       failed = steps;
       if (is_hopeless(row, cause, steps, first)) return conclude_failure(row, cause);
     }
@@ -130,17 +130,24 @@ class StepSearch {
     return run.reached_end() && run.error <= question_.tolerance;
   }
 
-  /// Why a run does not suffice. One that is off by the whole motion has grown, though it may be bounded.
-  [[nodiscard]] static AdviceBound cause_of(const MotionRun& run) {
+  /// Why a run does not suffice. One that is off by the whole motion may have grown, though it is bounded;
+  /// where a motion jumps, as at an impact, a late jump is as far off.
+  [[nodiscard]] AdviceBound cause_of(const AdviceRow& row, const MotionRun& run) const {
     if (run.outcome == Outcome::newton_failed) return AdviceBound::newton;
     if (run.outcome == Outcome::stopped) return AdviceBound::budget;
-    return run.reached_end() && run.error <= 1 ? AdviceBound::accuracy : AdviceBound::stability;
+    if (!run.reached_end()) return AdviceBound::stability;
+    if (run.error <= 1) return AdviceBound::accuracy;
+    return judged_step(row.candidate, model_.motion, model_.reference, row.h, watcher_).stable
+               ? AdviceBound::accuracy
+               : AdviceBound::stability;
   }
 
   MotionRun run_at(AdviceRow& row, std::int64_t steps) const {
     if (watcher_) watcher_();
-    MotionRun run = run_motion(row.candidate, model_.motion, model_.reference, question_.frame(), steps,
-                               {.most_per_frame = most_budgets * question_.frame_budget()}, watcher_);
+    MotionRun run = run_motion(
+        row.candidate, model_.motion, model_.reference, question_.frame(), steps,
+        {.most_per_frame = most_budgets * question_.frame_budget(), .budget = question_.frame_budget()},
+        watcher_);
     record(row, run, steps, question_, model_);
     row.status = run.note;
     return run;
@@ -157,7 +164,7 @@ class StepSearch {
         best = row;
       } else {
         failed = middle;
-        cause = cause_of(run);
+        cause = cause_of(row, run);
       }
     }
     row = best;
@@ -204,11 +211,15 @@ class StepSearch {
       row.status = "even steps that miss the tolerance take more than the budget";
       return;
     }
-    row.verdict = cause == AdviceBound::accuracy ? AdviceVerdict::inaccurate : AdviceVerdict::unstable;
-    if (row.status.empty())
-      row.status = cause == AdviceBound::accuracy
-                       ? "steps that meet the tolerance would take more than the budget"
-                       : fmt::format("no step down to {:.3g} s reaches the end of the motion", row.h);
+    if (cause == AdviceBound::accuracy) {
+      row.verdict = AdviceVerdict::inaccurate;
+      if (row.status.empty()) row.status = "steps that meet the tolerance would take more than the budget";
+      return;
+    }
+    row.verdict = AdviceVerdict::unstable;
+    const StepVerdict verdict = judged_step(row.candidate, model_.motion, model_.reference, row.h, watcher_);
+    row.status = fmt::format("no step down to {:.3g} s is stable: {}{}", row.h, verdict.why,
+                             row.status.empty() ? "" : " (" + row.status + ")");
   }
 
   const AdviceQuestion& question_;
@@ -251,17 +262,23 @@ AdviceRow searched_row(const Candidate& candidate, std::size_t i, const AdviceQu
   return row;
 }
 
-/// The limit on the motion: the middle between a step that holds and one 0.5 % longer that does not, sought between 0.8
-/// and 1.25 of the prediction.
-double observed_limit(const AdviceRow& row, const AnalysedModel& model) {
+/// The limit on the motion: the middle between a step that holds and one 0.5 % longer that does not, sought
+/// between 0.8 and 1.25 of the prediction. Where there is none, the status says why.
+void observe_limit(AdviceRow& row, const AnalysedModel& model, const Watcher& watcher) {
   double low = 0.8 * row.h_max, high = 1.25 * row.h_max;
-  const auto stays = [&](double h) { return holds(row.candidate, model.motion, model.reference, h); };
-  if (!stays(low) || stays(high)) return AdviceRow::none;
+  const auto judged = [&](double h) {
+    return judged_step(row.candidate, model.motion, model.reference, h, watcher);
+  };
+  const auto say = [&](const std::string& why) { row.status += (row.status.empty() ? "" : "; ") + why; };
+  if (const StepVerdict verdict = judged(low); !verdict.stable)
+    return say(fmt::format("runs at 0.8 of the predicted limit are not stable: {}", verdict.why));
+  if (judged(high).stable)
+    return say("runs at 1.25 of the predicted limit still hold: growth beyond it is too slow, or bounded");
   while (high / low > 1.005) {
     const double middle = std::sqrt(low * high);
-    (stays(middle) ? low : high) = middle;
+    (judged(middle).stable ? low : high) = middle;
   }
-  return std::sqrt(low * high);
+  row.h_max_observed = std::sqrt(low * high);
 }
 
 /// What rows are ranked by; smaller is better.
@@ -299,8 +316,9 @@ void time_best(std::vector<AdviceRow>& rows, const AdviceQuestion& question, con
       ++i;
       continue;
     }
-    const MotionRun run = run_motion(row.candidate, model.motion, model.reference, question.frame(),
-                                     row.steps_per_frame, {.frames = question.frames}, watcher);
+    const MotionRun run =
+        run_motion(row.candidate, model.motion, model.reference, question.frame(), row.steps_per_frame,
+                   {.frames = question.frames, .budget = question.frame_budget()}, watcher);
     const double searched = row.h;
     record(row, run, row.steps_per_frame, question, model);
     if (row.h != searched) describe_step(row, model, watcher);
@@ -337,11 +355,10 @@ std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuest
     }
     best.verdict = failed->stable ? AdviceVerdict::too_slow : AdviceVerdict::unstable;
     best.bound = failed->stable ? AdviceBound::budget : AdviceBound::stability;
-    best.status = failed->stable
-                      ? fmt::format("{} of {} frames took more than the budget: {}", failed->missed, failed->frames,
-                                    failed->motion)
-                      : fmt::format("a long run does not stay beside its neighbours, or does not reach its end: {}",
-                                    failed->motion);
+    best.status = failed->stable ? fmt::format("{} of {} frames took more than the budget: {}",
+                                               failed->missed, failed->frames, failed->motion)
+                                 : fmt::format("h = {:.4g} s is not stable on {}: {}", best.h, failed->motion,
+                                               failed->why);
     sort_rows(rows, question);
     time_best(rows, question, model, watcher);
   }
@@ -383,6 +400,7 @@ std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& que
   model.reference = reference_motion(model.motion, question.frame(), question.tolerance, watch, rk4_limit);
   advice.scale = model.reference.scale;
   advice.reference_error = model.reference.error_bound;
+  advice.inversion = first_inversion(model.motion, model.reference);
   now(0.1, "limits along the motion");
   predict_limits(model, all, watch, [&](std::size_t i) {
     now(0.1 + 0.2 * static_cast<double>(i) / static_cast<double>(all.size()), "limit of " + all[i].words());
@@ -392,15 +410,14 @@ std::vector<Candidate> analyse(const Problem& problem, const AdviceQuestion& que
 }
 
 /// Of the rows that suit: nobody takes the others, and some take a million steps.
-void observe_limits(std::vector<AdviceRow>& rows, const AnalysedModel& model, const Now& now) {
+void observe_limits(std::vector<AdviceRow>& rows, const AnalysedModel& model, const Now& now,
+                    const Watcher& watch) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     AdviceRow& row = rows[i];
     if (!is_suitable(row) || !std::isfinite(row.h_max)) continue;
     now(0.8 + 0.17 * static_cast<double>(i) / static_cast<double>(rows.size()),
         "runs beside the limit of " + row.candidate.words());
-    row.h_max_observed = observed_limit(row, model);
-    if (std::isnan(row.h_max_observed) && row.status.empty())
-      row.status = "growth just beyond the limit is too slow to be seen on the motion";
+    observe_limit(row, model, watch);
   }
 }
 
@@ -467,7 +484,7 @@ void advise(const Problem& problem, const AdviceQuestion& question, Advice& advi
   now(0.75, "long runs of the best method");
   advice.proof = prove_best(advice.rows, question, model, watch);
   advice.stage = AdviceStage::observing;
-  observe_limits(advice.rows, model, now);
+  observe_limits(advice.rows, model, now, watch);
   if (!advice.rows.empty() && is_suitable(advice.rows.front())) {
     now(0.97, "how much larger the loads may be");
     const AdviceRow& best = advice.rows.front();

@@ -16,6 +16,7 @@
 #include "bench/advice/motion_run.hpp"
 #include "bench/advice/probing_motion.hpp"
 #include "bench/advice/proof.hpp"
+#include "bench/advice/stable_step.hpp"
 #include "bench/advice/uncertainty.hpp"
 #include "bench/advice/user_motion.hpp"
 
@@ -64,16 +65,17 @@ struct AdviceRow {
   double h_max_observed = none;       ///< on the motion, to 0.25 % [s], of rows that suit; else NaN
   double h_accurate = none;           ///< the longest step tried that meets the tolerance [s]
   AdviceBound bound = AdviceBound::rate;
-  double error = none;                ///< relative to the largest displacement, no less than that of the reference
-  FrameTimes frame;                   ///< CPU time of a frame on one thread [s]
-  double first_frame = none;          ///< with what is done once, such as the first factors [s]
-  std::size_t frames = 0, missed = 0; ///< frames that were timed, and those over the budget
-  double newton_per_frame = none;     ///< iterations of Newton's method that 99.9 % of the frames do not exceed
-  double linear_per_frame = none;     ///< the same of conjugate gradients
-  std::optional<std::int64_t> memory; ///< peak of the process while the row was tried [bytes]
-  std::vector<double> damping_added;  ///< to the damping ratio of each of Advice::modes
-  std::vector<double> frequency_shift;///< relative, of each of them
-  double stiffening = none;           ///< how many times stiffer the model may become before h is unstable
+  double error = none;        ///< relative to the largest displacement, no less than that of the reference
+  FrameTimes frame;           ///< CPU time of a frame on one thread [s]
+  double first_frame = none;  ///< with what is done once, such as the first factors [s]
+  std::size_t frames = 0, missed = 0;  ///< frames that were timed, and those over the budget
+  std::size_t disturbed = 0;           ///< frames over it in one run of three alone, as MotionRun::disturbed
+  double newton_per_frame = none;  ///< iterations of Newton's method that 99.9 % of the frames do not exceed
+  double linear_per_frame = none;  ///< the same of conjugate gradients
+  std::optional<std::int64_t> memory;   ///< peak of the process while the row was tried [bytes]
+  std::vector<double> damping_added;    ///< to the damping ratio of each of Advice::modes
+  std::vector<double> frequency_shift;  ///< relative, of each of them
+  double stiffening = none;             ///< how many times stiffer the model may become before h is unstable
   AdviceVerdict verdict = AdviceVerdict::unstable;
   std::string status;                 ///< what the verdict rests on, or why a number is missing
 
@@ -109,17 +111,18 @@ struct Advice {
   AdviceStage stage = AdviceStage::searching;
   std::string motion;                 ///< in words: what the probing motion is
   double load_share = 1, gravity_share = 1;  ///< that the probing motion has, as ProbingMotion
-  double scale = 0;                   ///< its largest displacement [m], or largest |y_i|
-  double reference_error = 0;         ///< bound, relative to the scale
-  double t_end = 0;                   ///< of the motion [s]
-  double stiffened = 1;               ///< how many times stiffer than at its start the motion makes the body
-  std::vector<double> modes;          ///< the slowest oscillations at the start, at most 3 [rad/s]
-  std::vector<AdviceRow> rows;        ///< best first
-  std::vector<ProofRun> proof;        ///< long runs of the recommended row
-  std::vector<LimitBand> bands;       ///< of its limit
-  LoadMargin load_margin;             ///< of the recommended row
-  std::vector<Remedy> remedies;       ///< where nothing is recommended
-  bool all_tried = true;              ///< false: the search for them ended before the last change
+  double scale = 0;                          ///< its largest displacement [m], or largest |y_i|
+  double reference_error = 0;                ///< bound, relative to the scale
+  std::optional<Inversion> inversion;        ///< the first element that the motion itself inverts
+  double t_end = 0;                          ///< of the motion [s]
+  double stiffened = 1;          ///< how many times stiffer than at its start the motion makes the body
+  std::vector<double> modes;     ///< the slowest oscillations at the start, at most 3 [rad/s]
+  std::vector<AdviceRow> rows;   ///< best first
+  std::vector<ProofRun> proof;   ///< long runs of the recommended row
+  std::vector<LimitBand> bands;  ///< of its limit
+  LoadMargin load_margin;        ///< of the recommended row
+  std::vector<Remedy> remedies;  ///< where nothing is recommended
+  bool all_tried = true;         ///< false: the search for them ended before the last change
   std::shared_ptr<const AnalysedModel> model;  ///< its motion and limits; null before they are known
 
   /// The first row, if it is recommended.

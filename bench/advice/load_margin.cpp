@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/advice/motion_run.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
@@ -59,23 +58,38 @@ LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion
                        const ProblemWith& make, const Watcher& watcher) {
   LoadMargin margin;
   if (motion.problem.body && !can_be_larger(motion.problem.body->settings())) return margin;
+  if ((margin.inversion = first_inversion(motion, reference))) {
+    margin.fails = 1;
+    margin.of_model = true;
+    return margin;
+  }
   const CpuClock clock = cpu_clock();
   const double begun = clock();
   const auto is_late = [&] { return clock() - begun > most_cpu; };
-  const auto stays = [&](double factor, double step) {
-    if (watcher) watcher();
-    return holds(candidate, larger_motion(motion, factor, make), reference, step);
+  const auto judged = [&](double factor, double step) {
+    return judged_step(candidate, larger_motion(motion, factor, make), reference, step, watcher);
   };
   double low = 1, high = infinity;
+  const auto try_factor = [&](double factor) {
+    const StepVerdict verdict = judged(factor, h);
+    if (verdict.stable && !verdict.inversion) {
+      low = factor;
+      return;
+    }
+    high = factor;
+    margin.inversion = verdict.inversion;
+  };
   for (double factor = 2; factor <= largest && std::isinf(high) && !is_late(); factor *= 2)
-    (stays(factor, h) ? low : high) = factor;
-  for (int i = 0; i < 2 && std::isfinite(high) && !is_late(); ++i) {
-    const double middle = std::sqrt(low * high);
-    (stays(middle, h) ? low : high) = middle;
-  }
+    try_factor(factor);
+  for (int i = 0; i < 2 && std::isfinite(high) && !is_late(); ++i) try_factor(std::sqrt(low * high));
   margin.holds = low;
   margin.fails = low < largest && std::isinf(high) ? LoadMargin::none : high;
-  if (std::isfinite(high) && !is_late()) margin.of_model = !stays(high, h / 4);
+  if (std::isfinite(high) && !is_late()) {
+    const StepVerdict quarter = judged(high, h / 4);
+    margin.of_model = !quarter.stable || quarter.inversion.has_value();
+    // What a shorter step does not invert, the step does.
+    if (!quarter.inversion) margin.inversion.reset();
+  }
   margin.displacement = displacement_of(candidate, h, larger_motion(motion, low, make));
   return margin;
 }

@@ -90,10 +90,21 @@ FrameTimes frame_times(const std::vector<double>& frames_s) {
   return times;
 }
 
-MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,
-                     double frame, std::int64_t steps_per_frame, const RunLength& length, const Watcher& watcher) {
-  const PinnedThread pinned;
-  const Runner runner = candidate.method.bind(motion.problem);
+std::vector<double> middle_times(const std::array<std::vector<double>, 3>& runs) {
+  std::vector<double> middle(runs[0].size());
+  for (std::size_t i = 0; i < middle.size(); ++i) {
+    const double a = runs[0][i], b = runs[1][i], c = runs[2][i];
+    middle[i] = std::max(std::min(a, b), std::min(std::max(a, b), c));
+  }
+  return middle;
+}
+
+namespace {
+
+/// From the start again until there are as many frames as asked for.
+MotionRun repeated(const Candidate& candidate, const Runner& runner, const ProbingMotion& motion,
+                   const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame,
+                   const RunLength& length, const Watcher& watcher) {
   MotionRun result;
   do {
     if (watcher) watcher();
@@ -104,24 +115,36 @@ MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, co
   return result;
 }
 
-bool holds(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference, double h) {
-  constexpr double least_steps = 500, apart = 1e-8, parted = 1e-4;
-  const bool of_body = motion.problem.body != nullptr;
-  const double scale = std::max(reference.scale, std::numeric_limits<double>::min()),
-               t_end = std::max(motion.t_end, least_steps * h);
-  const auto end_of = [&](const Problem& problem) {
-    return candidate.method.bind(problem).run(candidate.spec(h, t_end), {});
+}  // namespace
+
+MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion,
+                     const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame,
+                     const RunLength& length, const Watcher& watcher) {
+  constexpr std::size_t most_often = 20;  // of so many frames one
+  const PinnedThread pinned;
+  const Runner runner = candidate.method.bind(motion.problem);
+  const auto run = [&] {
+    return repeated(candidate, runner, motion, reference, frame, steps_per_frame, length, watcher);
   };
-  const RunRecord run = end_of(motion.problem);
-  if (run.outcome != Outcome::reached_end) return false;
-  // Another direction for each number, so that every mode has a part.
-  Problem beside = motion.problem;
-  const Eigen::Index moved = of_body ? beside.y0.size() / 2 : beside.y0.size();
-  for (Eigen::Index i = 0; i < moved; ++i)
-    beside.y0[i] += apart * scale * (2 * std::fmod(0.618033988749895 * static_cast<double>(i + 1), 1.0) - 1);
-  const RunRecord neighbour = end_of(beside);
-  return neighbour.outcome == Outcome::reached_end &&
-         (neighbour.y - run.y).head(moved).cwiseAbs().maxCoeff() <= parted * scale;
+  const auto late = [&](const std::vector<double>& frames_s) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(frames_s, [&](double s) { return s > length.budget; }));
+  };
+  MotionRun result = run();
+  result.missed = late(result.frames_s);
+  if (!result.reached_end() || !is_late(result.missed, result.frames_s.size()) ||
+      most_often * result.missed > result.frames_s.size())
+    return result;
+  std::array<std::vector<double>, 3> times{result.frames_s};
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    times[i] = run().frames_s;
+    if (times[i].size() != result.frames_s.size()) return result;
+  }
+  result.frames_s = middle_times(times);
+  for (std::size_t i = 0; i < result.frames_s.size(); ++i)
+    if (times[0][i] > length.budget && result.frames_s[i] <= length.budget) ++result.disturbed;
+  result.missed = late(result.frames_s);
+  return result;
 }
 
 }  // namespace hmax

@@ -1,6 +1,7 @@
 /// A candidate on the probing motion: its error, and the time of each frame.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -15,11 +16,17 @@ namespace hmax {
 /// One or several runs at one step.
 struct MotionRun {
   Outcome outcome = Outcome::reached_end;
-  double t = 0;                  ///< where it ended [s]
-  double error = 0;              ///< the largest of the instants, relative; infinity where it did not reach the end
-  std::vector<double> frames_s;  ///< CPU time of each frame but the first of each run [s]
-  double first_frame_s = 0;      ///< with what a simulator does before it starts: its first factors
-  std::vector<double> newton, linear_iterations;  ///< of Newton's method and of conjugate gradients, in each frame
+  double t = 0;      ///< where it ended [s]
+  double error = 0;  ///< the largest of the instants, relative; infinity where it did not reach the end
+  /// CPU time of each frame but the first of each run [s]; of frames that were timed three times the middle
+  /// one.
+  std::vector<double> frames_s;
+  double first_frame_s = 0;  ///< with what a simulator does before it starts: its first factors
+  std::vector<double> newton,
+      linear_iterations;   ///< of Newton's method and of conjugate gradients, in each frame
+  std::size_t missed = 0;  ///< of frames_s: more than RunLength::budget
+  std::size_t disturbed =
+      0;  ///< frames over the budget in the first of three runs, and in none or one of the others
   std::int64_t steps = 0;
   Stats stats;
   std::string note;  ///< why equations were not solved
@@ -42,24 +49,27 @@ struct FrameTimes {
 /// NaN of no frames.
 FrameTimes frame_times(const std::vector<double>& frames_s);
 
+/// The middle of three times of each frame: what delays one run of a frame and not the others, such as an
+/// interrupt, is the machine's.
+/// @param runs  of one length
+std::vector<double> middle_times(const std::array<std::vector<double>, 3>& runs);
+
 /// How long a motion is run.
 struct RunLength {
   std::size_t frames = 1;  ///< again from the start until there are so many
   /// A run that has taken so much for each frame but the first, and for at least five, and a second in all, ends as
   /// Outcome::stopped; also one whose first frame takes 20 s: CPU time [s].
   double most_per_frame = std::numeric_limits<double>::infinity();
+  double budget = std::numeric_limits<double>::infinity();  ///< that a frame is late beyond, CPU time [s]
 };
 
-/// Runs the motion with `steps_per_frame` steps in each frame; once where it does not reach its end. The thread is kept
-/// on its processor.
+/// Runs the motion with `steps_per_frame` steps in each frame; once where it does not reach its end. The
+/// thread is kept on its processor. Where more frames than is_late() allows are over the budget, but at most
+/// one in twenty, all of it is run twice more: the same steps take the same time but for what the machine
+/// does besides.
 /// @param frame  [s]
 MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,
                      double frame, std::int64_t steps_per_frame, const RunLength& length = {},
                      const Watcher& watcher = {});
-
-/// Whether a step is stable on the motion, and for 500 steps at least: it reaches the end, and a run that starts
-/// 1e-8 of the scale beside it ends within 1e-4. A nonlinear model may bound a growth long before it is seen in the
-/// motion itself.
-bool holds(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference, double h);
 
 }  // namespace hmax

@@ -3,20 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace hmax {
 
 namespace {
 
-ProofRun judged(const MotionRun& run, std::string words, const ProofPlan& plan) {
-  ProofRun proof;
-  proof.motion = std::move(words);
+void record(ProofRun& proof, const MotionRun& run, const ProofPlan& plan) {
   proof.frames = run.frames_s.size();
   proof.seconds = static_cast<double>(proof.frames) * plan.frame;
-  proof.stable = run.reached_end();
-  proof.missed = static_cast<std::size_t>(
-      std::ranges::count_if(run.frames_s, [&](double s) { return s > plan.budget; }));
+  proof.missed = run.missed;
+  proof.disturbed = run.disturbed;
   proof.frame_p999 = quantile(run.frames_s, 0.999);
-  return proof;
+  if (run.reached_end()) return;
+  proof.stable = false;
+  proof.why = fmt::format("it ends at t = {:.4g} s", run.t);
 }
 
 }  // namespace
@@ -24,21 +25,32 @@ ProofRun judged(const MotionRun& run, std::string words, const ProofPlan& plan) 
 std::vector<ProofRun> prove(const Candidate& candidate, std::int64_t steps_per_frame, const ProbingMotion& motion,
                             const ReferenceMotion& reference, const ProofPlan& plan, const Watcher& watcher) {
   const auto frames = static_cast<std::size_t>(std::ceil(plan.seconds / plan.frame));
-  std::vector<ProofRun> proofs;
-  const auto run = [&](const ProbingMotion& of, const ReferenceMotion& against) {
-    proofs.push_back(judged(run_motion(candidate, of, against, plan.frame, steps_per_frame, {.frames = frames}, watcher), of.words, plan));
-  };
   const double h = plan.frame / static_cast<double>(steps_per_frame);
-  run(motion, reference);
-  proofs.back().stable = proofs.back().stable && holds(candidate, motion, reference, h);
+  std::vector<ProofRun> proofs;
+  // What is not stable is seen in a short run; the long one would only take its time.
+  const auto run = [&](const ProbingMotion& of, double judged_to, const ReferenceMotion& against) {
+    ProofRun& proof = proofs.emplace_back();
+    proof.motion = of.words;
+    ProbingMotion judged = of;
+    judged.t_end = std::min(of.t_end, judged_to);
+    StepVerdict verdict = judged_step(candidate, judged, reference, h, watcher);
+    proof.stable = verdict.stable;
+    proof.parts = verdict.parts;
+    proof.why = std::move(verdict.why);
+    proof.inversion = verdict.inversion;
+    if (proof.stable)
+      record(proof,
+             run_motion(candidate, of, against, plan.frame, steps_per_frame,
+                        {.frames = frames, .budget = plan.budget}, watcher),
+             plan);
+    else
+      proof.seconds = judged.t_end;
+    return proof.holds();
+  };
+  if (!run(motion, motion.t_end, reference)) return proofs;
   // One more: the first frame of a run is not timed.
-  const ProbingMotion other = other_motion(motion, static_cast<double>(frames + 1) * plan.frame, plan.slowest);
-  run(other, {});
-  if (proofs.back().stable) {
-    ProbingMotion shorter = other;
-    shorter.t_end = std::min(other.t_end, 10 * motion.t_end);
-    proofs.back().stable = holds(candidate, shorter, reference, h);
-  }
+  run(other_motion(motion, static_cast<double>(frames + 1) * plan.frame, plan.slowest), 10 * motion.t_end,
+      {});
   return proofs;
 }
 

@@ -7,6 +7,7 @@
 
 #include "bench/advice/advise.hpp"
 #include "bench/limits/fastest_mode.hpp"
+#include "bench/models/body_summary.hpp"
 #include "bench/timing/timing.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
@@ -171,8 +172,19 @@ double step_in_time(const Advice& failed, const AdviceQuestion& question) {
                  : std::numeric_limits<double>::infinity();
 }
 
-/// More mass where elements are fast, so that the step that is in time is stable, or steps of 1/8, 1/4, 1/2 and a whole
-/// frame.
+/// What mass scaling adds, in words, and what that does to slow motions where it is more than usual.
+std::string words_of_added(const Eigen::VectorXd& added, double whole) {
+  const double share = added.sum() / whole;
+  return fmt::format(
+      "adds {:.2g} % of the mass, to {} of {} points{}", 100 * share, (added.array() > 0).count(),
+      added.size(),
+      share > usual_added_mass
+          ? fmt::format("; frequencies of slow modes fall by up to {:.2g} %", 100 * slowed_by(share))
+          : "");
+}
+
+/// More mass where elements are fast, so that the step that is in time is stable, or steps of 1/8, 1/4, 1/2
+/// and a whole frame.
 void try_mass(Trials& trials, const Problem& problem, double in_time, const ProblemWith& make) {
   const double frame = trials.question().frame();
   std::vector<double> steps{frame / 8, frame / 4, frame / 2, frame};
@@ -190,8 +202,7 @@ void try_mass(Trials& trials, const Problem& problem, double in_time, const Prob
     if (trials.helps({.change = "mass_step",
                       .from = problem.body->settings().mass_step,
                       .to = step,
-                      .cost = fmt::format("adds {:.2g} % of the mass, to {} of {} points", 100 * added.sum() / whole,
-                                          (added.array() > 0).count(), added.size())},
+                      .cost = words_of_added(added, whole)},
                      trials.question(), [&] { return *heavier; }))
       return;
   }

@@ -1,6 +1,7 @@
 #include "bench/documents/advice_json.hpp"
 
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// An inverted element; null where there is none.
+Json to_json(const std::optional<Inversion>& inversion) {
+  if (!inversion) return nullptr;
+  return {{"tetrahedron", inversion->tetrahedron}, {"t", inversion->t}, {"volume", inversion->volume}};
+}
+
 /// @param load  of the recommended row; else empty
 Json margin_json(double stiffening, const LoadMargin* load) {
   Json margin{{"stiffening", number_or_word(stiffening)}};
@@ -21,6 +28,7 @@ Json margin_json(double stiffening, const LoadMargin* load) {
   margin["load_fails"] = number_or_word(load->fails);
   margin["displacement"] = number_or_word(load->displacement);
   margin["load_limited_by"] = load->of_model ? Json(*load->of_model ? "model" : "step") : Json();
+  margin["inverted"] = to_json(load->inversion);
   return margin;
 }
 
@@ -55,6 +63,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
             {"first", number_or_word(1e3 * row.first_frame)}}},
           {"missed", row.missed},
           {"frames", row.frames},
+          {"disturbed", row.disturbed},
           {"realtime_factor", number_or_word(row.realtime_factor(question.rate))},
           {"memory_bytes", row.memory ? Json(*row.memory) : Json()},
           {"damping_added", numbers(row.damping_added)},
@@ -70,8 +79,11 @@ Json to_json(const std::vector<ProofRun>& proof) {
     list.push_back({{"motion", run.motion},
                     {"seconds", run.seconds},
                     {"stable", run.stable},
+                    {"neighbours_part", run.parts},
+                    {"inverted", to_json(run.inversion)},
                     {"frames", run.frames},
                     {"missed", run.missed},
+                    {"disturbed", run.disturbed},
                     {"frame_ms_p999", number_or_word(1e3 * run.frame_p999)}});
   return list;
 }
@@ -104,26 +116,28 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
                         {"to", remedy.to},
                         {"cost", remedy.cost},
                         {"then", {{"method", remedy.method}, {"h", remedy.h}}}});
-  Json document{{"model", problem.id},
-                {"material", problem.material},
-                {"parameters", parameters_json(problem.parameters)},
-                {"motion", advice.motion},
-                {"load_share", advice.load_share},
-                {"gravity_share", advice.gravity_share},
-                {"scale", advice.scale},
-                {"reference_error", advice.reference_error},
-                {"modes", advice.modes},
-                {"rate", question.rate},
-                {"tolerance", question.tolerance},
-                {"budget_ms", 1e3 * question.frame_budget()},
-                {"machine", summary(fingerprint())},
-                {"rows", std::move(rows)},
-                {"proof", to_json(advice.proof)},
-                {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
-                {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
-                {"ties", std::move(ties)},
-                {"remedies", std::move(remedies)},
-                {"all_tried", advice.all_tried}};
+  Json document{
+      {"model", problem.id},
+      {"material", problem.material},
+      {"parameters", parameters_json(problem.parameters)},
+      {"motion", advice.motion},
+      {"load_share", advice.load_share},
+      {"gravity_share", advice.gravity_share},
+      {"scale", advice.scale},
+      {"reference_error", advice.reference_error},
+      {"inverted", to_json(advice.inversion)},
+      {"modes", advice.modes},
+      {"rate", question.rate},
+      {"tolerance", question.tolerance},
+      {"budget_ms", 1e3 * question.frame_budget()},
+      {"machine", summary(fingerprint())},
+      {"rows", std::move(rows)},
+      {"proof", to_json(advice.proof)},
+      {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
+      {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
+      {"ties", std::move(ties)},
+      {"remedies", std::move(remedies)},
+      {"all_tried", advice.all_tried}};
   if (interrupted) {
     document["interrupted"] = true;
     document["stage"] = name_of(advice.stage);

@@ -25,6 +25,7 @@ std::vector<PageSection> sections_after(const AdviceText& text, const AdviceKey&
   PageSection reasons{.title = "Methods that do not suit", .list = text.reasons};
   if (!text.left_out.empty()) reasons.list.push_back(text.left_out);
   if (!reasons.list.empty()) sections.push_back(std::move(reasons));
+  if (!text.notes.empty()) sections.push_back({.title = "Missing numbers", .list = text.notes});
   PageSection model{.title = "Model", .facts = {{"model", question.problem}}};
   const auto add = [&](const char* name, const std::string& words) {
     if (!words.empty()) model.facts.emplace_back(name, words);
@@ -54,9 +55,11 @@ void write_advice_page(const std::filesystem::path& file, const AdviceText& text
                        .sessions = {{.id = 1, .started = now, .fingerprint = fingerprint()}}};
   if (!scene.empty()) answer.scenes.push_back({.key = question, .scene = scene, .session = 1});
   const AnswerSections sections{
-      .title = fmt::format("{}{}{} at {} Hz: integrator and step size", title_of(question.problem),
-                           question.material.empty() ? "" : ", ", question.material, short_number(question.rate)),
-      .introduction = "Which integrator, and how large a step? " + text.question,
+      .title =
+          fmt::format("{}{}{} at {} Hz: integrator and step size", title_of(question.problem),
+                      question.material.empty() ? "" : ", ", question.material, short_number(question.rate)),
+      .introduction = (text.body.empty() ? "" : text.body + ". ") +
+                      "Which integrator, and how large a step? " + text.question,
       .before = {answer_section(text)},
       .after = sections_after(text, question),
       .table = text.table};

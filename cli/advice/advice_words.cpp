@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "bench/advice/advice_records.hpp"
+#include "bench/models/body_summary.hpp"
+#include "problems/tissue/body.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {
@@ -46,19 +49,21 @@ std::string words_of_modes(const AdviceRow& row, const Advice& advice) {
   std::string words;
   for (std::size_t i = 0; i < std::min(advice.modes.size(), row.damping_added.size()); ++i)
     if (std::isfinite(row.damping_added[i]))
-      words +=
-          fmt::format("{}{} rad/s: damping ratio {:+.2g}, frequency {:+.2g} %", words.empty() ? "" : "; ",
-                      short_number(advice.modes[i], 3), row.damping_added[i], 100 * row.frequency_shift[i]);
+      words += fmt::format("{}{} rad/s: damping ratio {:+.2g}, frequency {:+.2g} %",
+                           words.empty() ? "" : "; ", short_number(advice.modes[i], 3),
+                           row.damping_added[i] + 0.0, 100 * row.frequency_shift[i] + 0.0);
   return words;
 }
 
 std::string words_of_limit(const AdviceRow& row) {
   if (std::isinf(row.h_max)) return "stable at every step size (linearised model)";
   if (std::isnan(row.h_max)) return "no limit is predicted; stable in the run";
-  const std::string seen = std::isnan(row.h_max_observed) ? "growth just beyond it is too slow to be observed"
-                                                          : milliseconds(row.h_max_observed) + " ms observed";
+  const std::string seen = !std::isnan(row.h_max_observed) ? milliseconds(row.h_max_observed) + " ms observed"
+                           : row.status.empty()            ? "not observed"
+                                                           : row.status;
   return fmt::format("h_max {} ms predicted, {}; {}", milliseconds(row.h_max, 4),
-                     row.h_max_of_start ? "that of the start: along the motion none is known" : "the smallest along the motion",
+                     row.h_max_of_start ? "that of the start: along the motion none is known"
+                                        : "the smallest along the motion",
                      seen);
 }
 
@@ -69,23 +74,50 @@ std::string words_of_step(const AdviceRow& row) {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-/// What the user must know before trusting the answer: loads that were reduced, and a limit that published spreads cross.
+/// What the user must know before trusting the answer: loads that were reduced, and a limit that published
+/// spreads cross.
 void add_cautions(Facts& facts, const Advice& advice, const AdviceRow& row, const AdviceQuestion& question) {
   const auto caution = [&](std::string words) {
     facts.emplace_back(facts.empty() || facts.back().first != "caution" ? "caution" : "", std::move(words));
   };
   const auto share = [](double of) { return of == 0 ? std::string("no") : short_number(of, 3) + " of"; };
   if (advice.gravity_share < 1)
-    caution(fmt::format("tried with {} gravity only: under all of it the step may fail", share(advice.gravity_share)));
+    caution(fmt::format("tried with {} gravity only: under all of it the step may fail",
+                        share(advice.gravity_share)));
   if (advice.load_share < 1)
-    caution(fmt::format("tried with {} the load only: under all of it the step may fail", share(advice.load_share)));
+    caution(fmt::format("tried with {} the load only: under all of it the step may fail",
+                        share(advice.load_share)));
+  if (advice.inversion)
+    caution(fmt::format(
+        "{}, in the reference motion too: the load causes it, not the step; reduce the load or take a "
+        "stiffer material",
+        in_words(*advice.inversion)));
   const auto band = std::ranges::min_element(advice.bands, {}, &LimitBand::low);
   if (band == advice.bands.end() || band->low * row.h_max >= row.h) return;
   constexpr double safety = 0.95;  // below a limit, as steps are chosen
   const double steps = std::ceil(question.frame() / (safety * band->low * row.h_max));
-  caution(fmt::format("where the {} is {} % off, h_max falls to {} ms; h = {} ms, {} steps per frame, is below that",
-                      band->quantity, short_number(100 * band->spread, 2), milliseconds(band->low * row.h_max),
-                      milliseconds(question.frame() / steps, 4), steps));
+  caution(fmt::format(
+      "where the {} is {} % off, h_max falls to {} ms; h = {} ms, {} steps per frame, is below that",
+      band->quantity, short_number(100 * band->spread, 2), milliseconds(band->low * row.h_max),
+      milliseconds(question.frame() / steps, 4), steps));
+}
+
+/// Empty of none.
+std::string words_of_disturbed(std::size_t frames) {
+  return frames == 0
+             ? ""
+             : fmt::format(" (of three runs; {} more did in one run alone, which is the machine)", frames);
+}
+
+/// Which Jacobian "frozen" is; empty of others. Its limit depends on the state that it is of.
+std::string words_of_frozen(const AdviceRow& row, const Problem& problem) {
+  if (row.candidate.jacobian.every != JacobianUpdate::frozen) return {};
+  const bool weighted = problem.body && problem.body->settings().gravity.norm() > 0;
+  return fmt::format(
+      "of the start of the motion{}; that of `run` and `stability predict --jacobian frozen` is of their "
+      "initial state{}",
+      weighted ? ", the equilibrium under gravity" : "",
+      problem.body ? ", by default the body without loads" : "");
 }
 
 /// What was measured of the recommended row.
@@ -93,22 +125,29 @@ void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, co
                   const AdviceQuestion& question) {
   facts.emplace_back("stability", words_of_limit(row));
   facts.emplace_back("limited by", sentence_of_bound(row, question.least_error));
-  facts.emplace_back("error", fmt::format("{}{} of the {}",
-                                          row.error <= advice.reference_error ? "that of the reference, at most " : "",
-                                          percent(row.error), error_scale(problem)));
+  if (const std::string frozen = words_of_frozen(row, problem); !frozen.empty())
+    facts.emplace_back("Jacobian", frozen);
+  facts.emplace_back("error",
+                     fmt::format("{}{} of the {}",
+                                 row.error <= advice.reference_error ? "that of the reference, at most " : "",
+                                 percent(row.error), error_scale(problem)));
   facts.emplace_back(
       "CPU time",
       fmt::format("{} ms per frame (median), {} ms (99 %), {} ms (maximum); {} times real time",
                   milliseconds(row.frame.p50), milliseconds(row.frame.p99), milliseconds(row.frame.max),
                   short_number(row.realtime_factor(question.rate), 3)));
-  facts.emplace_back("deadline", fmt::format("{} of {} frames took more than {} ms; one in a thousand may", row.missed,
-                                             row.frames, milliseconds(question.frame_budget())));
+  facts.emplace_back("deadline", fmt::format("{} of {} frames took more than {} ms{}; one in a thousand may",
+                                             row.missed, row.frames, milliseconds(question.frame_budget()),
+                                             words_of_disturbed(row.disturbed)));
   for (const ProofRun& run : advice.proof) {
     const bool first = &run == &advice.proof.front();
-    facts.emplace_back(first ? "long runs" : "",
-                       fmt::format("{} s, {}: stable, {} of {} frames took more than {} ms",
-                                   short_number(run.seconds, 3), first ? "this motion, repeated" : run.motion,
-                                   run.missed, run.frames, milliseconds(question.frame_budget())));
+    facts.emplace_back(
+        first ? "long runs" : "",
+        fmt::format("{} s, {}: stable{}, {} of {} frames took more than {} ms{}",
+                    short_number(run.seconds, 3), first ? "this motion, repeated" : run.motion,
+                    run.parts ? " (neighbours part, at shorter steps too: that is the model)" : "",
+                    run.missed, run.frames, milliseconds(question.frame_budget()),
+                    words_of_disturbed(run.disturbed)));
   }
   std::vector<std::string> iterations;
   if (!std::isnan(row.newton_per_frame))
@@ -116,17 +155,25 @@ void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, co
   if (!std::isnan(row.linear_per_frame))
     iterations.push_back(fmt::format("{} of conjugate gradients", short_number(row.linear_per_frame)));
   if (!iterations.empty())
-    facts.emplace_back("iterations", fmt::format("at most {} in 99.9 % of the frames", fmt::join(iterations, " and ")));
+    facts.emplace_back("iterations",
+                       fmt::format("at most {} in 99.9 % of the frames", fmt::join(iterations, " and ")));
 }
 
 /// How much larger the motion may become, as runs showed; empty where none was made.
 std::string words_of(const LoadMargin& margin, bool of_body) {
-  if (std::isnan(margin.holds)) return {};
+  if (std::isnan(margin.holds))
+    return margin.inversion ? "none: " + in_words(*margin.inversion) + " by the loads of the motion" : "";
   const std::string loads = of_body ? "loads" : "force and initial state";
-  const std::string size = of_body ? fmt::format(", {} mm", milliseconds(margin.displacement)) : "";
-  const std::string held = margin.holds > 1 ? fmt::format("stable at {} times the {}{}", short_number(margin.holds, 3), loads, size)
+  const std::string size =
+      of_body ? fmt::format(", which move it by {} mm", milliseconds(margin.displacement)) : "";
+  const std::string held = margin.holds > 1 ? fmt::format("stable at {} times the {}{}",
+                                                          short_number(margin.holds, 3), loads, size)
                                             : fmt::format("stable at the {} of the motion{}", loads, size);
   if (!std::isfinite(margin.fails)) return held + "; more was not run";
+  if (margin.inversion)
+    return fmt::format("{}; at {} times {}{}", held, short_number(margin.fails, 3),
+                       in_words(*margin.inversion),
+                       margin.of_model ? ", with a quarter of the step too: the loads cause it" : "");
   return fmt::format("{}; not at {} times{}", held, short_number(margin.fails, 3),
                      margin.of_model.value_or(false) ? ", where a quarter of the step fails too" : "");
 }
@@ -134,19 +181,19 @@ std::string words_of(const LoadMargin& margin, bool of_body) {
 /// The margin to instability, and the damping added to slow modes.
 void add_margins(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice) {
   if (!std::isnan(row.stiffening))
-    facts.emplace_back(
-        "margin", std::isinf(row.stiffening)
-                      ? row.candidate.jacobian.every == JacobianUpdate::frozen ? "predicted: stable at 64 times the stiffness"
-                                                                               : "predicted: stable at every stiffness"
-                      : fmt::format("predicted: stable up to {} times the stiffness", short_number(row.stiffening, 3)));
+    facts.emplace_back("margin", std::isinf(row.stiffening)
+                                     ? row.candidate.jacobian.every == JacobianUpdate::frozen
+                                           ? "predicted: stable at 64 times the stiffness"
+                                           : "predicted: stable at every stiffness"
+                                     : fmt::format("predicted: stable up to {} times the stiffness",
+                                                   short_number(row.stiffening, 3)));
   if (const std::string loads = words_of(advice.load_margin, problem.body != nullptr); !loads.empty())
     facts.emplace_back(std::isnan(row.stiffening) ? "margin" : "", "observed: " + loads);
   for (const LimitBand& band : advice.bands)
     facts.emplace_back(
         &band == &advice.bands.front() ? "uncertainty" : "",
-        fmt::format("h_max {} to {} ms where the {} is {} % less or more",
-                    milliseconds(band.low * row.h_max), milliseconds(band.high * row.h_max), band.quantity,
-                    short_number(100 * band.spread, 2)));
+        fmt::format("h_max {} to {} ms where the {} is {} % less or more", milliseconds(band.low * row.h_max),
+                    milliseconds(band.high * row.h_max), band.quantity, short_number(100 * band.spread, 2)));
   if (const std::string modes = words_of_modes(row, advice); !modes.empty())
     facts.emplace_back("slow modes", modes);
   std::vector<std::string> ties;
@@ -171,9 +218,9 @@ std::string words_of_nearest(const Advice& advice, const AdviceQuestion& questio
   if (advice.rows.empty()) return {};
   const AdviceRow& row = advice.rows.front();
   if (std::isnan(row.h) || !std::isfinite(row.error) || std::isnan(row.frame.p50)) return {};
-  return fmt::format("Nearest: {} with h = {} ms, error {}, {} ms of {} ms per frame (median). ", row.candidate.words(),
-                     milliseconds(row.h, 4), percent(row.error), milliseconds(row.frame.p50),
-                     milliseconds(question.frame_budget()));
+  return fmt::format("Nearest: {} with h = {} ms, error {}, {} ms of {} ms per frame (median). ",
+                     row.candidate.words(), milliseconds(row.h, 4), percent(row.error),
+                     milliseconds(row.frame.p50), milliseconds(question.frame_budget()));
 }
 
 /// What is said above the remedies.
@@ -182,8 +229,10 @@ std::string words_of_help(const Advice& advice, bool interrupted) {
   if (interrupted)
     return none ? "Interrupted: no change that was tried so far helps."
                 : "Interrupted; what helps, of the changes tried so far:";
-  const std::string part = advice.all_tried ? "" : " (not every change was tried: that takes more than two minutes)";
-  return none ? fmt::format("No change that was tried helps{}.", part) : fmt::format("What helps, each tried{}:", part);
+  const std::string part =
+      advice.all_tried ? "" : " (not every change was tried: that takes more than two minutes)";
+  return none ? fmt::format("No change that was tried helps{}.", part)
+              : fmt::format("What helps, each tried{}:", part);
 }
 
 /// How far an interrupted search got.
@@ -214,11 +263,12 @@ std::vector<std::vector<std::string>> table_of(const std::vector<AdviceRecord>& 
   return table;
 }
 
-/// Why rows do not suit, each reason once.
-std::vector<std::string> reasons_of(const std::vector<AdviceRecord>& rows) {
+/// What is said of the rows of which something holds, each sentence once.
+std::vector<std::string> statuses_of(const std::vector<AdviceRecord>& rows,
+                                     const std::function<bool(const AdviceRecord&)>& holds) {
   std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
   for (const AdviceRecord& row : rows) {
-    if (row.status.empty() || row.suits()) continue;
+    if (row.status.empty() || !holds(row)) continue;
     const auto same =
         std::ranges::find(reasons, row.status, &std::pair<std::string, std::vector<std::string>>::first);
     (same == reasons.end() ? reasons.emplace_back(row.status, std::vector<std::string>{}) : *same)
@@ -230,18 +280,38 @@ std::vector<std::string> reasons_of(const std::vector<AdviceRecord>& rows) {
   return lines;
 }
 
+/// What the dashes of the table stand for.
+std::vector<std::string> notes_of(const std::vector<AdviceRecord>& rows) {
+  const auto lacks = [](const AdviceRecord& row) {
+    return std::isnan(row.h_max) || (std::isfinite(row.h_max) && std::isnan(row.h_max_observed));
+  };
+  std::vector<std::string> notes =
+      statuses_of(rows, [&](const AdviceRecord& row) { return row.suits() && lacks(row); });
+  const bool unbounded =
+                 std::ranges::any_of(rows, [](const AdviceRecord&row) { return std::isinf(row.h_max); }),
+             unsuitable = std::ranges::any_of(
+                 rows, [&](const AdviceRecord&row) { return !row.suits() && lacks(row); });
+  std::string words;
+  if (unbounded) words = "methods without a limit";
+  if (unsuitable) words += std::string(words.empty() ? "" : " and ") + "methods that do not suit";
+  if (!words.empty()) notes.push_back(fmt::format("observed -: no limit is sought of {}", words));
+  return notes;
+}
+
 }  // namespace
 
 AdviceText words_of(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
                     bool interrupted) {
   AdviceText text;
   text.model = fmt::format("{}{}{}", problem.id, problem.material.empty() ? "" : ", ", problem.material);
+  if (problem.body) text.body = in_words(summary_of(*problem.body));
   text.motion = advice.motion;
-  text.question = fmt::format("{} Hz, error at most {} of the {}{}, frames of at most {} ms; best is {}",
-                              short_number(question.rate), percent(question.tolerance), error_scale(problem),
-                              problem.body ? fmt::format(" ({} mm)", milliseconds(advice.scale)) : "",
-                              milliseconds(question.frame_budget()),
-                              question.least_error ? "the smallest error" : "the lowest CPU time");
+  text.question = fmt::format(
+      "{} Hz, error at most {} of the {}{}, frames of at most {} ms; best is {}", short_number(question.rate),
+      percent(question.tolerance), error_scale(problem),
+      problem.body ? fmt::format(" ({} mm from the start of the motion)", milliseconds(advice.scale)) : "",
+      milliseconds(question.frame_budget()),
+      question.least_error ? "the smallest error" : "the lowest CPU time");
   if (const AdviceRow* best = advice.recommended()) {
     text.answer = words_of_step(*best);
     add_cautions(text.facts, advice, *best, question);
@@ -256,14 +326,16 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
   }
   const std::vector<AdviceRecord> rows = advice_records(advice);
   text.table = table_of(rows);
-  text.reasons = reasons_of(rows);
+  text.reasons = statuses_of(rows, [](const AdviceRecord& row) { return !row.suits(); });
+  text.notes = notes_of(rows);
   text.machine = summary(fingerprint());
   return text;
 }
 
 std::string for_people(const AdviceText& text, const Console& console) {
   std::string all =
-      fmt::format("{}: {}\n{}\n\n{}\n", text.model, text.motion, text.question, console.strong(text.answer));
+      fmt::format("{}: {}\n{}{}\n\n{}\n", text.model, text.motion, text.body.empty() ? "" : text.body + "\n",
+                  text.question, console.strong(text.answer));
   for (const auto& [name, words] : text.facts) all += fmt::format("  {:<13} {}\n", name, words);
   if (!text.help.empty()) all += text.help + "\n";
   for (const std::string& remedy : text.remedies) all += "  " + remedy + "\n";
@@ -271,6 +343,7 @@ std::string for_people(const AdviceText& text, const Console& console) {
   for (std::size_t i = 1; i < text.table.size(); ++i) table.add(text.table[i]);
   all += "\n" + table.text(console) + "\n";
   for (const std::string& reason : text.reasons) all += reason + "\n";
+  for (const std::string& note : text.notes) all += note + "\n";
   all += console.faint(text.machine) + "\n";
   return text.left_out.empty() ? all : all + text.left_out + "\n";
 }

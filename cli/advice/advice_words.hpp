@@ -13,6 +13,7 @@ namespace hmax {
 /// An answer, sentence by sentence.
 struct AdviceText {
   std::string model;     ///< id of the problem, and its material
+  std::string body;      ///< what a body is made of: E, nu, mass, size, supports; empty of what is none
   std::string motion;    ///< by which steps are judged
   std::string question;  ///< rate, tolerance and budget
   std::string answer;    ///< what to take; that nothing suits; or how far an interrupted search got
@@ -22,6 +23,7 @@ struct AdviceText {
   std::vector<std::string> remedies;            ///< one change each
   std::vector<std::vector<std::string>> table;  ///< every row, under its headings
   std::vector<std::string> reasons;             ///< why rows do not suit, each reason once
+  std::vector<std::string> notes;               ///< on the dashes of the table
   std::string left_out;                         ///< methods that were not tried; empty where all were
   std::string machine;                          ///< that the times are of
 };

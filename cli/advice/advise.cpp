@@ -24,6 +24,7 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
+#include "plots/pages/answer_words.hpp"
 #include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 #include "results/numbers.hpp"
@@ -46,7 +47,8 @@ constexpr double most_motion_frames = 1e7;
 
 double positive(const char* option, double value, const char* example) {
   if (!(value > 0 && std::isfinite(value)))
-    throw InputError(fmt::format("{} is {} but must be positive, such as {}", option, to_text(value), example));
+    throw InputError(
+        fmt::format("{} is {} but must be positive, such as {}", option, to_text(value), example));
   return value;
 }
 
@@ -62,11 +64,13 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
   AdviceQuestion question;
   question.rate = positive("--rate", *options.rate, "100");
   if (question.rate < 1 || question.rate > 1e5)
-    throw InputError(fmt::format("--rate is {} Hz, but must lie between 1 and 100000", to_text(question.rate)));
+    throw InputError(
+        fmt::format("--rate is {} Hz, but must lie between 1 and 100000", to_text(question.rate)));
   if (options.tolerance) {
     question.tolerance = positive("--tolerance", *options.tolerance, "0.01");
     if (question.tolerance >= 1)
-      throw InputError("--tolerance is relative to the largest displacement and must be below 1, such as 0.01");
+      throw InputError(
+          "--tolerance is relative to the largest displacement and must be below 1, such as 0.01");
     if (question.tolerance < 1e-10)
       throw InputError(fmt::format("--tolerance is {}, which no reference reaches; give 1e-10 or more",
                                    to_text(question.tolerance)));
@@ -90,7 +94,8 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
                     .most_count = most_motion_frames,
                     .remedy = "take a shorter motion"});
     if (!options.motion_at.empty()) {
-      if (options.problem.body.mesh.empty()) throw InputError("--motion-at names points of --mesh; name a mesh");
+      if (options.problem.body.mesh.empty())
+        throw InputError("--motion-at names points of --mesh; name a mesh");
       question.motion->points = points_of_sets(
           options.motion_at, load_mesh(options.problem.body.mesh, options.problem.body.metres()));
     }
@@ -107,9 +112,10 @@ std::string words_of_left_out(const AdviseOptions& options, const Problem& probl
   for (const std::string& name : simulator_methods())
     if (!suits(find_method(name), problem)) names.push_back(name);
   return names.empty() ? ""
-                       : fmt::format("left out: {}, which need positions and velocities or a stiff part that the "
-                                     "problem does not declare",
-                                     fmt::join(names, ", "));
+                       : fmt::format(
+                             "left out: {}, which need positions and velocities or a stiff part that the "
+                             "problem does not declare",
+                             fmt::join(names, ", "));
 }
 
 /// @throws InputError  for a store or a page that cannot have its name, and for a file that is no store
@@ -123,8 +129,8 @@ void check_names(const AdviseOptions& options) {
 /// Fills the answer; what would help is sought where nothing is recommended.
 /// @returns what ended the search early, Interrupted after Ctrl-C: what is finished is in `advice`; else null
 /// @throws the same when nothing is
-std::exception_ptr search(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question,
-                          Advice& advice, const Console& console) {
+std::exception_ptr search(const AdviseOptions& options, const Problem& problem,
+                          const AdviceQuestion& question, Advice& advice, const Console& console) {
   Progress progress(console, "advise");
   const auto& interrupted = interrupt_flag();
   const AdviceWatcher watcher = [&](double share, const std::string& what) {
@@ -155,9 +161,13 @@ bool was_interrupted(const std::exception_ptr& end) {
   }
 }
 
+AnswerWords stored_words(const AdviceText& text) {
+  return {.body = text.body, .facts = text.facts, .help = text.help, .remedies = text.remedies};
+}
+
 /// Behind the answer itself, which is not lost when something cannot be written.
-void keep(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question, const Advice& advice,
-          const AdviceText& text, Console& console) {
+void keep(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question,
+          const Advice& advice, const AdviceText& text, Console& console) {
   if (options.out.empty() && options.output.empty()) return;
   console.flush();
   const AdviceKey key = advice_key(problem, question, advice);
@@ -175,7 +185,7 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   if (!options.out.empty()) {
     Store store = Store::open_or_create(store_path(options.out));
     store.begin_session(fingerprint());
-    store.insert_advice(key, rows, scene);
+    store.insert_advice(key, rows, scene, answer_text(stored_words(text)));
     if (!console.json) console.print(fmt::format("\nStored in {}\n", store.file().generic_string()));
   }
   if (page_failure) std::rethrow_exception(page_failure);
@@ -225,12 +235,14 @@ void add_advise(CLI::App& app, Console& console) {
   const auto options = std::make_shared<AdviseOptions>();
   options->problem.add_to(command);
   add_number(command, "--rate", options->rate, "Frame rate [Hz]; required");
-  add_number(command, "--tolerance", options->tolerance,
-             "Largest error of the motion, relative to the largest displacement of a body, or to the range of each "
-             "state [1]; 0.01 by default");
-  add_number(command, "--budget", options->budget,
-             "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
-             "default");
+  add_number(
+      command, "--tolerance", options->tolerance,
+      "Largest error of the motion, relative to the largest displacement of a body, or to the range of each "
+      "state [1]; 0.01 by default");
+  add_number(
+      command, "--budget", options->budget,
+      "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
+      "default");
   add_text(command, "--methods", options->methods,
            fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
                        fmt::join(simulator_methods(), ", ")),

@@ -74,12 +74,15 @@ SceneMotion scene_motion(const TissueBody& body, const ReferenceMotion& referenc
 std::string body_scene_text(const AnalysedModel& model) {
   const Problem& problem = model.motion.problem;
   const TissueBody& body = *problem.body;
-  BodyScene scene{.title = title_of(problem.id),
-                  .caption = fmt::format("The probing motion: {}. Displacements are from the body without loads.", model.motion.words),
-                  .points = space_points(body.mesh().points),
-                  .triangles = surface_triangles(body.mesh()),
-                  .held = held_points(body),
-                  .motion = scene_motion(body, model.reference)};
+  BodyScene scene{
+      .title = title_of(problem.id),
+      .caption = fmt::format(
+          "The probing motion: {}. Displacements are from the body without loads, those of the answer from the start of the motion.",
+          model.motion.words),
+      .points = space_points(body.mesh().points),
+      .triangles = surface_triangles(body.mesh()),
+      .held = held_points(body),
+      .motion = scene_motion(body, model.reference)};
   scene.modes.push_back(fastest_mode(problem, model.near));
   if (auto slowest = slowest_mode(problem, model.near)) scene.modes.push_back(*std::move(slowest));
   try {

@@ -72,6 +72,51 @@ TEST(AdviseCommand, TellsWhatIsFinishedWhenItIsInterrupted) {
   EXPECT_EQ(document.at("rows")[0].at("verdict"), "suitable");
 }
 
+TEST(AdviseCommand, RecommendsAStepForABallThatBounces) {
+  const Shell shell;
+  write_text(shell / "ball.toml",
+             "[problem]\nt_end = 2\n[equations]\nx = \"v\"\nv = \"-9.81 + (x < 0 ? (-k*x - c*v)/m : 0)\"\n"
+             "[parameters]\nk = 1e6\nc = 10\nm = 1\n[initial]\nx = 1\nv = 0\n");
+  const Told told = shell.hmax("advise --problem ball.toml --rate 100 --methods rk4,ode45 --frames 50");
+  EXPECT_EQ(told.exit_code, 0) << told.out;
+  EXPECT_NE(told.out.find("take rk4 with h = 0.35714 ms"), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("unstable"), std::string::npos) << told.out;
+  // The right end: at rest, pressed into the floor by m g / k.
+  const Json end =
+      shell.hmax("run --problem ball.toml --method rk4 --h 0.000357142857142857 --t-end 60 --json").json();
+  EXPECT_NEAR(end.at("y")[0].get<double>(), -9.81e-6, 1e-8);
+}
+
+TEST(AdviseCommand, SaysWhatABodyIsAndWhereItsLoadsInvertIt) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "advise --mesh cube:n=2 --load press --set force=2 --rate 100 --frames 20 --methods symplectic_euler --out kept.sqlite "
+      "--output page.html");
+  ASSERT_EQ(told.exit_code, 0) << told.err << told.out;
+  EXPECT_NE(told.out.find("\nE 5500 Pa, nu 0.45, 1060 kg/m^3; 1.06 kg in a box"), std::string::npos)
+      << told.out;
+  EXPECT_NE(told.out.find(" mm from the start of the motion)"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find(" is inverted at t = "), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("-0,"), std::string::npos) << told.out;
+  ASSERT_EQ(shell.hmax("report kept.sqlite --output report.html").exit_code, 0);
+  // The card says all that the answer says.
+  for (const char* page : {"page.html", "report.html"}) {
+    const std::string text = read_text(shell / page);
+    for (const char* words :
+         {"E 5500 Pa, nu 0.45", "is inverted at t = ", "observed: stable at ", "predicted: stable up to "})
+      EXPECT_NE(text.find(words), std::string::npos) << page << " " << words;
+  }
+}
+
+TEST(AdviseCommand, SaysWhichJacobianIsFrozen) {
+  const Told told = Shell().hmax(
+      "advise --mesh cube:n=2 --rate 100 --frames 20 --tolerance 0.5 --methods linearly_implicit_euler");
+  ASSERT_EQ(told.exit_code, 0) << told.err << told.out;
+  if (told.out.find("take linearly_implicit_euler, Jacobian frozen") != std::string::npos)
+    EXPECT_NE(told.out.find("of the start of the motion, the equilibrium under gravity"), std::string::npos)
+        << told.out;
+}
+
 TEST(AdviseCommand, FailsWhereNothingSuits) {
   const Told told = Shell().hmax(std::string(small_question) + " --budget 1e-6");
   EXPECT_EQ(told.exit_code, 1) << told.err;
