@@ -50,9 +50,12 @@ BodyInPieces body_in_pieces(const std::string& name, const ProblemSettings& sett
   if (!made.tools.empty())
     throw InputError(
         "--engine petsc does not take --load tool: it has no contact; leave out --load, or --engine");
+  std::vector<std::string> remarks = remarks_on_points(loaded.origin->file);
   loaded.origin = nullptr;
-  BodyInPieces body{
-      .structure = {}, .parameters = named_values(parameters), .summary = summary_of(loaded.mesh, made)};
+  BodyInPieces body{.structure = {},
+                    .parameters = named_values(parameters),
+                    .summary = summary_of(loaded.mesh, made),
+                    .remarks = std::move(remarks)};
   try {
     const auto pieces = std::make_shared<const BodyPieces>(loaded.mesh, std::move(made));
     body.structure.alpha = pieces->alpha();

@@ -16,6 +16,7 @@ struct BodyInPieces {
   DistributedStructure structure;
   std::vector<std::pair<std::string, double>> parameters;  ///< as Problem has them
   BodySummary summary;
+  std::vector<std::string> remarks;  ///< remarks_on_points (bench/models/mesh_choice.hpp)
 };
 
 /// Each process reads or makes the mesh, which is small beside the matrices.

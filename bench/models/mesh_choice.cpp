@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "bench/input/suggest.hpp"
+#include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
@@ -50,8 +51,8 @@ void refuse_parameter(const std::string& mesh, const std::string& text) {
 MeshFile from_file(const MeshRequest& request) {
   for (const auto& [name, value] : request.parameters)
     if (!is_modifier(name))
-      throw InputError(
-          fmt::format("a mesh from a file has no parameter '{}'; it takes refine and mend only", name));
+      throw InputError(fmt::format(
+          "a mesh from a file has no parameter '{}'; it takes refine, mend and merge only", name));
   std::error_code ignored;
   if (!std::filesystem::exists(request.name, ignored) &&
       request.name.find_first_of("./") == std::string::npos) {
@@ -67,19 +68,41 @@ MeshFile from_file(const MeshRequest& request) {
 
 }  // namespace
 
-OpenedMesh open_mesh(const std::string& text) {
+OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident) {
   return told_to_user([&] {
     if (text.empty()) throw InputError("no mesh is given; name one, like liver or ball:n=6, or a file");
     const MeshRequest request = parse_mesh_request(text);
     const bool named = has_name(request.name);
     OpenedMesh opened{.file = named ? counted_from_one(unmodified_mesh(request), text) : from_file(request),
                       .from_file = !named};
-    if (const MeshModifiers modifiers = modifiers_of(request); modifiers.any()) {
+    const MeshModifiers modifiers = modifiers_of(request);
+    const bool merges = !named && coincident == CoincidentPoints::merged;
+    if (const double tolerance = modifiers.merge.value_or(merges ? 0 : merge_off); tolerance >= 0)
+      merge_points(opened.file, tolerance);
+    if (modifiers.any()) {
       require_valid(opened.file);
       opened.mending = modify(opened.file, modifiers);
     }
     return opened;
   });
+}
+
+std::vector<std::string> remarks_on_points(const MeshFile& file) {
+  std::vector<std::string> remarks;
+  if (!file.merged.empty())
+    remarks.push_back(
+        fmt::format("merged {} coincident points of {}; :merge=off behind the mesh keeps them apart",
+                    file.merged.size(), file.name));
+  if (const auto apart = coincidences(file.mesh, near_coincidence); !apart.empty()) {
+    const auto number = [&](TetMesh::Index i) { return file.point_numbers[static_cast<std::size_t>(i)]; };
+    remarks.push_back(
+        fmt::format("{} has {} within {} of an edge from another point, not merged: point {} beside point {}{}; "
+                    ":merge={} behind the mesh merges them",
+                    file.name, apart.size() == 1 ? "1 point" : fmt::format("{} points", apart.size()),
+                    to_text(near_coincidence), number(apart.front().point), number(apart.front().first),
+                    apart.size() == 1 ? "" : ", ...", to_text(near_coincidence)));
+  }
+  return remarks;
 }
 
 std::string coarser_mesh(const std::string& text) {
@@ -92,7 +115,8 @@ std::string coarser_mesh(const std::string& text) {
       const NamedMesh* named = find_named_mesh(request.name);
       if (!named || named->parameters.empty() || named->parameters.front().first != "n") return {};
       const auto n = std::ranges::find(request.parameters, "n", &std::pair<std::string, double>::first);
-      const double half = std::floor((n == request.parameters.end() ? named->parameters.front().second : n->second) / 2);
+      const double half =
+          std::floor((n == request.parameters.end() ? named->parameters.front().second : n->second) / 2);
       if (half < 1) return {};
       if (n == request.parameters.end())
         request.parameters.emplace_back("n", half);
@@ -100,7 +124,8 @@ std::string coarser_mesh(const std::string& text) {
         n->second = half;
     }
     std::string coarser = request.name;
-    for (const auto& [name, value] : request.parameters) coarser += fmt::format(":{}={}", name, to_text(value));
+    for (const auto& [name, value] : request.parameters)
+      coarser += fmt::format(":{}={}", name, to_text(value));
     return coarser;
   });
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
@@ -18,22 +19,31 @@ struct OpenedMesh {
   std::optional<Mending> mending{};  ///< if asked for, in the unit of the file
 };
 
-/// @param text  a name such as `ball:n=6`, or a file; both take `:refine=K` and `:mend=N`
-/// @throws InputError naming file, line and remedy, or the nearest known name
-OpenedMesh open_mesh(const std::string& text);
+/// What is done to points at exactly the same place where the text does not say it with `:merge=TOL` or
+/// `:merge=off`. hmax has no contact between the parts of a mesh: parts that touch without sharing points
+/// would pass through each other. So models merge them; whoever looks at a file sees it as it is.
+enum class CoincidentPoints { merged, kept };
 
-/// The same mesh with about an eighth of its tetrahedra: refined once less, or with half as many points along its
-/// edges; empty where it has no such parameter. As many of them are mended.
+/// @param text  a name such as `ball:n=6`, or a file; both take `:refine=K`, `:mend=N` and `:merge=TOL`
+/// @throws InputError naming file, line and remedy, or the nearest known name
+OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident = CoincidentPoints::merged);
+
+/// What is to be said of points that were merged, and of those that nearly coincide and were not. Sentences.
+std::vector<std::string> remarks_on_points(const MeshFile& file);
+
+/// The same mesh with about an eighth of its tetrahedra: refined once less, or with half as many points along
+/// its edges; empty where it has no such parameter. As many of them are mended.
 std::string coarser_mesh(const std::string& text);
 
-/// The same mesh with `count` of the tetrahedra mended that limit explicit steps most; empty where it asks for that itself.
+/// The same mesh with `count` of the tetrahedra mended that limit explicit steps most; empty where it asks
+/// for that itself.
 std::string mended_mesh(const std::string& text, int count);
 
 /// Metres of "m", "cm", "mm" or of a number of metres.
 double unit_in_metres(std::string_view text);
 
-/// A mesh for models. Meshes from files, and those by name of 5000 tetrahedra and more, are renumbered for locality;
-/// all know the way back.
+/// A mesh for models. Meshes from files, and those by name of 5000 tetrahedra and more, are renumbered for
+/// locality; all know the way back.
 struct LoadedMesh {
   std::string name;  ///< as asked for
   TetMesh mesh;

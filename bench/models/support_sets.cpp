@@ -46,6 +46,7 @@ class NumberedPoints {
     const std::vector<std::int64_t>& numbers = mesh.origin->file.point_numbers;
     for (std::size_t i = 0; i < numbers.size(); ++i)
       by_number_.emplace_back(numbers[i], static_cast<Index>(i));
+    for (const auto& [number, point] : mesh.origin->file.merged) by_number_.emplace_back(number, point);
     std::ranges::sort(by_number_);
   }
 

@@ -4,6 +4,7 @@
 
 #include "bench/models/free_parts.hpp"
 #include "bench/models/matrix_problem.hpp"
+#include "bench/models/mesh_choice.hpp"
 
 namespace hmax {
 
@@ -68,6 +69,8 @@ Json matrices_json(const Problem& problem) {
 void remark_unusual(Console& console, const Problem& problem) {
   for (const std::string& sentence : matrix_remarks(problem)) console.remark(sentence);
   if (!problem.body) return;
+  if (const MeshOrigin* origin = problem.body->origin().get())
+    for (const std::string& sentence : remarks_on_points(origin->file)) console.remark(sentence);
   for (const std::string& sentence : unusual_values(summary_of(*problem.body))) console.remark(sentence);
   // Who holds nothing at all knows that.
   if (!problem.body->settings().supports.empty())

@@ -17,6 +17,7 @@
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/mesh_parts.hpp"
 #include "problems/mesh/mesh_quality.hpp"
@@ -77,11 +78,11 @@ Json mending_json(const std::optional<Mending>& mending) {
 }
 
 std::string in_words(const Mending& mending) {
-  return fmt::format("{} points moved by at most {} m; least height {} m, was {}; least mean height {} m, was {}",
-                     mending.moved.size(), short_number(mending.farthest, 4),
-                     short_number(mending.least_height_after, 4), short_number(mending.least_height_before, 4),
-                     short_number(mending.least_mean_height_after, 4),
-                     short_number(mending.least_mean_height_before, 4));
+  return fmt::format(
+      "{} points moved by at most {} m; least height {} m, was {}; least mean height {} m, was {}",
+      mending.moved.size(), short_number(mending.farthest, 4), short_number(mending.least_height_after, 4),
+      short_number(mending.least_height_before, 4), short_number(mending.least_mean_height_after, 4),
+      short_number(mending.least_mean_height_before, 4));
 }
 
 Json groups_json(const MeshFile& file) {
@@ -126,6 +127,7 @@ struct MeshReport {
   MeshTopology topology;
   MeshQuality quality;
   MeshDefects defects;
+  Eigen::Index coincident = 0;  ///< points
   Regions regions;
 
   /// Number in its file of the tetrahedron of the worst shape.
@@ -134,7 +136,7 @@ struct MeshReport {
 
 MeshReport report_of(const MeshCommand& options) {
   MeshReport report;
-  report.opened = open_mesh(options.mesh);
+  report.opened = open_mesh(options.mesh, CoincidentPoints::kept);
   report.unit = unit_of(report.opened, options);
   TetMesh& mesh = report.opened.file.mesh;
   mesh.points *= report.unit.value_or(1);
@@ -145,6 +147,7 @@ MeshReport report_of(const MeshCommand& options) {
   report.topology = topology_of(mesh);
   report.quality = quality_of(mesh);
   report.defects = defects_of(mesh);
+  report.coincident = static_cast<Eigen::Index>(coincidences(mesh, near_coincidence).size());
   report.regions = regions_of(mesh);
   return report;
 }
@@ -165,7 +168,7 @@ void write_picture(const MeshReport& report, const MeshCommand& options) {
 }
 
 Json to_json(const MeshReport& report, const MeshCommand& options) {
-  const auto& [opened, unit, topology, quality, defects, regions] = report;
+  const auto& [opened, unit, topology, quality, defects, coincident, regions] = report;
   Json list = Json::array();
   for (const auto& [region, content] : regions)
     list.push_back({{"region", region},
@@ -186,9 +189,12 @@ Json to_json(const MeshReport& report, const MeshCommand& options) {
           {"volume", quality.volume},
           {"components", topology.components},
           {"unused_points", topology.unused_points},
+          {"coincident_points", coincident},
+          {"merged_points", opened.file.merged.size()},
           {"inverted", defects.inverted.size()},
           {"degenerate", defects.degenerate.size()},
           {"duplicates", defects.duplicates.size()},
+          {"overlaps", defects.overlaps.size()},
           {"crowded_faces", topology.crowded_faces},
           {"euler", topology.euler()},
           {"quality",
@@ -209,7 +215,7 @@ Json to_json(const MeshReport& report, const MeshCommand& options) {
 }
 
 std::string in_words(const MeshReport& report, const MeshCommand& options, const Console& console) {
-  const auto& [opened, unit, topology, quality, defects, regions] = report;
+  const auto& [opened, unit, topology, quality, defects, coincident, regions] = report;
   std::string text =
       fmt::format("{}, {}\nunit: {}\n\n", options.mesh, opened.file.format, unit_in_words(opened, unit));
   TextTable counts({"", "in all", "on the surface"});
@@ -231,6 +237,9 @@ std::string in_words(const MeshReport& report, const MeshCommand& options, const
   line("dihedral angles", fmt::format("{} to {} degrees", short_number(quality.smallest_angle * degrees, 4),
                                       short_number(quality.largest_angle * degrees, 4)));
   line("parts", fmt::format("{}, unused points {}", topology.components, topology.unused_points));
+  if (coincident > 0)
+    line("coincident", fmt::format("{} points; models merge those at exactly the same place", coincident));
+  if (!opened.file.merged.empty()) line("merged", fmt::format("{} points", opened.file.merged.size()));
   if (opened.mending) line("mended", in_words(*opened.mending));
   if (opened.file.second_order > 0) text += second_order_in_words(opened.file) + "\n";
   text += regions_in_words(opened.file, regions, console);
@@ -256,11 +265,10 @@ void add_findings(std::string& text, const Items& items, Sentence sentence) {
 }
 
 /// Parts of the mesh that the supports of --support do not hold; none where there is no such option.
-std::vector<std::vector<TetMesh::Index>> loose_parts_of(const MeshCommand& options,
-                                                        const OpenedMesh& opened) {
+std::vector<std::vector<TetMesh::Index>> loose_parts_of(const MeshCommand& options, MeshFile file,
+                                                        double unit) {
   if (options.supports.empty()) return {};
-  MeshFile file = opened.file;
-  file.mesh.points *= unit_of(opened, options).value_or(1);
+  file.mesh.points *= unit;
   MeshImport import = import_as_it_is(std::move(file));
   const LoadedMesh loaded{.name = options.mesh,
                           .mesh = std::move(import.mesh),
@@ -316,6 +324,10 @@ std::string hinges_in_words(const MeshFile& file, const MeshPart& part) {
 
 /// What is wrong with a mesh.
 struct MeshFindings {
+  std::vector<Coincidence>
+      coincident;            ///< of the mesh as it is; all below is of the mesh with those points merged
+  Eigen::Index exactly = 0;  ///< of these, points at exactly the same place
+  MeshFile merged;
   MeshDefects defects;
   std::vector<Sliver> slivers;
   MeshTopology topology;
@@ -324,14 +336,22 @@ struct MeshFindings {
 
   [[nodiscard]] bool good() const {
     const bool hinged = std::ranges::any_of(parts, [](const MeshPart& part) { return !part.hinges.empty(); });
-    return defects.none() && slivers.empty() && !hinged && loose.empty();
+    return coincident.empty() && defects.none() && slivers.empty() && !hinged && loose.empty();
   }
 };
 
 /// @param angle  dihedral angle below which a tetrahedron is a sliver [degrees]
 MeshFindings findings_of(const OpenedMesh& opened, double angle, const MeshCommand& options) {
-  const TetMesh& mesh = opened.file.mesh;
   MeshFindings found;
+  const double near = options.near.empty() ? near_coincidence : parse_number("--near", options.near);
+  if (!(near >= 0 && near < largest_coincidence))
+    throw InputError(fmt::format("--near is {}; give a share of the shortest edge from 0 to below {}",
+                                 options.near, to_text(largest_coincidence)));
+  found.coincident = coincidences(opened.file.mesh, near);
+  found.exactly = static_cast<Eigen::Index>(coincidences(opened.file.mesh, 0).size());
+  found.merged = opened.file;
+  merge_points(found.merged, near);
+  const TetMesh& mesh = found.merged.mesh;
   found.defects = defects_of(mesh);
   found.slivers = slivers_of(mesh, angle / degrees);
   // What has no volume is named for that already.
@@ -339,14 +359,22 @@ MeshFindings findings_of(const OpenedMesh& opened, double angle, const MeshComma
     return std::ranges::binary_search(found.defects.degenerate, static_cast<TetMesh::Index>(s.tetrahedron));
   });
   found.topology = topology_of(mesh);
+  found.topology.unused_points = static_cast<Eigen::Index>(unused_points(opened.file.mesh).size());
   found.parts = parts_of(mesh);
-  found.loose = loose_parts_of(options, opened);
+  found.loose = loose_parts_of(options, found.merged, unit_of(opened, options).value_or(1));
   return found;
 }
 
-Json to_json(const MeshFindings& found, const MeshFile& file, const MeshCommand& options) {
+Json to_json(const MeshFindings& found, const MeshFile& asked, const MeshCommand& options) {
+  const MeshFile& file = found.merged;
+  Json coincident = Json::array();
+  for (const auto& [point, first] : found.coincident)
+    coincident.push_back({asked.point_numbers[static_cast<std::size_t>(point)],
+                          asked.point_numbers[static_cast<std::size_t>(first)]});
   const auto number = [&](Eigen::Index t) { return file.numbers[static_cast<std::size_t>(t)]; };
-  Json pairs = Json::array(), flat = Json::array();
+  Json pairs = Json::array(), flat = Json::array(), overlaps = Json::array();
+  for (const auto& [again, first] : found.defects.overlaps)
+    overlaps.push_back({number(again), number(first)});
   for (const auto& [again, first] : found.defects.duplicates) pairs.push_back({number(again), number(first)});
   for (const Sliver& sliver : found.slivers)
     flat.push_back({{"tetrahedron", number(sliver.tetrahedron)},
@@ -354,9 +382,11 @@ Json to_json(const MeshFindings& found, const MeshFile& file, const MeshCommand&
                     {"mean_ratio", sliver.mean_ratio}});
   return {{"mesh", options.mesh},
           {"good", found.good()},
+          {"coincident", coincident},
           {"inverted", numbers_json(file, found.defects.inverted)},
           {"degenerate", numbers_json(file, found.defects.degenerate)},
           {"duplicates", pairs},
+          {"overlaps", overlaps},
           {"crowded", numbers_json(file, found.defects.crowded)},
           {"slivers", flat},
           {"parts", parts_json(file, found.parts)},
@@ -365,20 +395,40 @@ Json to_json(const MeshFindings& found, const MeshFile& file, const MeshCommand&
           {"unused_points", found.topology.unused_points}};
 }
 
+std::string coincident_in_words(const MeshFindings& found, const MeshFile& file) {
+  if (found.coincident.empty()) return {};
+  const auto number = [&](TetMesh::Index i) { return file.point_numbers[static_cast<std::size_t>(i)]; };
+  const auto& [point, first] = found.coincident.front();
+  const std::size_t count = found.coincident.size();
+  std::string text = fmt::format("{} {} with another, {} of them exactly: point {} with point {}{}\n", count,
+                                 count == 1 ? "point coincides" : "points coincide", found.exactly,
+                                 number(point), number(first), count > 1 ? ", ..." : "");
+  text +=
+      found.exactly == static_cast<Eigen::Index>(count)
+          ? "models merge them; `hmax mesh convert FILE OUTPUT` writes the merged mesh, which is checked below\n"
+          : "models merge those at exactly the same place; `hmax mesh convert FILE OUTPUT --merge TOL` merges more; "
+            "what follows is of the merged mesh\n";
+  return text;
+}
+
 std::string in_words(const MeshFindings& found, const OpenedMesh& opened) {
-  const MeshFile& file = opened.file;
+  const MeshFile& file = found.merged;
   const auto number = [&](Eigen::Index t) { return file.numbers[static_cast<std::size_t>(t)]; };
   const auto where = [&](Eigen::Index t) {
     return opened.from_file && file.places[static_cast<std::size_t>(t)] > 0
                ? file.where(t)
                : fmt::format("tetrahedron {}", number(t));
   };
-  std::string text;
+  std::string text = coincident_in_words(found, opened.file);
   const MeshDefects& defects = found.defects;
   add_findings(text, defects.inverted, [&](auto t) { return where(t) + " is inverted"; });
   add_findings(text, defects.degenerate, [&](auto t) { return where(t) + " has no volume"; });
   add_findings(text, defects.duplicates, [&](const auto& pair) {
     return fmt::format("{} has the corners of tetrahedron {}", where(pair.first), number(pair.second));
+  });
+  add_findings(text, defects.overlaps, [&](const auto& pair) {
+    return fmt::format("{} overlaps tetrahedron {}: both lie on the same side of their common face",
+                       where(pair.first), number(pair.second));
   });
   add_findings(text, defects.crowded, [&](auto t) { return where(t) + " shares a face with two others"; });
   add_findings(text, found.slivers, [&](const Sliver& sliver) {
@@ -395,12 +445,15 @@ std::string in_words(const MeshFindings& found, const OpenedMesh& opened) {
   for (const std::vector<TetMesh::Index>& part : found.loose)
     text += fmt::format("{}: no support holds {}\n", numbers_in_words(file, part),
                         part.size() == 1 ? "it" : "them");
-  if (!defects.inverted.empty()) text += "`hmax mesh convert FILE OUTPUT --fix` turns what is inverted\n";
+  if (!defects.overlaps.empty())
+    text += "elements that overlap were folded over or inverted; another order of corners does not help\n";
+  else if (!defects.inverted.empty())
+    text += "`hmax mesh convert FILE OUTPUT --fix` turns what is inverted\n";
   return text;
 }
 
 void check_mesh(const MeshCommand& options, Console& console) {
-  const OpenedMesh opened = open_mesh(options.mesh);
+  const OpenedMesh opened = open_mesh(options.mesh, CoincidentPoints::kept);
   const double angle = parse_number("--slivers", options.slivers);
   if (!(angle >= 0 && angle < 70))
     throw InputError(fmt::format(
@@ -434,7 +487,7 @@ void add_mesh_argument(CLI::App& command, MeshCommand& options) {
   require(add_text(
       command, "mesh,--mesh", options.mesh,
       "A file (.msh .vtk .vtu .node .ele .mesh .veg), or liver, phantom, beam, cube, ball; parameters like "
-      "ball:n=6, all take :refine=K and :mend=N"));
+      "ball:n=6, all take :refine=K, :mend=N and :merge=TOL"));
 }
 
 void add_unit(CLI::App& command, MeshCommand& options) {
@@ -462,6 +515,8 @@ void add_mesh(CLI::App& app, Console& console) {
   add_mesh_argument(check_command, *options);
   add_text(check_command, "--slivers", options->slivers,
            "Dihedral angle below which a tetrahedron is a sliver [degrees]; 5 by default", "DEGREES");
+  add_text(check_command, "--near", options->near,
+           "Share of the shortest edge within which points coincide; 0.001 by default", "TOL");
   add_unit(check_command, *options);
   add_support(check_command, options->supports, "none by default");
   set_callback(check_command, with_sentences(check_mesh, options, console));

@@ -16,7 +16,7 @@
 namespace hmax {
 
 struct MeshCommand {
-  std::string mesh, output, unit, times = "1", slivers = "5";
+  std::string mesh, output, unit, times = "1", slivers = "5", near, merge;
   bool fix = false, renumber = false;
   std::string matrices;  ///< folder
   // Of SOFA's scenes, and of matrices.

@@ -51,8 +51,10 @@ ProblemSettings settings_of(const MeshCommand& options) {
   MeshOptions acting;
   acting.gravity = options.gravity;
   acting.supports = options.supports;
-  ProblemSettings settings{
-      .material = options.material, .parameters = {{"g", 0}, {"support", 0}}, .y0 = {}, .unit = options.metres()};
+  ProblemSettings settings{.material = options.material,
+                           .parameters = {{"g", 0}, {"support", 0}},
+                           .y0 = {},
+                           .unit = options.metres()};
   for (const auto& parameter : acting.parameters()) settings.parameters.push_back(parameter);
   for (const std::string& assignment : options.set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
@@ -120,34 +122,42 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
     return console.print_json(document);
   }
   std::string done;
+  if (extra.contains("merged") && extra["merged"] != 0)
+    done += fmt::format(", merged {} coincident points", extra["merged"].get<Eigen::Index>());
   if (extra.contains("fixed") && extra["fixed"] != 0)
-    done = fmt::format(", {} turned", extra["fixed"].get<Eigen::Index>());
+    done += fmt::format(", {} turned", extra["fixed"].get<Eigen::Index>());
   console.print(fmt::format("{}: {} points, {} tetrahedra{}\n", options.output, mesh.point_count(),
                             mesh.tetrahedron_count(), done));
 }
 
-/// The matrices of the body that `hmax run --mesh` would make, at its static equilibrium, without gravity and supports
-/// unless they are asked for.
+/// The matrices of the body that `hmax run --mesh` would make, at its static equilibrium, without gravity and
+/// supports unless they are asked for.
 void deliver_matrices(const MeshCommand& options, Console& console) {
   if (!options.output.empty())
-    throw InputError(fmt::format("--matrices {} and the output {} are both given; remove one of them", options.matrices,
-                                 options.output));
+    throw InputError(fmt::format("--matrices {} and the output {} are both given; remove one of them",
+                                 options.matrices, options.output));
   if (options.fix || options.renumber || options.h)
-    throw InputError("--fix, --renumber and --h do not apply to matrices; convert the mesh to a file first, and leave --h out");
+    throw InputError(
+        "--fix, --renumber and --h do not apply to matrices; convert the mesh to a file first, and leave --h out");
   const Problem problem = make_problem(tissue_id(options.model, options.mesh, ""), settings_of(options));
   write_matrices(problem, operating_point(problem), options.matrices, console);
 }
 
-void convert(const MeshCommand& options, Console& console) {
+void convert(const MeshCommand& given, Console& console) {
+  MeshCommand options = given;
+  if (!options.merge.empty()) options.mesh += ":merge=" + options.merge;
   if (!options.matrices.empty()) return deliver_matrices(options, console);
-  if (options.output.empty()) throw InputError("no output is given; name a file .msh, .vtu or .scn, or --matrices FOLDER");
+  if (options.output.empty())
+    throw InputError("no output is given; name a file .msh, .vtu or .scn, or --matrices FOLDER");
   OpenedMesh opened = open_mesh(options.mesh);
   const std::optional<double> unit = unit_of(opened, options);
+  if (options.fix) require_no_overlap(opened.file);
   const Eigen::Index fixed = options.fix ? fix_orientation(opened.file.mesh) : 0;
   require_valid(opened.file);
+  const std::size_t merged = opened.file.merged.size();
   if (options.renumber) opened.file = renumbered(opened.file);
   opened.file.mesh.points *= unit.value_or(1);
-  deliver(options, opened.file, unit.has_value(), Json{{"fixed", fixed}}, console);
+  deliver(options, opened.file, unit.has_value(), Json{{"fixed", fixed}, {"merged", merged}}, console);
 }
 
 void refine(const MeshCommand& options, Console& console) {
@@ -157,7 +167,8 @@ void refine(const MeshCommand& options, Console& console) {
   const auto times = static_cast<int>(std::min<std::int64_t>(parse_count("--times", options.times, 0), 1000));
   opened.file = refined(opened.file, times);
   opened.file.mesh.points *= unit.value_or(1);
-  deliver(options, opened.file, unit.has_value(), Json{{"times", times}}, console);
+  deliver(options, opened.file, unit.has_value(),
+          Json{{"times", times}, {"merged", opened.file.merged.size()}}, console);
 }
 
 void make(const MeshCommand& options, Console& console) {
@@ -207,6 +218,10 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
            "FOLDER");
   add_unit(convert_command, *options);
   add_flag(convert_command, "--fix", options->fix, "Reorient inverted tetrahedra");
+  add_text(
+      convert_command, "--merge", options->merge,
+      "Merge points within this share of the shortest edge, or off; 0 by default",
+           "TOL");
   add_flag(convert_command, "--renumber", options->renumber,
            "Renumber points and tetrahedra, so that neighbours have similar numbers");
   add_text(convert_command, "--model", options->model,

@@ -37,6 +37,7 @@ struct Asked {
   DistributedStructure structure;
   std::vector<std::pair<std::string, double>> parameters;
   std::optional<BodySummary> body;
+  std::vector<std::string> remarks;
 };
 
 /// alpha and beta of matrices, whether by their options or by --set; the whole of a body.
@@ -46,7 +47,8 @@ Asked asked_of(const ProblemChoice& choice) {
     BodyInPieces body = body_in_pieces(id, choice.settings());
     return {.structure = std::move(body.structure),
             .parameters = std::move(body.parameters),
-            .body = body.summary};
+            .body = body.summary,
+            .remarks = std::move(body.remarks)};
   }
   if (!is_matrices_id(id))
     throw InputError(
@@ -55,10 +57,14 @@ Asked asked_of(const ProblemChoice& choice) {
   for (const auto& [name, value] : choice.settings().parameters) {
     if (name != "alpha" && name != "beta")
       throw InputError(fmt::format("unknown parameter '{}' of matrices; they have alpha and beta", name));
-    if (!std::isfinite(value)) throw InputError(fmt::format("{} is {} but must be finite; give a number", name, value));
+    if (!std::isfinite(value))
+      throw InputError(fmt::format("{} is {} but must be finite; give a number", name, value));
     (name == "alpha" ? alpha : beta) = value;
   }
-  return {.structure = distributed_structure(matrix_files(id), alpha, beta), .parameters = {}, .body = {}};
+  return {.structure = distributed_structure(matrix_files(id), alpha, beta),
+          .parameters = {},
+          .body = {},
+          .remarks = {}};
 }
 
 /// @throws InputError  where none of the methods can be stepped, or one is a formula without code
@@ -102,7 +108,8 @@ void verify_all(std::vector<Prediction>& rows, const std::vector<Method>& method
 Json model_json(const Problem& pair, const Linearised& near, const StructureEnds& ends,
                 const std::optional<BodySummary>& body, const DistributedEngine& engine) {
   Json eigenvalues = Json::array();
-  for (const Complex lambda : near.modes.spectrum.lambda) eigenvalues.push_back({lambda.real(), lambda.imag()});
+  for (const Complex lambda : near.modes.spectrum.lambda)
+    eigenvalues.push_back({lambda.real(), lambda.imag()});
   return {{"problem", pair.id},
           {"state", near.point.state},
           {"state_kind", name_of(near.point.kind)},
@@ -124,18 +131,20 @@ Json model_json(const Problem& pair, const Linearised& near, const StructureEnds
 }
 
 std::string words_of(const StructureEnds& ends, const DistributedEngine& engine) {
-  return fmt::format("{} unknowns on {} {}, {} entries of stiffness, {}; {}\nfastest mode {:.6g} rad/s, residual {:.1g} ({}, {} restarts)\n",
-                     ends.unknowns, engine.ranks(), engine.ranks() == 1 ? "process" : "processes", ends.entries,
-                     ends.coupled_mass ? "a mass that couples unknowns" : "a mass for each unknown", engine.version(),
-                     std::sqrt(std::max(ends.kappa_max, 0.0)), ends.residual, ends.solver, ends.iterations);
+  return fmt::format(
+      "{} unknowns on {} {}, {} entries of stiffness, {}; {}\nfastest mode {:.6g} rad/s, residual {:.1g} ({}, {} restarts)\n",
+      ends.unknowns, engine.ranks(), engine.ranks() == 1 ? "process" : "processes", ends.entries,
+      ends.coupled_mass ? "a mass that couples unknowns" : "a mass for each unknown", engine.version(),
+      std::sqrt(std::max(ends.kappa_max, 0.0)), ends.residual, ends.solver, ends.iterations);
 }
 
 }  // namespace
 
-void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& choice, const MethodsChoice& methods,
-                              bool verified, Console& console) {
+void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& choice,
+                              const MethodsChoice& methods, bool verified, Console& console) {
   Asked asked;
   engine.together([&] { asked = asked_of(choice); });
+  for (const std::string& sentence : asked.remarks) console.remark(sentence);
   if (asked.body)
     for (const std::string& sentence : unusual_values(*asked.body)) console.remark(sentence);
   // Before minutes are spent on eigenvalues: whatever they are, the methods are the same.

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/dense_solvers.hpp"
+#include "problems/mesh/faces.hpp"
 #include "problems/mesh/topology.hpp"
 
 namespace hmax {
@@ -39,19 +40,11 @@ class DisjointSets {
 };
 
 DisjointSets joined_by_faces(const TetMesh& mesh) {
-  std::vector<std::pair<std::array<Index, 3>, Index>> faces;
-  faces.reserve(4 * at(mesh.tetrahedron_count()));
-  for (Index t = 0; t < mesh.tetrahedron_count(); ++t)
-    for (const auto& face : tetrahedron_faces) {
-      std::array<Index, 3> corners{};
-      for (std::size_t k = 0; k < 3; ++k) corners[k] = mesh.tetrahedra(face[k], t);
-      std::ranges::sort(corners);
-      faces.emplace_back(corners, t);
-    }
-  std::ranges::sort(faces);
   DisjointSets sets(mesh.tetrahedron_count());
-  for (std::size_t i = 1; i < faces.size(); ++i)
-    if (faces[i].first == faces[i - 1].first) sets.join(faces[i].second, faces[i - 1].second);
+  for_faces(mesh, [&](std::span<const std::int64_t> owners) {
+    for (const std::int64_t owner : owners.subspan(1))
+      sets.join(static_cast<Index>(owners.front() / 4), static_cast<Index>(owner / 4));
+  });
   return sets;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "problems/mesh/faces.hpp"
+
 namespace hmax {
 
 namespace {
@@ -49,12 +51,6 @@ EdgeTable unique_edges(Eigen::Index points, Eigen::Index count, Pair pair) {
   return table;
 }
 
-/// A face by its points in order; `owner` = 4 tetrahedron + face of it.
-struct Face {
-  Index middle, upper;
-  std::int64_t owner;
-};
-
 }  // namespace
 
 TetMesh::Index EdgeTable::find(Index a, Index b) const {
@@ -80,47 +76,20 @@ EdgeTable edge_table(const TetMesh& mesh) {
 }
 
 MeshSurface surface_of(const TetMesh& mesh) {
-  const Eigen::Index count = 4 * mesh.tetrahedron_count();
-  const auto corners = [&](std::int64_t owner) {
-    const auto& face = tetrahedron_faces[static_cast<std::size_t>(owner % 4)];
-    const auto tetrahedron = mesh.tetrahedra.col(owner / 4);
-    return std::array<Index, 3>{tetrahedron(face[0]), tetrahedron(face[1]), tetrahedron(face[2])};
-  };
-  std::vector<std::size_t> counts(static_cast<std::size_t>(mesh.point_count()) + 1, 0);
-  for (Eigen::Index k = 0; k < count; ++k) ++counts[static_cast<std::size_t>(std::ranges::min(corners(k)))];
-  const std::vector<std::size_t> first = buckets(std::move(counts));
-  std::vector<Face> faces(static_cast<std::size_t>(count));
-  std::vector<std::size_t> next = first;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    auto points = corners(k);
-    std::ranges::sort(points);
-    faces[next[static_cast<std::size_t>(points[0])]++] = {points[1], points[2], k};
-  }
-
   MeshSurface surface;
   std::vector<std::int64_t> owners;
-  for (std::size_t a = 0; a + 1 < first.size(); ++a) {
-    const auto begin = faces.begin() + static_cast<std::ptrdiff_t>(first[a]);
-    const auto end = faces.begin() + static_cast<std::ptrdiff_t>(first[a + 1]);
-    std::sort(begin, end, [](const Face& one, const Face& other) {
-      return std::pair(one.middle, one.upper) < std::pair(other.middle, other.upper);
-    });
-    for (auto it = begin; it != end;) {
-      const auto other = std::find_if(
-          it, end, [&](const Face& face) { return face.middle != it->middle || face.upper != it->upper; });
-      ++surface.faces;
-      if (other - it == 1) owners.push_back(it->owner);
-      if (other - it > 2) surface.crowded.push_back(static_cast<Index>(it->owner / 4));
-      it = other;
-    }
-  }
+  for_faces(mesh, [&](std::span<const std::int64_t> of_face) {
+    ++surface.faces;
+    if (of_face.size() == 1) owners.push_back(of_face.front());
+    if (of_face.size() > 2) surface.crowded.push_back(static_cast<Index>(of_face.front() / 4));
+  });
   std::ranges::sort(owners);
 
   surface.triangles.resize(3, static_cast<Eigen::Index>(owners.size()));
   surface.inside.reserve(owners.size());
   std::vector<char> outside(static_cast<std::size_t>(mesh.point_count()), 0);
   for (std::size_t k = 0; k < owners.size(); ++k) {
-    const auto points = corners(owners[k]);
+    const auto points = face_corners(mesh, owners[k]);
     surface.triangles.col(static_cast<Eigen::Index>(k)) << points[0], points[1], points[2];
     surface.inside.push_back(static_cast<Index>(owners[k] / 4));
     for (const Index point : points) outside[static_cast<std::size_t>(point)] = 1;

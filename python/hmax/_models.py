@@ -42,7 +42,8 @@ def read_mesh(path: Any, unit: Optional[Unit] = None) -> Mesh:
     path : a name, or a file: Gmsh, VTK, TetGen, Medit, Vega
     unit : of a file, which does not say it: "m", "cm", "mm" or a number of metres
 
-    The points of a file, and of a mesh by name from 5000 tetrahedra on, are renumbered for locality. Defects are refused.
+    The points of a file, and of a mesh by name from 5000 tetrahedra on, are renumbered for locality. Points of a file at exactly
+    the same place are merged, unless ":merge=off" stands behind it. Defects are refused.
 
     Raises ValueError with file, line and remedy.
 

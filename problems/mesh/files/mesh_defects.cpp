@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <stdexcept>
 
+#include "problems/mesh/faces.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
 
@@ -34,18 +36,65 @@ std::vector<std::pair<Index, Index>> duplicates_of(const TetMesh& mesh) {
   return duplicates;
 }
 
+/// True when two triangles of the same points run round in the same sense.
+bool same_turn(const std::array<Index, 3>& a, const std::array<Index, 3>& b) {
+  const auto place = std::ranges::find(b, a[0]) - b.begin();
+  return b[static_cast<std::size_t>((place + 1) % 3)] == a[1];
+}
+
+/// Two tetrahedra lie on the same side of their common face where it looks outward from both or inward from
+/// both. That is combinatorial but for the signs of the volumes, which rounding cannot change where the
+/// volume is not that of rounding.
+/// @param sign  of the volume of each tetrahedron, 0 of flat ones
+std::vector<std::pair<Index, Index>> overlaps_of(const TetMesh& mesh, const std::vector<int>& sign) {
+  std::vector<std::pair<Index, Index>> overlaps;
+  for_faces(mesh, [&](std::span<const std::int64_t> owners) {
+    if (owners.size() != 2) return;
+    const auto first = static_cast<Index>(owners[0] / 4), again = static_cast<Index>(owners[1] / 4);
+    const auto apex = [&](std::int64_t owner) { return mesh.tetrahedra(owner % 4, owner / 4); };
+    if (apex(owners[0]) == apex(owners[1])) return;  // the same tetrahedron twice
+    const int turn = same_turn(face_corners(mesh, owners[0]), face_corners(mesh, owners[1])) ? 1 : -1;
+    const int side = turn * sign[static_cast<std::size_t>(first)] * sign[static_cast<std::size_t>(again)];
+    if (side > 0) overlaps.emplace_back(again, first);
+  });
+  std::ranges::sort(overlaps);
+  return overlaps;
+}
+
+std::string all_in_words(std::size_t count) {
+  return count == 1 ? std::string() : " (" + std::to_string(count) + " in all)";
+}
+
+void require_no_overlap(const MeshFile& file, const MeshDefects& defects) {
+  if (defects.overlaps.empty()) return;
+  const auto [again, first] = defects.overlaps[0];
+  const auto inverted = [&](Index t) { return std::ranges::binary_search(defects.inverted, t); };
+  const bool alike = inverted(again) == inverted(first);
+  const Index named = !alike && inverted(first) ? first : again, other = named == again ? first : again;
+  throw std::invalid_argument(
+      file.where(named) + (alike ? " overlaps tetrahedron " : " is inverted and overlaps tetrahedron ") +
+      std::to_string(file.numbers[static_cast<std::size_t>(other)]) + all_in_words(defects.overlaps.size()) +
+      ": both lie on the same side of their common face; move its points or mesh the body again, since another order "
+      "of corners does not help");
+}
+
 }  // namespace
 
 MeshDefects defects_of(const TetMesh& mesh) {
   MeshDefects defects;
+  std::vector<int> sign(static_cast<std::size_t>(mesh.tetrahedron_count()), 0);
   for (Index t = 0; t < static_cast<Index>(mesh.tetrahedron_count()); ++t) {
     const Corners x = corners_of(mesh, t);
-    if (is_degenerate(x))
+    if (is_degenerate(x)) {
       defects.degenerate.push_back(t);
-    else if (signed_volume(x) < 0)
-      defects.inverted.push_back(t);
+      continue;
+    }
+    const bool inverted = signed_volume(x) < 0;
+    sign[static_cast<std::size_t>(t)] = inverted ? -1 : 1;
+    if (inverted) defects.inverted.push_back(t);
   }
   defects.duplicates = duplicates_of(mesh);
+  defects.overlaps = overlaps_of(mesh, sign);
   defects.crowded = surface_of(mesh).crowded;
   return defects;
 }
@@ -61,11 +110,11 @@ Eigen::Index fix_orientation(TetMesh& mesh) {
   return fixed;
 }
 
+void require_no_overlap(const MeshFile& file) { require_no_overlap(file, defects_of(file.mesh)); }
+
 void require_valid(const MeshFile& file) {
   const MeshDefects defects = defects_of(file.mesh);
-  const auto all = [](std::size_t count) {
-    return count == 1 ? std::string() : " (" + std::to_string(count) + " in all)";
-  };
+  const auto all = all_in_words;
   if (!defects.degenerate.empty())
     throw std::invalid_argument(file.where(defects.degenerate[0]) + " has no volume" +
                                 all(defects.degenerate.size()) + "; remove it or mesh the body again");
@@ -79,6 +128,7 @@ void require_valid(const MeshFile& file) {
     throw std::invalid_argument(file.where(defects.crowded[0]) + " shares a face with more than one other" +
                                 all(defects.crowded.size()) +
                                 ", so that parts of the body overlap; mesh it again");
+  require_no_overlap(file, defects);
   if (!defects.inverted.empty()) {
     const bool every = static_cast<Eigen::Index>(defects.inverted.size()) == file.mesh.tetrahedron_count();
     throw std::invalid_argument(file.where(defects.inverted[0]) + " is inverted" +

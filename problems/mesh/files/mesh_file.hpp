@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "problems/mesh/tet_mesh.hpp"
@@ -40,6 +41,8 @@ struct MeshFile {
   std::vector<std::int64_t> point_numbers{};      ///< of the points, as the file counts them
   std::map<TetMesh::Index, std::string> names{};  ///< of those regions that have one
   std::vector<MeshGroup> groups{};                ///< by dimension and number
+  /// Points that were merged: the number of each in the file, and the point that stands for it.
+  std::vector<std::pair<std::int64_t, TetMesh::Index>> merged{};
 
   /// "NAME, line 12: tetrahedron 7"
   [[nodiscard]] std::string where(Eigen::Index tetrahedron) const;
@@ -50,9 +53,9 @@ struct MeshFile {
 /// A mesh that no file has numbered: points and tetrahedra count from 1.
 MeshFile counted_from_one(TetMesh mesh, std::string name = {});
 
-/// Reads Gmsh .msh (1, 2, 4.1; ASCII and binary), VTK .vtk and .vtu, TetGen .node/.ele (either of the pair),
-/// Medit .mesh, Vega .veg. Tetrahedra are kept, those of second order by their corners; points, lines and
-/// triangles are kept where they belong to a group; other volumes are refused.
+/// Reads Gmsh .msh (1, 2, 4.0, 4.1; ASCII and binary), VTK .vtk and .vtu, TetGen .node/.ele (either of the
+/// pair), Medit .mesh, Vega .veg. Tetrahedra are kept, those of second order by their corners; points, lines
+/// and triangles are kept where they belong to a group; other volumes are refused.
 /// @throws std::invalid_argument one sentence with file, line or byte, and remedy
 MeshFile read_mesh_file(const std::filesystem::path& file);
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "problems/digits.hpp"
+#include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/refine.hpp"
 #include "problems/mesh/renumber.hpp"
@@ -121,6 +122,45 @@ MeshImport import_as_it_is(MeshFile file) {
   return result;
 }
 
+Eigen::Index merge_points(MeshFile& file, double tolerance) {
+  if (!(tolerance >= 0 && tolerance < largest_coincidence))
+    throw std::invalid_argument("a tolerance of " + shortest_digits(tolerance) +
+                                " does not merge points; give a share of the shortest edge from 0 to below " +
+                                shortest_digits(largest_coincidence));
+  const std::vector<Index> first = coincident_points(file.mesh, tolerance);
+  for (Eigen::Index t = 0; t < file.mesh.tetrahedron_count(); ++t)
+    for (const auto& [i, j] : tetrahedron_edges) {
+      const Index a = file.mesh.tetrahedra(i, t), b = file.mesh.tetrahedra(j, t);
+      if (a != b && first[at(a)] == first[at(b)] && file.mesh.points.col(a) != file.mesh.points.col(b))
+        throw std::invalid_argument(file.where(t) + " would lose an edge where points within " +
+                                    shortest_digits(tolerance) +
+                                    " of an edge are merged; give a smaller tolerance");
+    }
+  std::vector<Index> now(first.size());
+  std::vector<std::int64_t> numbers;
+  const std::size_t merged_before = file.merged.size();
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const bool stays = first[i] == static_cast<Index>(i);
+    now[i] = stays ? static_cast<Index>(numbers.size()) : now[at(first[i])];
+    if (!stays) {
+      file.merged.emplace_back(file.point_numbers[i], first[i]);
+      continue;
+    }
+    file.mesh.points.col(static_cast<Eigen::Index>(numbers.size())) =
+        file.mesh.points.col(static_cast<Eigen::Index>(i));
+    numbers.push_back(file.point_numbers[i]);
+  }
+  const auto gone = static_cast<Eigen::Index>(file.merged.size() - merged_before);
+  if (gone == 0) return 0;
+  file.mesh.points.conservativeResize(3, static_cast<Eigen::Index>(numbers.size()));
+  file.point_numbers = std::move(numbers);
+  for (Index& corner : file.mesh.tetrahedra.reshaped()) corner = now[at(corner)];
+  for (MeshGroup& group : file.groups)
+    for (Index& corner : group.corners) corner = now[at(corner)];
+  for (auto& [number, point] : file.merged) point = now[at(point)];  // those merged before, too
+  return gone;
+}
+
 MeshFile refined(const MeshFile& file, int times) {
   MeshFile fine = file;
   fine.mesh = refined(file.mesh, times);  // says first whether so often is too often
@@ -132,6 +172,7 @@ MeshFile refined(const MeshFile& file, int times) {
   }
   const auto last = std::ranges::max_element(file.point_numbers);
   std::int64_t next = last == file.point_numbers.end() ? 0 : *last + 1;
+  for (const auto& [number, point] : file.merged) next = std::max(next, number + 1);
   while (fine.point_numbers.size() < at(fine.mesh.point_count())) fine.point_numbers.push_back(next++);
   fine.numbers.resize(at(fine.mesh.tetrahedron_count()));
   std::iota(fine.numbers.begin(), fine.numbers.end(), 1);
@@ -141,7 +182,8 @@ MeshFile refined(const MeshFile& file, int times) {
 
 Mending mend(MeshFile& file, TetMesh::Index count) {
   std::vector<Index> fixed;
-  for (const MeshGroup& group : file.groups) fixed.insert(fixed.end(), group.corners.begin(), group.corners.end());
+  for (const MeshGroup& group : file.groups)
+    fixed.insert(fixed.end(), group.corners.begin(), group.corners.end());
   MendedMesh done = mended(file.mesh, count, fixed);
   file.mesh = std::move(done.mesh);
   return std::move(done.mending);

@@ -39,11 +39,19 @@ MeshImport import_mesh(MeshFile file, double unit);
 /// A mesh that models can take as it is, in its own order.
 MeshImport import_as_it_is(MeshFile file);
 
+/// Makes one point of those that coincide (coincident_points.hpp): the first of them stays, with its number,
+/// and the numbers of the others are kept in `merged`.
+/// @param tolerance  share of the shortest edge at a point, from 0: exactly the same place
+/// @returns how many points are gone
+/// @throws std::invalid_argument for a tolerance that would make a tetrahedron flat
+Eigen::Index merge_points(MeshFile& file, double tolerance);
+
 /// Each tetrahedron into eight (refine.hpp), each triangle of a group into four, each line into two. Points
 /// keep their numbers and the new ones follow; tetrahedra count from 1.
 MeshFile refined(const MeshFile& file, int times);
 
-/// Mends `count` tetrahedra (mend.hpp); points of groups stay. Lengths of the result are in the unit of the file.
+/// Mends `count` tetrahedra (mend.hpp); points of groups stay. Lengths of the result are in the unit of the
+/// file.
 Mending mend(MeshFile& file, TetMesh::Index count);
 
 /// The file in local_order(), points and tetrahedra counted from 1.

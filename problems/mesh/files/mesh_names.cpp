@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "problems/digits.hpp"
+#include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/mesh/refine.hpp"
@@ -36,6 +37,7 @@ bool is_key(std::string_view text) {
 std::pair<std::string, double> parameter_of(std::string_view text) {
   const std::size_t equals = std::min(text.find('='), text.size());
   const std::string_view digits = text.substr(std::min(equals + 1, text.size()));
+  if (text == "merge=off") return {"merge", merge_off};
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
@@ -146,7 +148,9 @@ MeshRequest parse_mesh_request(std::string_view text) {
   return request;
 }
 
-bool is_modifier(std::string_view parameter) { return parameter == "refine" || parameter == "mend"; }
+bool is_modifier(std::string_view parameter) {
+  return parameter == "refine" || parameter == "mend" || parameter == "merge";
+}
 
 MeshModifiers modifiers_of(const MeshRequest& request) {
   const auto count = [&](std::string_view modifier, double most) {
@@ -158,7 +162,16 @@ MeshModifiers modifiers_of(const MeshRequest& request) {
   // More than any mesh can be refined, which is told where its tetrahedra are counted.
   const auto refine = static_cast<int>(count("refine", 1000));
   constexpr auto all = std::numeric_limits<TetMesh::Index>::max();
-  return {.refine = refine, .mend = static_cast<TetMesh::Index>(count("mend", all))};
+  MeshModifiers modifiers{.refine = refine, .mend = static_cast<TetMesh::Index>(count("mend", all))};
+  if (const double* merge = find(request.parameters, "merge")) {
+    if (!(*merge == merge_off || (*merge >= 0 && *merge < largest_coincidence)))
+      throw std::invalid_argument("the parameter merge of the mesh " + request.name + " is " +
+                                  shortest_digits(*merge) +
+                                  "; give a share of the shortest edge from 0 to below " +
+                                  shortest_digits(largest_coincidence) + ", or off");
+    modifiers.merge = *merge;
+  }
+  return modifiers;
 }
 
 std::optional<Mending> modify(MeshFile& file, const MeshModifiers& modifiers) {
@@ -179,7 +192,7 @@ TetMesh unmodified_mesh(const MeshRequest& request) {
     if (is_modifier(name)) continue;
     const auto place = std::ranges::find(values, name, &std::pair<std::string, double>::first);
     if (place == values.end()) {
-      std::string names = "refine, mend";
+      std::string names = "refine, mend, merge";
       for (const auto& each : known->parameters) names += ", " + each.first;
       throw std::invalid_argument("the mesh " + request.name + " has no parameter '" + name + "'; it takes " +
                                   names);

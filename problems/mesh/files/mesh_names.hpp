@@ -29,12 +29,15 @@ struct MeshRequest {
   std::vector<std::pair<std::string, double>> parameters;
 };
 
+/// What `merge=off` stands for.
+inline constexpr double merge_off = -1;
+
 /// Takes what looks like :key=number,key=number from the end; a name may hold other colons.
 /// @throws std::invalid_argument when a parameter is no number or is given twice
 MeshRequest parse_mesh_request(std::string_view text);
 
-/// A mesh that has a name, with the parameters it takes and their defaults. All of them take `refine`
-/// and `mend` too.
+/// A mesh that has a name, with the parameters it takes and their defaults. All of them take `refine`,
+/// `mend` and `merge` too.
 struct NamedMesh {
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
@@ -53,14 +56,17 @@ const NamedMesh* find_named_mesh(std::string_view name);
 struct MeshModifiers {
   int refine = 0;           ///< how often
   TetMesh::Index mend = 0;  ///< how many tetrahedra, after the refinements
+  /// Share of the shortest edge within which points are merged, before all others; negative: not at all.
+  std::optional<double> merge{};
 
   [[nodiscard]] bool any() const { return refine > 0 || mend > 0; }
 };
 
-/// `refine` or `mend`.
+/// `refine`, `mend` or `merge`.
 bool is_modifier(std::string_view parameter);
 
-/// @throws std::invalid_argument unless both are whole and 0 or more
+/// @throws std::invalid_argument unless the first two are whole and 0 or more, and `merge` a share of an edge
+/// or "off"
 MeshModifiers modifiers_of(const MeshRequest& request);
 
 /// Refines and mends a valid mesh as asked for.

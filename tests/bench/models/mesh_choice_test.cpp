@@ -70,7 +70,7 @@ TEST(MeshChoice, AFileIsRefinedAsANameIs) {
   const LoadedMesh loaded = load_mesh(file + ":refine=2", 1);
   EXPECT_EQ(loaded.mesh.tetrahedron_count(), 64 * 48);
   EXPECT_EQ(loaded.origin->file.mesh.tetrahedra, refined(mesh_by_name("cube:n=2"), 2).tetrahedra);
-  EXPECT_NE(refusal(file + ":n=2", 1).find("takes refine and mend only"), std::string::npos);
+  EXPECT_NE(refusal(file + ":n=2", 1).find("takes refine, mend and merge only"), std::string::npos);
 }
 
 TEST(MeshChoice, AFileIsMendedAsANameIs) {

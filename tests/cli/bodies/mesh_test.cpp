@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 
 #include "tests/cli/program.hpp"
 
@@ -100,6 +103,122 @@ TEST(Mesh, ConvertTurnsWhatIsInvertedOnlyWhenAsked) {
   EXPECT_NEAR(shell.hmax("mesh info small.msh --json").json().at("volume").get<double>(), 0.5e-9, 1e-21);
 }
 
+TEST(Mesh, CheckAndConvertDoNotHideWhatIsTrulyInverted) {
+  const Shell shell;
+  // The apex of the second tetrahedron lies on the side of the first one.
+  write_text(
+      shell / "folded.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.2 0.2 1\n5 0.3 0.3 0.5\n"
+      "$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 4 2 1 1 1 2 3 5\n$EndElements\n");
+  const Told told = shell.hmax("mesh check folded.msh --slivers 1");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.out.find("line 15: tetrahedron 2 overlaps tetrahedron 1: both lie on the same side"),
+            std::string::npos)
+      << told.out;
+  EXPECT_EQ(shell.hmax("mesh check folded.msh --json").json().at("overlaps"), Json::parse("[[2, 1]]"));
+  EXPECT_EQ(shell.hmax("mesh info folded.msh --json").json().at("overlaps"), 1);
+  for (const char* command : {"mesh convert folded.msh a.msh --fix", "mesh convert folded.msh a.msh",
+                              "stability predict --mesh folded.msh --unit m --methods rk4"})
+    expect_refused(shell.hmax(command), "tetrahedron 2 overlaps tetrahedron 1");
+}
+
+/// A beam whose tetrahedra share points, or each have their own.
+std::string beam_text(bool shared) {
+  const int cells = 8;
+  std::string points, elements;
+  int count = 0, made = 0;
+  const auto corner = [](int i, int j, int k) { return (i * 2 + j) * 2 + k + 1; };
+  const auto point = [&](int number, int i, int j, int k) {
+    points += std::to_string(number) + " " + std::to_string(0.025 * i) + " " + std::to_string(0.05 * j) +
+              " " + std::to_string(0.05 * k) + "\n";
+    ++count;
+  };
+  if (shared)
+    for (int i = 0; i <= cells; ++i)
+      for (int j = 0; j < 2; ++j)
+        for (int k = 0; k < 2; ++k) point(corner(i, j, k), i, j, k);
+  // Kuhn's six tetrahedra of a cell: the corners along the paths from one end of its diagonal to the other.
+  for (int i = 0; i < cells; ++i)
+    for (const auto& [a, b, even] :
+         {std::tuple(0, 1, true), {1, 2, true}, {2, 0, true}, {1, 0, false}, {2, 1, false}, {0, 2, false}}) {
+      std::array<int, 3> at{0, 0, 0};
+      std::string row = std::to_string(++made) + " 4 2 1 1";
+      std::array<int, 4> numbers{};
+      for (int step = 0; step < 4; ++step) {
+        if (step > 0) ++at[static_cast<std::size_t>(step == 1 ? a : step == 2 ? b : 3 - a - b)];
+        numbers[static_cast<std::size_t>(step)] = shared ? corner(i + at[0], at[1], at[2]) : count + 1;
+        if (!shared) point(count + 1, i + at[0], at[1], at[2]);
+      }
+      if (!even) std::swap(numbers[2], numbers[3]);
+      for (const int number : numbers) row += " " + std::to_string(number);
+      elements += row + "\n";
+    }
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(count) + "\n" + points +
+         "$EndNodes\n$Elements\n" + std::to_string(made) + "\n" + elements + "$EndElements\n";
+}
+
+TEST(Mesh, CoincidentPointsAreNamedAndMerged) {
+  const Shell shell;
+  write_text(shell / "shared.msh", beam_text(true));
+  write_text(shell / "own.msh", beam_text(false));
+  EXPECT_EQ(shell.hmax("mesh check shared.msh").exit_code, 0) << shell.hmax("mesh check shared.msh").out;
+  const Told told = shell.hmax("mesh check own.msh");
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_EQ(told.out.rfind("156 points coincide with another, 156 of them exactly: point ", 0), 0U)
+      << told.out;
+  EXPECT_LT(std::count(told.out.begin(), told.out.end(), '\n'), 5) << told.out;
+  EXPECT_EQ(shell.hmax("mesh check own.msh --json").json().at("coincident").size(), 156U);
+  EXPECT_EQ(shell.hmax("mesh info own.msh --json").json().at("coincident_points"), 156);
+  EXPECT_EQ(shell.hmax("mesh check own.msh:merge=0").exit_code, 0);
+  const Told converted = shell.hmax("mesh convert own.msh merged.msh");
+  EXPECT_NE(converted.out.find("36 points, 48 tetrahedra, merged 156 coincident points"), std::string::npos)
+      << converted.out << converted.err;
+  EXPECT_EQ(shell.hmax("mesh check merged.msh").exit_code, 0);
+  EXPECT_EQ(shell.hmax("mesh convert own.msh kept.msh --merge off --json").json().at("points"), 192);
+  expect_refused(shell.hmax("mesh convert own.msh a.msh --merge 0.5"), "give a share of the shortest edge");
+
+  // Step limits are those of the mesh whose tetrahedra share their points.
+  const auto limit = [&](const std::string& mesh) {
+    const Told predicted = shell.hmax("stability predict --mesh " + mesh +
+                                      " --unit m --set axis=1 --at rest --methods symplectic_euler --json");
+    EXPECT_EQ(predicted.exit_code, 0) << predicted.err;
+    return predicted.json().at("rows")[0].at("h_max").get<double>();
+  };
+  const double expected = limit("shared.msh");
+  EXPECT_NEAR(limit("own.msh"), expected, 1e-9 * expected);
+  EXPECT_NEAR(limit("merged.msh"), expected, 1e-9 * expected);
+  EXPECT_LT(limit("own.msh:merge=off"), 0.95 * expected);
+  const Told said =
+      shell.hmax("stability predict --mesh own.msh --unit m --set axis=1 --at rest --methods rk4");
+  EXPECT_NE(said.err.find("merged 156 coincident points of own.msh; :merge=off"), std::string::npos)
+      << said.err;
+  // A point that is gone is still called by its number.
+  const std::string run =
+      "stability predict --unit m --at rest --methods rk4 --json --mesh own.msh --support ";
+  EXPECT_EQ(shell.hmax(run + "points:1,2,3").json().at("rows")[0].at("h_max"),
+            shell.hmax(run + "points:5,2,3").json().at("rows")[0].at("h_max"));
+}
+
+TEST(Mesh, PointsThatNearlyCoincideAreNamedAndNotMergedUnasked) {
+  const Shell shell;
+  std::string text = beam_text(false);
+  const std::size_t at = text.find("\n190 ");
+  const std::size_t x = text.find(' ', at) + 1;
+  text.replace(x, text.find(' ', x) - x, "0.200005");
+  write_text(shell / "near.msh", text);
+  const Told told = shell.hmax("mesh check near.msh");
+  EXPECT_EQ(told.out.rfind("156 points coincide with another, 155 of them exactly", 0), 0U) << told.out;
+  EXPECT_NE(shell.hmax("mesh convert near.msh a.msh").out.find("merged 155 "), std::string::npos);
+  EXPECT_NE(shell.hmax("mesh convert near.msh b.msh --merge 1e-3").out.find("merged 156 "),
+            std::string::npos);
+  const Told said =
+      shell.hmax("stability predict --mesh near.msh --unit m --set axis=1 --at rest --methods rk4");
+  EXPECT_NE(
+      said.err.find("near.msh has 1 point within 0.001 of an edge from another point, not merged: point 190 beside"),
+      std::string::npos)
+      << said.err;
+}
+
 TEST(Mesh, MakeAndRefineWriteWhatOtherProgramsRead) {
   const Shell shell;
   EXPECT_EQ(shell.hmax("mesh make ball:n=3 --output ball.msh").exit_code, 0);
@@ -124,7 +243,8 @@ TEST(Mesh, InfoSaysWhatWasMended) {
   EXPECT_GE(mended.at("least_mean_height_after"), mended.at("least_mean_height_before"));
   ASSERT_EQ(shell.hmax("mesh make ball:n=2:refine=1:radius=50 --output ball.msh").exit_code, 0);
   const Json of_file = shell.hmax("mesh info ball.msh:mend=8 --unit mm --json").json().at("mended");
-  EXPECT_NEAR(of_file.at("least_height_before").get<double>(), mended.at("least_height_before").get<double>(), 1e-9);
+  EXPECT_NEAR(of_file.at("least_height_before").get<double>(), mended.at("least_height_before").get<double>(),
+              1e-9);
   const Told told = shell.hmax("mesh info ball:n=2:refine=1:mend=8");
   EXPECT_NE(told.out.find(" points moved by at most "), std::string::npos) << told.out;
   EXPECT_EQ(shell.hmax("mesh info ball:n=2").out.find("mended"), std::string::npos);

@@ -77,6 +77,56 @@ TEST(MeshDefects, TheSameTetrahedronAgainIsNamedInAnyOrderOfItsCorners) {
             std::string::npos);
 }
 
+/// Two tetrahedra with the face of points 0, 1, 2 in common, the second with its apex at height z.
+TetMesh two_on_a_face(double z) {
+  TetMesh mesh = unit_tetrahedron();
+  mesh.tetrahedra.conservativeResize(4, 2);
+  mesh.points.conservativeResize(3, 5);
+  mesh.points.col(4) << 0.3, 0.3, z;
+  mesh.tetrahedra.col(1) << 0, 2, 1, 4;
+  return mesh;
+}
+
+TEST(MeshDefects, TwoOnTheSameSideOfTheirFaceOverlapInAnyOrderOfCorners) {
+  EXPECT_TRUE(defects_of(two_on_a_face(-0.5)).none());
+  for (const bool first : {false, true})
+    for (const bool second : {false, true}) {
+      TetMesh folded = two_on_a_face(0.5), good = two_on_a_face(-0.5);
+      for (TetMesh* mesh : {&folded, &good}) {
+        if (first) std::swap(mesh->tetrahedra(0, 0), mesh->tetrahedra(1, 0));
+        if (second) std::swap(mesh->tetrahedra(2, 1), mesh->tetrahedra(3, 1));
+      }
+      EXPECT_EQ(defects_of(folded).overlaps,
+                (std::vector<std::pair<TetMesh::Index, TetMesh::Index>>{{1, 0}}));
+      EXPECT_TRUE(defects_of(good).overlaps.empty());
+      EXPECT_NE(refusal(file_of(folded)).find("overlaps tetrahedron 10"), std::string::npos)
+          << refusal(file_of(folded));
+      // Turned, all volumes are positive and the two overlap as before.
+      fix_orientation(folded);
+      fix_orientation(good);
+      EXPECT_TRUE(defects_of(folded).inverted.empty());
+      EXPECT_EQ(defects_of(folded).overlaps.size(), 1U);
+      EXPECT_TRUE(defects_of(good).none());
+    }
+}
+
+TEST(MeshDefects, AnElementThatIsTrulyInvertedIsNotTurned) {
+  // A vertex inside is pushed through the face opposite to it.
+  TetMesh mesh = cube_mesh(1, 2);
+  TetMesh::Index centre = 0;
+  while (!mesh.points.col(centre).isApprox(Eigen::Vector3d::Constant(0.5))) ++centre;
+  mesh.points.col(centre) << 1.2, 0.6, 0.5;
+  const MeshDefects defects = defects_of(mesh);
+  EXPECT_FALSE(defects.inverted.empty());
+  EXPECT_FALSE(defects.overlaps.empty());
+  const std::string said = refusal(file_of(mesh));
+  EXPECT_NE(said.find("is inverted and overlaps tetrahedron"), std::string::npos) << said;
+  EXPECT_NE(said.find("another order of corners does not help"), std::string::npos) << said;
+  EXPECT_THROW(require_no_overlap(file_of(mesh)), std::invalid_argument);
+  fix_orientation(mesh);
+  EXPECT_FALSE(defects_of(mesh).none());
+}
+
 TEST(MeshDefects, ThreeTetrahedraOnAFaceOverlap) {
   TetMesh mesh = unit_tetrahedron();
   mesh.tetrahedra.conservativeResize(4, 3);

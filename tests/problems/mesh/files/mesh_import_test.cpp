@@ -1,10 +1,12 @@
 #include "problems/mesh/files/mesh_import.hpp"
 
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/mesh/refine.hpp"
 #include "tests/problems/mesh/files/mesh_goldens.hpp"
@@ -135,6 +137,48 @@ TEST(MeshImport, PointsOfGroupsStayWhereOthersAreMended) {
   EXPECT_FALSE(std::ranges::binary_search(mending.moved, bottom));
   for (const MeshGroup& group : file.groups)
     for (const TetMesh::Index i : group.corners) EXPECT_EQ(file.mesh.points.col(i), before.col(i)) << i;
+}
+
+TEST(MeshImport, CoincidentPointsBecomeOneAndKeepTheirNumbers) {
+  // Two cubes side by side, each with its own points: four of them coincide.
+  const MeshFile whole = cube_with_groups(1);
+  MeshFile file = whole;
+  TetMesh& mesh = file.mesh;
+  mesh.points.conservativeResize(3, 16);
+  mesh.points.rightCols(8) = whole.mesh.points.colwise() + Eigen::Vector3d(1, 0, 0);
+  mesh.tetrahedra.conservativeResize(4, 12);
+  mesh.tetrahedra.rightCols(6) = whole.mesh.tetrahedra.array() + 8;
+  file.numbers.resize(12);
+  file.places.resize(12);
+  file.point_numbers.clear();
+  for (std::int64_t i = 0; i < 16; ++i) file.point_numbers.push_back(100 + 10 * i);
+  MeshGroup right = whole.groups[2];
+  for (TetMesh::Index& corner : right.corners) corner += 8;
+  right.number = 31;
+  file.groups.push_back(right);
+  const Eigen::Matrix3Xd before = mesh.points;
+
+  EXPECT_EQ(merge_points(file, 0), 4);
+  EXPECT_EQ(file.mesh.point_count(), 12);
+  EXPECT_EQ(topology_of(file.mesh).components, 1);
+  EXPECT_TRUE(defects_of(file.mesh).none());
+  EXPECT_NEAR(quality_of(file.mesh).volume, 2, 1e-14);
+  EXPECT_EQ(topology_of(file.mesh).unused_points, 0);
+  ASSERT_EQ(file.merged.size(), 4U);
+  // Every number of the file leads to the place that it had.
+  for (std::size_t i = 0; i < file.point_numbers.size(); ++i)
+    EXPECT_EQ(file.mesh.points.col(static_cast<Eigen::Index>(i)),
+              before.col((file.point_numbers[i] - 100) / 10));
+  for (const auto& [number, point] : file.merged)
+    EXPECT_EQ(file.mesh.points.col(point), before.col((number - 100) / 10));
+  for (std::size_t i = 0; i < right.corners.size(); ++i)
+    EXPECT_EQ(file.mesh.points.col(file.groups[3].corners[i]), before.col(right.corners[i]));
+  EXPECT_EQ(merge_points(file, 0), 0);
+  // New points of a refinement have numbers that no point of the file had.
+  for (const std::int64_t number : refined(file, 1).point_numbers)
+    for (const auto& [merged, point] : file.merged) EXPECT_NE(number, merged);
+  for (const double tolerance : {-0.1, 0.5, std::nan("")})
+    EXPECT_THROW(merge_points(file, tolerance), std::invalid_argument);
 }
 
 TEST(MeshImport, GroupsSurviveARenumbering) {
