@@ -98,6 +98,11 @@ if(HMAX_LZ4_INCLUDE AND HMAX_LZ4)
 endif()
 hmax_optional(lz4 HMAX_HAVE_LZ4 "${lz4_version}" liblz4-dev "meshes in .vtu compressed by LZ4")
 
+find_package(LibLZMA QUIET)
+set(HMAX_HAVE_LZMA "${LIBLZMA_FOUND}")
+set(HMAX_LZMA "${LIBLZMA_LIBRARIES}")
+hmax_optional(lzma HMAX_HAVE_LZMA "${LIBLZMA_VERSION_STRING}" liblzma-dev "meshes in .vtu compressed by LZMA")
+
 find_program(HMAX_GNUPLOT gnuplot)
 if(HMAX_GNUPLOT)
   execute_process(COMMAND "${HMAX_GNUPLOT}" --version OUTPUT_VARIABLE HMAX_GNUPLOT_VERSION OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)

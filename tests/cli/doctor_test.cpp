@@ -10,8 +10,8 @@ TEST(Doctor, NamesEachPartWithItsVersionOrItsPackage) {
   const Json report = shell.hmax("doctor --json").json();
   for (const char* key : {"version", "compiler", "libraries", "optional", "missing", "fingerprint"})
     EXPECT_TRUE(report.contains(key)) << key;
-  EXPECT_EQ(report.at("optional").size(), 11U)
-      << "Boost, SUNDIALS, Spectra, METIS, SLEPc, OpenMPI, zlib, lz4, gnuplot, pybind11, musl";
+  EXPECT_EQ(report.at("optional").size(), 12U)
+      << "Boost, SUNDIALS, Spectra, METIS, SLEPc, OpenMPI, zlib, lz4, lzma, gnuplot, pybind11, musl";
   std::size_t missing = 0;
   for (const Json& part : report.at("optional")) {
     EXPECT_NE(part.at("debian_package"), "");

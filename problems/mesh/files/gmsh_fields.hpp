@@ -28,6 +28,13 @@ struct GmshFields {
       text.fail(std::string(what) + " is not finite; correct it or export the mesh again");
     return value;
   }
+  /// Goes beyond a real number that nobody needs.
+  void skip_real(const char* what) {
+    if (binary)
+      text.bytes(sizeof(double), what);
+    else
+      text.word(what);
+  }
   /// Rows are lines where numbers are words.
   void begin_row() {
     if (!binary) text.begin_line();

@@ -40,6 +40,16 @@ std::string known_extensions() {
   return known;
 }
 
+std::string lower_extension(const fs::path& file) { return lower(file.extension().string()); }
+
+/// The form of a file by its name; null where there is none.
+const MeshFormat* format_of(const fs::path& file) {
+  const auto* const found = std::ranges::find(formats, lower_extension(file), &MeshFormat::extension);
+  return found == formats.end() ? nullptr : found;
+}
+
+}  // namespace
+
 std::string read_whole(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error))
@@ -60,20 +70,14 @@ std::string read_whole(const fs::path& file) {
   return text;
 }
 
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
+void ExtraColumns::skip(MeshText& text, const char* row) {
+  const std::size_t here = text.skip_rest_of_line();
+  if (here != count_.value_or(here))
+    text.fail("the line of " + std::string(row) + " has " + std::to_string(here) +
+              " numbers too many and the first one " + std::to_string(*count_) +
+              "; the file is damaged, so copy or export it again");
+  count_ = here;
 }
-
-/// The form of a file by its name; null where there is none.
-const MeshFormat* format_of(const fs::path& file) {
-  const auto* const found = std::ranges::find(formats, lower_extension(file), &MeshFormat::extension);
-  return found == formats.end() ? nullptr : found;
-}
-
-}  // namespace
 
 std::string MeshFile::where(Eigen::Index tetrahedron) const {
   const auto t = static_cast<std::size_t>(tetrahedron);
@@ -97,8 +101,11 @@ MeshFile counted_from_one(TetMesh mesh, std::string name) {
 }
 
 MeshFile read_mesh(const std::string& name, std::string_view text) {
-  if (const MeshFormat* format = format_of(name); format != nullptr && format->read != nullptr)
+  if (const MeshFormat* format = format_of(name); format != nullptr && format->read != nullptr) {
+    // The mark by which Windows tells UTF-8 stands before what other programs begin with.
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     return format->read(name, text);
+  }
   throw std::invalid_argument("'" + name + "' is no mesh by its extension; name a file " +
                               known_extensions());
 }

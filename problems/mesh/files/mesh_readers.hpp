@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,11 +17,26 @@ namespace hmax {
 struct MeshFile;  // problems/mesh/files/mesh_file.hpp
 
 MeshFile read_gmsh(const std::string& name, std::string_view text);
-MeshFile read_gmsh_4(MeshText& text, bool binary, bool swapped);
+/// @param version  "4.0" or "4.1"
+MeshFile read_gmsh_4(MeshText& text, bool binary, bool swapped, std::string_view version);
 MeshFile read_vtk(const std::string& name, std::string_view text);
 MeshFile read_vtu(const std::string& name, std::string_view text);
 MeshFile read_medit(const std::string& name, std::string_view text);
 MeshFile read_vega(const std::string& name, std::string_view text);
+
+/// The bytes of a file, which is noted as an input. @throws std::invalid_argument naming it
+std::string read_whole(const std::filesystem::path& file);
+
+/// Columns behind those that a reader needs. Nobody uses them, but each row has as many as the first one: a
+/// row of another length has lost or gained a number.
+class ExtraColumns {
+ public:
+  /// Goes to the end of the row. @param row  what it holds, for the error
+  void skip(MeshText& text, const char* row);
+
+ private:
+  std::optional<std::size_t> count_;
+};
 
 /// Collects a mesh point by point, in whatever order and numbering.
 class MeshBuilder {

@@ -12,6 +12,15 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
 
+/// True for digits beyond the range of double that stand for a number too small, such as 1e-400, and not for
+/// one too large, such as 1e400.
+bool is_tiny(std::string_view digits) {
+  const std::size_t exponent = digits.find_first_of("eE");
+  if (exponent != std::string_view::npos) return digits.substr(exponent + 1).starts_with('-');
+  if (digits.starts_with('-')) digits.remove_prefix(1);
+  return digits.starts_with('0') || digits.starts_with('.');
+}
+
 }  // namespace
 
 std::string place_in_words(const std::string& name, std::int64_t place, bool byte) {
@@ -24,6 +33,15 @@ std::string in_quotes(std::string_view text) {
   for (const char c : text.substr(0, longest)) shown += c < ' ' || c > '~' ? '?' : c;
   return "'" + shown + (text.size() > longest ? "..." : "") + "'";
 }
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
+
+bool same_keyword(std::string_view a, std::string_view b) { return lower(a) == lower(b); }
 
 MeshText MeshText::part(std::size_t begin, std::size_t end) const {
   MeshText result(name_, text_.substr(begin, end - begin), comment_);
@@ -82,6 +100,7 @@ std::string_view MeshText::word(const char* what) {
   const std::string_view found = peek();
   if (found.empty()) fail_at_end(what);
   at_ += found.size();
+  word_end_ = at_;
   return found;
 }
 
@@ -99,8 +118,10 @@ double MeshText::number(const char* what) {
     digits = fortran;
     parsed = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   }
-  if (parsed.ec == std::errc::result_out_of_range)
+  if (parsed.ec == std::errc::result_out_of_range) {
+    if (is_tiny(digits) && parsed.ptr == digits.data() + digits.size()) return 0;
     fail(std::string(what) + " " + in_quotes(found) + " is beyond the range of double; correct it");
+  }
   if (parsed.ec != std::errc{} || parsed.ptr != digits.data() + digits.size())
     fail(std::string(what) + " should be a number and is " + in_quotes(found) +
          "; correct it or export the mesh again");
@@ -108,6 +129,17 @@ double MeshText::number(const char* what) {
     fail(std::string(what) + " is " + in_quotes(found) +
          ", which is not finite; correct it or export the mesh again");
   return value;
+}
+
+std::int64_t MeshText::label(const char* what) {
+  const std::string_view found = peek();
+  if (found.find_first_of(".eEdD") == std::string_view::npos) return integer(what);
+  const double value = number(what);
+  constexpr double most = 1LL << 53;
+  if (value != std::floor(value) || std::abs(value) > most)
+    fail(std::string(what) + " should be a whole number and is " + in_quotes(found) +
+         "; correct it or export the mesh again");
+  return static_cast<std::int64_t>(value);
 }
 
 std::int64_t MeshText::integer(const char* what) {
@@ -163,11 +195,25 @@ void MeshText::end_line(const char* what) {
   in_line_ = false;
 }
 
-void MeshText::require_end() {
+std::size_t MeshText::skip_rest_of_line() {
+  in_line_ = true;
+  std::size_t words = 0;
+  while (!peek().empty()) {
+    word("");
+    ++words;
+  }
+  in_line_ = false;
+  return words;
+}
+
+void MeshText::require_end(bool counted) {
   if (!at_end())
     fail("the file goes on with " + in_quotes(peek()) +
          " where it should end; a count before is wrong, so export the mesh again");
-  if (!text_.ends_with('\n'))
+  std::string ends{'\n'};
+  if (comment_) ends += comment_;
+  if (counted) ends += " \t\r";
+  if (text_.find_first_of(ends, word_end_) == std::string_view::npos)
     fail("the last line has no end; the file is cut off, so copy or export it again, or add a line break");
 }
 

@@ -49,6 +49,8 @@ class MeshText {
   /// A finite number.
   double number(const char* what);
   std::int64_t integer(const char* what);
+  /// A label, which some programs write as a real number: "7" or "7.0".
+  std::int64_t label(const char* what);
   /// A name between double quotes on one line.
   std::string quoted(const char* what);
   /// How many of something follow, each of at least `bytes` bytes: more than the rest can hold is an error,
@@ -61,9 +63,14 @@ class MeshText {
   void begin_line();
   /// Refuses words that are left on the line. @param what  it holds, for the error
   void end_line(const char* what);
-  /// Refuses all that is left, and a last line that has no end: of a file whose format marks no end, that is
-  /// all that tells that it was cut off.
-  void require_end();
+  /// Ends the line, whatever is left on it. @returns how many words that were
+  std::size_t skip_rest_of_line();
+  /// Refuses all that is left, and a last word that may have lost its end: of a file whose format marks none,
+  /// that is all that tells that it was cut off.
+  /// @param counted  whether counts tell that no word is missing, so that a blank ends the last one; where
+  /// lists go on
+  ///                 as long as they like, only the end of the line or a comment does
+  void require_end(bool counted = true);
   /// The rest of this line, without its end; the cursor stands at the next line.
   std::string_view line();
   /// Goes behind the next occurrence of `word`, which must be there.
@@ -90,7 +97,8 @@ class MeshText {
   std::string name_;
   std::string_view text_;
   std::size_t at_ = 0;
-  std::size_t last_ = 0;  ///< where the last raw value began
+  std::size_t last_ = 0;      ///< where the last raw value began
+  std::size_t word_end_ = 0;  ///< where the last word ended
   std::int64_t line_ = 1, about_ = -1;
   char comment_;
   bool raw_ = false, in_line_ = false;
@@ -98,6 +106,12 @@ class MeshText {
 
 /// "NAME, line N: " or "NAME, byte N: "
 std::string place_in_words(const std::string& name, std::int64_t place, bool byte);
+
+/// True when two keywords differ in the case of their letters at most.
+bool same_keyword(std::string_view a, std::string_view b);
+
+/// In lower case.
+std::string lower(std::string_view text);
 
 /// A piece of a file as messages can show it: short, and without what a terminal cannot print.
 std::string in_quotes(std::string_view text);

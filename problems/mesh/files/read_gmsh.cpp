@@ -10,13 +10,26 @@ namespace hmax {
 
 namespace {
 
-void read_points(MeshBuilder& builder, GmshFields& fields, std::size_t count) {
+/// Where a node lies on its curve or surface, which nobody needs: dimension and tag of that, and a parameter
+/// for each dimension below 3.
+void skip_parameters(GmshFields& fields) {
+  const std::int64_t dimension = fields.integer("the dimension of the entity of a node");
+  fields.integer("the tag of the entity of a node");
+  if (dimension < 0 || dimension > 3)
+    fields.text.fail("the entity of a node has the dimension " + std::to_string(dimension) +
+                     "; export the mesh again");
+  for (std::int64_t k = 0; k < dimension && dimension < 3; ++k) fields.skip_real("a parameter of a node");
+}
+
+/// @param parametric  whether parameters stand behind each node
+void read_points(MeshBuilder& builder, GmshFields& fields, std::size_t count, bool parametric) {
   builder.reserve_points(count);
   for (std::size_t i = 0; i < count; ++i) {
     fields.begin_row();
     const std::int64_t number = fields.integer("the number of a node");
     const double x = fields.real("the x coordinate"), y = fields.real("the y coordinate");
     builder.add_point(number, x, y, fields.real("the z coordinate"));
+    if (parametric) skip_parameters(fields);
     fields.end_row("a node");
   }
 }
@@ -28,7 +41,11 @@ MeshFile read_version_1(MeshText& text) {
     if (section == "$NOD") {
       const std::size_t count = gmsh_count(text, "nodes", 8);
       GmshFields fields{text, false, false};
-      read_points(builder, fields, count);
+      // Only the first row tells whether there are parameters.
+      MeshText row = text;
+      row.begin_line();
+      const bool parametric = count > 0 && row.skip_rest_of_line() > 4;
+      read_points(builder, fields, count, parametric);
       require_closing(text, section, "$END");
       builder.number_points(text);
     } else if (section == "$ELM") {
@@ -66,8 +83,8 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
     if (section == "$PhysicalNames") {
       read_physical_names(text, builder);
       require_closing(text, section);
-    } else if (section == "$Nodes") {
-      read_points(builder, fields, gmsh_count(text, "nodes", binary ? 28 : 8));
+    } else if (section == "$Nodes" || section == "$ParametricNodes") {
+      read_points(builder, fields, gmsh_count(text, "nodes", binary ? 28 : 8), section != "$Nodes");
       require_closing(text, section);
       builder.number_points(text);
     } else if (section == "$Elements") {
@@ -164,7 +181,8 @@ MeshFile read_gmsh(const std::string& name, std::string_view bytes) {
           "export it again");
   }
   require_closing(text, section);
-  if (version.starts_with("4.1")) return read_gmsh_4(text, binary, swapped);
+  if (version.starts_with("4.1")) return read_gmsh_4(text, binary, swapped, "4.1");
+  if (version == "4" || version.starts_with("4.0")) return read_gmsh_4(text, binary, swapped, "4.0");
   if (version == "2" || version.starts_with("2.")) return read_version_2(text, binary, swapped);
   text.fail("version " + in_quotes(version) +
             " of the Gmsh format is not read; save the mesh as 4.1 or 2.2 (in "

@@ -6,6 +6,26 @@
 
 namespace hmax {
 
+namespace {
+
+/// The numbers of a head: attributes and markers are 0 where it ends before them, and what follows is no
+/// number of the mesh.
+struct Counts {
+  std::size_t attributes = 0, markers = 0;
+};
+
+Counts read_counts(MeshText& text, bool markers) {
+  Counts counts;
+  if (!text.peek().empty()) {
+    counts.attributes = text.count("attributes", 1);
+    if (markers) counts.markers = text.count("markers of points", 1);
+  }
+  text.skip_rest_of_line();
+  return counts;
+}
+
+}  // namespace
+
 MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, const std::string& ele_name,
                      std::string_view ele_text) {
   MeshBuilder builder;
@@ -14,21 +34,20 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
   const std::size_t points = nodes.count("points", 8);
   if (const std::int64_t dimension = nodes.integer("the dimension"); dimension != 3)
     nodes.fail("the points have " + std::to_string(dimension) + " coordinates; a body needs 3");
-  const std::size_t attributes = nodes.count("attributes of points", 1);
-  const std::size_t markers = nodes.count("markers of points", 1);
-  nodes.end_line("the counts of points");
+  const auto [attributes, markers] = read_counts(nodes, true);
   builder.reserve_points(points);
+  ExtraColumns behind_points, behind_tetrahedra;
   for (std::size_t i = 0; i < points; ++i) {
     nodes.begin_line();
     const std::int64_t number = nodes.integer("the number of a point");
     const double x = nodes.number("the x coordinate"), y = nodes.number("the y coordinate");
     builder.add_point(number, x, y, nodes.number("the z coordinate"));
-    for (std::size_t k = 0; k < attributes; ++k) nodes.number("an attribute of a point");
+    for (std::size_t k = 0; k < attributes; ++k) nodes.word("an attribute of a point");
     for (std::size_t k = 0; k < markers; ++k) {
       const std::array point{static_cast<TetMesh::Index>(i)};
-      builder.add_to_group(nodes.integer("the marker of a point"), point);
+      builder.add_to_group(nodes.label("the marker of a point"), point);
     }
-    nodes.end_line("a point");
+    behind_points.skip(nodes, "a point");
   }
   nodes.require_end();
   builder.number_points(nodes);
@@ -37,8 +56,7 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
   elements.begin_line();
   const std::size_t tetrahedra = elements.count("tetrahedra", 10);
   const std::int64_t corners = elements.integer("the number of points of a tetrahedron");
-  const std::size_t values = elements.count("attributes of tetrahedra", 1);
-  elements.end_line("the counts of tetrahedra");
+  const std::size_t values = read_counts(elements, false).attributes;
   if (tetrahedra > 0 && corners != 4 && corners != 10)
     elements.fail("the tetrahedra have " + std::to_string(corners) +
                   " points instead of 4, or 10 of second order; export the mesh again");
@@ -53,11 +71,11 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
       builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
     if (corners > 4) builder.add_second_order();
     std::int64_t region = 0;
-    for (std::size_t k = 0; k < values; ++k) {
-      const double value = elements.number("an attribute of a tetrahedron");
-      if (k == 0 && std::abs(value) < 1e9) region = std::llround(value);
-    }
-    elements.end_line("a tetrahedron");
+    if (values > 0)
+      if (const double value = elements.number("the region of a tetrahedron"); std::abs(value) < 1e9)
+        region = std::llround(value);
+    for (std::size_t k = 1; k < values; ++k) elements.word("an attribute of a tetrahedron");
+    behind_tetrahedra.skip(elements, "a tetrahedron");
     builder.add_tetrahedron(points_of, number, place, region, elements);
   }
   elements.require_end();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "problems/mesh/files/vtk_cells.hpp"
@@ -41,20 +42,32 @@ class LegacyValues {
 
   /// Begins an array after its head line. @throws std::invalid_argument unless `count` values have room
   void begin(std::string_view type, std::size_t count, const char* what) {
-    type_ = type;
-    if (!binary_ && (type == "bit" || type == "string")) return;  // of arrays that nobody needs
-    if (size_of() == 0)
-      text_.fail("the type of numbers " + in_quotes(type) +
-                 " is not read; save the mesh with double and int");
+    type_ = lower(type);
+    require_known(type);
     text_.require_room(count, what, binary_ ? size_of() : 2);
   }
-  /// Goes beyond an array that nobody needs.
+  /// Goes beyond an array that nobody needs, whatever its values are.
   void skip(std::string_view type, std::size_t components, std::size_t tuples) {
-    if (components != 0 && tuples > text_.left() / components)
+    // Of bits there are eight in a byte.
+    if (components != 0 && tuples / 8 > text_.left() / components)
       text_.require_room(text_.left() + 1, "values", 1);
-    begin(type, components * tuples, "values");
-    if (binary_) text_.bytes(components * tuples * size_of(), "the values of an array");
-    for (std::size_t i = 0; !binary_ && i < components * tuples; ++i) text_.word("a value");
+    const std::size_t count = components * tuples;
+    type_ = lower(type);
+    if (type_ == "string") {
+      for (std::size_t i = 0; i < count; ++i) skip_string();
+    } else if (binary_ && type_ == "bit") {
+      text_.bytes((count + 7) / 8, "the values of an array");
+    } else if (binary_) {
+      begin(type, count, "values");
+      text_.bytes(count * size_of(), "the values of an array");
+    } else {
+      if (type_ != "bit") require_known(type);
+      text_.require_room(count, "values", 2);
+      for (std::size_t i = 0; i < count; ++i)
+        if (const std::string_view word = text_.word("a value"); begins_section(word))
+          text_.fail("an array ends with " + in_quotes(word) + " after " + std::to_string(i) + " of " +
+                     std::to_string(count) + " values; the file is damaged, so copy or export it again");
+    }
   }
   double real(const char* what) {
     if (!binary_) return text_.number(what);
@@ -68,7 +81,35 @@ class LegacyValues {
     return is_real() ? static_cast<std::int64_t>(std::clamp(real(what), -9e18, 9e18)) : whole(what);
   }
 
+  /// A region, which may be written as a real number.
+  std::int64_t label(const char* what) { return binary_ ? integer(what) : text_.label(what); }
+
  private:
+  void require_known(std::string_view type) const {
+    if (size_of() == 0)
+      text_.fail("the type of numbers " + in_quotes(type) +
+                 " is not read; save the mesh with double and int");
+  }
+  /// True for the words with which data begin.
+  static bool begins_section(std::string_view word) {
+    constexpr std::array<std::string_view, 7> heads{"CELL_DATA", "POINT_DATA", "SCALARS",     "VECTORS",
+                                                    "FIELD",     "METADATA",   "LOOKUP_TABLE"};
+    return std::ranges::any_of(heads, [&](std::string_view head) { return same_keyword(head, word); });
+  }
+  /// A string is a line, or its length and bytes: the two highest bits tell how long that length is.
+  void skip_string() {
+    if (!binary_) {
+      if (text_.left() == 0) text_.word("a string");
+      text_.line();
+      return;
+    }
+    const auto first = static_cast<unsigned char>(text_.bytes(1, "the length of a string").front());
+    const std::size_t more = first >> 6 == 3 ? 0 : first >> 6 == 2 ? 1 : first >> 6 == 1 ? 3 : 7;
+    std::size_t length = first & 63;
+    for (const char byte : text_.bytes(more, "the length of a string"))
+      length = length << 8 | static_cast<unsigned char>(byte);
+    text_.bytes(length, "a string");
+  }
   [[nodiscard]] bool is_real() const { return type_ == "float" || type_ == "double"; }
   [[nodiscard]] std::size_t size_of() const {
     if (type_ == "char" || type_ == "unsigned_char" || type_ == "vtktypeint8" || type_ == "vtktypeuint8")
@@ -79,8 +120,8 @@ class LegacyValues {
         type_ == "vtktypeuint32")
       return 4;
     if (type_ == "long" || type_ == "unsigned_long" || type_ == "double" || type_ == "vtktypeint64" ||
-        type_ == "vtktypeuint64" || type_ == "vtkIdType")
-      return type_ == "vtkIdType" ? 4 : 8;
+        type_ == "vtktypeuint64" || type_ == "vtkidtype")
+      return type_ == "vtkidtype" ? 4 : 8;
     return 0;
   }
   double raw(const char* what) {
@@ -138,11 +179,11 @@ std::vector<std::int64_t> read_integers(MeshText& text, LegacyValues& values, st
 void read_cells(MeshText& text, LegacyValues& values, VtkCells& cells, std::vector<std::int64_t>& places) {
   const std::size_t first = text.count("cells", 2), second = text.count("numbers of cells", 2);
   end_head(text);
-  if (text.peek().starts_with("OFFSETS")) {
+  if (same_keyword(text.peek(), "OFFSETS")) {
     text.word("");
     const std::string type(text.word("the type of offsets"));
     cells.offsets = read_integers(text, values, type, first, "offsets");
-    if (text.word("CONNECTIVITY") != "CONNECTIVITY")
+    if (!same_keyword(text.word("CONNECTIVITY"), "CONNECTIVITY"))
       text.fail("CONNECTIVITY should be here; export the mesh again");
     places.assign(1, text.place());
     const std::string other(text.word("the type of the connectivity"));
@@ -170,26 +211,36 @@ void read_cells(MeshText& text, LegacyValues& values, VtkCells& cells, std::vect
 std::vector<std::int64_t> read_values(LegacyValues& values, std::string_view type, std::size_t count) {
   values.begin(type, count, "regions");
   std::vector<std::int64_t> list(count);
-  for (std::int64_t& value : list) value = values.integer("a region");
+  for (std::int64_t& value : list) value = values.label("a region");
   return list;
 }
 
 /// Reads the data behind the cells to the end of the file, for the regions among them.
 class LegacyData {
  public:
-  LegacyData(MeshText& text, LegacyValues& values, std::size_t points, std::size_t cells)
-      : text_(text), values_(values), points_(points), cells_(cells) {}
+  LegacyData(MeshText& text, LegacyValues& values, std::size_t cells)
+      : text_(text), values_(values), cells_(cells) {}
 
   /// One for each cell, or none.
   std::vector<std::int64_t> regions() {
-    while (!text_.at_end()) read_section(std::string(text_.word("a section")));
+    while (!text_.at_end()) read_section(upper(text_.word("a section")));
     if (awaited_)
       text_.fail(
           "the values of points or cells are missing; the file is cut off, so copy or export it again");
     return std::move(regions_);
   }
 
+  /// Goes beyond a field of the whole file, which may stand before the points.
+  void skip_field() { read_field(); }
+
  private:
+  static std::string upper(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+      if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    return result;
+  }
+
   /// Arrays of one head line `SECTION NAME TYPE` and the components of each value.
   struct Section {
     std::string_view name;
@@ -211,7 +262,7 @@ class LegacyData {
       const std::string name(text_.word("a name")), type(text_.word("a type"));
       MeshText head(text_.name(), text_.line());
       const std::size_t components = head.at_end() ? 1 : head.count("components", 1);
-      if (text_.word("LOOKUP_TABLE") != "LOOKUP_TABLE")
+      if (!same_keyword(text_.word("LOOKUP_TABLE"), "LOOKUP_TABLE"))
         text_.fail("LOOKUP_TABLE should be behind SCALARS; export the mesh again");
       text_.word("the name of a table");
       end_head(text_);
@@ -250,9 +301,10 @@ class LegacyData {
     count_ = text_.count("values", 1);
     end_head(text_);
     awaited_ = in_data_ = true;
-    if (const std::size_t expected = of_cells ? cells_ : points_; count_ != expected)
-      text_.fail("there are " + std::to_string(count_) + " values for " + std::to_string(expected) +
-                 (of_cells ? " cells" : " points") + "; export the mesh again");
+    // Nobody needs the data of points.
+    if (of_cells && count_ != cells_)
+      text_.fail("there are " + std::to_string(count_) + " values for " + std::to_string(cells_) +
+                 " cells; export the mesh again");
   }
 
   void read_field() {
@@ -261,7 +313,7 @@ class LegacyData {
     awaited_ = false;
     for (std::size_t array = 0; array < arrays; ++array) {
       // Values of an array may have a paragraph of their own.
-      while (text_.peek() == "METADATA") skip_paragraph(text_);
+      while (same_keyword(text_.peek(), "METADATA")) skip_paragraph(text_);
       const std::string name(text_.word("a name"));
       const std::size_t components = text_.count("components", 1), tuples = text_.count("tuples", 1);
       const std::string type(text_.word("a type"));
@@ -284,7 +336,7 @@ class LegacyData {
 
   MeshText& text_;
   LegacyValues& values_;
-  std::size_t points_, cells_, count_ = 0;
+  std::size_t cells_, count_ = 0;
   bool in_data_ = false, of_cells_ = false, awaited_ = false;
   std::vector<std::int64_t> regions_;
 };
@@ -292,8 +344,9 @@ class LegacyData {
 }  // namespace
 
 bool names_vtk_regions(std::string_view name) {
-  constexpr std::array<std::string_view, 10> names{
-      "region",        "regions",     "Region",      "gmsh:physical", "medit:ref",
+  // Label is that of FreeFem.
+  constexpr std::array<std::string_view, 11> names{
+      "region",        "regions",     "Region",      "gmsh:physical", "medit:ref", "Label",
       "CellEntityIds", "MaterialIds", "MaterialIDs", "cell_markers",  "tetgen:ref"};
   return std::ranges::find(names, name) != names.end();
 }
@@ -307,7 +360,7 @@ void add_vtk_cells(MeshBuilder& builder, const VtkCells& cells, std::span<const 
               " cells; export the mesh again");
   builder.reserve_tetrahedra(count);
   for (std::size_t cell = 0; cell < count; ++cell) {
-    const auto number = static_cast<std::int64_t>(cell);
+    const auto number = cells.first_cell + static_cast<std::int64_t>(cell);
     text.about(places.size() == 1 ? places[0] : places[cell]);
     const std::int64_t begin = cells.offsets[cell], end = cells.offsets[cell + 1];
     if (begin < 0 || end < begin || end > static_cast<std::int64_t>(cells.connectivity.size()))
@@ -329,9 +382,10 @@ void add_vtk_cells(MeshBuilder& builder, const VtkCells& cells, std::span<const 
                 " points; export the mesh again");
     std::array<TetMesh::Index, 4> corners{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(end - begin); ++i) {
-      const TetMesh::Index point =
-          builder.counted_point(cells.connectivity[static_cast<std::size_t>(begin) + i], text, number,
-                                tetrahedron ? "tetrahedron" : "cell");
+      const std::int64_t its = cells.connectivity[static_cast<std::size_t>(begin) + i];
+      const bool possible = its >= 0 && its <= std::numeric_limits<TetMesh::Index>::max();
+      const TetMesh::Index point = builder.counted_point(possible ? cells.first_point + its : its, text,
+                                                         number, tetrahedron ? "tetrahedron" : "cell");
       if (i < used) corners[i] = point;
     }
     if (type == second_order_tetrahedron) builder.add_second_order();
@@ -344,17 +398,17 @@ void add_vtk_cells(MeshBuilder& builder, const VtkCells& cells, std::span<const 
 
 MeshFile read_vtk(const std::string& name, std::string_view bytes) {
   MeshText text(name, bytes);
-  if (!text.peek().starts_with("#") || text.line().find("vtk DataFile") == std::string_view::npos)
+  if (!text.peek().starts_with("#") || lower(text.line()).find("vtk datafile") == std::string::npos)
     text.fail(
         "a VTK file begins with '# vtk DataFile Version'; export the mesh again or correct the extension");
   text.line();  // the title
   const std::string encoding(text.word("ASCII or BINARY"));
-  if (encoding != "ASCII" && encoding != "BINARY")
+  const bool binary = same_keyword(encoding, "BINARY");
+  if (!binary && !same_keyword(encoding, "ASCII"))
     text.fail("ASCII or BINARY should be here and not " + in_quotes(encoding) + "; export the mesh again");
-  const bool binary = encoding == "BINARY";
-  if (const auto word = text.word("DATASET"); word != "DATASET")
+  if (const auto word = text.word("DATASET"); !same_keyword(word, "DATASET"))
     text.fail("DATASET should be here and not " + in_quotes(word) + "; export the mesh again");
-  if (const auto dataset = text.word("the kind of data"); dataset != "UNSTRUCTURED_GRID")
+  if (const auto dataset = text.word("the kind of data"); !same_keyword(dataset, "UNSTRUCTURED_GRID"))
     text.fail("the file holds " + in_quotes(dataset) +
               " and no UNSTRUCTURED_GRID; save an unstructured grid");
   if (binary) text.go_raw();
@@ -366,7 +420,7 @@ MeshFile read_vtk(const std::string& name, std::string_view bytes) {
   bool has_points = false, has_cells = false;
   while (cells.types.empty()) {
     const std::string word(text.word("POINTS, CELLS and CELL_TYPES"));
-    if (word == "POINTS" && !has_points) {
+    if (same_keyword(word, "POINTS") && !has_points) {
       const std::size_t count = text.count("points", 3);
       const std::string type(text.word("the type of numbers"));
       end_head(text);
@@ -377,22 +431,23 @@ MeshFile read_vtk(const std::string& name, std::string_view bytes) {
         builder.add_point(x, y, values.real("the z coordinate"));
       }
       has_points = true;
-    } else if (word == "CELLS" && !has_cells) {
+    } else if (same_keyword(word, "CELLS") && !has_cells) {
       read_cells(text, values, cells, places);
       has_cells = true;
-    } else if (word == "CELL_TYPES" && has_points && has_cells) {
+    } else if (same_keyword(word, "CELL_TYPES") && has_points && has_cells) {
       const std::size_t count = text.count("types of cells", 1);
       if (count == 0) text.fail("the file has no cells; export the volume elements too");
       cells.types = read_integers(text, values, "int", count, "types of cells");
-    } else if (word == "METADATA") {
+    } else if (same_keyword(word, "METADATA")) {
       skip_paragraph(text);
+    } else if (same_keyword(word, "FIELD")) {
+      LegacyData(text, values, 0).skip_field();
     } else {
       text.fail("POINTS, CELLS and CELL_TYPES should be here, in this order, and not " + in_quotes(word) +
                 "; export the mesh again");
     }
   }
-  const std::vector<std::int64_t> regions =
-      LegacyData(text, values, builder.point_count(), cells.types.size()).regions();
+  const std::vector<std::int64_t> regions = LegacyData(text, values, cells.types.size()).regions();
   if (!binary) text.require_end();
   add_vtk_cells(builder, cells, places, regions, text);
   return builder.finish(text, binary ? "VTK legacy, binary" : "VTK legacy");

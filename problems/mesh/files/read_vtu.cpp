@@ -1,5 +1,6 @@
 /// VTK XML files of unstructured grids, .vtu: numbers as ASCII, as base64, or appended at the end, raw or as
-/// base64, in plain or in compressed blocks [schroeder2006visualization].
+/// base64, in plain or in compressed blocks [schroeder2006visualization]. Several pieces are one grid after
+/// the other.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -43,10 +44,15 @@ To converted(std::string_view type, const char* bytes, bool swapped) {
   return as(std::uint64_t{});
 }
 
-struct Grid {
+struct Piece {
   std::size_t points = 0, cells = 0;
   std::optional<XmlTag> coordinates, connectivity, offsets, types, regions;
-  std::optional<XmlTag> region_names, point_numbers, cell_numbers;
+  std::optional<XmlTag> point_numbers, cell_numbers, ghosts;
+};
+
+struct Grid {
+  std::vector<Piece> pieces;
+  std::optional<XmlTag> region_names;
   std::vector<XmlTag> groups;    ///< corners of groups, named "surface:30 NAME"
   std::vector<XmlTag> appended;  ///< all arrays that stand in the appended data, used or not
 };
@@ -72,29 +78,11 @@ class VtuReader {
     const Grid grid = find_arrays();
     check_appended(grid);
     MeshBuilder builder;
-    const std::vector<double> xyz = numbers<double>(*grid.coordinates, 3 * grid.points, "coordinates");
-    builder.reserve_points(grid.points);
-    for (std::size_t i = 0; i < grid.points; ++i) {
-      for (std::size_t k = 0; k < 3; ++k)
-        if (!(xyz[3 * i + k] - xyz[3 * i + k] == 0))
-          at(*grid.coordinates)
-              .fail("point " + std::to_string(i) +
-                    " has a coordinate that is not finite; correct it or export the mesh again");
-      builder.add_point(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
+    std::int64_t first_cell = 0;
+    for (const Piece& piece : grid.pieces) {
+      if (piece.points > 0 || piece.cells > 0) read_piece(piece, first_cell, builder);
+      first_cell += static_cast<std::int64_t>(piece.cells);
     }
-    VtkCells cells;
-    cells.types = numbers<std::int64_t>(*grid.types, grid.cells, "types of cells");
-    cells.offsets = numbers<std::int64_t>(*grid.offsets, grid.cells, "offsets");
-    cells.offsets.insert(cells.offsets.begin(), 0);
-    const std::int64_t corners = cells.offsets.back();
-    if (corners < 0) at(*grid.offsets).fail("the last offset is negative; export the mesh again");
-    cells.connectivity =
-        numbers<std::int64_t>(*grid.connectivity, static_cast<std::size_t>(corners), "points of cells");
-    std::vector<std::int64_t> regions;
-    if (grid.regions) regions = numbers<std::int64_t>(*grid.regions, grid.cells, "regions");
-    MeshText place = at(*grid.connectivity);
-    const std::array<std::int64_t, 1> places{place.place()};
-    add_vtk_cells(builder, cells, places, regions, place);
     if (grid.region_names) read_region_names(*grid.region_names, builder);
     read_groups(grid, builder);
     MeshFile file = builder.finish(text_, "VTK XML");
@@ -103,6 +91,55 @@ class VtuReader {
   }
 
  private:
+  /// Adds a piece behind those before it. @param first_cell  the number of its first cell
+  void read_piece(const Piece& piece, std::int64_t first_cell, MeshBuilder& builder) const {
+    VtkCells cells;
+    cells.first_point = static_cast<std::int64_t>(builder.point_count());
+    cells.first_cell = first_cell;
+    const std::vector<double> xyz = numbers<double>(*piece.coordinates, 3 * piece.points, "coordinates");
+    builder.reserve_points(piece.points);
+    for (std::size_t i = 0; i < piece.points; ++i) {
+      for (std::size_t k = 0; k < 3; ++k)
+        if (!(xyz[3 * i + k] - xyz[3 * i + k] == 0))
+          at(*piece.coordinates)
+              .fail("point " + std::to_string(i) +
+                    " has a coordinate that is not finite; correct it or export the mesh again");
+      builder.add_point(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
+    }
+    cells.types = numbers<std::int64_t>(*piece.types, piece.cells, "types of cells");
+    cells.offsets = numbers<std::int64_t>(*piece.offsets, piece.cells, "offsets");
+    cells.offsets.insert(cells.offsets.begin(), 0);
+    const std::int64_t corners = cells.offsets.back();
+    if (corners < 0) at(*piece.offsets).fail("the last offset is negative; export the mesh again");
+    cells.connectivity =
+        numbers<std::int64_t>(*piece.connectivity, static_cast<std::size_t>(corners), "points of cells");
+    std::vector<std::int64_t> regions;
+    if (piece.regions) regions = numbers<std::int64_t>(*piece.regions, piece.cells, "regions");
+    if (piece.ghosts) leave_out_ghosts(piece, cells);
+    MeshText place = at(*piece.connectivity);
+    const std::array<std::int64_t, 1> places{place.place()};
+    add_vtk_cells(builder, cells, places, regions, place);
+  }
+
+  /// Cells that stand in another piece too become empty ones.
+  void leave_out_ghosts(const Piece& piece, VtkCells& cells) const {
+    constexpr std::int64_t in_another_piece = 1;
+    const auto ghosts = numbers<std::int64_t>(*piece.ghosts, piece.cells, "ghost cells");
+    VtkCells kept{.types = cells.types, .first_point = cells.first_point, .first_cell = cells.first_cell};
+    kept.offsets.push_back(0);
+    for (std::size_t cell = 0; cell < piece.cells; ++cell) {
+      const std::int64_t begin = cells.offsets[cell], end = cells.offsets[cell + 1];
+      if (begin < 0 || end < begin || end > static_cast<std::int64_t>(cells.connectivity.size())) return;
+      if ((ghosts[cell] & in_another_piece) != 0)
+        kept.types[cell] = 0;
+      else
+        kept.connectivity.insert(kept.connectivity.end(), cells.connectivity.begin() + begin,
+                                 cells.connectivity.begin() + end);
+      kept.offsets.push_back(static_cast<std::int64_t>(kept.connectivity.size()));
+    }
+    cells = std::move(kept);
+  }
+
   /// Strings such as "10 parenchyma", each letter a number and 0 behind the last one.
   void read_region_names(const XmlTag& tag, MeshBuilder& builder) const {
     if (tag.attribute("format") != "ascii") return;
@@ -156,14 +193,20 @@ class VtuReader {
 
   /// The numbers that points and cells had in the file that this one was made from.
   void take_numbers(const Grid& grid, MeshFile& file) const {
-    if (grid.point_numbers) {
-      auto points = numbers<std::int64_t>(*grid.point_numbers, grid.points, "numbers of points");
-      if (all_differ(points)) file.point_numbers = std::move(points);
-    }
-    if (!grid.cell_numbers) return;
-    const auto cells = numbers<std::int64_t>(*grid.cell_numbers, grid.cells, "numbers of cells");
-    if (!all_differ(cells)) return;
-    for (std::int64_t& number : file.numbers) number = cells[static_cast<std::size_t>(number)];
+    const auto all = [&](std::optional<XmlTag> Piece::*array, std::size_t Piece::*count, const char* what) {
+      std::vector<std::int64_t> values;
+      for (const Piece& piece : grid.pieces) {
+        if (piece.*count == 0) continue;
+        if (!(piece.*array)) return std::vector<std::int64_t>{};
+        const auto its = numbers<std::int64_t>(*(piece.*array), piece.*count, what);
+        values.insert(values.end(), its.begin(), its.end());
+      }
+      return all_differ(values) ? values : std::vector<std::int64_t>{};
+    };
+    if (auto points = all(&Piece::point_numbers, &Piece::points, "numbers of points"); !points.empty())
+      file.point_numbers = std::move(points);
+    if (const auto cells = all(&Piece::cell_numbers, &Piece::cells, "numbers of cells"); !cells.empty())
+      for (std::int64_t& number : file.numbers) number = cells[static_cast<std::size_t>(number)];
   }
 
   /// For errors about what stands behind a tag.
@@ -185,7 +228,7 @@ class VtuReader {
   Grid find_arrays() {
     Grid grid;
     std::vector<XmlTag> open;  // tags whose ends have not come yet
-    std::size_t from = 0, pieces = 0;
+    std::size_t from = 0;
     bool is_vtk = false;
     while (const auto tag = next_tag(text_, whole_, from)) {
       from = tag->end;
@@ -201,12 +244,11 @@ class VtuReader {
         at(*tag).fail("a .vtu file begins with <VTKFile> and not with " + in_quotes(tag->name) +
                       "; export the mesh again or correct the extension");
       } else if (tag->name == "Piece") {
-        if (++pieces > 1)
-          at(*tag).fail(
-              "the grid comes in several pieces; merge them first (in ParaView: Merge Blocks, then save)");
-        grid.points = count_of(*tag, "NumberOfPoints", 3);
-        grid.cells = count_of(*tag, "NumberOfCells", 1);
+        grid.pieces.push_back(
+            {.points = count_of(*tag, "NumberOfPoints", 3), .cells = count_of(*tag, "NumberOfCells", 1)});
       } else if (tag->name == "DataArray" || tag->name == "Array") {
+        if (open.empty())
+          at(*tag).fail("an array stands in no grid; the file is damaged, so copy or export it again");
         take_array(grid, open.back().name, *tag);
       } else if (tag->name == "AppendedData") {
         from = find_appended(*tag);
@@ -228,22 +270,25 @@ class VtuReader {
   void take_array(Grid& grid, std::string_view section, const XmlTag& tag) const {
     const std::string_view name = tag.attribute("Name");
     if (tag.attribute("format") == "appended") grid.appended.push_back(tag);
-    if (section == "Points" && !grid.coordinates) {
+    if (section == "FieldData" && name == "region_names") grid.region_names = tag;
+    if (section == "FieldData" && names_group(name)) grid.groups.push_back(tag);
+    if (section != "Points" && name.empty())
+      at(tag).fail("an array of " + in_quotes(section) + " has no name; export the mesh again");
+    if (grid.pieces.empty()) return;
+    Piece& piece = grid.pieces.back();
+    if (section == "Points" && !piece.coordinates) {
       if (tag.attribute("NumberOfComponents", "3") != "3")
         at(tag).fail("points have " + in_quotes(tag.attribute("NumberOfComponents")) +
                      " coordinates; a body needs 3");
-      grid.coordinates = tag;
-    } else if (section != "Points" && name.empty()) {
-      at(tag).fail("an array of " + in_quotes(section) + " has no name; export the mesh again");
+      piece.coordinates = tag;
     }
-    if (section == "Cells" && name == "connectivity") grid.connectivity = tag;
-    if (section == "Cells" && name == "offsets") grid.offsets = tag;
-    if (section == "Cells" && name == "types") grid.types = tag;
-    if (section == "CellData" && names_vtk_regions(name)) grid.regions = tag;
-    if (section == "CellData" && name == "GlobalElementId") grid.cell_numbers = tag;
-    if (section == "PointData" && name == "GlobalNodeId") grid.point_numbers = tag;
-    if (section == "FieldData" && name == "region_names") grid.region_names = tag;
-    if (section == "FieldData" && names_group(name)) grid.groups.push_back(tag);
+    if (section == "Cells" && name == "connectivity") piece.connectivity = tag;
+    if (section == "Cells" && name == "offsets") piece.offsets = tag;
+    if (section == "Cells" && name == "types") piece.types = tag;
+    if (section == "CellData" && names_vtk_regions(name)) piece.regions = tag;
+    if (section == "CellData" && name == "GlobalElementId") piece.cell_numbers = tag;
+    if (section == "CellData" && name == "vtkGhostType") piece.ghosts = tag;
+    if (section == "PointData" && name == "GlobalNodeId") piece.point_numbers = tag;
   }
 
   /// Where the appended data lie, and where tags go on.
@@ -266,24 +311,29 @@ class VtuReader {
       at(open.back())
           .fail("</" + std::string(open.back().name) +
                 "> is missing; the file is cut off, so copy or export it again");
-    if (!text_.part(from, whole_.size()).at_end())
+    // Comments say nothing; what else could stand here is no tag, or it would have been found.
+    if (!text_.part(behind_comments(whole_, from), whole_.size()).at_end())
       text_.fail("the file goes on behind </VTKFile>; export the mesh again");
-    for (const auto& [array, name] : {std::pair(&grid.coordinates, "Points"),
-                                      {&grid.connectivity, "connectivity"},
-                                      {&grid.offsets, "offsets"},
-                                      {&grid.types, "types"}})
-      if (!*array)
-        text_.fail(std::string("the array ") + name +
-                   " is missing; the file is cut off or holds no grid, so "
-                   "export it again");
+    const Piece none;
+    const std::span<const Piece> pieces =
+        grid.pieces.empty() ? std::span(&none, 1) : std::span<const Piece>(grid.pieces);
+    for (const Piece& piece : pieces)
+      for (const auto& [array, name] : {std::pair(&piece.coordinates, "Points"),
+                                        {&piece.connectivity, "connectivity"},
+                                        {&piece.offsets, "offsets"},
+                                        {&piece.types, "types"}})
+        if (!*array && (grid.pieces.size() < 2 || piece.points > 0 || piece.cells > 0))
+          text_.fail(std::string("the array ") + name +
+                     " is missing; the file is cut off or holds no grid, so "
+                     "export it again");
   }
 
   void read_head(const XmlTag& tag) {
     if (tag.attribute("type") != "UnstructuredGrid")
       at(tag).fail("the file holds " + in_quotes(tag.attribute("type")) +
                    " and no UnstructuredGrid; save an unstructured grid");
-    if (const std::string_view compressor = tag.attribute("compressor"); !compressor.empty())
-      take_compressor(tag, compressor);
+    compressor_name_ = tag.attribute("compressor");
+    compressor_ = block_compressor(compressor_name_);
     const bool file_is_little = tag.attribute("byte_order", "LittleEndian") == "LittleEndian";
     swapped_ = file_is_little != (std::endian::native == std::endian::little);
     const std::string_view header = tag.attribute("header_type", "UInt32");
@@ -293,9 +343,10 @@ class VtuReader {
     header_size_ = header == "UInt64" ? 8 : 4;
   }
 
-  void take_compressor(const XmlTag& tag, std::string_view name) {
-    compressor_ = block_compressor(name);
+  /// Refuses arrays in blocks that nobody can unpack. Arrays in words are read whatever the head says.
+  void require_compressor(const XmlTag& tag) const {
     if (compressor_ && compressor_->decompress) return;
+    const std::string_view name = compressor_name_;
     at(tag).fail("the numbers are compressed with " + in_quotes(name) +
                  (compressor_ ? ", for which this hmax needs the Debian package " +
                                     std::string(compressor_->package) + " when it is built"
@@ -365,7 +416,7 @@ class VtuReader {
       storage = *std::move(decoded);
       content = storage;
     }
-    const std::size_t size = compressor_ ? packed_size(tag, content) : plain_size(tag, content);
+    const std::size_t size = compressor_name_.empty() ? plain_size(tag, content) : packed_size(tag, content);
     // Behind the last array comes the line of the end tag.
     if (content.find_first_not_of(" \t\r\n", size) != std::string_view::npos)
       at(tag).fail("an array is longer than it says; the file was damaged, so export it again");
@@ -400,7 +451,8 @@ class VtuReader {
   /// The values of an array of exactly `size` bytes. @param storage  holds what had to be decoded
   std::string_view bytes_of(const XmlTag& tag, std::size_t size, std::string& storage) const {
     std::string_view content = stored(tag, storage);
-    if (compressor_) {
+    if (!compressor_name_.empty()) {
+      require_compressor(tag);
       storage = decompressed(tag, content, size);
       content = storage;
     } else {
@@ -449,7 +501,7 @@ class VtuReader {
         if constexpr (std::is_same_v<T, double>)
           values.push_back(text.number("a coordinate"));
         else
-          values.push_back(text.integer("a whole number of an array"));
+          values.push_back(text.label("a whole number of an array"));
       }
       if (!text.at_end())
         text.fail("an array goes on with " + in_quotes(text.peek()) + " behind its " + std::to_string(count) +
@@ -482,7 +534,8 @@ class VtuReader {
   std::string_view appended_;
   std::vector<std::size_t> places_;  ///< where arrays begin in it, and its end
   std::size_t header_size_ = 4;
-  const BlockCompressor* compressor_ = nullptr;
+  std::string_view compressor_name_;             ///< empty where arrays are plain
+  const BlockCompressor* compressor_ = nullptr;  ///< null where nobody knows it
   bool appended_base64_ = true, swapped_ = false;
 };
 

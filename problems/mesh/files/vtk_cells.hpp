@@ -13,6 +13,8 @@ namespace hmax {
 /// connectivity[offsets[i + 1] - 1].
 struct VtkCells {
   std::vector<std::int64_t> types, offsets, connectivity;
+  // Of a grid in several pieces: the numbers of the first point and the first cell of this one.
+  std::int64_t first_point = 0, first_cell = 0;
 };
 
 /// Adds the tetrahedra, and the triangles as a count. @param places  of each cell, or one place for all

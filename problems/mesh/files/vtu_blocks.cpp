@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 
 #if HMAX_HAVE_ZLIB
@@ -9,6 +10,9 @@
 #endif
 #if HMAX_HAVE_LZ4
 #include <lz4.h>
+#endif
+#if HMAX_HAVE_LZMA
+#include <lzma.h>
 #endif
 
 namespace hmax {
@@ -41,8 +45,24 @@ constexpr Decompress lz4 = decode_lz4_block;
 constexpr Decompress lz4 = nullptr;
 #endif
 
-constexpr std::array<BlockCompressor, 2> compressors{
-    {{"vtkZLibDataCompressor", "zlib1g-dev", 1032, zlib}, {"vtkLZ4DataCompressor", "liblz4-dev", 255, lz4}}};
+#if HMAX_HAVE_LZMA
+bool decode_lzma_block(std::string_view block, char* bytes, std::size_t size) {
+  std::uint64_t most_memory = std::uint64_t{80} << 20;  // a dictionary of 64 MiB, that of `xz -9`
+  std::size_t read = 0, written = 0;
+  return lzma_stream_buffer_decode(&most_memory, 0, nullptr,
+                                   reinterpret_cast<const std::uint8_t*>(block.data()), &read, block.size(),
+                                   reinterpret_cast<std::uint8_t*>(bytes), &written, size) == LZMA_OK &&
+         written == size;
+}
+constexpr Decompress lzma = decode_lzma_block;
+#else
+constexpr Decompress lzma = nullptr;
+#endif
+
+// xz makes 7000 zeros out of a byte.
+constexpr std::array<BlockCompressor, 3> compressors{{{"vtkZLibDataCompressor", "zlib1g-dev", 1032, zlib},
+                                                      {"vtkLZ4DataCompressor", "liblz4-dev", 255, lz4},
+                                                      {"vtkLZMADataCompressor", "liblzma-dev", 10000, lzma}}};
 
 }  // namespace
 

@@ -24,8 +24,40 @@ std::string unescaped(std::string_view text) {
   return result;
 }
 
+namespace {
+
+constexpr std::string_view blanks = " \t\r\n";
+
+/// The '>' that ends the tag at `begin`, and none in the quotes of a value.
+std::size_t end_of_tag(std::string_view whole, std::size_t begin) {
+  char quote = 0;
+  for (std::size_t at = begin; at < whole.size(); ++at) {
+    const char c = whole[at];
+    if (quote != 0)
+      quote = c == quote ? '\0' : quote;
+    else if (c == '"' || c == '\'')
+      quote = c;
+    else if (c == '>')
+      return at;
+  }
+  return std::string_view::npos;
+}
+
+}  // namespace
+
+std::size_t behind_comments(std::string_view whole, std::size_t from) {
+  while (true) {
+    const std::size_t begin = std::min(whole.find_first_not_of(blanks, from), whole.size());
+    const std::string_view rest = whole.substr(begin);
+    const std::string_view closing = rest.starts_with("<!--") ? "-->" : "?>";
+    if (!rest.starts_with("<!--") && !rest.starts_with("<?")) return begin;
+    const std::size_t end = whole.find(closing, begin);
+    if (end == std::string_view::npos) return begin;
+    from = end + closing.size();
+  }
+}
+
 std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std::size_t from) {
-  constexpr std::string_view blanks = " \t\r\n";
   const auto cut_off = [&](std::size_t at) {
     text.part(at, whole.size()).fail("a tag has no end; the file is cut off, so copy or export it again");
   };
@@ -38,7 +70,7 @@ std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std
       from = end + 3;
       continue;
     }
-    const std::size_t end = whole.find('>', begin);
+    const std::size_t end = end_of_tag(whole, begin);
     if (end == std::string_view::npos) cut_off(begin);
     from = end + 1;
     if (whole[begin + 1] == '?' || whole[begin + 1] == '!') continue;

@@ -24,6 +24,9 @@ struct XmlTag {
 /// A text with &amp; and the like as the characters that they stand for.
 std::string unescaped(std::string_view text);
 
+/// Where the text goes on behind blanks, comments and declarations at `from`.
+std::size_t behind_comments(std::string_view whole, std::size_t from);
+
 /// The first tag at or behind `from`, without comments and declarations; nothing at the end of the text.
 /// @param text  for the name of the file in errors
 /// @throws std::invalid_argument when a tag has no end

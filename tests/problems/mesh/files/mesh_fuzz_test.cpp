@@ -111,8 +111,9 @@ bool is_whole(const GoldenMesh& golden, const std::string& text, std::size_t siz
   const std::size_t next = std::min(text.find_first_not_of('\n', size), text.size());
   const bool binary = text.find('\0') != std::string::npos;
   return (binary || (size > 0 && text[size - 1] == '\n')) &&
-         std::ranges::any_of(std::array{"POINT_DATA", "CELL_DATA", "*MATERIAL", "*SET", "*REGION"},
-                             [&](const char* head) { return text.substr(next).starts_with(head); });
+         std::ranges::any_of(
+             std::array{"POINT_DATA", "CELL_DATA", "point_data", "Cell_Data", "*MATERIAL", "*SET", "*REGION"},
+             [&](const char* head) { return text.substr(next).starts_with(head); });
 }
 
 TEST(DamagedMeshFiles, CutOffAnywhereTheyAreRefusedOrWhole) {

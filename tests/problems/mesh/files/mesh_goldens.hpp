@@ -78,6 +78,22 @@ inline std::string gmsh_2_binary(bool big) {
   return file.text("\n$EndElements\n").str();
 }
 
+/// In 4.0 numbers of nodes have four bytes, points a box, and tags stand before dimensions.
+inline std::string gmsh_40_binary() {
+  Bytes file;
+  file.text("$MeshFormat\n4 1 8\n").ints({1}).text("\n$EndMeshFormat\n$Entities\n");
+  file.longs({1, 0, 0, 2}).ints({1}).reals({0, 0, 0, 0, 0, 0}).longs({0});
+  file.ints({1}).reals({0, 0, 0, 1, 1, 1}).longs({1}).ints({7}).longs({0});
+  file.ints({2}).reals({0, 0, 0, 1, 1, 1}).longs({1}).ints({9}).longs({2}).ints({5, 6});
+  file.text("\n$EndEntities\n$Nodes\n").longs({2, 5}).ints({1, 0, 0}).longs({1}).ints({1}).reals({0, 0, 0});
+  file.ints({1, 2, 1}).longs({4});
+  file.ints({2}).reals({0.5, 0, 0, 0.1, 0.2}).ints({3}).reals({0, 0.5, 0, 0.1, 0.2});
+  file.ints({4}).reals({0, 0, 0.5, 0.1, 0.2}).ints({5}).reals({0.5, 0.5, 0.5, 0.1, 0.2});
+  file.text("\n$EndNodes\n$Elements\n").longs({2, 2});
+  file.ints({1, 3, 4}).longs({1}).ints({1, 1, 2, 3, 4}).ints({2, 3, 4}).longs({1}).ints({2, 2, 3, 4, 5});
+  return file.text("\n$EndElements\n").str();
+}
+
 inline std::string gmsh_4_binary() {
   Bytes file;
   file.text("$MeshFormat\n4.1 1 8\n").ints({1}).text("\n$EndMeshFormat\n$Entities\n");
@@ -177,6 +193,22 @@ inline std::string vtu_zlib() {
   return vtu(" compressor=\"vtkZLibDataCompressor\"", tags, "");
 }
 
+/// Compressed by the xz of another program.
+inline const std::vector<std::string> lzma_arrays{
+    "AQAAAHgAAAAAAAAASAAAAA==/Td6WFoAAAFpIt42AgAhARYAAAB0L+Wj4AB3AA1dAABuFSfEWSHYL7ioTAAAAAAAxUlVuQABJXjCnKuWkEKZDQEA"
+    "AAAAAVla",
+    "AQAAAEAAAAAAAAAASAAAAA==/Td6WFoAAAFpIt42AgAhARYAAAB0L+Wj4AA/ABBdAABqfrsUbxtBDgFyUTnMrOUAfGqkvAABKEARWgcLkEKZDQEA"
+    "AAAAAVla",
+    "AQAAAAgAAAAAAAAAPAAAAA==/Td6WFoAAAFpIt42AgAhARYAAAB0L+WjAQAHBAAAAAgAAAAAfPncJAABHAhEYCrIkEKZDQEAAAAAAVla",
+    "AQAAAAIAAAAAAAAAOAAAAA==/Td6WFoAAAFpIt42AgAhARYAAAB0L+WjAQABCgoAAABrE+NbAAEWAtBhENKQQpkNAQAAAAABWVo=",
+    "AQAAAAQAAAAAAAAAOAAAAA==/Td6WFoAAAFpIt42AgAhARYAAAB0L+WjAQADBwAJAADsXFFtAAEYBGvp8KWQQpkNAQAAAAABWVo="};
+
+inline std::string vtu_lzma() {
+  std::vector<std::string> tags;
+  for (const std::string& array : lzma_arrays) tags.push_back("format=\"binary\">\n" + array + "\n");
+  return vtu(" compressor=\"vtkLZMADataCompressor\"", tags, "");
+}
+
 /// Blocks of LZ4 with literals alone: a token with their count, beyond 14 in further bytes.
 inline std::string vtu_lz4_raw() {
   Bytes data;
@@ -222,7 +254,25 @@ inline std::vector<GoldenMesh> gmsh_goldens() {
        "$Nodes\n2 5 1 9\n0 1 0 1\n1\n0 0 0\n3 1 0 4\n3\n5\n7\n9\n0.5 0 0\n0 0.5 0\n0 0 0.5\n0.5 0.5 0.5\n$EndNodes\n"
        "$Elements\n3 3 1 3\n2 1 2 1\n1 1 5 3\n3 1 4 1\n2 1 3 5 7\n3 2 4 1\n3 3 5 7 9\n$EndElements\n",
        "", ""},
-      {"v41_binary.msh", gmsh_4_binary(), "", ""}};
+      {"v41_binary.msh", gmsh_4_binary(), "", ""},
+      // Parts of a partitioned mesh have the groups of the whole.
+      {"v41_parts.msh",
+       "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 2\n1 0 0 0 1 1 1 1 7 0\n2 0 0 0 1 1 1 1 9 0\n$EndEntities\n"
+       "$PartitionedEntities\n2\n1\n9 1\n0 0 0 2\n3 3 1 1 1 0 0 0 1 1 1 1 7 2 5 6\n4 3 2 2 1 2 0 0 0 1 1 1 1 9 0\n"
+       "$EndPartitionedEntities\n$Nodes\n1 5 1 5\n3 3 0 5\n1\n2\n3\n4\n5\n0 0 0\n0.5 0 0\n0 0.5 0\n0 0 0.5\n0.5 0.5 0.5\n"
+       "$EndNodes\n$Elements\n2 2 1 2\n3 3 4 1\n1 1 2 3 4\n3 4 4 1\n2 2 3 4 5\n$EndElements\n",
+       "", ""},
+      {"v40.msh",
+       "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Entities\n1 0 0 2\n1 0 0 0 0 0 0 0\n1 0 0 0 1 1 1 1 7 0\n2 0 0 0 1 1 1 2 9 7 3 1 2 3\n"
+       "$EndEntities\n$Nodes\n2 5\n1 0 0 1\n1 0 0 0\n1 2 1 4\n3 0.5 0 0 0.1 0.2\n5 0 0.5 0 0.1 0.2\n7 0 0 0.5 0.1 0.2\n9 0.5 0.5 0.5 nan 0\n"
+       "$EndNodes\n$Elements\n3 3\n1 2 2 1\n1 1 5 3\n1 3 4 1\n2 1 3 5 7\n2 3 4 1\n3 3 5 7 9\n$EndElements\n",
+       "", ""},
+      {"v40_binary.msh", gmsh_40_binary(), "", ""},
+      {"v2_parametric.msh",
+       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$ParametricNodes\n5\n1 0 0 0 0 1\n2 0.5 0 0 1 1 0.5\n3 0 0.5 0 2 1 0.1 0.2\n"
+       "4 0 0 0.5 2 1 0.1 0.2\n5 0.5 0.5 0.5 3 1\n$EndParametricNodes\n$Elements\n2\n1 4 2 7 1 1 2 3 4\n2 4 2 9 1 2 3 4 5\n"
+       "$EndElements\n",
+       "", ""}};
 }
 
 /// Files of VTK that need no library to decompress.
@@ -239,6 +289,14 @@ inline std::vector<GoldenMesh> vtk_goldens() {
        "# vtk DataFile Version 5.1\ntwo\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n0 0 0 0.5 0 0 0 0.5 0\n0 0 0.5 0.5 0.5 0.5\n"
        "CELLS 3 8\nOFFSETS vtktypeint64\n0 4 8\nCONNECTIVITY vtktypeint64\n0 1 2 3 1 2 3 4\nCELL_TYPES 2\n10\n10\n",
        "", "", false},
+      // A field of the whole file stands first; keywords are not as they should be, nor are values that
+      // nobody needs.
+      {"field.vtk",
+       "# vtk datafile version 2.0\ntwo\nascii\ndataset unstructured_grid\nField FieldData 3\ntext 1 2 string\ntwo%20words\n\n"
+       "bits 1 9 bit\n0 1 0 1 0 1 0 1\n0\nTIME 1 1 Double\nnan\nPoints 5 Float\n0 0 0 0.5 0 0 0 0.5 0\n0 0 0.5 0.5 0.5 0.5\n"
+       "cells 2 10\n4 0 1 2 3\n4 1 2 3 4\nCell_Types 2\n10 10\npoint_data 5\nscalars u float 1\nlookup_table default\n"
+       "0 1.#IND -nan(ind) none 4\nCell_Data 2\nScalars region float 1\nLookup_Table default\n7.0 9.0\n",
+       "", ""},
       {"old_binary.vtk", vtk_binary(false), "", ""},
       {"new_binary.vtk", vtk_binary(true), "", ""},
       {"ascii.vtu",
@@ -265,6 +323,13 @@ inline std::vector<GoldenMesh> text_goldens() {
        "zero.ele", "2 4 1\n0 0 1 2 3 7\n1 1 2 3 4 9\n"},
       {"one.node", "5 3 1 0\n1 0 0 0 9.5\n2 0.5 0 0 9.5\n3 0 0.5 0 9.5\n4 0 0 0.5 9.5\n5 0.5 0.5 0.5 9.5\n",
        "one.ele", "2 4 0\n1 1 2 3 4\n2 2 3 4 5\n", false},
+      {"extra.node",
+       "5 3 1 1\n1 0 0 0 x 0 8 8\n2 0.5 0 0 x 0 8 8\n3 0 0.5 0 x 0 8 8\n4 0 0 0.5 x 0 8 8\n5 0.5 0.5 0.5 x 0 8 8\n",
+       "extra.ele", "2 4 2\n1 1 2 3 4 7 x 5\n2 2 3 4 5 9 x 5\n# by another program"},
+      {"no_end.mesh",
+       "MeshVersionFormatted 2\nDimension 3\nVertices\n5\n0 0 0 0\n0.5 0 0 0\n0 0.5 0 0\n0 0 0.5 0\n0.5 0.5 0.5 0\n"
+       "Normals\n2\nnan 0 inf\n1e-400 x 2\ntetrahedra\n2\n1 2 3 4 7.0\n2 3 4 5 9.0\n",
+       "", ""},
       {"ghs3d.mesh",
        "MeshVersionFormatted 2\n\nDimension\n3\n\nVertices\n5\n0 0 0 1\n0.5D+00 0 0 1\n0 5.d-1 0 1\n0 0 0.5 1\n0.5 0.5 0.5 1\n\nTriangles\n1\n1 3 2 4\n\n"
        "RequiredVertices\n2\n1 2\nTetrahedra\n2\n1 2 3 4 7\n2 3 4 5 9\n\nEnd\n",
@@ -282,6 +347,7 @@ inline std::vector<GoldenMesh> golden_meshes() {
   for (const std::vector<GoldenMesh>& some : {vtk_goldens(), text_goldens()})
     all.insert(all.end(), some.begin(), some.end());
   if (block_compressor("vtkZLibDataCompressor")->decompress) all.push_back({"zlib.vtu", vtu_zlib(), "", ""});
+  if (block_compressor("vtkLZMADataCompressor")->decompress) all.push_back({"lzma.vtu", vtu_lzma(), "", ""});
   if (block_compressor("vtkLZ4DataCompressor")->decompress) all.push_back({"lz4.vtu", vtu_lz4_raw(), "", ""});
   return all;
 }
