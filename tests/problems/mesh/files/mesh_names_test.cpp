@@ -54,7 +54,8 @@ TEST(MeshNames, AreMendedAfterTheyAreRefined) {
   EXPECT_EQ(mesh_by_name("ball:n=2:mend=0").points, mesh_by_name("ball:n=2").points);
   // More than there are: until nothing gains.
   EXPECT_TRUE(all_positive(mesh_by_name("ball:n=1:mend=1e12")));
-  EXPECT_NE(refusal("liver:mend=2.5").find("the parameter mend of the mesh liver is 2.5; give a whole number from 0 on"),
+  EXPECT_NE(refusal("liver:mend=2.5")
+                .find("the parameter mend of the mesh liver is 2.5; give a whole number from 0 on"),
             std::string::npos)
       << refusal("liver:mend=2.5");
 }
@@ -62,14 +63,22 @@ TEST(MeshNames, AreMendedAfterTheyAreRefined) {
 TEST(MeshNames, WhatIsUnknownIsRefusedWithWhatIsKnown) {
   EXPECT_NE(refusal("kidney").find("known are liver, phantom, beam, cube, ball"), std::string::npos)
       << refusal("kidney");
-  EXPECT_NE(refusal("ball:m=3").find("no parameter 'm'; it takes refine, mend, n, radius"), std::string::npos);
-  EXPECT_NE(refusal("liver:n=3").find("it takes refine, mend"), std::string::npos);
+  EXPECT_NE(refusal("ball:m=3").find("no parameter 'm'; it takes refine, mend, merge, n, radius"),
+            std::string::npos);
+  EXPECT_NE(refusal("liver:n=3").find("it takes refine, mend, merge"), std::string::npos);
   EXPECT_NE(refusal("ball:n=2,radius=x").find("no number"), std::string::npos);
   EXPECT_NE(refusal("ball:n=2:n=3").find("twice"), std::string::npos);
-  for (const char* text :
-       {"ball:n=0", "ball:n=1.5", "ball:n=-1", "ball:n=1e9", "ball:n=inf", "ball:n=", "ball:n=2,,",
-        "ball:n=2,radius", "liver:refine=-1", "liver:refine=30", "liver:mend=-1", "liver:mend=2.5", "cube:edge=0", ":refine=1", ""})
+  for (const char* text : {"ball:n=0", "ball:n=1.5", "ball:n=-1", "ball:n=1e9", "ball:n=inf",
+                           "ball:n=", "ball:n=2,,", "ball:n=2,radius", "liver:refine=-1", "liver:refine=30",
+                           "liver:mend=-1", "liver:mend=2.5", "cube:edge=0", "ball:merge=0.5",
+                           "ball:merge=-0.1", "ball:merge=on", "ball:refine=off", ":refine=1", ""})
     EXPECT_NE(refusal(text), "") << text;
+}
+
+TEST(MeshNames, PointsAreMergedWithinAShareOfAnEdgeOrNotAtAll) {
+  EXPECT_FALSE(modifiers_of(parse_mesh_request("ball")).merge.has_value());
+  EXPECT_EQ(modifiers_of(parse_mesh_request("ball:merge=1e-3")).merge, 1e-3);
+  EXPECT_EQ(modifiers_of(parse_mesh_request("a.vtu:merge=off:refine=1")).merge, merge_off);
 }
 
 TEST(MeshNames, ARequestKeepsOtherColonsInTheName) {
