@@ -327,6 +327,15 @@ TEST(Bodies, IncludeTheirToolsOfFiveRadii) {
   EXPECT_NEAR(page.bottom - page.top, 2 * radius, 0.01 * radius);
   view.tools[0].shaft = {0.001, 0, 0};
   EXPECT_EQ(bodies_svg({.towards = front, .views = {view}}), svg) << "of any length";
+  // Leaning: four fifths of it are seen from the front, three fifths from above.
+  view.tools[0].shaft = {0, 3, 4};
+  for (SpacePoint& point : view.points) point[1] /= 100;  // inside of the ball
+  for (const bool above : {false, true}) {
+    const SpacePoint towards{0, above ? 0.0 : -1.0, above ? 1.0 : 0.0};
+    const OnPage leaning = bodies_of(bodies_svg({.towards = towards, .views = {view}})).at(0);
+    const double seen = above ? 0.6 : 0.8, high = 470 / (5 * seen + 1.4);
+    EXPECT_NEAR(leaning.bottom - leaning.top, (5 * seen + 0.36 * (1.4 - seen) + 1) * high, 0.01 * high);
+  }
 }
 
 TEST(Bodies, ShowForcesAsArrowsAlongThem) {
