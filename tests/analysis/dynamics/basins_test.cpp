@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "tests/core/jobs.hpp"
