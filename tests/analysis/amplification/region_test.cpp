@@ -71,6 +71,8 @@ TEST(RegionBoundary, SeparatesWhatTouchesOnlyAtACorner) {
 TEST(RegionBoundary, RefusesWindowsThatAreNone) {
   const auto all = [](Complex) { return true; };
   EXPECT_THROW(region_boundary(all, {1, 0, 0, 1}, 10), std::invalid_argument);
+  EXPECT_THROW(region_boundary(all, {0, 0, 0, 1}, 10), std::invalid_argument);
+  EXPECT_THROW(region_boundary(all, {0, 1, 2, 2}, 10), std::invalid_argument);
   EXPECT_THROW(region_boundary(all, {0, NAN, 0, 1}, 10), std::invalid_argument);
   EXPECT_THROW(region_boundary(all, {0, 1, 0, 1}, 1), std::invalid_argument);
 }

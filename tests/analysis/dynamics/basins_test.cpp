@@ -109,6 +109,7 @@ TEST(Basins, NeedAWindow) {
   const auto fate = [](const Vector2d&, std::size_t) { return 0; };
   EXPECT_THROW(basins(fate, {{0, 0}, {0, 1}}, 4, 4), std::invalid_argument);
   EXPECT_THROW(basins(fate, {{0, 0}, {1, 1}}, 0, 4), std::invalid_argument);
+  EXPECT_EQ(basins(fate, {{0, 0}, {1, 1}}, 1, 1).fate, std::vector{0});
 }
 
 }  // namespace
