@@ -56,11 +56,14 @@ class KeptControl {
     bytes_ = StateBytes(std::move(*state));
     StateLoader load(bytes_);
     load(t, y, steps_, rejected_);
+    load(done_.factorisations, done_.newton, done_.linear_iterations, done_.newton_error);
     return t;
   }
   /// Accepted and rejected attempts so far, those of resume() included.
   [[nodiscard]] std::int64_t steps() const { return steps_; }
   [[nodiscard]] std::int64_t rejected() const { return rejected_; }
+  /// The work of the pieces that have ended.
+  [[nodiscard]] const Stats& done() const { return done_; }
 
   /// A control that counts its steps starts on the whole span, one that chooses them on the piece of it. What
   /// is resumed takes the place of what init() and start() have made.
@@ -91,7 +94,14 @@ class KeptControl {
 
   Judgement judge(StepperT& stepper, const Sys& system, const Proposal<Real>& step, const State& y,
                   const State& y_new) {
-    return counted(control_.judge(stepper, system, step, y, y_new));
+    const Judgement judgement = control_.judge(stepper, system, step, y, y_new);
+    if constexpr (requires { stepper.work(); })
+      if (judgement == Judgement::accept && step.last) {
+        Stats piece;
+        piece.take(stepper.work());
+        done_ += piece;
+      }
+    return counted(judgement);
   }
   Judgement failed(StepperT& stepper, const Proposal<Real>& step) {
     return counted(control_.failed(stepper, step));
@@ -109,6 +119,7 @@ class KeptControl {
     StateSaver saver(bytes);
     State y = *y_;
     saver(t, y, steps_, rejected_);
+    saver(done_.factorisations, done_.newton, done_.linear_iterations, done_.newton_error);
     visit_rest(saver);
     keeper_.save(bytes.bytes());
   }
@@ -127,6 +138,7 @@ class KeptControl {
   const State* y_ = nullptr;     ///< the last accepted state, as the loop holds it
   StateBytes bytes_;             ///< what is resumed, until start()
   std::int64_t steps_ = 0, rejected_ = 0;
+  Stats done_;                               ///< work of the pieces that have ended
   bool resumes_ = false, accepted_ = false;  ///< the run goes on from a state; the last attempt was accepted
 };
 
@@ -148,6 +160,7 @@ RunEnd<real_of<typename Sys::State>> integrate_kept(StepperT stepper, const Sys&
   Span<real_of<typename Sys::State>> rest = span;
   rest.t0 = kept.resume(y);
   const std::int64_t steps = kept.steps(), rejected = kept.rejected();
+  const Stats done = kept.done();
   const auto over = [&](const Sys& of, Span<real_of<typename Sys::State>> piece, std::int64_t attempts) {
     return detail::loop(stepper, of, piece, y, kept, observer, attempts);
   };
@@ -158,6 +171,7 @@ RunEnd<real_of<typename Sys::State>> integrate_kept(StepperT stepper, const Sys&
     else
       return over(system, rest, left);
   }();
+  end.stats += done;
   end.stats.steps += steps;
   end.stats.rejected += rejected;
   return end;

@@ -229,10 +229,13 @@ class RadauIIA5 {
 
   /// Notes how an iteration has ended. @returns whether it has converged
   bool ends(NewtonEnd end) {
-    if (end != NewtonEnd::converged) work_.failure = to_string(end);
+    if (end != NewtonEnd::converged) {
+      work_.failure = to_string(end);
+      return false;
+    }
     // Zero in adaptive runs, see NewtonNorm::relative().
     work_.newton_error = std::max(work_.newton_error, norm_.relative(attempt_memory_.error));
-    return end == NewtonEnd::converged;
+    return true;
   }
 
   /// h / (alpha + i beta), the shift of the complex equation.

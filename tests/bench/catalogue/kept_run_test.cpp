@@ -10,6 +10,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/catalogue/kept_sink.hpp"
+#include "tests/integrators/forced.hpp"
 
 namespace hmax {
 namespace {
@@ -55,7 +56,7 @@ struct KeptRecord {
 /// A run that is stopped after each of these numbers of steps in turn, and resumed by a runner that knows
 /// nothing of it.
 KeptRecord run_with_stops(const Method& method, const Problem& problem, const RunSpec& spec,
-                   const std::vector<std::int64_t>& stops) {
+                          const std::vector<std::int64_t>& stops) {
   KeptRecord run;
   Memory memory(run.points);
   const Sink show = [&](double t, const auto& y) { run.points.emplace_back(t, bits_of(y)); };
@@ -71,7 +72,8 @@ KeptRecord run_with_stops(const Method& method, const Problem& problem, const Ru
   }
 }
 
-void expect_same(const KeptRecord& resumed, const RunRecord& record, const Points& points, const std::string& what) {
+void expect_same(const KeptRecord& resumed, const RunRecord& record, const Points& points,
+                 const std::string& what) {
   EXPECT_EQ(resumed.record.outcome, record.outcome) << what;
   EXPECT_EQ(std::bit_cast<std::uint64_t>(resumed.record.t), std::bit_cast<std::uint64_t>(record.t)) << what;
   EXPECT_EQ(bits_of(resumed.record.y), bits_of(record.y)) << what;
@@ -179,12 +181,14 @@ std::vector<std::string> kept_methods() {
   return ids;
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, EveryMethodKept, testing::ValuesIn(kept_methods()), [](const auto& method) {
-  std::string name = method.param;
-  std::ranges::replace_if(
-      name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryMethodKept, testing::ValuesIn(kept_methods()),
+                         [](const auto& method) {
+                           std::string name = method.param;
+                           std::ranges::replace_if(
+                               name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); },
+                               '_');
+                           return name;
+                         });
 
 TEST(KeptRun, RefusesMethodsWhoseStateIsHidden) {
   const Problem problem = make_problem("liver_forced");
@@ -223,6 +227,18 @@ TEST(KeptRun, RefusesAStateOfAnotherRun) {
   EXPECT_THROW(find_method("rk4").bind(problem).run(spec, KeptSink({}, memory)), BadState);
   memory.state = whole;
   EXPECT_THROW(find_method("adams_bashforth_3").bind(problem).run(spec, KeptSink({}, memory)), BadState);
+}
+
+// Methods begin anew at breakpoints, of which a resumed run meets the rest.
+TEST(KeptRun, GoesOnOverJumpsThatTheModelNames) {
+  Problem problem;
+  problem.id = "switched";
+  problem.states = {"y"};
+  problem.y0 = Eigen::VectorXd::Zero(1);
+  problem.system = AnySystem(forced::Switched{});
+  for (const char* id : {"dormand_prince_54", "adams_pece", "sdirk_4", "radau_iia_5", "rodas_4"})
+    expect_resumable(find_method(id), problem, {.t_end = 10, .adaptive = true, .rtol = 1e-6, .atol = 1e-9},
+                     std::string(id) + " over jumps");
 }
 
 }  // namespace

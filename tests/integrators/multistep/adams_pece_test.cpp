@@ -403,7 +403,7 @@ TEST(AdamsPece, ServesTheShortestRunAndTheExtremeTolerances) {
   State y(0.5, 1);
   const auto hair = run(oscillator, 1e-300, y, {1e-6, 1e-6});
   EXPECT_EQ(hair.outcome, Outcome::reached_end);
-  EXPECT_EQ(hair.stats.steps, 1);
+  EXPECT_EQ(hair.stats.steps, 10);  // the longest step is a tenth of the span
 
   State late(0.5, 1);
   const double t0 = 50, t_end = std::nextafter(t0, 51);
