@@ -628,7 +628,7 @@ TEST(StabilityPredict, NamesMethodsOfAFamilyThatTheModelDoesNotSuit) {
   const Shell shell;
   expect_refused(shell.hmax("stability predict --problem hires --methods structural"),
                  "positions and velocities");
-  const Told told = shell.hmax("stability predict --problem hires --methods structural,rk4 --at rest");
+  const Told told = shell.hmax("stability predict --problem hires --methods structural,rk4");
   EXPECT_EQ(told.exit_code, 0) << told.err;
   EXPECT_NE(told.err.find("newmark"), std::string::npos) << told.err;
 }
