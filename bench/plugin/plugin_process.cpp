@@ -164,11 +164,9 @@ void PluginProcess::explain_hang() {
 }
 
 void PluginProcess::explain_flood() {
-  const std::string place = where();
   end();
-  throw InputError(
-      fmt::format("the plugin wrote more than {} MB to its standard output, at last {}; print less",
-                  flood_of_plugin_output / 1'000'000, place));
+  throw InputError(fmt::format("the plugin wrote more than {} MB to its standard output; print less",
+                               flood_of_plugin_output / 1'000'000));
 }
 
 void PluginProcess::explain_destruction() {
