@@ -181,63 +181,123 @@ AnyMatrix jacobian_of_code(const S& system, real_of<typename S::State> t, const 
   return any_matrix(std::move(J));
 }
 
-/// J by central differences, columns one by one or in groups.
-///   J e_j = (f(t, y + d_j e_j) - f(t, y - d_j e_j)) / (2 d_j) + O(d_j^2),   d_j = eps^(1/3) |y_j|
-/// A component below a thousandth of the largest, or below 1e-4, is moved as one of that size. Steppers are
-/// content with the forward differences of integrators/implicit/jacobian.hpp: a few digits serve their Newton
-/// iterations, but a limit of the step is no better than its eigenvalue.
+/// One column after another by central differences,
+///   J e_j = (f(t, y + d_j e_j) - f(t, y - d_j e_j)) / (2 d_j) + O(d_j^2).
+template <System S>
+class CentralDifferences {
+ public:
+  using State = typename S::State;
+  using Real = real_of<State>;
+  using Column = Eigen::Vector<Real, Eigen::Dynamic>;
+
+  CentralDifferences(const S& system, Real t, const State& y)
+      : system_(system), t_(t), y_(y), plus_(y), minus_(y), f_(y), f_plus_(y), f_minus_(y) {
+    const Real largest = y.size() > 0 ? y.cwiseAbs().maxCoeff() : Real(0);
+    least_ = std::max(Real(1e-3) * largest, Real(1e-4));
+  }
+
+  /// d_j = eps^(1/3) |y_j|: truncation d^2 and rounding eps / d balance. A component below a thousandth of
+  /// the largest, or below 1e-4, is moved as one of that size.
+  [[nodiscard]] Real increment(Eigen::Index j) const {
+    return std::cbrt(std::numeric_limits<Real>::epsilon()) * std::max<Real>(std::abs(y_[j]), least_);
+  }
+  void move(Eigen::Index j, Real d) {
+    plus_[j] = y_[j] + d;
+    minus_[j] = y_[j] - d;
+  }
+  void evaluate() {
+    system_.rhs(t_, plus_, f_plus_);
+    system_.rhs(t_, minus_, f_minus_);
+  }
+  /// The increment as it is after rounding.
+  [[nodiscard]] double slope(Eigen::Index i, Eigen::Index j) const {
+    return static_cast<double>((f_plus_[i] - f_minus_[i]) / (plus_[j] - minus_[j]));
+  }
+  void put_back(Eigen::Index j) { plus_[j] = minus_[j] = y_[j]; }
+
+  /// All columns, shape (n, n). Where the size of a component is a guess its increment is a thousandth while
+  /// f is seen to bend within it; where rounding hides entries it is a thousand times as large.
+  Eigen::MatrixXd columns() {
+    const Eigen::Index n = y_.size();
+    Eigen::MatrixXd J(n, n);
+    Eigen::VectorXd increments(n), column(n);
+    system_.rhs(t_, y_, f_);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      increments[j] = static_cast<double>(increment(j));
+      take(j, increments[j], column);
+      if (n <= most_resolved_columns && std::abs(y_[j]) < least_) straighten(j, increments[j], column);
+      J.col(j) = column;
+    }
+    if (n > most_resolved_columns || !f_.allFinite()) return J;
+    ResolvedDifferences<Eigen::MatrixXd, Eigen::VectorXd>(J, f_.template cast<double>(), 1e-7)
+        .resolve(increments,
+                 [&](Eigen::Index j, double d, Eigen::VectorXd& into) { return take(j, d, into); });
+    return J;
+  }
+
+ private:
+  /// @returns whether all of it is finite
+  bool take(Eigen::Index j, double d, Eigen::VectorXd& column) {
+    move(j, static_cast<Real>(d));
+    evaluate();
+    for (Eigen::Index i = 0; i < column.size(); ++i) column[i] = slope(i, j);
+    put_back(j);
+    return column.allFinite();
+  }
+
+  /// Where the size of a component is a guess f may bend within the increment: the differences then change
+  /// with it. The largest increment counts whose thousandth gives the same to three digits or rounding. At a
+  /// jump none does.
+  void straighten(Eigen::Index j, double& d, Eigen::VectorXd& column) {
+    Eigen::VectorXd wider = column, nearer = column;
+    constexpr int most = 6;
+    double increment = d;
+    for (int rung = 0; rung < most && take(j, increment / 1000, nearer); ++rung) {
+      const double rounding = 16e3 * std::numeric_limits<double>::epsilon() / increment;
+      bool same = true;
+      for (Eigen::Index i = 0; i < nearer.size(); ++i) {
+        const double allowed = 1e-3 * std::abs(nearer[i]) + rounding * static_cast<double>(std::abs(f_[i]));
+        same = same && std::abs(nearer[i] - wider[i]) <= allowed;
+      }
+      if (same) {
+        d = increment;
+        column = wider;
+        return;
+      }
+      wider = nearer;
+      increment /= 1000;
+    }
+  }
+
+  const S& system_;
+  Real t_;
+  const State& y_;
+  State plus_, minus_, f_, f_plus_, f_minus_;
+  Real least_;  ///< the size that smaller components are moved by
+};
+
+/// J by central differences, columns one by one or in groups. Steppers are content with the forward
+/// differences of integrators/implicit/jacobian.hpp: a few digits serve their Newton iterations, but a limit
+/// of the step is no better than its eigenvalue.
 template <System S>
 AnyMatrix jacobian_by_differences(const S& system, real_of<typename S::State> t, const typename S::State& y,
                                   JacobianOrigin& origin) {
-  using State = typename S::State;
-  using Real = real_of<State>;
-  const Eigen::Index n = system.dim();
   Eigen::SparseMatrix<double> pattern = pattern_of(system, t, y);
   pattern.makeCompressed();
   const bool grouped = pattern.size() > 0;
   origin = grouped ? JacobianOrigin::grouped_differences : JacobianOrigin::differences;
-
-  const Real largest = y.size() > 0 ? y.cwiseAbs().maxCoeff() : Real(0);
-  // The size that smaller components are moved by.
-  const Real least = std::max(Real(1e-3) * largest, Real(1e-4));
-  // Truncation d^2 and rounding epsilon / d balance at d = epsilon^(1/3).
-  const Real relative = std::cbrt(std::numeric_limits<Real>::epsilon());
-  State plus = y, minus = y, f_plus = y, f_minus = y;
-  // y_j + d and y_j - d.
-  const auto move = [&](Eigen::Index j) {
-    const Real d = relative * std::max<Real>(std::abs(y[j]), least);
-    plus[j] = y[j] + d;
-    minus[j] = y[j] - d;
-  };
-  // What was added to plus and minus in truth, after rounding.
-  // (f_i(y + d e_j) - f_i(y - d e_j)) / ((y_j + d) - (y_j - d)).
-  const auto slope = [&](Eigen::Index i, Eigen::Index j) {
-    return static_cast<double>((f_plus[i] - f_minus[i]) / (plus[j] - minus[j]));
-  };
-  const auto evaluate = [&] {
-    system.rhs(t, plus, f_plus);
-    system.rhs(t, minus, f_minus);
-  };
-  if (!grouped) {
-    Eigen::MatrixXd J(n, n);
-    for (Eigen::Index j = 0; j < n; ++j) {
-      move(j);
-      evaluate();
-      for (Eigen::Index i = 0; i < n; ++i) J(i, j) = slope(i, j);
-      plus[j] = minus[j] = y[j];
-    }
-    return J;
-  }
+  CentralDifferences<S> differences(system, t, y);
+  if (!grouped) return differences.columns();
   // Columns of one group have no row in common, so each difference of f belongs to one of them
   // [curtis1974estimation].
   const ColumnGroups groups(pattern);
   for (const auto& group : groups.members()) {
-    for (const Eigen::Index j : group) move(j);
-    evaluate();
+    for (const Eigen::Index j : group) differences.move(j, differences.increment(j));
+    differences.evaluate();
     for (const Eigen::Index j : group)
       for (Eigen::SparseMatrix<double>::InnerIterator entry(pattern, j); entry; ++entry)
-        entry.valueRef() = slope(entry.row(), j);
-    for (const Eigen::Index j : group) plus[j] = minus[j] = y[j];
+        entry.valueRef() = differences.slope(entry.row(), j);
+    for (const Eigen::Index j : group) differences.put_back(j);
   }
   return pattern;
 }

@@ -10,6 +10,7 @@
 
 #include <Eigen/SparseCore>
 
+#include "integrators/implicit/difference_columns.hpp"
 #include "integrators/linear/linear_solver.hpp"
 #include "integrators/state.hpp"
 #include "integrators/system.hpp"
@@ -122,8 +123,9 @@ void write_as(Matrix& J, const Write& write) {
 }
 }  // namespace detail
 
-/// df/dy of a system, from its verb `jacobian` or by forward differences: column by column, or by groups of
-/// columns where the system declares its pattern. Of second-order systems with sparse matrices: these.
+/// df/dy of a system, from its verb `jacobian` or by forward differences: column by column, those that
+/// rounding hides again with larger increments, or by groups of columns where the system declares its
+/// pattern. Of second-order systems with sparse matrices: these.
 /// @tparam Matrix  jacobian_type or equations_type of the system
 template <class State, class Matrix>
 class JacobianSource {
@@ -231,13 +233,26 @@ class JacobianSource {
     Dense& out = as<Dense>(J);
     out.resize(y.size(), y.size());
     const Real scale = scale_of(y);
+    increments_.resize(y.size());
     for (Eigen::Index j = 0; j < y.size(); ++j) {
-      const Real delta = increment(y, j, scale);
-      moved_[j] = y[j] + delta;
+      increments_[j] = increment(y, j, scale);
+      moved_[j] = y[j] + increments_[j];
       system.rhs(t, moved_, f1_);
-      out.col(j) = (f1_ - f0) / delta;
+      out.col(j) = (f1_ - f0) / increments_[j];
       moved_[j] = y[j];
     }
+    // A search that goes on in every Jacobian finds nothing.
+    if (y.size() > detail::most_resolved_columns || !looks_for_hidden_) return;
+    const int taken = detail::ResolvedDifferences<Dense, State>(out, f0, Real(1e-4))
+                          .resolve(increments_, [&](Eigen::Index j, Real delta, State& column) {
+                            moved_[j] = y[j] + delta;
+                            system.rhs(t, moved_, f1_);
+                            column = (f1_ - f0) / (moved_[j] - y[j]);
+                            moved_[j] = y[j];
+                            return column.allFinite();
+                          });
+    searched_ += taken;
+    looks_for_hidden_ = searched_ < 100 * y.size();
   }
 
   /// The same by groups of columns, into a dense J or the entries of a sparse one.
@@ -284,7 +299,9 @@ class JacobianSource {
   Eigen::SparseMatrix<Real> pattern_;  ///< empty: unknown, so every entry
   /// Columns that are moved together.
   ColumnGroups groups_;
-  Vector increments_;  ///< of the columns, in grouped differences
+  Vector increments_;             ///< of the columns
+  bool looks_for_hidden_ = true;  ///< for columns that rounding hides
+  Eigen::Index searched_ = 0;     ///< evaluations that this took
 };
 
 /// dfdt = partial f / partial t at (t, y), shape (n): the system's own, zero for autonomous systems, or a

@@ -201,5 +201,45 @@ TEST(LinearModel, AMassThatIsNotPositiveIsNamed) {
   }
 }
 
+/// y' = b + A y + c y^3 componentwise, without a Jacobian.
+struct AffineWithCubes {
+  using State = Eigen::VectorXd;
+  Eigen::VectorXd b;
+  Eigen::MatrixXd A;
+  double c = 0;
+  [[nodiscard]] Eigen::Index dim() const { return b.size(); }
+  void rhs(double, const State& y, State& dydt) const {
+    dydt = b + A * y + c * y.cwiseProduct(y).cwiseProduct(y);
+  }
+};
+
+TEST(LinearModel, DifferencesBesideLargeConstantsAndZerosAreThoseOfWhatActs) {
+  // Carriers in silicon, rates of a pump, an input of 1e10: at zero an increment of 1e-10 changes nothing of
+  // f.
+  Eigen::MatrixXd pump(3, 3);
+  pump << -50, 0, 1e-3, 20, -3e3, 0, 0, 5, -4e4;
+  for (const double size : {1e-12, 1.0, 1e10, 1e26})
+    for (const double start : {0.0, 1.0}) {
+      SCOPED_TRACE(size);
+      const AffineWithCubes system{size * Eigen::Vector3d(1, 0.3, -2), pump};
+      const LinearModel model =
+          linearise(system, 0, Eigen::VectorXd(start * size * Eigen::Vector3d(1, 0, 2)));
+      const Eigen::MatrixXd J = dense(model.J());
+      for (Eigen::Index i = 0; i < 3; ++i)
+        for (Eigen::Index j = 0; j < 3; ++j)
+          EXPECT_NEAR(J(i, j), pump(i, j),
+                      1e-6 * std::min(pump.row(i).cwiseAbs().maxCoeff(), pump.col(j).cwiseAbs().maxCoeff()))
+              << i << j << " from " << start;
+    }
+}
+
+TEST(LinearModel, DifferencesOfSmallNumbersStayBelowTheirCurvature) {
+  // y of 1e-12: f = -y - 1e24 y^3 bends within 1e-12, and a guess of 1e-4 for the size of zero is far beyond.
+  const AffineWithCubes system{Eigen::VectorXd::Zero(1), -Eigen::MatrixXd::Identity(1, 1), -1e24};
+  EXPECT_NEAR(dense(linearise(system, 0, Eigen::VectorXd(Eigen::VectorXd::Zero(1))).J())(0, 0), -1, 1e-6);
+  const Eigen::VectorXd y = Eigen::VectorXd::Constant(1, 1e-12);
+  EXPECT_NEAR(dense(linearise(system, 0, y).J())(0, 0), -4, 1e-5);
+}
+
 }  // namespace
 }  // namespace hmax

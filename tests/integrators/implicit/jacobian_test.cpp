@@ -61,6 +61,31 @@ TEST(JacobianSource, TimeDerivativeByDifferencesComesNearTheSystemsOwn) {
   EXPECT_LT((dfdt - exact).cwiseAbs().maxCoeff(), 1e-7);
 }
 
+/// y' = b - 50 y, without a Jacobian.
+struct Filling {
+  using State = Eigen::VectorXd;
+  double b;
+  [[nodiscard]] static Eigen::Index dim() { return 2; }
+  void rhs(double, const State& u, State& dudt) const {
+    dudt[0] = b - 50 * u[0];
+    dudt[1] = u[0] - 3 * u[1];
+  }
+};
+
+TEST(JacobianSource, DifferencesFromZeroSeeWhatLargeConstantsHide) {
+  for (const double b : {1.0, 1e10, 1e26}) {
+    const Filling filling{b};
+    JacobianSource<Eigen::VectorXd, Eigen::MatrixXd> source;
+    Eigen::MatrixXd J;
+    source.init(filling);
+    source.evaluate(filling, 0, Eigen::VectorXd::Zero(2), J);
+    EXPECT_NEAR(J(0, 0), -50, 0.01) << b;
+    EXPECT_NEAR(J(1, 0), 1, 1e-4) << b;
+    EXPECT_NEAR(J(1, 1), -3, 1e-4) << b;
+    EXPECT_NEAR(J(0, 1), 0, 1e-2) << b;
+  }
+}
+
 /// Reaction and diffusion in a row of n cells: y_i' = y_(i-1) - 2 y_i + y_(i+1) - y_i^3.
 template <class JacobianT>
 struct Row {
