@@ -99,12 +99,14 @@ bool all_finite(const AnyMatrix& J) {
 }
 
 /// Sums w^T y that no motion changes, as the columns of W, shape (n, count): those for which w^T f vanishes
-/// at twice as many states around `y` as there are components.
+/// at twice as many states around `y` as there are components, every other one farther away.
 /// W spans the kernel of the matrix of rates, one state a row, by elimination with full pivoting; rank
 /// decided at 1e-11.
 /// @param size  of the components of y, shape (n)
+/// @param far   how far the state has to be moved to change the rates, shape (n): beside large constants nearer states tell
+///              nothing
 /// @return  no columns when there is no such sum, or when rates are finite at too few states
-MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const VectorXd& size) {
+MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const VectorXd& size, const VectorXd& far) {
   const Index n = size.size(), wanted = 2 * n + 3;
   // A fixed seed: the same states in every run.
   std::mt19937_64 random(1);
@@ -114,9 +116,13 @@ MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const Vecto
   for (Index found = 0, tried = 0; found < wanted; ++tried) {
     if (tried == 4 * wanted) return {n, 0};
     // Within 30 % of the size of each component.
-    for (Index i = 0; i < n; ++i) state[i] = y[i] + size[i] * uniform(random);
+    const VectorXd& reach = tried % 2 == 0 ? size : far;
+    for (Index i = 0; i < n; ++i) state[i] = y[i] + reach[i] * uniform(random);
     field.rhs(state, f);
-    if (f.allFinite()) rates.row(found++) = f.transpose();
+    if (!f.allFinite()) continue;
+    // Rows of one size: rates far away are no more than others.
+    const double most = f.cwiseAbs().maxCoeff();
+    rates.row(found++) = f.transpose() / (most > 0 ? most : 1);
   }
   // Rates of one size: column i tells of f_i.
   const VectorXd largest = rates.cwiseAbs().colwise().maxCoeff().transpose();
@@ -240,7 +246,10 @@ class Search {
   /// sought all the same.
   void look_for_conserved_sums(const AnyMatrix& J) {
     if (rows(J) > most_searched_invariants && !Corrections(J, conserved_).is_singular()) return;
-    conserved_ = conserved_sums(field_, y_, weights_for(y_).cwiseInverse());
+    const VectorXd size = weights_for(y_).cwiseInverse();
+    const VectorXd step = Corrections(J, conserved_)(f_);
+    const VectorXd far = step.allFinite() ? VectorXd(size.cwiseMax(step.cwiseAbs())) : size;
+    conserved_ = conserved_sums(field_, y_, size, far);
   }
 
   /// What a correction is measured against: the sizes that the components have had.
