@@ -1,97 +1,198 @@
 #include "problems/formula_program.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <map>
 
 namespace hmax {
 
+namespace {
+FormulaNodeId operand(const FormulaNode& n, int k) { return k == 0 ? n.a : k == 1 ? n.b : n.c; }
+}  // namespace
+
+/// Puts nodes into an order in which those that only one branch of a condition needs lie behind a jump.
+class FormulaCompiler {
+ public:
+  FormulaCompiler(const FormulaGraph& graph, const std::vector<FormulaNodeId>& roots, FormulaProgram& program)
+      : graph_(graph), program_(program), guards_(graph.size(), unused), place_(graph.size(), 0) {
+    for (const FormulaNodeId root : roots) guards_[at(root)] = always;
+    for (std::size_t i = graph.size(); i-- > 0;) guard_operands(static_cast<FormulaNodeId>(i));
+    place();
+    members_.resize(parents_.size());
+    for (std::size_t i = 0; i < graph.size(); ++i)
+      if (guards_[i] != unused && operands_of(graph[static_cast<FormulaNodeId>(i)].op) > 0)
+        members_[static_cast<std::size_t>(guards_[i])].push_back(static_cast<FormulaNodeId>(i));
+    write(always);
+    for (const FormulaNodeId root : roots) program_.results_.push_back(place_[at(root)]);
+  }
+
+ private:
+  using Step = FormulaProgram::Step;
+  /// A guard is a branch of a condition inside the guard of that condition.
+  static constexpr int unused = -1, always = 0;
+
+  static std::size_t at(FormulaNodeId id) { return static_cast<std::size_t>(id); }
+
+  int guard_inside(int parent) {
+    parents_.push_back(parent);
+    depths_.push_back(depths_[static_cast<std::size_t>(parent)] + 1);
+    return static_cast<int>(parents_.size()) - 1;
+  }
+
+  /// The innermost guard around both.
+  [[nodiscard]] int around(int a, int b) const {
+    if (a == unused) return b;
+    while (a != b)
+      (depth(a) >= depth(b) ? a : b) = parents_[static_cast<std::size_t>(depth(a) >= depth(b) ? a : b)];
+    return a;
+  }
+  [[nodiscard]] int depth(int guard) const { return depths_[static_cast<std::size_t>(guard)]; }
+
+  /// Nodes have larger numbers than their operands, so that all users of a node have been here before it.
+  void guard_operands(FormulaNodeId id) {
+    const int own = guards_[at(id)];
+    if (own == unused) return;
+    const FormulaNode& n = graph_[id];
+    for (int k = 0; k < operands_of(n.op); ++k) {
+      int guard = own;
+      if (n.op == FormulaOp::choose && k > 0) guard = (k == 1 ? yes_ : no_)[id] = guard_inside(own);
+      int& of = guards_[at(operand(n, k))];
+      of = around(of, guard);
+    }
+  }
+
+  void place() {
+    auto next = static_cast<std::uint32_t>(1 + program_.states_);
+    for (std::size_t i = 0; i < place_.size(); ++i) {
+      const FormulaNode& n = graph_[static_cast<FormulaNodeId>(i)];
+      if (guards_[i] == unused || n.op != FormulaOp::constant) continue;
+      place_[i] = next++;
+      program_.constants_.push_back(n.value);
+    }
+    for (std::size_t i = 0; i < place_.size(); ++i) {
+      const FormulaNode& n = graph_[static_cast<FormulaNodeId>(i)];
+      if (n.op == FormulaOp::state) place_[i] = static_cast<std::uint32_t>(1 + n.a);
+      if (guards_[i] != unused && operands_of(n.op) > 0) place_[i] = next++;
+    }
+    program_.registers_ = next;
+  }
+
+  void write(int guard) {
+    for (const FormulaNodeId id : members_[static_cast<std::size_t>(guard)]) write_node(id);
+  }
+
+  void write_node(FormulaNodeId id) {
+    const FormulaNode& n = graph_[id];
+    const auto from = [&](int k) { return operands_of(n.op) > k ? place_[at(operand(n, k))] : 0; };
+    const Step whole{static_cast<std::uint8_t>(n.op), place_[at(id)], from(0), from(1), from(2)};
+    if (n.op != FormulaOp::choose || (is_empty(yes_[id]) && is_empty(no_[id]))) {
+      program_.steps_.push_back(whole);
+      return;
+    }
+    const std::size_t test = step(FormulaProgram::jump_unless, whole.a);
+    write(yes_[id]);
+    step(FormulaProgram::copy, whole.b, whole.to);
+    const std::size_t jump = step(FormulaProgram::jump);
+    program_.steps_[test].c = here();
+    write(no_[id]);
+    step(FormulaProgram::copy, whole.c, whole.to);
+    program_.steps_[jump].c = here();
+  }
+
+  [[nodiscard]] bool is_empty(int guard) const { return members_[static_cast<std::size_t>(guard)].empty(); }
+  std::size_t step(std::uint8_t code, std::uint32_t a = 0, std::uint32_t to = 0) {
+    program_.steps_.push_back({code, to, a, 0, 0});
+    return program_.steps_.size() - 1;
+  }
+  [[nodiscard]] std::uint32_t here() const { return static_cast<std::uint32_t>(program_.steps_.size()); }
+
+  const FormulaGraph& graph_;
+  FormulaProgram& program_;
+  std::vector<int> guards_;                          ///< by node
+  std::vector<int> parents_{always}, depths_{0};     ///< by guard
+  std::map<FormulaNodeId, int> yes_, no_;            ///< the guards of the branches of a condition
+  std::vector<std::vector<FormulaNodeId>> members_;  ///< by guard, in the order of the graph
+  std::vector<std::uint32_t> place_;                 ///< registers of nodes
+};
+
 FormulaProgram::FormulaProgram(const FormulaGraph& graph, const std::vector<FormulaNodeId>& roots, int states)
     : states_(static_cast<std::size_t>(states)) {
-  std::vector<bool> needed(graph.size(), false);
-  for (const FormulaNodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
-  const auto operand = [](const FormulaNode& n, int k) { return k == 0 ? n.a : k == 1 ? n.b : n.c; };
-  for (std::size_t i = needed.size(); i-- > 0;) {
-    const FormulaNode& n = graph[static_cast<FormulaNodeId>(i)];
-    for (int k = 0; needed[i] && k < operands_of(n.op); ++k)
-      needed[static_cast<std::size_t>(operand(n, k))] = true;
-  }
-  // The constants first, so that the register of every step is known when it is written.
-  std::vector<std::uint32_t> place(needed.size(), 0);
-  for (std::size_t i = 0; i < needed.size(); ++i) {
-    const FormulaNode& n = graph[static_cast<FormulaNodeId>(i)];
-    if (!needed[i] || n.op != FormulaOp::constant) continue;
-    place[i] = static_cast<std::uint32_t>(1 + states_ + constants_.size());
-    constants_.push_back(n.value);
-  }
-  for (std::size_t i = 0; i < needed.size(); ++i) {
-    const FormulaNode& n = graph[static_cast<FormulaNodeId>(i)];
-    if (!needed[i] || n.op == FormulaOp::constant || n.op == FormulaOp::time) continue;
-    if (n.op == FormulaOp::state) {
-      place[i] = static_cast<std::uint32_t>(1 + n.a);
-      continue;
-    }
-    const auto at = [&](FormulaNodeId id) { return place[static_cast<std::size_t>(id)]; };
-    const int operands = operands_of(n.op);
-    place[i] = static_cast<std::uint32_t>(1 + states_ + constants_.size() + steps_.size());
-    steps_.push_back({n.op, at(n.a), operands > 1 ? at(n.b) : 0, operands > 2 ? at(n.c) : 0});
-  }
-  for (const FormulaNodeId root : roots) results_.push_back(place[static_cast<std::size_t>(root)]);
+  FormulaCompiler(graph, roots, *this);
 }
 
 void FormulaProgram::run(double t, const double* y, double* values) const {
-  const std::size_t registers = 1 + states_ + constants_.size() + steps_.size();
   constexpr std::size_t most_on_stack = 512;
-  if (registers <= most_on_stack) {
+  if (registers_ <= most_on_stack) {
     double held[most_on_stack];  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
     return run_in(held, t, y, values);
   }
   // One for each thread: nothing is allocated from the second call on.
   thread_local std::vector<double> held;
-  if (held.size() < registers) held.resize(registers);
+  if (held.size() < registers_) held.resize(registers_);
   run_in(held.data(), t, y, values);
 }
 
+namespace {
+constexpr std::uint8_t code_of(FormulaOp op) { return static_cast<std::uint8_t>(op); }
+}  // namespace
+
 void FormulaProgram::run_in(double* registers, double t, const double* y, double* values) const {
   registers[0] = t;
-  double* next = std::copy_n(y, states_, registers + 1);
-  next = std::copy(constants_.begin(), constants_.end(), next);
-  for (const Step& step : steps_) {
-    const double a = registers[step.a], b = registers[step.b];
-    // The usual ones here; a call for each of the others is little beside them.
-    switch (step.op) {
-      case FormulaOp::add:
-        *next++ = a + b;
+  std::copy(constants_.begin(), constants_.end(), std::copy_n(y, states_, registers + 1));
+  const Step* const first = steps_.data();
+  const Step* const end = first + steps_.size();
+  // The usual operations here; a call for each of the others is little beside them.
+  for (const Step* step = first; step != end; ++step) {
+    const double a = registers[step->a], b = registers[step->b];
+    double& result = registers[step->to];
+    switch (step->code) {
+      case code_of(FormulaOp::add):
+        result = a + b;
         break;
-      case FormulaOp::subtract:
-        *next++ = a - b;
+      case code_of(FormulaOp::subtract):
+        result = a - b;
         break;
-      case FormulaOp::multiply:
-        *next++ = a * b;
+      case code_of(FormulaOp::multiply):
+        result = a * b;
         break;
-      case FormulaOp::divide:
-        *next++ = a / b;
+      case code_of(FormulaOp::divide):
+        result = a / b;
         break;
-      case FormulaOp::negate:
-        *next++ = -a;
+      case code_of(FormulaOp::negate):
+        result = -a;
         break;
-      case FormulaOp::square:
-        *next++ = a * a;
+      case code_of(FormulaOp::square):
+        result = a * a;
         break;
-      case FormulaOp::cube:
-        *next++ = a * a * a;
+      case code_of(FormulaOp::cube):
+        result = a * a * a;
         break;
-      case FormulaOp::sin:
-        *next++ = std::sin(a);
+      case code_of(FormulaOp::sin):
+        result = std::sin(a);
         break;
-      case FormulaOp::cos:
-        *next++ = std::cos(a);
+      case code_of(FormulaOp::cos):
+        result = std::cos(a);
         break;
-      case FormulaOp::exp:
-        *next++ = std::exp(a);
+      case code_of(FormulaOp::exp):
+        result = std::exp(a);
+        break;
+      case code_of(FormulaOp::less):
+        result = a < b ? 1 : 0;
+        break;
+      case code_of(FormulaOp::greater):
+        result = a > b ? 1 : 0;
+        break;
+      case copy:
+        result = a;
+        break;
+      case jump_unless:
+        if (a == 0) step = first + step->c - 1;
+        break;
+      case jump:
+        step = first + step->c - 1;
         break;
       default:
-        *next++ = formula_value(step.op, a, b, registers[step.c]);
+        result = formula_value(static_cast<FormulaOp>(step->code), a, b, registers[step->c]);
     }
   }
   for (const std::uint32_t result : results_) *values++ = registers[result];

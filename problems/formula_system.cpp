@@ -79,9 +79,9 @@ void check_numbers(const FormulaDefinition& d) {
            std::to_string(d.y0.size()) + " initial values; give one for each state");
   if (!std::isfinite(d.t0) || !std::isfinite(d.t_end))
     refuse("the time span of the system is not finite; give finite numbers for its start and t_end");
-  if (d.t_end < d.t0)
-    refuse("t_end is " + shortest_digits(d.t_end) + ", before the start " + shortest_digits(d.t0) +
-           "; give a t_end that is later");
+  if (d.t_end == d.t0)
+    refuse("t_end is " + shortest_digits(d.t_end) + ", the time of the start; give a later one, or an earlier one to "
+           "go backwards");
   for (std::size_t i = 0; i < d.y0.size(); ++i)
     if (!std::isfinite(d.y0[i]))
       refuse("the initial value of " + quoted(d.equations[i].first) + " is not finite; give a finite number");

@@ -20,7 +20,7 @@ struct FormulaDefinition {
   std::vector<std::pair<std::string, double>> parameters;      ///< name, value
   std::vector<double> y0;                                      ///< one number for each equation
   double t0 = 0;
-  double t_end = 100;
+  double t_end = 100;  ///< before t0: backwards in time
   /// The positions and the velocity of each; both empty: as the equations x' = v say.
   std::vector<std::string> positions{}, velocities{};
 };
@@ -44,7 +44,7 @@ class FormulaSystem {
   /// Parses the formulas and evaluates them once at (t0, y0).
   /// @throws std::invalid_argument  one sentence that names the equation, the column and the remedy: no
   /// equations; as
-  ///         many initial values as equations are needed; numbers that are not finite; t_end before t0; a
+  ///         many initial values as equations are needed; numbers that are not finite; t_end equal to t0; a
   ///         name that is no identifier, occurs twice or is already that of t, a constant or a function; an
   ///         unknown name, a syntax error, an assignment or several values in a formula; a derivative that is
   ///         not finite at the start; positions and velocities that are not those of the equations

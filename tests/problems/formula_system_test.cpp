@@ -218,8 +218,10 @@ TEST(FormulaSystem, SizesAndNumbersAreChecked) {
   definition.parameters[0].second = std::numeric_limits<double>::infinity();
   EXPECT_SAYS(refusal(definition), "parameter 'a' is not finite");
   definition = single("x");
+  definition.t_end = 5;
+  EXPECT_SAYS(refusal(definition), "t_end is 5, the time of the start");
   definition.t_end = 4;
-  EXPECT_SAYS(refusal(definition), "before the start");
+  EXPECT_EQ(refusal(definition), "accepted") << "backwards";
   definition.t_end = std::nan("");
   EXPECT_SAYS(refusal(definition), "time span");
 }
@@ -339,6 +341,18 @@ TEST(FormulaSystem, DerivativesAreThoseOfEveryFunction) {
     system.time_derivative(t, y, dfdt);
     EXPECT_NEAR(dfdt[0], (at(system, t + h, y) - at(system, t - h, y)) / (2 * h),
                 2e-8 * (1 + std::abs(dfdt[0])));
+  }
+}
+
+TEST(FormulaSystem, BranchesShareWhatBothNeed) {
+  // sin(y1) is of all branches, exp(y1) of two of them, log(y1) of one inside another.
+  const FormulaSystem system = system_of(
+      {"y1 < 1 ? (y1 < 0.5 ? exp(y1)*sin(y1) : log(y1) + exp(y1)) : cos(y1)*sin(y1) + (y1 > 3 ? y1^2.5 : sin(y1)^2)"});
+  for (const double x : {0.3, 0.7, 2.0, 4.0}) {
+    const double expected =
+        x < 1 ? (x < 0.5 ? std::exp(x) * std::sin(x) : std::log(x) + std::exp(x))
+              : std::cos(x) * std::sin(x) + (x > 3 ? std::pow(x, 2.5) : std::pow(std::sin(x), 2));
+    EXPECT_NEAR(at(system, 0, Eigen::VectorXd::Constant(1, x)), expected, 1e-14 * std::abs(expected)) << x;
   }
 }
 
