@@ -197,7 +197,7 @@ Json to_json(const OrderReport& report, const Method& method, const Problem& pro
           {"reason", report.reason().empty() ? Json() : Json(report.reason())},
           {"t_end", seen.t_end},
           {"parameters", describe(problem.parameters)},
-          {"y0", describe(problem.y0)},
+          {"y0", describe(problem.shown.state(problem.y0))},
           {"precision", report.extended ? "long double" : "double"},
           {"reference", report.reference}};
 }

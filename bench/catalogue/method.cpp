@@ -189,7 +189,7 @@ void check_start(const Problem& problem) {
                 fmt::format("the derivative of {} in {} is {} at t = 0 and y = ({}); change the initial "
                             "state or the parameters",
                             problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
-                            describe(problem.y0)));
+                            describe(problem.shown.state(problem.y0))));
           }
       },
       problem.system);

@@ -16,6 +16,7 @@
 #include <Eigen/Core>
 
 #include "bench/catalogue/run.hpp"
+#include "bench/catalogue/user_view.hpp"
 #include "problems/any_system.hpp"
 #include "problems/oscillator/oscillator.hpp"
 
@@ -60,6 +61,7 @@ struct Problem {
   std::vector<std::int64_t>
       tetrahedron_numbers{};        ///< of it, as users know them (bench/models/body_balance.hpp)
   std::vector<std::string> idle{};  ///< names of `parameters` that change nothing here
+  UserView shown{};                 ///< how users count its time and states
 };
 
 /// What a user may change of a problem.
@@ -68,6 +70,8 @@ struct ProblemSettings {
   std::vector<std::pair<std::string, double>> parameters;  ///< --set name=value
   std::vector<double> y0;                                  ///< empty: the problem's own
   std::optional<double> unit = std::nullopt;               ///< of a mesh file: metres in one of its units
+  /// Of formulas: the time at which runs begin, and at which they end, before it to go backwards [s].
+  std::optional<double> t0 = std::nullopt, t_end = std::nullopt;
 };
 
 struct Amplification;  // analysis/amplification/amplification.hpp

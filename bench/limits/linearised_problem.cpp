@@ -86,7 +86,7 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
                        .linearity = linearity_of(problem)};
   ask(point, problem);
   point.state =
-      fmt::format("{} at t = {} s, Jacobian {}", words_of(y), to_text(t), name_of(point.model.origin));
+      fmt::format("{} at t = {} s, Jacobian {}", words_of(problem.shown.state(y)), to_text(problem.shown.time(t)), name_of(point.model.origin));
   return point;
 }
 

@@ -26,7 +26,7 @@ LinearModel linear_model(const Problem& problem, double t, const Eigen::VectorXd
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y);
 OperatingPoint operating_point(const Problem& problem, double t, const Eigen::VectorXd& y);
 /// Makes radius_bound and model_at of `point` those of `problem`. Two threads need a point and a problem each
-/// where the system has a workspace (problems/formula_system.hpp).
+/// where the system has a workspace, as plugins do.
 /// @param problem  that of the point, or one that was made as it was
 void ask(OperatingPoint& point, const Problem& problem);
 /// entry_rounding() of a symmetric stiffness; 0 of other models.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bench/input/suggest.hpp"
+#include "results/numbers.hpp"
 
 namespace hmax {
 
@@ -27,11 +28,27 @@ double number(const TomlDocument& document, const std::string& place, const Json
   return x;
 }
 
+/// The names of states under a key of [problem]; none where it is missing.
+std::vector<std::string> names(const TomlDocument& document, const Json& problem, const std::string& key) {
+  if (!problem.contains(key)) return {};
+  std::vector<std::string> found;
+  const Json& list = problem.at(key);
+  for (const Json& name : list) {
+    if (!list.is_array() || !name.is_string()) break;
+    found.push_back(name.get<std::string>());
+  }
+  if (!list.is_array() || found.empty() || found.size() != list.size())
+    document.fail(
+        "/problem/" + key,
+        fmt::format("{} must be a list of states in quotes, such as {} = [\"x\", \"y\"]", key, key));
+  return found;
+}
+
 }  // namespace
 
 FormulaDefinition problem_from(const TomlDocument& document) {
   constexpr std::array<std::string_view, 4> tables{"problem", "equations", "parameters", "initial"};
-  constexpr std::array<std::string_view, 2> settings{"name", "t_end"};
+  constexpr std::array<std::string_view, 5> settings{"name", "t0", "t_end", "positions", "velocities"};
   reject_unknown_keys(document, "", tables);
   reject_unknown_keys(document, "/problem", settings);
   for (const std::string_view name : {"equations", "parameters", "initial"})
@@ -45,12 +62,20 @@ FormulaDefinition problem_from(const TomlDocument& document) {
     if (!problem.at("name").is_string()) document.fail("/problem/name", "the name must be text in quotes");
     definition.name = problem.at("name").get<std::string>();
   }
+  if (problem.contains("t0")) definition.t0 = number(document, "/problem/t0", problem.at("t0"));
+  definition.t_end += definition.t0;
   if (problem.contains("t_end")) {
     definition.t_end = number(document, "/problem/t_end", problem.at("t_end"));
-    if (!(definition.t_end > 0))
-      document.fail("/problem/t_end",
-                    "t_end must lie after the start t = 0; give a positive number of seconds");
+    if (!(definition.t_end > definition.t0))
+      document.fail(
+          "/problem/t_end",
+          fmt::format(
+              "t_end is {} but must lie after the start, t0 = {}; give a later time, or the earlier one to "
+              "`hmax run --t-end`, which goes backwards",
+              to_text(definition.t_end), to_text(definition.t0)));
   }
+  definition.positions = names(document, problem, "positions");
+  definition.velocities = names(document, problem, "velocities");
 
   const Json& equations = table(document, "equations");
   if (equations.empty())

@@ -8,11 +8,14 @@
 
 namespace hmax {
 
-/// Reads a first-order system given as formulas:
+/// Reads a system given as formulas, whose language is that of problems/formula_parser.hpp:
 ///
 ///   [problem]                      # optional
 ///   name = "pendulum"              # default: the name of the file without .toml
-///   t_end = 20                     # default: 100 [s]
+///   t0 = 0                         # when runs begin; default: 0 [s]
+///   t_end = 20                     # default: t0 + 100 [s]
+///   positions = ["angle"]          # both lists only where x' = v of the equations does not tell them
+///   velocities = ["rate"]
 ///   [equations]                    # one derivative for each state, in this order
 ///   angle = "rate"
 ///   rate = "-g/l*sin(angle) - c*rate"
@@ -20,7 +23,7 @@ namespace hmax {
 ///   g = 9.81
 ///   l = 1
 ///   c = 0.1
-///   [initial]                      # the value of each state at t = 0
+///   [initial]                      # the value of each state at t0
 ///   angle = 1
 ///   rate = 0
 ///

@@ -10,10 +10,10 @@
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/input/suggest.hpp"
 #include "bench/models/matrix_problem.hpp"
-#include "bench/plugin/plugin_model.hpp"
 #include "bench/models/problem_file.hpp"
 #include "bench/models/tissue_problem.hpp"
-#include "problems/formula_system.hpp"
+#include "bench/plugin/plugin_model.hpp"
+#include "problems/formula_motion.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/oscillator/liver_problems.hpp"
 #include "problems/oscillator/oscillator_exact.hpp"
@@ -47,11 +47,12 @@ void override_start(Problem& problem, const std::vector<double>& y0) {
   if (y0.size() != problem.states.size())
     throw InputError(fmt::format("--y0 has {} numbers but {} has {} states ({}); give one number for each",
                                  y0.size(), problem.id, problem.states.size(),
-                                 fmt::join(problem.states, ", ")));
+                                 fmt::join(problem.shown.in_order(problem.states), ", ")));
   for (const double value : y0)
     if (!std::isfinite(value))
       throw InputError(fmt::format("--y0 holds {}, which is not a finite number", to_text(value)));
-  problem.y0 = Eigen::Map<const Eigen::VectorXd>(y0.data(), static_cast<Eigen::Index>(y0.size()));
+  problem.y0 = problem.shown.own_state(
+      Eigen::Map<const Eigen::VectorXd>(y0.data(), static_cast<Eigen::Index>(y0.size())));
 }
 
 /// Puts the settings into parameters that have names.
@@ -147,11 +148,32 @@ void each_of(Templates<P...>, const Visit& visit) {
   (visit(P<double>::id, test_set_problem<P>), ...);
 }
 
-Problem formula_problem(const std::string& file, const ProblemSettings& settings) {
-  FormulaDefinition definition = read_problem(file);
-  if (!settings.material.empty())
-    throw InputError(
-        fmt::format("--material is for the liver oscillators; {} has its own [parameters]", file));
+/// Formulas are computed in double: what they give long double is no reference, so that they offer no
+/// Jacobian for one.
+class RoundedFormulas {
+ public:
+  using State = FormulaMotion::State;
+  using Dofs = FormulaMotion::Dofs;
+  using DofMatrix = FormulaMotion::DofMatrix;
+
+  explicit RoundedFormulas(FormulaMotion motion) : motion_(std::move(motion)) {}
+
+  [[nodiscard]] Eigen::Index dim() const { return motion_.dim(); }
+  void rhs(double t, const State& y, State& dydt) const { motion_.rhs(t, y, dydt); }
+  [[nodiscard]] Eigen::Index dofs() const { return motion_.dofs(); }
+  [[nodiscard]] Dofs mass() const { return motion_.mass(); }
+  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const { motion_.force(t, q, v, f); }
+  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
+    motion_.stiffness(t, q, v, K);
+  }
+  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const { motion_.damping(t, q, v, C); }
+
+ private:
+  FormulaMotion motion_;
+};
+
+/// Parameters that users change.
+void set_parameters(FormulaDefinition& definition, const ProblemSettings& settings, const std::string& file) {
   std::vector<std::string> names;
   for (const auto& [name, value] : definition.parameters) names.push_back(name);
   for (const auto& [name, value] : settings.parameters) {
@@ -160,6 +182,16 @@ Problem formula_problem(const std::string& file, const ProblemSettings& settings
     if (it == definition.parameters.end()) unknown("parameter", name, names, fmt::format(" of {}", file));
     it->second = value;
   }
+}
+
+Problem formula_problem(const std::string& file, const ProblemSettings& settings) {
+  FormulaDefinition definition = read_problem(file);
+  if (!settings.material.empty())
+    throw InputError(
+        fmt::format("--material is for the liver oscillators; {} has its own [parameters]", file));
+  set_parameters(definition, settings, file);
+  definition.t0 = settings.t0.value_or(definition.t0);
+  definition.t_end = settings.t_end.value_or(definition.t_end);
   // An overriding start is put in before the formulas are tried out at it.
   if (settings.y0.size() == definition.y0.size()) definition.y0 = settings.y0;
   FormulaSystem system(std::move(definition));
@@ -170,11 +202,14 @@ Problem formula_problem(const std::string& file, const ProblemSettings& settings
                   .parameters = d.parameters,
                   .states = {},
                   .y0 = system.y0(),
-                  .t_end = d.t_end,
-                  .system = Oscillator{}};
-  for (const auto& [state, formula] : d.equations) problem.states.push_back(state);
-  problem.system = AnySystem(system);
-  problem.extended = ExtendedSystem(std::move(system));
+                  .t_end = std::abs(d.t_end - d.t0),
+                  .system = Oscillator{},
+                  .shown = {.t0 = d.t0, .direction = d.t_end < d.t0 ? -1.0 : 1.0, .order = system.order()}};
+  for (const Eigen::Index state : system.order())
+    problem.states.push_back(d.equations[static_cast<std::size_t>(state)].first);
+  const FormulaMotion motion(std::move(system), problem.shown.t0, problem.shown.direction);
+  problem.system = AnySystem(motion);
+  problem.extended = ExtendedSystem(RoundedFormulas(motion));
   override_start(problem, settings.y0);
   return problem;
 }
@@ -189,6 +224,9 @@ std::vector<std::string> problem_ids() {
 }
 
 Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings) {
+  if (settings.t0 && !id_or_file.ends_with(".toml"))
+    throw InputError(
+        fmt::format("--t-start is of a file of formulas, FILE.toml; {} starts at 0", id_or_file));
   try {
     if (is_plugin_id(id_or_file)) return make_plugin_problem(id_or_file, settings);
     if (is_matrices_id(id_or_file)) return make_matrix_problem(id_or_file, settings);

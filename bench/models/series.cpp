@@ -23,7 +23,7 @@ Table motion(const Problem& problem, const Method& method, double tolerance, dou
   });
   table.notes = {{"problem", problem.id},
                  {"parameters", describe(problem.parameters)},
-                 {"y0", describe(problem.y0)},
+                 {"y0", describe(problem.shown.state(problem.y0))},
                  {"method", method.id},
                  {"rtol = atol", to_text(tolerance)},
                  {"outcome", std::string(to_string(record.outcome))}};

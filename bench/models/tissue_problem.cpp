@@ -190,7 +190,7 @@ Problem after_ramps(const Problem& problem) {
 std::string start_in_words(const Problem& problem) {
   constexpr Eigen::Index most_listed = 64;
   if (problem.body) return "rest";
-  if (!is_matrices_id(problem.id) || problem.y0.size() <= most_listed) return describe(problem.y0);
+  if (!is_matrices_id(problem.id) || problem.y0.size() <= most_listed) return describe(problem.shown.state(problem.y0));
   Digest digest;
   digest.add({reinterpret_cast<const char*>(problem.y0.data()), sizeof(double) * static_cast<std::size_t>(problem.y0.size())});
   return fmt::format("{} numbers, {}", problem.y0.size(), digest.text());

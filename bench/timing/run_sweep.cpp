@@ -13,7 +13,7 @@ namespace hmax {
 
 namespace {
 
-/// A plan for another thread: formulas have one workspace each. Bodies are shared.
+/// A plan for another thread: some systems have one workspace. Bodies are shared.
 SweepPlan with_own_problems(SweepPlan plan) {
   for (std::size_t i = 0; i < plan.problems.size(); ++i)
     if (!plan.problems[i].body)

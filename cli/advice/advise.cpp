@@ -63,9 +63,9 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
   if (!options.rate) throw InputError("no frame rate is given; add --rate, such as --rate 100");
   AdviceQuestion question;
   question.rate = positive("--rate", *options.rate, "100");
-  if (question.rate < 1 || question.rate > 1e5)
+  if (question.rate < 1e-4 || question.rate > 1e5)
     throw InputError(
-        fmt::format("--rate is {} Hz, but must lie between 1 and 100000", to_text(question.rate)));
+        fmt::format("--rate is {} Hz, but must lie between 0.0001 and 100000", to_text(question.rate)));
   if (options.tolerance) {
     question.tolerance = positive("--tolerance", *options.tolerance, "0.01");
     if (question.tolerance >= 1)

@@ -86,7 +86,7 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   const auto [columns, rows] = grid_of(options.cells);
   Progress progress(console, "basins");
   const auto& interrupted = interrupt_flag();
-  // A problem for each thread: formulas have one workspace each.
+  // A problem for each thread: some systems have one workspace.
   std::vector<FatesOf> fates_of;
   while (fates_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
     fates_of.push_back(fates_of_starts(fates_of.empty() ? view.still : frozen(options.problem.make(), 0),

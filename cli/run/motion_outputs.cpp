@@ -169,23 +169,25 @@ Table points_of(const WatchedRun& run, std::optional<std::size_t> limit, RunChec
     table.notes.emplace_back("h", to_text(spec.h));
   }
   table.columns = {"t [s]"};
-  for (std::size_t i = 0; i < problem.states.size(); ++i) {
+  const std::vector<std::string> states = problem.shown.in_order(problem.states);
+  for (std::size_t i = 0; i < states.size(); ++i) {
     const std::string unit = unit_of(problem, i);
-    table.columns.push_back(problem.states[i] + (unit.empty() ? "" : " [" + unit + "]"));
+    table.columns.push_back(states[i] + (unit.empty() ? "" : " [" + unit + "]"));
   }
   if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
   table.values.resize(table.columns.size());
   Rows rows(table.values, limit);
-  const Sink add = [&rows, &table, body = problem.body](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const Sink add = [&rows, &table, body = problem.body, &shown = problem.shown](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(table.values[0].size()) > most_points)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
-    std::vector<double> row{t};
+    std::vector<double> row{shown.time(t)};
     if (body) {
       const BodyEnd here = end_of(*body, t, y);
       row.insert(row.end(), {here.max_displacement, here.energy});
     } else {
-      row.insert(row.end(), y.begin(), y.end());
+      const Eigen::VectorXd listed = shown.state(y);
+      row.insert(row.end(), listed.begin(), listed.end());
     }
     rows.add(std::move(row));
   };

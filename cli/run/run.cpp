@@ -45,7 +45,7 @@ using Json = nlohmann::ordered_json;
 struct RunOptions {
   ProblemChoice problem;
   MethodChoice method;
-  std::optional<double> h, rtol, atol, h0, h_max, t_end, every, newton_tolerance;
+  std::optional<double> h, rtol, atol, h0, h_max, t_start, t_end, every, newton_tolerance;
   std::string newton_iterations;
   std::string control, jacobian, linear, output, max_steps;
   bool full = false;
@@ -74,6 +74,28 @@ void set_step_bounds(const RunOptions& options, RunSpec& spec) {
   spec.h_max = options.h_max.value_or(spec.h_max);
 }
 
+/// A file of formulas may start at any time and end before it; of others the end is checked with the run.
+Problem problem_of(const RunOptions& options) {
+  const std::string id = options.problem.id();
+  ProblemSettings settings = options.problem.settings();
+  for (const auto& [name, value] :
+       {std::pair{"--t-start", options.t_start}, std::pair{"--t-end", options.t_end}})
+    if (value && !std::isfinite(*value))
+      throw InputError(fmt::format("{} is {} but must be a finite number of seconds", name, to_text(*value)));
+  settings.t0 = options.t_start;
+  if (id.ends_with(".toml")) settings.t_end = options.t_end;
+  return make_problem(id, settings);
+}
+
+/// The problem in the order of states of the user.
+Problem as_shown(const Problem& problem) {
+  Problem shown = problem;
+  shown.states = problem.shown.in_order(problem.states);
+  shown.y0 = problem.shown.state(problem.y0);
+  shown.shown = {};
+  return shown;
+}
+
 RunSpec spec_of(const RunOptions& options, const Problem& problem) {
   if (options.h && (options.rtol || options.atol))
     throw InputError("--h and tolerances are both given; take --h for fixed steps, or --rtol and --atol");
@@ -86,7 +108,7 @@ RunSpec spec_of(const RunOptions& options, const Problem& problem) {
                                  options.rtol ? "--atol" : "--rtol"));
   if (options.h && !options.control.empty())
     throw InputError("--control is for adaptive runs; remove it, or give --rtol and --atol instead of --h");
-  RunSpec spec{.t_end = options.t_end.value_or(problem.t_end),
+  RunSpec spec{.t_end = options.t_end ? problem.shown.own_time(*options.t_end) : problem.t_end,
                .adaptive = !options.h,
                .h = options.h.value_or(0),
                .rtol = options.rtol.value_or(0),
@@ -161,6 +183,15 @@ struct TimedRun : CountedRun {
     return record.t / (threads ? elapsed_seconds : cpu_seconds);
   }
 };
+
+/// What a run came to, in the order of states and the time of the user.
+TimedRun as_shown(const Problem& problem, const TimedRun& run) {
+  TimedRun shown = run;
+  shown.record.y = problem.shown.state(run.record.y);
+  shown.record.t = problem.shown.time(run.record.t);
+  shown.record.t_state = problem.shown.time(run.record.t_state);
+  return shown;
+}
 
 CountedRun timed(const Runner& runner, const RunSpec& spec, const Sink& sink) {
   const CpuClock clock = cpu_clock();
@@ -394,7 +425,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
                                           : ", without error estimate");
   const std::string words = in_words(problem, record, spec);
   text += "\n\n" + (done ? console.strong(words) : console.alarming(words)) + "\n";
-  if (record.t_state < record.t)
+  if (record.t_state != record.t)
     text += fmt::format("before that, at t = {} s:\n", short_number(record.t_state, 10));
   if (is_matrices_id(problem.id) && problem.states.size() > most_listed)
     return text + largest_states(problem, record) + costs_in_words(method, run);
@@ -551,7 +582,7 @@ void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& re
 void run(const RunOptions& options, Console& console) {
   options.picture.check();
   options.checkpoint.check(options.output, options.picture.file);
-  const Problem problem = options.problem.make();
+  const Problem problem = problem_of(options);
   const Method method = options.method.make();
   const RunSpec asked = spec_of(options, problem);
   const RunSpec spec = options.checkpoint.file.empty() ? asked : kept_spec(asked);
@@ -593,8 +624,12 @@ void run(const RunOptions& options, Console& console) {
     console.exit_code = Exit::failed;
   }
 
+  const Problem shown = as_shown(problem);
+  const TimedRun told = as_shown(problem, result);
+  RunSpec told_spec = spec;
+  told_spec.t_end = problem.shown.time(spec.t_end);
   if (console.json) {
-    Json document = to_json(problem, method, spec, result, options.full);
+    Json document = to_json(shown, method, told_spec, told, options.full);
     document["picture"] = drawn ? Json(options.picture.file) : Json();
     if (points) {
       document["output"] = options.output;
@@ -603,7 +638,7 @@ void run(const RunOptions& options, Console& console) {
     if (checkpoint) document["checkpoint"] = options.checkpoint.file;
     return console.print_json(document);
   }
-  console.print(for_people(problem, method, spec, result, !options.method.tableau.empty(), console));
+  console.print(for_people(shown, method, told_spec, told, !options.method.tableau.empty(), console));
   if (points) console.print(fmt::format("{} points in {}\n", *points, options.output));
 }
 
@@ -664,7 +699,10 @@ void add_run(CLI::App& app, Console& console) {
   options->picture.add_to(
       command,
       "Draw the body at the end of the run; without a mesh the states over time and an oscillator's orbit");
-  add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
+  add_number(command, "--t-start", options->t_start,
+             "Start time of a file of formulas [s]; its t0 by default");
+  add_number(command, "--t-end", options->t_end,
+             "End time [s], of a file of formulas also before the start; the problem's own by default");
   add_text(command, "--output", options->output,
            "Write the motion to a CSV file, or of a body to FILE.pvd for ParaView", "FILE");
   add_number(command, "--every", options->every, "Interval of the written points [s]; every step by default");

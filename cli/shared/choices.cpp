@@ -13,6 +13,7 @@
 #include "bench/models/tissue_problem.hpp"
 #include "bench/plugin/plugin_model.hpp"
 #include "cli/shared/options.hpp"
+#include "problems/formula_parser.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 
@@ -87,11 +88,15 @@ void MatrixOptions::add_to(CLI::App& command) {
       "storage=triangle mirrors files, drop=constraints leaves constraint rows out, stiffness=series:K.txt names "
       "matrices at several times",
       "KEY=FILE,...");
-  add_number(command, "--alpha", alpha, "Rayleigh damping alpha M of matrices or a body [1/s]; short for --set alpha");
-  add_number(command, "--beta", beta, "Rayleigh damping beta K of matrices or a body [s]; short for --set beta");
+  add_number(command, "--alpha", alpha,
+             "Rayleigh damping alpha M of matrices or a body [1/s]; short for --set alpha");
+  add_number(command, "--beta", beta,
+             "Rayleigh damping beta K of matrices or a body [s]; short for --set beta");
 }
 
-std::string MatrixOptions::problem_id() const { return matrices.empty() ? std::string() : matrices_id(matrices); }
+std::string MatrixOptions::problem_id() const {
+  return matrices.empty() ? std::string() : matrices_id(matrices);
+}
 
 std::vector<std::pair<std::string, double>> MatrixOptions::parameters() const {
   std::vector<std::pair<std::string, double>> parameters;
@@ -119,6 +124,7 @@ void ProblemChoice::add_without_meshes_to(CLI::App& command) {
 void ProblemChoice::add_name_to(CLI::App& command) {
   add_text(command, "--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml",
            "ID");
+  add_footer(command, "Formulas: " + formula_language());
 }
 
 void ProblemChoice::add_rest_to(CLI::App& command) {

@@ -371,8 +371,10 @@ Prediction PredictedRows::predicted(const Method& method, const Problem& problem
                                     const Linearised& near) const {
   const StepQuestion by_steps{
       .options = options_of(method), .verified = question_.verify, .watch = [] { leave_when_interrupted(); }};
-  if (by_steps.options) return predict_by_steps(method, problem, near, by_steps);
+  if (by_steps.options && suits(method, problem)) return predict_by_steps(method, problem, near, by_steps);
   Prediction prediction = predict(method, point, near.modes);
+  // What the problem does not have no step may ask it for.
+  if (method.bind && !suits(method, problem)) return prediction;
   if (needs_step_map(method, prediction)) {
     if (question_.seeks_in_steps(method, problem)) return predict_by_steps(method, problem, near, by_steps);
     prediction.note +=
@@ -388,7 +390,7 @@ void PredictedRows::predict_all(std::size_t which, const Linearised& near, const
                                 std::vector<LimitRow>& rows) {
   const Problem& problem = problems_[which];
   rows.resize(methods.size());
-  // Formulas have one workspace each, so that a worker has a problem and a point of its own; bodies are
+  // Some systems have one workspace, so that a worker has a problem and a point of its own; bodies are
   // shared.
   std::vector<Problem> own(1, with_frozen_matrices(problem, near.point.model.t));
   std::vector<OperatingPoint> points;

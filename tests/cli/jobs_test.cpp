@@ -7,7 +7,7 @@
 namespace hmax {
 namespace {
 
-/// x'' = x - 0.8 x^3 - 0.4 x' in formulas, which have one workspace for each thread.
+/// x'' = x - 0.8 x^3 - 0.4 x' in formulas, which several threads evaluate.
 constexpr const char* formulas = R"(
 [problem]
 t_end = 30

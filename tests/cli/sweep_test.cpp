@@ -33,7 +33,7 @@ TEST(SweepCommand, MeasuresIntoAStoreAndSaysWhatItDid) {
 
 TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
   const Shell shell;
-  // Formulas have one workspace for each thread.
+  // Several threads evaluate the formulas.
   write_text(shell / "mine.toml",
              "[equations]\nx = \"v\"\nv = \"-c*v - k*x - x^3\"\n[parameters]\nc = 0.4\nk = 1\n[initial]\nx = 0.5\nv = 1\n");
   const std::string options = "sweep --problems liver_forced,mine.toml --methods rk4,ode45 --h 0.2,0.1,0.05,0.04 --t-end 10 ";

@@ -274,7 +274,7 @@ TEST(AdviseCommand, RefusesWrongInput) {
   const Shell shell;
   expect_refused(shell.hmax("advise --problem liver_forced"), "add --rate");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 0"), "--rate is 0");
-  expect_refused(shell.hmax("advise --problem liver_forced --rate 1e9"), "between 1 and 100000");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 1e9"), "between 0.0001 and 100000");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --tolerance 2"), "below 1");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --budget -1"), "--budget is -1");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --methods adams_pece"), "--methods");
