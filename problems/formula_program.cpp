@@ -158,9 +158,6 @@ void FormulaProgram::run_in(double* registers, double t, const double* y, double
       case code_of(FormulaOp::divide):
         result = a / b;
         break;
-      case code_of(FormulaOp::negate):
-        result = -a;
-        break;
       case code_of(FormulaOp::square):
         result = a * a;
         break;

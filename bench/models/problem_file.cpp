@@ -44,6 +44,25 @@ std::vector<std::string> names(const TomlDocument& document, const Json& problem
   return found;
 }
 
+/// The initial value of each state.
+void read_initial(const TomlDocument& document, FormulaDefinition& definition) {
+  const Json& initial = table(document, "initial");
+  const Json& equations = table(document, "equations");
+  std::vector<std::string> states;
+  for (const auto& [state, formula] : definition.equations) states.push_back(state);
+  for (const auto& [name, value] : initial.items())
+    if (!equations.contains(name))
+      document.fail("/initial/" + name,
+                    fmt::format("'{}' has no equation; {}", name,
+                                suggestion(name, states, "remove it or add it to [equations]")));
+  for (const std::string& state : states) {
+    if (!initial.contains(state))
+      document.fail("/initial",
+                    fmt::format("the initial value of '{}' is missing; add it to [initial]", state));
+    definition.y0.push_back(number(document, "/initial/" + state, initial.at(state)));
+  }
+}
+
 }  // namespace
 
 FormulaDefinition problem_from(const TomlDocument& document) {
@@ -92,20 +111,7 @@ FormulaDefinition problem_from(const TomlDocument& document) {
   for (const auto& [name, value] : table(document, "parameters").items())
     definition.parameters.emplace_back(name, number(document, "/parameters/" + name, value));
 
-  const Json& initial = table(document, "initial");
-  std::vector<std::string> states;
-  for (const auto& [state, formula] : definition.equations) states.push_back(state);
-  for (const auto& [name, value] : initial.items())
-    if (!equations.contains(name))
-      document.fail("/initial/" + name,
-                    fmt::format("'{}' has no equation; {}", name,
-                                suggestion(name, states, "remove it or add it to [equations]")));
-  for (const std::string& state : states) {
-    if (!initial.contains(state))
-      document.fail("/initial",
-                    fmt::format("the initial value of '{}' is missing; add it to [initial]", state));
-    definition.y0.push_back(number(document, "/initial/" + state, initial.at(state)));
-  }
+  read_initial(document, definition);
   return definition;
 }
 
