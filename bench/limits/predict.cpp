@@ -251,11 +251,11 @@ void predict_from_largest(Prediction& row, const Method& method, const Operating
                               : fmt::format("they are unstable from {:.6g} s on", limit.h_max));
 }
 
-/// "; take explicit_newmark or symplectic_euler, which need none": without the method itself.
+/// "; take explicit_newmark or symplectic_euler, which need no search": without the method itself.
 std::string methods_without_search(const Method& method) {
   std::vector<std::string_view> others{"explicit_newmark", "symplectic_euler"};
   std::erase(others, method.id);
-  return fmt::format("; take {}, which need{} none", fmt::join(others, " or "),
+  return fmt::format("; take {}, which need{} no search", fmt::join(others, " or "),
                      others.size() == 1 ? "s" : "");
 }
 
@@ -359,18 +359,19 @@ void predict_by_modes(Prediction& row, const Method& method, const OperatingPoin
 }  // namespace
 
 std::string growth_in_words(const Mode& growing, const OperatingPoint& point) {
-  const Complex lambda = growing.lambda;
-  const std::string rate =
-      fmt::format("exp({:.4g} t), doubling in {:.4g} s", lambda.real(), std::numbers::ln2 / lambda.real());
-  if (point.is_body && point.at_equilibrium && lambda.imag() == 0)
+  const double rate = growing.lambda.real(), twice = std::numbers::ln2 / rate;
+  if (point.is_body && point.at_equilibrium && growing.lambda.imag() == 0)
     return fmt::format(
         "the body buckles: its stiffness at this equilibrium has a negative eigenvalue, and it leaves the equilibrium as "
-        "{} whatever the step; take less load, `--along load` shows up to which share it does not",
-        rate);
+        "exp({:.4g} t) whatever the step, doubling in {:.4g} s; take less load, `--along load` shows up to which share it "
+        "does not",
+        rate, twice);
+  const bool of_matrices = point.kind == StateKind::matrices;
   return fmt::format(
-      "the model itself grows as {}{}: an eigenvalue has a positive real part, which no step changes; {}",
-      rate, point.kind == StateKind::matrices ? "" : " here",
-      point.kind == StateKind::matrices
+      "the model itself grows as exp({:.4g} t){}, doubling in {:.4g} s: an eigenvalue has a positive real part, which no "
+      "step changes; {}",
+      rate, of_matrices ? "" : " here", twice,
+      of_matrices
           ? "check whether the matrices are those of a stable state"
           : "the limits that steps have are those along its motion, see `hmax stability predict --along motion`");
 }

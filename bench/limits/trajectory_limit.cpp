@@ -89,13 +89,44 @@ Eigen::Array2d invariants(const Problem& problem, double t, const Eigen::VectorX
       J);
 }
 
+/// Whether f kinks or jumps within the reach of central differences, which are no Jacobian then: the slopes
+/// of both sides differ by more than 1 %.
+bool has_kink(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) {
+        using State = typename Sys::State;
+        const State here(y);
+        State moved = here, f = here, above = here, below = here;
+        system.rhs(t, here, f);
+        const double largest = y.cwiseAbs().maxCoeff(), least = std::max(1e-3 * largest, 1e-4),
+                     noise = 1e3 * std::numeric_limits<double>::epsilon() * f.cwiseAbs().maxCoeff();
+        for (Eigen::Index j = 0; j < y.size(); ++j) {
+          // Twice the reach of jacobian_by_differences().
+          const double d =
+              2 * std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(std::abs(y[j]), least);
+          moved[j] = y[j] + d;
+          system.rhs(t, moved, above);
+          moved[j] = y[j] - d;
+          system.rhs(t, moved, below);
+          moved[j] = y[j];
+          const double size = std::max((above - f).cwiseAbs().maxCoeff(), (f - below).cwiseAbs().maxCoeff());
+          if (!((above + below - 2 * f).cwiseAbs().maxCoeff() <= 0.01 * size + noise)) return true;
+        }
+        return false;
+      },
+      problem.system);
+}
+
 /// Finds the states of a motion that its regular instants pass over: extremes of the invariants of J between
 /// them, and both sides of breakpoints.
 class Events {
  public:
   /// @param accepted  about how many steps will be shown
   Events(const Problem& problem, const Path& regular, double t_end, std::int64_t accepted)
-      : problem_(problem), regular_(regular) {
+      : problem_(problem),
+        regular_(regular),
+        is_exact_(linear_model(problem, regular.at.front(), regular.y.front()).origin ==
+                  JacobianOrigin::analytic) {
     // Differences take two evaluations for each state.
     constexpr double most_evaluations = 4e6;
     const double most = most_evaluations / static_cast<double>(2 * problem.y0.size() + 1);
@@ -114,11 +145,9 @@ class Events {
     last_y_ = y;
     while (window_ + 2 < regular_.at.size() && t >= regular_.at[window_ + 1]) close_window();
     if (++count_ % stride_ != 0) return;
-    const Eigen::Array2d here = invariants(problem_, t, y);
-    for (const int i : {0, 1}) {
-      if (!highest_[i] || here[i] > highest_[i]->value) highest_[i] = Extreme{here[i], t, y};
-      if (!lowest_[i] || here[i] < lowest_[i]->value) lowest_[i] = Extreme{here[i], t, y};
-    }
+    if (!is_exact_ && has_kink(problem_, t, y)) return;
+    const Sample sample{invariants(problem_, t, y), t, y};
+    for (const int i : {0, 1}) widen(i, sample);
   }
 
   /// The regular path with the states that were found.
@@ -129,15 +158,15 @@ class Events {
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return found_.at[i]; });
     Path path{.at = {}, .y = {}, .note = regular_.note};
     std::size_t k = 0;
-    const auto take = [&](double t, const Eigen::VectorXd& y) {
+    const auto put = [&](double t, const Eigen::VectorXd& y) {
       if (!path.at.empty() && path.at.back() == t) return;
       path.at.push_back(t);
       path.y.push_back(y);
     };
     for (std::size_t i = 0; i < regular_.at.size(); ++i) {
       for (; k < order.size() && found_.at[order[k]] < regular_.at[i]; ++k)
-        take(found_.at[order[k]], found_.y[order[k]]);
-      take(regular_.at[i], regular_.y[i]);
+        put(found_.at[order[k]], found_.y[order[k]]);
+      put(regular_.at[i], regular_.y[i]);
     }
     return path;
   }
@@ -147,6 +176,17 @@ class Events {
     double value, t;
     Eigen::VectorXd y;
   };
+  struct Sample {
+    Eigen::Array2d value;
+    double t;
+    Eigen::VectorXd y;
+  };
+
+  void widen(int i, const Sample& sample) {
+    const double value = sample.value[i];
+    if (!highest_[i] || value > highest_[i]->value) highest_[i] = Extreme{value, sample.t, sample.y};
+    if (!lowest_[i] || value < lowest_[i]->value) lowest_[i] = Extreme{value, sample.t, sample.y};
+  }
 
   void set_instants(double t_end) {
     const auto* system = std::get_if<AnySystem>(&problem_.system);
@@ -203,6 +243,7 @@ class Events {
   Eigen::VectorXd last_y_;
   Eigen::Array2d before_ = Eigen::Array2d::Zero();
   std::array<std::optional<Extreme>, 2> highest_, lowest_;
+  bool is_exact_;  ///< the Jacobian is not one of differences
 };
 
 /// The size of one state.

@@ -23,13 +23,13 @@ TEST(LinearSag, OfACubeThatHangsIsThatOfARod) {
   const Problem problem = block("fem_cauchy@cube:n=8", {});
   const auto& points = problem.body->mesh().points;
   const double L = points.row(2).maxCoeff() - points.row(2).minCoeff();
-  EXPECT_NEAR(*sag, rho * g * L * L / (2 * E), 0.02 * rho * g * L * L / (2 * E));
+  EXPECT_NEAR(*sag, rho * g * L * L / (2 * E), 0.05 * rho * g * L * L / (2 * E));
 }
 
 TEST(RemedyWithoutEquilibrium, NamesTheEndThatHoldsABodyWhichItsSupportDoesNot) {
   // A long beam of soft tissue, held at one end of its length: it hangs down by more than its length. Held
   // from below it stands.
-  const Problem problem = block("fem_green@beam:n=2", {{"E", 600}});
+  const Problem problem = block("fem_green@beam:n=2", {{"E", 2000}});
   const std::string remedy = remedy_without_equilibrium(problem);
   EXPECT_NE(remedy.find("the support is the cause"), std::string::npos) << remedy;
   EXPECT_NE(remedy.find("--set axis="), std::string::npos) << remedy;

@@ -33,6 +33,9 @@ TEST(PredictAlongMotions, FindsTheSmallestLimitWithoutBeingAsked) {
   EXPECT_NEAR(least_of(row_of("-9.81 + (x < 0 ? -1e6*x - 10*v : 0)", 2, "x = 1\nv = 0")), 0.002838771, 1e-8);
   EXPECT_NEAR(least_of(row_of("-(t < 1 ? 1 : 10000)*x - 0.02*v", 2, "x = 1\nv = 0")), 0.0282863951, 1e-7);
   EXPECT_NEAR(least_of(row_of("-1000*(1 + 0.9*sin(t))*x - 0.1*v", 20, "x = 1\nv = 0")), 0.0649441457, 2e-5);
+  // Stiff for a thousandth of the motion, between two of the 400 instants.
+  EXPECT_NEAR(least_of(row_of("-(t > 1.0012 && t < 1.0032 ? 1e6 : 1)*x", 2, "x = 1\nv = 0")),
+              std::sqrt(8 / 1e6), 1e-7);
   EXPECT_NEAR(least_of(row_of("-x - x*x*x/1e12", 10, "x = 1e8\nv = 0")), std::sqrt(8 / (1 + 3e4)), 1e-7);
 }
 
