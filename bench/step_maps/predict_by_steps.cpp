@@ -71,7 +71,8 @@ std::string words_of_jacobian(const StepChoices& options, bool same_state) {
   if (options.is_frozen())
     return same_state
                ? "the frozen Jacobian is that of the initial state, which is this state"
-               : "the frozen Jacobian is that of the initial state of a run, not of this state, which `advise` freezes where a motion starts from it";
+               : "the frozen Jacobian is that of the initial state, not of this state; "
+                 "`advise` freezes that of the start of its motion";
   if (options.jacobian.every > 1)
     return "near this state a Jacobian of the last steps is the exact one but for terms of second order";
   return "the Jacobian is that of this state";

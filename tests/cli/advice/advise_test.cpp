@@ -109,12 +109,16 @@ TEST(AdviseCommand, SaysWhatABodyIsAndWhereItsLoadsInvertIt) {
 }
 
 TEST(AdviseCommand, SaysWhichJacobianIsFrozen) {
-  const Told told = Shell().hmax(
-      "advise --mesh cube:n=2 --rate 100 --frames 20 --tolerance 0.5 --methods linearly_implicit_euler");
-  ASSERT_EQ(told.exit_code, 0) << told.err << told.out;
-  if (told.out.find("take linearly_implicit_euler, Jacobian frozen") != std::string::npos)
-    EXPECT_NE(told.out.find("of the start of the motion, the equilibrium under gravity"), std::string::npos)
-        << told.out;
+  // Which of two Jacobians costs less is decided by times, and may be the other one's.
+  for (int i = 0; i < 5; ++i) {
+    const Told told =
+        Shell().hmax("advise --mesh cube:n=2 --rate 100 --frames 20 --tolerance 0.5 --methods linearly_implicit_euler");
+    ASSERT_EQ(told.exit_code, 0) << told.err << told.out;
+    if (told.out.find("take linearly_implicit_euler, Jacobian frozen") == std::string::npos) continue;
+    EXPECT_NE(told.out.find("of the start of the motion, the equilibrium under gravity"), std::string::npos) << told.out;
+    return;
+  }
+  GTEST_SKIP() << "the frozen Jacobian was never the cheapest";
 }
 
 TEST(AdviseCommand, FailsWhereNothingSuits) {
