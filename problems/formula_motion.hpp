@@ -38,8 +38,8 @@ class FormulaMotion {
   bool is_autonomous() const { return system_.is_autonomous(); }
   Linearity linearity() const { return system_.linearity(); }
   std::vector<double> breakpoints(double s0, double s1) const {
-    const auto [first, last] = std::minmax(time(s0), time(s1));
-    std::vector<double> times = system_.breakpoints(first, last);
+    const double a = time(s0), b = time(s1);
+    std::vector<double> times = system_.breakpoints(std::min(a, b), std::max(a, b));
     if (t0_ == 0 && direction_ > 0) return times;
     for (double& t : times) t = direction_ * (t - t0_);
     if (direction_ < 0) std::ranges::reverse(times);

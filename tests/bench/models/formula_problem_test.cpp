@@ -1,8 +1,10 @@
 /// Files of formulas as problems: their keys, the order of their states, their time.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -185,6 +187,22 @@ TEST(FormulaProblem, LimitsOfRatesBesideLargeConstants) {
   EXPECT_TRUE(near.point.at_equilibrium);
   EXPECT_NEAR(near.point.model.y[0], 1e20, 1e6);
   EXPECT_NEAR(*predict(find_method("rk4"), near.point, near.modes).h_max, 2.785293563405282e-6, 1e-15);
+}
+
+/// x'' = -x + H(t - 3), at rest before the jump: x = 1 - cos(t - 3) after it.
+TEST(FormulaProblem, RunsLandOnTheJumpsOfTheFile) {
+  const std::string equations = "[equations]\nx = \"v\"\nv = \"-x + (t >= 3 ? 1 : 0)\"\n";
+  const File forwards("[problem]\nt0 = 2\nt_end = 8\n" + equations + "[initial]\nx = 0\nv = 0\n");
+  for (const char* id : {"dormand_prince_54", "sdirk_4", "adams_pece"}) {
+    std::vector<double> times;
+    const RunRecord end = find_method(id)
+                              .bind(forwards.problem())
+                              .run({.t_end = 6, .adaptive = true, .rtol = 1e-8, .atol = 1e-12},
+                                   [&](double t, const auto&) { times.push_back(t); });
+    EXPECT_TRUE(std::ranges::find(times, 1.0) != times.end()) << id;
+    EXPECT_NEAR(end.y[0], 1 - std::cos(5), 1e-6) << id;
+    EXPECT_NEAR(end.y[1], std::sin(5), 1e-6) << id;
+  }
 }
 
 }  // namespace
