@@ -5,9 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/method.hpp"
 
 namespace hmax {
+
+struct Formula;  // bench/catalogue/formulas.hpp
 
 /// A method that a family or `all` holds, and that cannot be taken.
 struct LeftOut {
@@ -40,9 +42,6 @@ ChosenMethods chosen_methods_and_formulas(const std::vector<std::string>& names,
 
 /// As choose_formulas, with what has no stability of its own.
 ChosenFormulas chosen_formulas(const std::vector<std::string>& names);
-
-/// What a method needs and a problem does not have, in the words of LeftOut::why; empty where suits() holds.
-std::string why_unsuited(const Method& method, const Problem& problem);
 
 /// "adams_pece, cvode_adams: no order of their own", a line for each reason.
 std::vector<std::string> in_words(const std::vector<LeftOut>& left_out);

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
-#include "bench/catalogue/chosen_methods.hpp"
+#include "bench/catalogue/unsuited.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/structural/structural.hpp"
 #include "results/errors.hpp"
@@ -25,7 +25,8 @@ const AnySystem* with_coupled_mass(const Problem& problem) {
 
 /// Whether the method solves for the diagonal of the damping alone, and the masses are not lumped.
 bool lacks_lumped_masses(const Method& method, const Problem& problem) {
-  if (!method.amplification || !method.amplification->motion || method.amplification->motion->lumped.empty()) return false;
+  if (!method.amplification || !method.amplification->motion || method.amplification->motion->lumped.empty())
+    return false;
   const AnySystem* const any = with_coupled_mass(problem);
   if (any == nullptr) return false;
   const Eigen::VectorXd q = problem.y0.head(any->dofs()), v = problem.y0.tail(any->dofs());
@@ -168,10 +169,10 @@ void check_structure(const Method& method, const Problem& problem) {
   }
   if (const AnySystem* const any = with_coupled_mass(problem);
       any != nullptr && method.dense_equations && any->dofs() > most_coupled_masses)
-    throw InputError(
-        fmt::format("{} takes M^-1 K as one matrix, which is full, and the mass couples {} unknowns, more than {}; take "
-                    "another implicit method, or lump the mass matrix",
-                    method.id, any->dofs(), most_coupled_masses));
+    throw InputError(fmt::format(
+        "{} takes M^-1 K as one matrix, which is full, and the mass couples {} unknowns, more than {}; take "
+        "another implicit method, or lump the mass matrix",
+        method.id, any->dofs(), most_coupled_masses));
 }
 
 /// Throws unless the right-hand side is finite at the start.

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/models/free_parts.hpp"
+#include "bench/models/supports/free_parts.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "problems/mesh/files/mesh_import.hpp"

@@ -12,7 +12,7 @@
 #include "bench/limits/verification.hpp"
 #include "bench/models/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
-#include "bench/models/support_advice.hpp"
+#include "bench/models/supports/support_advice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/rows/limit_rows.hpp"
 #include "cli/bodies/body_words.hpp"

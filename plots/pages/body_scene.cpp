@@ -13,7 +13,7 @@
 
 #include "plots/drawn/bodies.hpp"
 #include "plots/drawn/colour_map.hpp"
-#include "plots/pages/base64.hpp"
+#include "plots/pages/encodings/base64.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
 #include "results/errors.hpp"

@@ -15,7 +15,7 @@
 #include <cmark-gfm.h>
 #include <fmt/format.h>
 
-#include "plots/pages/deflate.hpp"
+#include "plots/pages/encodings/deflate.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
 #include "plots/pages/page.hpp"

@@ -50,7 +50,7 @@ std::string embedded_svg(std::string_view svg, const std::string& alt);
 std::string embedded_png(std::string_view png, const std::string& alt);
 
 /// The same for the script packed_figures.js.
-/// @param deflated  an SVG as plots/pages/deflate.hpp makes it
+/// @param deflated  an SVG as plots/pages/encodings/deflate.hpp makes it
 std::string packed_svg(std::string_view deflated, const std::string& alt);
 
 /// A page of these sections. Every text is shown as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.

@@ -1,4 +1,4 @@
-// Of pages with large figures: unpacks those that plots/pages/deflate.hpp has made small.
+// Of pages with large figures: unpacks those that plots/pages/encodings/deflate.hpp has made small.
 (() => {
   "use strict";
   async function unpack(image) {

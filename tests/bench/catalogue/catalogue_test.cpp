@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/chosen_methods.hpp"
+#include "bench/catalogue/formulas.hpp"
 #include "bench/catalogue/families.hpp"
 #include "results/errors.hpp"
 

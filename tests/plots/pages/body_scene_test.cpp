@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "plots/pages/base64.hpp"
+#include "plots/pages/encodings/base64.hpp"
 #include "results/errors.hpp"
 #include "tests/plots/pages/made_scenes.hpp"
 

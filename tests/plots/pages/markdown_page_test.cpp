@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/own_files.hpp"
-#include "plots/pages/deflate.hpp"
+#include "plots/pages/encodings/deflate.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "plots/pages/deflate.hpp"
+#include "plots/pages/encodings/deflate.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/page.hpp"
 #include "tests/plots/pages/browser.hpp"

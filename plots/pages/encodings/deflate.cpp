@@ -1,4 +1,4 @@
-#include "plots/pages/deflate.hpp"
+#include "plots/pages/encodings/deflate.hpp"
 
 #if HMAX_HAVE_ZLIB
 #include <zlib.h>

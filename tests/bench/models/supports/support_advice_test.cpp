@@ -1,4 +1,4 @@
-#include "bench/models/support_advice.hpp"
+#include "bench/models/supports/support_advice.hpp"
 
 #include <gtest/gtest.h>
 

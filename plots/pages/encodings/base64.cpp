@@ -1,4 +1,4 @@
-#include "plots/pages/base64.hpp"
+#include "plots/pages/encodings/base64.hpp"
 
 #include <algorithm>
 #include <cstddef>
