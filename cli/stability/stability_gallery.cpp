@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/amplification/limits.hpp"
+#include "bench/catalogue/formulas.hpp"
 #include "bench/limits/predict.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
@@ -269,7 +270,8 @@ struct DrawnSection {
 };
 
 /// The opening section and those of all chapters, drawn on all cores.
-std::vector<DrawnSection> sections_of(const std::vector<Chapter>& chapters, const std::string& folder, Console& console) {
+std::vector<DrawnSection> sections_of(const std::vector<Chapter>& chapters, const std::string& folder,
+                                      Console& console) {
   const auto& interrupted = interrupt_flag();
   std::vector<DrawnSection> sections(chapters.size() + 1);
   Atelier opening(folder, sections[0].files);
@@ -281,7 +283,9 @@ std::vector<DrawnSection> sections_of(const std::vector<Chapter>& chapters, cons
         Atelier atelier(folder, sections[i + 1].files);
         sections[i + 1].section = section_of(chapters[i], atelier);
       },
-      [&](std::size_t done) { progress.update(static_cast<double>(done) / static_cast<double>(chapters.size())); },
+      [&](std::size_t done) {
+        progress.update(static_cast<double>(done) / static_cast<double>(chapters.size()));
+      },
       [&] { return interrupted.load(); });
   if (interrupted) throw Interrupted{};
   return sections;

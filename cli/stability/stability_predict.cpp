@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/catalogue/formulas.hpp"
 #include "bench/limits/problem_linearity.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
@@ -51,10 +52,10 @@ std::optional<StepChoices> step_options(const PredictOptions& options, const std
         "--jacobian and --linear apply to linearly implicit methods, and no method given is one; remove them, or add "
         "one like linearly_implicit_euler");
   if (!options.along.empty() && options.along != path_names[2])
-    throw InputError(
-        fmt::format("--along {} holds for the exact Jacobian of each state and cannot be combined with --jacobian and "
-                    "--linear; remove one of them",
-                    options.along));
+    throw InputError(fmt::format(
+        "--along {} holds for the exact Jacobian of each state and cannot be combined with --jacobian and "
+        "--linear; remove one of them",
+        options.along));
   return chosen;
 }
 
@@ -64,16 +65,15 @@ bool changes_along_motion(const Problem& problem) {
   return linearity_of(problem) != Linearity::linear;
 }
 
-/// The question with what --along stands for: loads of bodies and matrices that change with time, and other models
-/// that are not known to be linear, are looked at along the motion unless the user asks for the state at rest, or for
-/// no path.
+/// The question with what --along stands for: loads of bodies and matrices that change with time, and other
+/// models that are not known to be linear, are looked at along the motion unless the user asks for the state
+/// at rest, or for no path.
 LimitQuestion question_of(const PredictOptions& options, const Problem& problem) {
   LimitQuestion question{
       .at = options.at, .verify = options.verify, .path = options.along, .t_end = options.t_end};
   if (question.path.empty()) {
     question.path_by_default = options.jacobian.empty() && options.linear.empty() &&
-                               changes_along_motion(problem) &&
-                               options.at.of(problem) != AskedState::rest;
+                               changes_along_motion(problem) && options.at.of(problem) != AskedState::rest;
     if (question.path_by_default) question.path = path_names[0];
   } else if (parse_choice("--along", question.path, path_names) == path_names[2]) {
     question.path.clear();
@@ -84,7 +84,8 @@ LimitQuestion question_of(const PredictOptions& options, const Problem& problem)
   // Some thousand runs: of bodies and large matrices only for those who ask.
   constexpr Eigen::Index soon = 2000;
   const bool is_large = problem.body || problem.y0.size() > soon;
-  question.runs_from_start = options.verify && question.path == path_names[0] && !(question.path_by_default && is_large);
+  question.runs_from_start =
+      options.verify && question.path == path_names[0] && !(question.path_by_default && is_large);
   return question;
 }
 
