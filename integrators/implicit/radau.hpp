@@ -215,7 +215,10 @@ class RadauIIA5 {
       ++work_.newton;
       attempt_memory_.error = std::sqrt(find_corrections(1));
       if (!(attempt_memory_.error <= std::numeric_limits<Real>::max())) return ends(NewtonEnd::not_finite);
-      const bool solved = attempt_memory_.error <= std::max(Real(1), rounding(h, true));
+      // The residual has left f in the place of z = s f, which rounding is measured by. At a new Jacobian z
+      // may still be 0, so that nothing is estimated there.
+      transform<Forward>(w_, z_);
+      const bool solved = attempt_memory_.error <= std::max(Real(1), rounding(h, k % renewed != 0));
       if (!solved) {
         mixing.step(w_, f_);
       } else {
