@@ -103,10 +103,12 @@ bool all_finite(const AnyMatrix& J) {
 /// W spans the kernel of the matrix of rates, one state a row, by elimination with full pivoting; rank
 /// decided at 1e-11.
 /// @param size  of the components of y, shape (n)
-/// @param far   how far the state has to be moved to change the rates, shape (n): beside large constants nearer states tell
+/// @param far   how far the state has to be moved to change the rates, shape (n): beside large constants
+/// nearer states tell
 ///              nothing
 /// @return  no columns when there is no such sum, or when rates are finite at too few states
-MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const VectorXd& size, const VectorXd& far) {
+MatrixXd conserved_sums(const FrozenField& field, const VectorXd& y, const VectorXd& size,
+                        const VectorXd& far) {
   const Index n = size.size(), wanted = 2 * n + 3;
   // A fixed seed: the same states in every run.
   std::mt19937_64 random(1);
@@ -154,72 +156,8 @@ class Search {
     if (!y_.allFinite() || !evaluate(y_, f_))
       return ends(not_finite, "the rates at the start of the search are not finite; start elsewhere");
     size_ = y_.cwiseAbs();
-    bool nudged = false;
-    double last = std::numeric_limits<double>::infinity();
-    for (; iterations_ < most_iterations; ++iterations_) {
-      const AnyMatrix J = field_.jacobian(y_);
-      if (!all_finite(J)) return ends(not_finite, "the Jacobian on the way is not finite; start elsewhere");
-      // The largest terms that each rate has been a sum of, on the whole way.
-      rate_size_ = rate_size_.size() ? rate_size_.cwiseMax(row_sizes(J, y_) + f_.cwiseAbs())
-                                     : VectorXd(row_sizes(J, y_) + f_.cwiseAbs());
-      if (f_.isZero(0) && rates_vanish()) return arrives();
-      // Once, at the start: invariants hold everywhere.
-      if (iterations_ == 0) look_for_conserved_sums(J);
-      const Corrections correction(J, conserved_);
-      if (!correction.usable())
-        return ends(
-            singular_jacobian,
-            "the Jacobian is singular, so Newton's method does not say where to go; start elsewhere, or "
-            "hold what is free to drift");
-      // J d = -f has no solution: the rates at a singular state cannot be corrected from here.
-      if (!correction.reaches(residual(y_, f_))) {
-        if (iterations_ > 0 && rates_vanish()) return arrives();
-        // A fold may lie exactly here. Beside it the search goes on; a system without equilibrium says no
-        // again.
-        if (nudged)
-          return ends(
-              no_equilibrium,
-              conserved_.cols() > 0
-                  ? std::string("the rates cannot all vanish while the sums of the states that this system "
-                                "conserves keep their value; start elsewhere")
-                  : fmt::format("the rates cannot all vanish near this state: whatever is moved, one of them "
-                                "stays at {}; a load without a spring against it has no equilibrium",
-                                rounded(f_.cwiseAbs().maxCoeff())));
-        nudged = true;
-        if (!nudge())
-          return ends(not_finite, "the rates beside a singular state are not finite; start elsewhere");
-        continue;
-      }
-      const VectorXd d = correction(residual(y_, f_));
-      if (!d.allFinite()) return ends(not_finite, "a Newton step overflows; start elsewhere");
-      size_ = size_.cwiseMax(y_.cwiseAbs());
-      // Lengths in units of the sizes of the components, max norm.
-      const VectorXd weights = weights_for(d);
-      const double length = length_of(d, weights);
-      // Newton's method has nearly converged: steps are taken in full from here on.
-      const bool small = length <= 1e-8, stalls = small && length > 0.9 * last;
-      // Near the solution the test of the line search would only see rounding.
-      if (small) {
-        step_to(y_ + d);
-      } else if (!line_search(correction, d, weights)) {
-        // The slope of a fold, known to rounding alone, may have sent the search too far to come back.
-        if (!nudged && nudge()) {
-          nudged = true;
-          continue;
-        }
-        return ends(
-            no_equilibrium,
-            fmt::format("from this start the rates cannot be brought below {}; start elsewhere if the "
-                        "system has an equilibrium",
-                        rounded(f_.cwiseAbs().maxCoeff())));
-      }
-      // Stalled: corrections no longer shrink by a tenth, as at multiple roots or at rounding.
-      if ((length <= 1e-13 || stalls) && rates_vanish()) {
-        ++iterations_;
-        return arrives();
-      }
-      last = length;
-    }
+    for (; iterations_ < most_iterations; ++iterations_)
+      if (std::optional<EquilibriumSearch> end = iterate()) return *std::move(end);
     return ends(no_equilibrium,
                 fmt::format("no equilibrium within {} Newton steps; start elsewhere if the system has "
                             "one",
@@ -227,6 +165,76 @@ class Search {
   }
 
  private:
+  /// One iteration of Newton's method, or a nudge off a fold. @returns the answer where the search ends here
+  std::optional<EquilibriumSearch> iterate() {
+    using enum EquilibriumOutcome;
+    const AnyMatrix J = field_.jacobian(y_);
+    if (!all_finite(J)) return ends(not_finite, "the Jacobian on the way is not finite; start elsewhere");
+    // The largest terms that each rate has been a sum of, on the whole way.
+    rate_size_ = rate_size_.size() ? rate_size_.cwiseMax(row_sizes(J, y_) + f_.cwiseAbs())
+                                   : VectorXd(row_sizes(J, y_) + f_.cwiseAbs());
+    if (f_.isZero(0) && rates_vanish()) return arrives();
+    // Once, at the start: invariants hold everywhere.
+    if (iterations_ == 0) look_for_conserved_sums(J);
+    const Corrections correction(J, conserved_);
+    if (!correction.usable())
+      return ends(
+          singular_jacobian,
+          "the Jacobian is singular, so Newton's method does not say where to go; start elsewhere, or "
+          "hold what is free to drift");
+    // J d = -f has no solution: the rates at a singular state cannot be corrected from here.
+    if (!correction.reaches(residual(y_, f_))) return leave_fold();
+    const VectorXd d = correction(residual(y_, f_));
+    if (!d.allFinite()) return ends(not_finite, "a Newton step overflows; start elsewhere");
+    size_ = size_.cwiseMax(y_.cwiseAbs());
+    // Lengths in units of the sizes of the components, max norm.
+    const VectorXd weights = weights_for(d);
+    const double length = length_of(d, weights);
+    // Newton's method has nearly converged: steps are taken in full from here on.
+    const bool small = length <= 1e-8, stalls = small && length > 0.9 * last_;
+    // Near the solution the test of the line search would only see rounding.
+    if (small) {
+      step_to(y_ + d);
+    } else if (!line_search(correction, d, weights)) {
+      // The slope of a fold, known to rounding alone, may have sent the search too far to come back.
+      if (!nudged_ && nudge()) {
+        nudged_ = true;
+        return std::nullopt;
+      }
+      return ends(no_equilibrium,
+                  fmt::format("from this start the rates cannot be brought below {}; start elsewhere if the "
+                              "system has an equilibrium",
+                              rounded(f_.cwiseAbs().maxCoeff())));
+    }
+    // Stalled: corrections no longer shrink by a tenth, as at multiple roots or at rounding.
+    if ((length <= 1e-13 || stalls) && rates_vanish()) {
+      ++iterations_;
+      return arrives();
+    }
+    last_ = length;
+    return std::nullopt;
+  }
+
+  /// Where no correction makes all rates vanish. A fold may lie exactly here: beside it the search goes on,
+  /// and a system without equilibrium says no again. @returns the answer where the search ends here
+  std::optional<EquilibriumSearch> leave_fold() {
+    using enum EquilibriumOutcome;
+    if (iterations_ > 0 && rates_vanish()) return arrives();
+    if (nudged_)
+      return ends(
+          no_equilibrium,
+          conserved_.cols() > 0
+              ? std::string("the rates cannot all vanish while the sums of the states that this system "
+                            "conserves keep their value; start elsewhere")
+              : fmt::format("the rates cannot all vanish near this state: whatever is moved, one of them "
+                            "stays at {}; a load without a spring against it has no equilibrium",
+                            rounded(f_.cwiseAbs().maxCoeff())));
+    nudged_ = true;
+    if (!nudge())
+      return ends(not_finite, "the rates beside a singular state are not finite; start elsewhere");
+    return std::nullopt;
+  }
+
   static std::string rounded(double value) { return fmt::format("{:.3g}", value); }
 
   /// @returns false when a rate is not finite
@@ -300,8 +308,8 @@ class Search {
     return (f.cwiseAbs().array() <= 1e-11 * rate_size_.array()).all();
   }
 
-  /// Whether all rates are rounding. Components that are rounding are set to zero where the rates then are: of a
-  /// velocity that was never more than rounding, the rate has nothing else to be compared with.
+  /// Whether all rates are rounding. Components that are rounding are set to zero where the rates then are:
+  /// of a velocity that was never more than rounding, the rate has nothing else to be compared with.
   bool rates_vanish() {
     VectorXd y = y_, f(y_.size());
     for (Index i = 0; i < y.size(); ++i)
@@ -330,9 +338,11 @@ class Search {
 
   const FrozenField& field_;
   VectorXd start_, y_, f_;
-  MatrixXd conserved_;  ///< W, shape (n, count)
-  VectorXd size_;       ///< the largest |y_i| on the way
-  VectorXd rate_size_;  ///< the largest |J| |y| + |f| on the way
+  MatrixXd conserved_;                                     ///< W, shape (n, count)
+  VectorXd size_;                                          ///< the largest |y_i| on the way
+  VectorXd rate_size_;                                     ///< the largest |J| |y| + |f| on the way
+  double last_ = std::numeric_limits<double>::infinity();  ///< length of the last Newton step
+  bool nudged_ = false;                                    ///< the search has left a fold
   int iterations_ = 0;
 };
 
