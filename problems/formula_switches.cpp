@@ -55,6 +55,9 @@ bool oscillates(FormulaOp op) {
   return op == FormulaOp::sin || op == FormulaOp::cos || op == FormulaOp::tan || op == FormulaOp::rint;
 }
 
+/// Equal, or both not a number: an indicator without a value does not switch while it has none.
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
 constexpr double samples_per_half_period = 8, least_samples = 1024, most_samples = 200'000;
 
 }  // namespace
@@ -113,12 +116,12 @@ std::vector<double> FormulaSwitches::between(double t0, double t1) const {
     for (std::size_t i = 1; i < mesh.size(); ++i) {
       const double high = value(indicator, mesh[i]);
       double before = mesh[i - 1], after = mesh[i];
-      while (high != low) {
+      while (!same(high, low)) {
         const double middle = before + (after - before) / 2;
         if (!(before < middle && middle < after)) break;
-        (value(indicator, middle) == low ? before : after) = middle;
+        (same(value(indicator, middle), low) ? before : after) = middle;
       }
-      if (high != low) found.push_back(after);
+      if (!same(high, low)) found.push_back(after);
       low = high;
     }
     // What this one decides may jump there: others are looked at on both sides.

@@ -476,6 +476,16 @@ TEST(FormulaSystem, BreakpointsAreTheTimesAtWhichTimeAloneSwitches) {
   expect_near(of("exp(-t) > 0.5", 0, 10), {std::log(2.0)});
 }
 
+TEST(FormulaSystem, AConditionWithoutAValueDoesNotSwitch) {
+  // All of the samples are without a value; then those before 5, where the condition gets one.
+  const auto of = [](const std::string& formula, double t0, double t1) {
+    return system_of({formula}).breakpoints(t0, t1);
+  };
+  EXPECT_EQ(of("rint(log(t - 5))", 0, 4), Times{});
+  EXPECT_EQ(of("rint(sqrt(t - 5))", 0, 5.1), (Times{5}));
+  expect_near(of("sqrt(t - 5) < 1 ? 1 : 2", 0, 8), {5, 6});
+}
+
 TEST(FormulaSystem, BreakpointsOfPeriodicConditionsAreAllThere) {
   const FormulaSystem square = system_of({"sin(2*pi*50*t) > 0 ? 1 : -1"});
   const Times times = square.breakpoints(0, 10);
