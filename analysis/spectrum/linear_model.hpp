@@ -181,6 +181,15 @@ AnyMatrix jacobian_of_code(const S& system, real_of<typename S::State> t, const 
   return any_matrix(std::move(J));
 }
 
+/// The increment of a central difference of a component: eps^(1/3) |y_j|, with which truncation d^2 and
+/// rounding eps / d balance. A component below a thousandth of the largest is moved as one of that size. A
+/// state of 0 has no size: there as one of 1e-4.
+template <class Real>
+Real central_increment(Real y, Real largest) {
+  const Real least = largest > 0 ? Real(1e-3) * largest : Real(1e-4);
+  return std::cbrt(std::numeric_limits<Real>::epsilon()) * std::max(std::abs(y), least);
+}
+
 /// One column after another by central differences,
 ///   J e_j = (f(t, y + d_j e_j) - f(t, y - d_j e_j)) / (2 d_j) + O(d_j^2).
 template <System S>
@@ -192,15 +201,12 @@ class CentralDifferences {
 
   CentralDifferences(const S& system, Real t, const State& y)
       : system_(system), t_(t), y_(y), plus_(y), minus_(y), f_(y), f_plus_(y), f_minus_(y) {
-    const Real largest = y.size() > 0 ? y.cwiseAbs().maxCoeff() : Real(0);
-    least_ = std::max(Real(1e-3) * largest, Real(1e-4));
+    largest_ = y.size() > 0 ? y.cwiseAbs().maxCoeff() : Real(0);
+    guess_ = std::max(Real(1e-3) * largest_, Real(1e-4));
   }
 
-  /// d_j = eps^(1/3) |y_j|: truncation d^2 and rounding eps / d balance. A component below a thousandth of
-  /// the largest, or below 1e-4, is moved as one of that size.
-  [[nodiscard]] Real increment(Eigen::Index j) const {
-    return std::cbrt(std::numeric_limits<Real>::epsilon()) * std::max<Real>(std::abs(y_[j]), least_);
-  }
+  /// d_j, see central_increment().
+  [[nodiscard]] Real increment(Eigen::Index j) const { return central_increment<Real>(y_[j], largest_); }
   void move(Eigen::Index j, Real d) {
     plus_[j] = y_[j] + d;
     minus_[j] = y_[j] - d;
@@ -223,14 +229,15 @@ class CentralDifferences {
     Eigen::VectorXd increments(n), column(n);
     system_.rhs(t_, y_, f_);
     for (Eigen::Index j = 0; j < n; ++j) {
-      increments[j] = static_cast<double>(increment(j));
+      const bool guessed = n <= most_resolved_columns && std::abs(y_[j]) < guess_;
+      increments[j] = static_cast<double>(guessed ? central_increment<Real>(guess_, guess_) : increment(j));
       take(j, increments[j], column);
-      if (n <= most_resolved_columns && std::abs(y_[j]) < least_) straighten(j, increments[j], column);
+      if (guessed) straighten(j, increments[j], column);
       J.col(j) = column;
     }
     if (n > most_resolved_columns || !f_.allFinite()) return J;
     ResolvedDifferences<Eigen::MatrixXd, Eigen::VectorXd>(J, f_.template cast<double>(), 1e-7)
-        .resolve(increments,
+        .resolve(increments, static_cast<double>(largest_),
                  [&](Eigen::Index j, double d, Eigen::VectorXd& into) { return take(j, d, into); });
     return J;
   }
@@ -273,7 +280,9 @@ class CentralDifferences {
   Real t_;
   const State& y_;
   State plus_, minus_, f_, f_plus_, f_minus_;
-  Real least_;  ///< the size that smaller components are moved by
+  Real largest_;  ///< |y_j|
+  Real guess_;    ///< the size of smaller components where curvature is looked for: f may add them to numbers
+                  ///< of 1
 };
 
 /// J by central differences, columns one by one or in groups. Steppers are content with the forward

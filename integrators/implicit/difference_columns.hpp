@@ -16,7 +16,8 @@ inline constexpr Eigen::Index most_resolved_columns = 200;
 /// A column is taken again with an increment a thousand times as large while that is not small beside the
 /// entries of the row and of the column that stand out of rounding. Entries that were known before stay as
 /// they were, so that a larger increment brings no curvature into them. Beside f of 1e10 and a state of 0,
-/// whose size says nothing, this finds what acts.
+/// whose size says nothing, this finds what acts. Of a row that depends on nothing there is nothing to find:
+/// increments stay beside the state, see largest_increment().
 /// @tparam Column  a vector of the type of f
 template <class Matrix, class Column>
 class ResolvedDifferences {
@@ -31,11 +32,13 @@ class ResolvedDifferences {
     rounding_ = 2 * std::numeric_limits<Real>::epsilon() * f.cwiseAbs().template cast<Real>();
   }
 
+  /// @param size  of the state: the largest |y_j|
   /// @param take  take(j, delta, column): the differences of column j with this increment; false where f is
   /// not finite
   /// @returns the number of columns that were taken
   template <class Increments, class Take>
-  int resolve(Increments& delta, const Take& take) {
+  int resolve(Increments& delta, Real size, const Take& take) {
+    if (!rounding_.allFinite()) return 0;
     // With increments that are small beside the state f hides little: the usual case, which ends here.
     noise_ = rounding_ * delta.template cast<Real>().cwiseInverse().transpose();
     measure();
@@ -43,9 +46,11 @@ class ResolvedDifferences {
     Column column = J_.col(0);
     constexpr int most = 12;
     for (Eigen::Index j = 0; j < J_.cols(); ++j) {
+      const Real first = delta[j];
       for (int rung = 0; rung < most && is_hidden(j); ++rung) {
-        delta[j] *= 1000;
-        if (!std::isfinite(delta[j]) || !take(j, delta[j], column)) break;
+        const Real next = std::min<Real>(1000 * delta[j], largest_increment(first, size));
+        if (!(next > delta[j]) || !take(j, next, column)) break;
+        delta[j] = next;
         ++taken;
         for (Eigen::Index i = 0; i < J_.rows(); ++i)
           if (is_hidden(i, j)) {
@@ -59,6 +64,17 @@ class ResolvedDifferences {
   }
 
  private:
+  /// With the increment that is enough rounding is small beside the largest entry that is known. It stays
+  /// between a thousandth of the state, beyond which f changes by what is hidden in less than its 12th digit,
+  /// and a thousand times the state, beyond which f may be defined nowhere. A state of 0 has no size: there
+  /// increments grow by 6 decades, or to what the rates make of it in a nanosecond.
+  [[nodiscard]] Real largest_increment(Real first, Real size) const {
+    const Real soon = Real(1e-9) * rounding_.maxCoeff() / (2 * std::numeric_limits<Real>::epsilon());
+    if (!(size > 0)) return std::max(Real(1e6) * first, soon);
+    const Real known = rows_.maxCoeff();
+    const Real enough = known > 0 ? rounding_.maxCoeff() / (trusted_ * known) : Real(0);
+    return std::clamp(enough, size / 1000, 1000 * std::max(size, soon));
+  }
   /// The largest entries of rows and columns that are more than rounding.
   void measure() {
     rows_.setZero(J_.rows());

@@ -38,6 +38,17 @@ Real difference_increment(Real y, Real scale) {
   volatile Real moved = y + delta;
   return moved - y;
 }
+
+/// The increment of a difference in time: sqrt(eps) max(|t|, |h|) in the direction of the step h, and no more
+/// than a thousandth of h, within which f changes little. Steps of a few roundings of t are taken whole.
+template <class Real>
+Real time_increment(Real t, Real h) {
+  using std::abs, std::copysign, std::sqrt;
+  const Real wanted = sqrt(std::numeric_limits<Real>::epsilon()) * std::max(abs(t), abs(h));
+  volatile Real moved = t + copysign(std::min(wanted, abs(h) / 1024), h);
+  if (moved == t) moved = t + h;
+  return moved - t;
+}
 }  // namespace detail
 
 /// A system that declares where its Jacobian can be nonzero: `sparsity` writes a matrix of shape (dim, dim)
@@ -135,6 +146,8 @@ class JacobianSource {
   /// Prepares differences where the system has no Jacobian: pattern, column groups and vectors.
   template <System Sys>
   void init(const Sys& system) {
+    looks_for_hidden_ = true;
+    searched_ = 0;
     // A system with a Jacobian of its own needs no memory for differences.
     if (has_jacobian(system)) return;
     f0_.resize(system.dim());
@@ -179,6 +192,12 @@ class JacobianSource {
     }
   }
 
+  /// What it carries between accepted steps, see saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& visit) {
+    visit(looks_for_hidden_, searched_);
+  }
+
  private:
   using Dense = jacobian_of<State>;
   using Sparse = Eigen::SparseMatrix<typename State::Scalar>;
@@ -218,9 +237,12 @@ class JacobianSource {
     write([&](auto& C) { system.damping(t, positions_, velocities_, C); }, parts.damping);
   }
 
-  /// Components far below the others are moved by what the others would be: 1e-5 of the largest, at least
-  /// 1e-8.
-  static Real scale_of(const State& y) { return std::max(Real(1e-5) * y.cwiseAbs().maxCoeff(), Real(1e-8)); }
+  /// Components far below the others are moved as one of 1e-5 of the largest. A state of 0 has no size: there
+  /// as one of 1e-8.
+  static Real scale_of(const State& y) {
+    const Real largest = y.size() > 0 ? Real(y.cwiseAbs().maxCoeff()) : Real(0);
+    return largest > 0 ? Real(1e-5) * largest : Real(1e-8);
+  }
   /// delta_j = sqrt(eps) max(|y_j|, scale).
   static Real increment(const State& y, Eigen::Index j, Real scale) {
     using std::abs;
@@ -243,14 +265,15 @@ class JacobianSource {
     }
     // A search that goes on in every Jacobian finds nothing.
     if (y.size() > detail::most_resolved_columns || !looks_for_hidden_) return;
-    const int taken = detail::ResolvedDifferences<Dense, State>(out, f0, Real(1e-4))
-                          .resolve(increments_, [&](Eigen::Index j, Real delta, State& column) {
-                            moved_[j] = y[j] + delta;
-                            system.rhs(t, moved_, f1_);
-                            column = (f1_ - f0) / (moved_[j] - y[j]);
-                            moved_[j] = y[j];
-                            return column.allFinite();
-                          });
+    const int taken =
+        detail::ResolvedDifferences<Dense, State>(out, f0, Real(1e-4))
+            .resolve(increments_, y.cwiseAbs().maxCoeff(), [&](Eigen::Index j, Real delta, State& column) {
+              moved_[j] = y[j] + delta;
+              system.rhs(t, moved_, f1_);
+              column = (f1_ - f0) / (moved_[j] - y[j]);
+              moved_[j] = y[j];
+              return column.allFinite();
+            });
     searched_ += taken;
     looks_for_hidden_ = searched_ < 100 * y.size();
   }
@@ -305,10 +328,13 @@ class JacobianSource {
 };
 
 /// dfdt = partial f / partial t at (t, y), shape (n): the system's own, zero for autonomous systems, or a
-/// forward difference, which costs one evaluation of f.
+/// one-sided difference, which costs one evaluation of f. It is taken inside of the step, and so on the near
+/// side of whatever the step ends at.
+/// @param h   the step from t, in whose direction the difference is taken; not 0
 /// @param f0  f(t, y)
 template <System Sys>
-void evaluate_time_derivative(const Sys& system, real_of<typename Sys::State> t, const typename Sys::State& y,
+void evaluate_time_derivative(const Sys& system, real_of<typename Sys::State> t,
+                              real_of<typename Sys::State> h, const typename Sys::State& y,
                               const typename Sys::State& f0, typename Sys::State& dfdt) {
   using Real = real_of<typename Sys::State>;
   if (is_autonomous(system)) {
@@ -317,8 +343,7 @@ void evaluate_time_derivative(const Sys& system, real_of<typename Sys::State> t,
   }
   if constexpr (TimeDifferentiableSystem<Sys>)
     if (has_time_derivative(system)) return system.time_derivative(t, y, dfdt);
-  // sqrt(eps) max(|t|, 1e-3)
-  const Real delta = detail::difference_increment<Real>(t, Real(1e-3));
+  const Real delta = detail::time_increment(t, h);
   system.rhs(t + delta, y, dfdt);
   // partial f / partial t = (f(t + delta, y) - f0) / delta
   dfdt = (dfdt - f0) / delta;

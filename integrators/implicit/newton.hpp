@@ -269,7 +269,8 @@ NewtonEnd continue_newton(Real mu, NewtonMemory<Real>& memory, std::int64_t& cou
 }
 
 namespace detail {
-/// M of a Jacobian that was read back, see saved_state.hpp: that of the system where the matrix is a mechanical one.
+/// M of a Jacobian that was read back, see saved_state.hpp: that of the system where the matrix is a
+/// mechanical one.
 template <class Sys, class Matrix>
 void take_mass(const Sys& system, Matrix& J) {
   if constexpr (is_variant<Matrix>)
@@ -363,7 +364,7 @@ class Linearisation {
   /// What it carries between accepted steps, see saved_state.hpp.
   template <class Visitor>
   void visit_state(Visitor& visit) {
-    visit(id_, evaluations_, steps_, due_);
+    visit(id_, evaluations_, steps_, due_, source_);
     if (!due_) visit(J_);
   }
   /// After visit_state() has read it: makes what is not written, masses and factors.
@@ -375,7 +376,6 @@ class Linearisation {
   [[nodiscard]] bool is_kept() const { return !due_; }
 
  private:
-
   template <System Sys>
   void evaluate(const Sys& system, Real t, const State& y, Matrix& J, std::int64_t& id) {
     source_.evaluate(system, t, y, J);
@@ -487,7 +487,8 @@ class ShiftedSolver {
   void visit_state(Visitor& visit) {
     visit(id_, s_, regular_);
   }
-  /// After visit_state() has read it: the factors of the matrix J with this number, where it is the one that was factored.
+  /// After visit_state() has read it: the factors of the matrix J with this number, where it is the one that
+  /// was factored.
   void resumed(const Matrix& J, std::int64_t id) {
     if (id != id_) {
       id_ = 0;  // the next attempt has another matrix

@@ -126,7 +126,7 @@ class Rosenbrock {
     }
     // Of an autonomous system df/dt = 0 is neither evaluated nor added.
     const bool driven = !is_autonomous(system);
-    if (driven && !time_slope_known_) evaluate_time_derivative(system, t, y, slope_, time_slope_);
+    if (driven && !time_slope_known_) evaluate_time_derivative(system, t, h, y, slope_, time_slope_);
     time_slope_known_ = true;
     // One factorisation of I - h gamma J for all stages.
     const Real scale = static_cast<Real>(tableau.gamma) * h;
@@ -186,7 +186,7 @@ class Rosenbrock {
   /// What it carries between accepted steps, see saved_state.hpp.
   template <class Visitor>
   void visit_state(Visitor& visit) {
-    visit(jacobian_id_, steps_, jacobian_due_, slope_known_, solver_);
+    visit(jacobian_id_, steps_, jacobian_due_, slope_known_, solver_, source_);
     visit_work(visit, work_);
     if (slope_known_) visit(slope_);
     if (!jacobian_due_) visit(J_);

@@ -33,6 +33,8 @@ class Derivatives {
             [](void* self, Real t, const Real* y, Real* J) { of(self).jacobian(t, y, J); },
             [](void* self, Real t, const Real* y, Real* dfdt) { of(self).time_derivative(t, y, dfdt); }};
   }
+  /// The step that is tried, which differences in time are taken in.
+  void set_step(Real h) { h_ = h; }
 
  private:
   using Matrix = jacobian_type<Sys>;
@@ -65,7 +67,7 @@ class Derivatives {
     read(y);
     f_.setZero();
     if (!is_autonomous(system_) && !has_time_derivative(system_)) system_.rhs(t, y_, f_);
-    evaluate_time_derivative(system_, t, y_, f_, out_);
+    evaluate_time_derivative(system_, t, h_, y_, f_, out_);
     Eigen::Map<State>(dfdt, out_.size()) = out_;
   }
 
@@ -75,6 +77,7 @@ class Derivatives {
   Matrix J_;
   /// y, f(t, y) and results, shape (n).
   State y_, f_, out_;
+  Real h_ = 0;  ///< see set_step()
 };
 
 }  // namespace detail
@@ -99,10 +102,14 @@ class Rosenbrock4Peer {
   /// @returns whether y_new at t + h is accepted
   /// @throws NotSolved  where the Jacobian is not finite
   bool try_step(const Values& y, Real t, Values& y_new, Real& h) {
+    derivatives_.set_step(h);
     return stepper_.try_step(y.data(), t, y_new.data(), h);
   }
   /// y_new at t + h, without a test of its error.
-  void step(const Values& y, Real t, Values& y_new, Real h) { stepper_.step(y.data(), t, y_new.data(), h); }
+  void step(const Values& y, Real t, Values& y_new, Real h) {
+    derivatives_.set_step(h);
+    stepper_.step(y.data(), t, y_new.data(), h);
+  }
   /// out = y(t), t in (t0, t1), by the method's dense output of the step from t0 to t1, the last one that was
   /// tried.
   void inside(const Values& y0, Real t0, const Values& y1, Real t1, Real t, Values& out) {

@@ -241,5 +241,38 @@ TEST(LinearModel, DifferencesOfSmallNumbersStayBelowTheirCurvature) {
   EXPECT_NEAR(dense(linearise(system, 0, y).J())(0, 0), -4, 1e-5);
 }
 
+/// The same with a declared pattern, so that columns are taken in groups.
+struct PatternedCubes : AffineWithCubes {
+  void sparsity(Eigen::SparseMatrix<double>& pattern) const {
+    pattern.resize(b.size(), b.size());
+    pattern.setIdentity();
+  }
+};
+
+TEST(LinearModel, GroupedDifferencesOfSmallNumbersStayBelowTheirCurvature) {
+  const PatternedCubes system{{Eigen::VectorXd::Zero(2), -Eigen::MatrixXd::Identity(2, 2), -1e24}};
+  const Eigen::MatrixXd J = dense(linearise(system, 0, Eigen::VectorXd(Eigen::Vector2d(1e-12, 0))).J());
+  EXPECT_NEAR(J(0, 0), -4, 1e-5);
+  EXPECT_NEAR(J(1, 1), -1, 1e-5);
+}
+
+TEST(LinearModel, ARowThatDependsOnNothingIsNotSearchedFarFromTheState) {
+  struct Bounded {
+    using State = Eigen::VectorXd;
+    [[nodiscard]] static Eigen::Index dim() { return 2; }
+    static void rhs(double, const State& u, State& dudt) {
+      if (std::abs(u[1]) > 1) throw std::domain_error("outside");
+      dudt[0] = 3;
+      dudt[1] = std::sqrt(1 - u[1] * u[1]);
+    }
+  };
+  for (const double at : {0.0, 1e-6, 0.5, 0.9}) {
+    Eigen::MatrixXd J;
+    ASSERT_NO_THROW(J = dense(linearise(Bounded{}, 0, Eigen::VectorXd(Eigen::Vector2d(0, at))).J())) << at;
+    EXPECT_EQ(J.row(0).cwiseAbs().maxCoeff(), 0);
+    EXPECT_NEAR(J(1, 1), -at / std::sqrt(1 - at * at), 1e-8);
+  }
+}
+
 }  // namespace
 }  // namespace hmax

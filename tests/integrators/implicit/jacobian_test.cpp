@@ -6,11 +6,15 @@
 #include <complex>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "integrators/implicit/rosenbrock.hpp"
+#include "integrators/implicit/rosenbrock_tableaux.hpp"
+#include "integrators/saved_state.hpp"
 #include "integrators/stats.hpp"
 #include "problems/any_system.hpp"
 #include "problems/oscillator/oscillator.hpp"
@@ -57,7 +61,7 @@ TEST(JacobianSource, TimeDerivativeByDifferencesComesNearTheSystemsOwn) {
   const AnySystem system(PlainOscillator{});
   Eigen::VectorXd f0(2), dfdt(2);
   system.rhs(0.8, y, f0);
-  evaluate_time_derivative(system, 0.8, Eigen::VectorXd(y), f0, dfdt);
+  evaluate_time_derivative(system, 0.8, 0.1, Eigen::VectorXd(y), f0, dfdt);
   EXPECT_LT((dfdt - exact).cwiseAbs().maxCoeff(), 1e-7);
 }
 
@@ -84,6 +88,129 @@ TEST(JacobianSource, DifferencesFromZeroSeeWhatLargeConstantsHide) {
     EXPECT_NEAR(J(1, 1), -3, 1e-4) << b;
     EXPECT_NEAR(J(0, 1), 0, 1e-2) << b;
   }
+}
+
+/// x' = 3, y' = sqrt(1 - y^2), which is defined for |y| <= 1 alone; counts evaluations.
+struct Bounded {
+  using State = Eigen::VectorXd;
+  mutable int calls = 0;
+  mutable double farthest = 0;
+  [[nodiscard]] static Eigen::Index dim() { return 2; }
+  void rhs(double, const State& u, State& dudt) const {
+    ++calls;
+    farthest = std::max(farthest, u.cwiseAbs().maxCoeff());
+    if (std::abs(u[1]) > 1) throw std::domain_error("outside");
+    dudt[0] = 3;
+    dudt[1] = std::sqrt(1 - u[1] * u[1]);
+  }
+};
+
+TEST(JacobianSource, ARowThatDependsOnNothingIsNotSearchedFarFromTheState) {
+  for (const double at : {0.0, 1e-6, 0.5, 0.9}) {
+    const Bounded system;
+    JacobianSource<Eigen::VectorXd, Eigen::MatrixXd> source;
+    Eigen::MatrixXd J;
+    source.init(system);
+    const Eigen::VectorXd u = Eigen::Vector2d(0, at);
+    ASSERT_NO_THROW(source.evaluate(system, 0, u, J)) << at;
+    EXPECT_EQ(J.row(0).cwiseAbs().maxCoeff(), 0);
+    EXPECT_NEAR(J(1, 1), -at / std::sqrt(1 - at * at), 1e-6);
+    EXPECT_LE(system.farthest, 1.01 * at + 1e-3);
+    EXPECT_LE(system.calls, 11);  // f, two columns, and at most four increments more for each
+  }
+}
+
+TEST(JacobianSource, TheSearchForHiddenColumnsEndsAlsoInARunThatGoesOn) {
+  const Bounded system;
+  const Eigen::VectorXd u = Eigen::Vector2d(0, 0.5);
+  Eigen::MatrixXd J;
+  const auto cost = [&](auto& source) {
+    const int before = system.calls;
+    source.evaluate(system, 0, u, J);
+    return system.calls - before;
+  };
+  JacobianSource<Eigen::VectorXd, Eigen::MatrixXd> first, resumed;
+  first.init(system);
+  const int searching = cost(first);
+  for (int i = 0; i < 300; ++i) cost(first);
+  ASSERT_EQ(cost(first), 3);
+  ASSERT_GT(searching, 3);
+  StateBytes bytes;
+  StateSaver save(bytes);
+  save(first);
+  resumed.init(system);
+  StateLoader load(bytes);
+  load(resumed);
+  EXPECT_EQ(cost(resumed), 3);
+  first.init(system);
+  EXPECT_EQ(cost(first), searching);
+}
+
+TEST(JacobianSource, DifferencesOfSmallStatesAreAsGoodAsThoseOfLargeOnes) {
+  // f = -y - (y / s)^2 y with f' = -4 at y = s, whatever s is.
+  for (const double s : {1e-18, 1e-12, 1.0, 1e12}) {
+    struct Cube {
+      using State = Eigen::VectorXd;
+      double s;
+      [[nodiscard]] static Eigen::Index dim() { return 1; }
+      void rhs(double, const State& u, State& dudt) const {
+        dudt[0] = -u[0] - u[0] * (u[0] / s) * (u[0] / s);
+      }
+    };
+    const Cube cube{s};
+    JacobianSource<Eigen::VectorXd, Eigen::MatrixXd> source;
+    Eigen::MatrixXd J;
+    source.init(cube);
+    source.evaluate(cube, 0, Eigen::VectorXd::Constant(1, s), J);
+    EXPECT_NEAR(J(0, 0), -4, 1e-6) << s;
+  }
+}
+
+/// y' = (cos(t / s) - y) / s: the solution is a function of t / s. It counts what is asked outside of [0,
+/// end].
+struct Scaled {
+  using State = Eigen::VectorXd;
+  double s, end;
+  mutable int outside = 0;
+  [[nodiscard]] static Eigen::Index dim() { return 1; }
+  void rhs(double t, const State& u, State& dudt) const {
+    if (t < 0 || t > end) ++outside;
+    dudt[0] = (std::cos(t / s) - u[0]) / s;
+  }
+};
+
+TEST(JacobianSource, DifferencesInTimeKnowTheLengthOfTheStepAndStayInIt) {
+  const auto result = [](double s) {
+    const int steps = 20;
+    const double h = 0.1 * s;
+    const Scaled system{s, steps * h};
+    Rosenbrock<tableaux::Rodas4, Eigen::VectorXd> stepper;
+    Eigen::VectorXd u = Eigen::VectorXd::Ones(1), next = u;
+    stepper.init(system, 0, u);
+    for (int i = 0; i < steps; ++i) {
+      // The last step ends at the end of the span.
+      const double t = i * h;
+      EXPECT_EQ(stepper.attempt(system, t, u, i + 1 < steps ? h : system.end - t, next), StepStatus::ok);
+      stepper.accept(next);
+      u = next;
+    }
+    EXPECT_EQ(system.outside, 0) << s;
+    return u[0];
+  };
+  // y = (cos t + sin t + exp(-t)) / 2
+  const double exact = (std::cos(2.0) + std::sin(2.0) + std::exp(-2.0)) / 2;
+  for (const double s : {1e12, 1.0, 1e-12}) EXPECT_NEAR(result(s), exact, 1e-6) << s;
+}
+
+TEST(JacobianSource, DifferencesInTimeStayInStepsOfAFewRoundings) {
+  const double t = 1, h = 4 * std::numeric_limits<double>::epsilon();
+  for (const double step : {h, -h}) {
+    const double d = detail::time_increment(t, step);
+    EXPECT_GT(d / step, 0);
+    EXPECT_LE(std::abs(d), h);
+  }
+  EXPECT_LT(detail::time_increment(1e3, 1e-9), 1.1e-12);
+  EXPECT_LT(detail::time_increment(0.0, -1e-12), 0);
 }
 
 /// Reaction and diffusion in a row of n cells: y_i' = y_(i-1) - 2 y_i + y_(i+1) - y_i^3.
