@@ -5,8 +5,8 @@
 #include <variant>
 
 #include "bench/models/matrix_problem.hpp"
+#include "bench/models/tissue_problem.hpp"
 #include "problems/matrix_entries.hpp"
-#include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 
 namespace hmax {
@@ -28,11 +28,8 @@ std::string_view name_of(Linearity linearity) {
 Linearity linearity_of(const Problem& problem) {
   if (is_matrices_id(problem.id))
     return times_of_matrices(problem).empty() ? Linearity::linear : Linearity::time_varying;
-  // Loads and moving supports are forces b(t); a tool touches and leaves.
-  if (problem.body)
-    return problem.body->settings().model.is_linear && problem.body->settings().tools.empty()
-               ? Linearity::linear
-               : Linearity::nonlinear;
+  // Loads and moving supports are forces b(t).
+  if (problem.body) return has_linear_forces(*problem.body) ? Linearity::linear : Linearity::nonlinear;
   if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
     return oscillator->parameters().k3 == 0 ? Linearity::linear : Linearity::nonlinear;
   return std::get<AnySystem>(problem.system).linearity();

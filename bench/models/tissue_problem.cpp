@@ -138,6 +138,11 @@ std::string tissue_id(std::string_view model, std::string_view mesh, std::string
 
 bool is_tissue_id(std::string_view id) { return !is_matrices_id(id) && id.find('@') != std::string_view::npos; }
 
+bool has_linear_forces(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  return settings.model.is_linear && settings.tools.empty() && settings.skin.kind == SkinSettings::Kind::none;
+}
+
 Problem make_tissue_problem(const std::string& name, const ProblemSettings& settings) {
   const TissueId id(name);
   if (!settings.y0.empty())
@@ -162,7 +167,7 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .idle = idle_parameters(id, parameters)};
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
     problem.tetrahedron_numbers.push_back(loaded.origin->tetrahedron_number(t));
-  const bool is_linear = body->settings().model.is_linear && body->settings().tools.empty();
+  const bool is_linear = has_linear_forces(*body);
   if (is_linear && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;
     problem.exact = exact_motion(body);

@@ -16,6 +16,10 @@ std::string tissue_id(std::string_view model, std::string_view mesh, std::string
 /// Whether `id` is meant to name a tissue problem.
 bool is_tissue_id(std::string_view id);
 
+/// Whether the forces of a body are linear in its displacements and velocities: a tool touches and leaves,
+/// and a skin turns with the surface. Loads and moved supports may change with time.
+bool has_linear_forces(const TissueBody& body);
+
 /// The problem of such an id, at rest at t = 0.
 /// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
 Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);

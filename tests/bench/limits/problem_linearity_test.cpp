@@ -56,6 +56,7 @@ TEST(LinearityOf, IsThatOfTheStructure) {
   EXPECT_EQ(of("spring_chain", {{"k3", 1}}), Linearity::nonlinear);
   EXPECT_EQ(of("fem_cauchy@cube:n=1"), Linearity::linear);
   EXPECT_EQ(of("fem_cauchy/tool@cube:n=1"), Linearity::nonlinear);
+  EXPECT_EQ(of("fem_cauchy@cube:n=1", {{"skin", 1000}}), Linearity::nonlinear);
   EXPECT_EQ(of("fem_green@cube:n=1"), Linearity::nonlinear);
   EXPECT_EQ(linearity_of(called([](double, double x, double) { return -x; }, {1, 0})), Linearity::unknown);
 }
