@@ -32,4 +32,14 @@ double entry_rounding(const AnyMatrix& matrix) {
   return fewest <= digits && digits <= most ? 0.5 * std::pow(10.0, 1 - digits) : 0;
 }
 
+double rounding_of_form(const AnyMatrix& A, double rounding, const Eigen::VectorXd& x) {
+  double sum = 0;
+  each_entry(A, [&](Eigen::Index i, Eigen::Index j, double value) {
+    if (value == 0) return;
+    const double decade = std::pow(10.0, std::floor(std::log10(std::abs(value))));
+    sum += std::abs(x[i]) * decade * std::abs(x[j]);
+  });
+  return rounding * sum;
+}
+
 }  // namespace hmax

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -91,15 +92,61 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
 }
 
 namespace {
+/// What is known of the negative stiffnesses of K by its few digits: the undamped modes, and of each what
+/// rounding may change its stiffness by.
+class RoundedStiffness {
+ public:
+  RoundedStiffness(const MechanicalPart& part, double rounding) : part_(part), rounding_(rounding) {}
+
+  /// Whether the negative stiffness nearest to kappa may be that of a rigid-body mode.
+  [[nodiscard]] bool may_be_rigid(double kappa) {
+    const std::vector<MechanicalMode>& modes = shapes().modes;
+    const auto nearest = std::ranges::min_element(
+        modes, {}, [&](const MechanicalMode& mode) { return std::abs(mode.kappa - kappa); });
+    return is_rigid(nearest - modes.begin());
+  }
+  [[nodiscard]] bool may_all_be_rigid() {
+    for (std::size_t i = 0; i < shapes().modes.size(); ++i)
+      if (!is_rigid(static_cast<Eigen::Index>(i))) return false;
+    return true;
+  }
+
+ private:
+  [[nodiscard]] bool is_rigid(Eigen::Index i) {
+    const double kappa = shapes().modes[static_cast<std::size_t>(i)].kappa;
+    return kappa >= 0 || -kappa <= rounding_of_form(part_.K, rounding_, shapes().shapes.col(i));
+  }
+  [[nodiscard]] const MechanicalModes& shapes() {
+    if (!shapes_) {
+      MechanicalPart undamped = part_;
+      undamped.damping = Damping::none;
+      std::visit([](auto& C) { C.setZero(); }, undamped.C);
+      shapes_ = mechanical_modes(undamped, true);
+    }
+    return *shapes_;
+  }
+
+  const MechanicalPart& part_;
+  double rounding_;
+  std::optional<MechanicalModes> shapes_;  ///< made when they are needed first
+};
+
 /// Of K of a user, whose decimals may be few: negative stiffnesses within their rounding are rigid-body
-/// modes.
+/// modes. Of models whose shapes are not at hand the share of the largest stiffness decides.
 void round_negative_stiffness(const LinearModel& model, ModeSet& modes) {
   const double rounding = rounding_of_stiffness(model);
   if (rounding == 0 || modes.range) return;
+  RoundedStiffness known(*model.mechanical, rounding);
+  const bool has_shapes = !modes.curve && model.mechanical->mass.size() <= most_dense_modes;
   auto& oscillations = modes.spectrum.mechanical;
   double largest = 0;
   for (const MechanicalMode& mode : oscillations) largest = std::max(largest, mode.kappa);
-  const auto is_rounding = [&](double kappa) { return kappa < 0 && -kappa <= rounding * largest; };
+  const auto is_rounding = [&](double kappa) {
+    if (has_shapes) return kappa < 0 && known.may_be_rigid(kappa);
+    if (!(kappa < 0 && -kappa <= rounding * largest)) return false;
+    modes.rounded = std::max(modes.rounded, -kappa / largest);
+    return true;
+  };
   for (std::size_t i = 0; i < oscillations.size(); ++i) {
     if (!is_rounding(oscillations[i].kappa)) continue;
     oscillations[i].kappa = 0;
@@ -111,8 +158,23 @@ void round_negative_stiffness(const LinearModel& model, ModeSet& modes) {
   // Where damping couples the modes: what grows as no more than such a stiffness makes it.
   double radius = 0;
   for (const Complex lambda : modes.spectrum.lambda) radius = std::max(radius, std::norm(lambda));
-  for (Complex& lambda : modes.spectrum.lambda)
-    if (lambda.real() > 0 && lambda.imag() == 0 && std::norm(lambda) <= rounding * radius) lambda = 0;
+  for (Complex& lambda : modes.spectrum.lambda) {
+    if (!(lambda.real() > 0 && lambda.imag() == 0 && std::norm(lambda) <= rounding * radius)) continue;
+    if (has_shapes && !known.may_all_be_rigid()) return;
+    if (!has_shapes) modes.rounded = std::max(modes.rounded, std::norm(lambda) / radius);
+    lambda = 0;
+  }
+}
+
+/// Says in the status of a point that a negative stiffness counts as 0.
+void tell_rounded(Linearised& near) {
+  if (near.modes.rounded == 0) return;
+  const std::string words = fmt::format(
+      "a negative stiffness of {:.2g} of the largest counts as 0, because the digits of K may have made it; write K "
+      "with more digits if it is one",
+      near.modes.rounded);
+  near.point.state += "; " + words;
+  near.point.status += (near.point.status.empty() ? "" : "; ") + words;
 }
 }  // namespace
 
@@ -135,6 +197,7 @@ ModeSet mode_set(const LinearModel& model, bool is_body) {
 Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y) {
   Linearised near{.point = operating_point(problem, t, y)};
   near.modes = mode_set(near.point.model, near.point.is_body);
+  tell_rounded(near);
   return near;
 }
 
@@ -253,6 +316,7 @@ OperatingPoint operating_point(const Problem& problem, AskedState at, const Equi
 Linearised linearised(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
   Linearised near{.point = operating_point(problem, at, watcher)};
   near.modes = mode_set(near.point.model, near.point.is_body);
+  tell_rounded(near);
   return near;
 }
 

@@ -33,10 +33,7 @@ double least_stiffness(const MechanicalPart& part, double kappa_max, Eigen::Inde
         product(x, y);
         y = kappa_max * x - y;
       },
-      part.mass.size(),
-      {.tolerance = 1e-8,
-       .most_products = most_products,
-       .with_vector = false});
+      part.mass.size(), {.tolerance = 1e-8, .most_products = most_products, .with_vector = false});
   return kappa_max - pair.value;
 }
 
@@ -49,8 +46,9 @@ double slow_end(const MechanicalPart& part, double kappa_max) {
   const double nearest = std::abs(least.kappa.at(0)) <= 1e-12 * kappa_max ? 0 : least.kappa.at(0);
   if (least.negative == 0) return nearest;
   const double lowest = least_stiffness(part, kappa_max, 2000);
-  // Within the rounding of few decimals.
-  if (const double rounding = entry_rounding(part.K); rounding > 0 && -lowest <= rounding * kappa_max) return 0;
+  // Within the rounding of few decimals, which whoever asks for the modes judges.
+  if (const double rounding = entry_rounding(part.K); rounding > 0 && -lowest <= rounding * kappa_max)
+    return lowest;
   // Known to be below zero by that much, whatever the iteration for the least of them says.
   return std::min(lowest, -1e-8 * kappa_max);
 }
@@ -77,7 +75,11 @@ std::optional<double> negative_stiffness(const LinearModel& model, double kappa_
 }
 
 double SlowEnd::of(const MechanicalPart& part, const DampingCurve& curve) {
-  if (!is_bound_) std::call_once(once_, [&] { kappa_ = slow_end(part, curve.kappa_max); });
+  if (!is_bound_)
+    std::call_once(once_, [&] {
+      kappa_ = slow_end(part, curve.kappa_max);
+      if (-kappa_ <= entry_rounding(part.K) * curve.kappa_max) kappa_ = std::max(kappa_, 0.0);
+    });
   return kappa_;
 }
 
@@ -95,7 +97,7 @@ bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
   modes.curve = curve;
   // The slow end takes a factor of K, which most limits do not need; only a body that may buckle does.
   if (affords_slow_end(model, is_body)) {
-    modes.curve->kappa_min = modes.slow_end->of(part, curve);
+    modes.curve->kappa_min = slow_end(part, curve.kappa_max);
     modes.slow_end = nullptr;
   } else if (const auto least = negative_stiffness(model, curve.kappa_max, is_body)) {
     modes.curve->kappa_min = *least;

@@ -88,6 +88,9 @@ struct ModeSet {
   /// Of models whose damping couples more degrees of freedom than most_dense_coupled; `spectrum` then lists
   /// the largest eigenvalues.
   std::shared_ptr<ModeRange> range = {};
+  /// A negative stiffness that the few digits of K may have made, and that counts as 0 without its shape
+  /// being known, as a share of the largest one; 0 where there is none.
+  double rounded = 0;
 };
 
 /// An operating point and its modes: what limits are predicted from.

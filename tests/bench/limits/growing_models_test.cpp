@@ -102,9 +102,18 @@ TEST(RoundedMatrices, HaveRigidBodyModesAndNoGrowth) {
     EXPECT_NEAR(answer.h_max, method[0] == 'r' ? imaginary_limit_of_rk4 : 2, 1e-7) << method;
     EXPECT_EQ(answer.status.find("grows"), std::string::npos) << answer.status;
   }
-  // The same with as little more negative stiffness as the digits carry is growth.
-  K(1, 1) = 0.6666;
+  // The same with a negative stiffness beyond half a unit of the last digit of each entry is growth.
+  K(1, 1) = 0.66666656;
   EXPECT_NE(largest_stable_step("rk4", K, Eigen::VectorXd::Ones(3)).status.find("grows"), std::string::npos);
+}
+
+TEST(RoundedMatrices, KeepANegativeStiffnessThatTheDigitsOfItsEntriesShow) {
+  // Seven digits: kappa = -0.1 is known to 5e-8, though it is less than 5e-7 of the largest; exp(0.316 t).
+  const Eigen::Matrix2d K{{250000.5, 0}, {0, -0.1}};
+  for (const char* method : {"rk4", "symplectic_euler"})
+    EXPECT_NE(largest_stable_step(method, K, Eigen::VectorXd::Ones(2)).status.find("grows"),
+              std::string::npos)
+        << method;
 }
 
 }  // namespace
