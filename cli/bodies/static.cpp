@@ -8,6 +8,7 @@
 
 #include "analysis/statics/static_solution.hpp"
 #include "bench/models/body_balance.hpp"
+#include "bench/models/support_advice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
 #include "cli/bodies/body_picture.hpp"
@@ -322,7 +323,8 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       .energy = 0,
                       .tool = {}};
   answer.outcome = outcome_of(problem, answer.solution);
-  answer.status = status_of(problem, answer.solution);
+  answer.status = scale == 1 ? status_without_equilibrium(problem, answer.solution)
+                             : status_of(problem, answer.solution);
   answer.least_volume = problem.body->least_volume(t, answer.solution.q).first;
   answer.energy = model.energy(answer.solution.q);
   answer.tool = tool_report(problem, t, answer.solution.q);

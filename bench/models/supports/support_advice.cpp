@@ -88,13 +88,20 @@ std::optional<double> linear_sag(const TissueBody& body) {
   return sag.allFinite() ? std::optional(largest_displacement(sag)) : std::nullopt;
 }
 
-std::string remedy_without_equilibrium(const Problem& problem) {
+namespace {
+
+struct SupportAdvice {
+  std::string words;
+  bool is_the_cause = false;  ///< another support was seen to have an equilibrium
+};
+
+SupportAdvice advice_without_equilibrium(const Problem& problem) {
   const TissueBody& body = *problem.body;
   if (!loose_dofs(body).empty()) return {};
   const TissueSettings& settings = body.settings();
   const bool hangs = settings.forces.empty() && settings.tools.empty() && body.is_autonomous();
   const std::optional<double> present = hangs ? linear_sag(body) : std::nullopt;
-  if (!present) return std::string(general);
+  if (!present) return {std::string(general)};
   const double size =
       (body.mesh().points.rowwise().maxCoeff() - body.mesh().points.rowwise().minCoeff()).maxCoeff();
   const std::string now = fmt::format("linear elasticity makes this support sag by {}, in a body of {}",
@@ -102,19 +109,34 @@ std::string remedy_without_equilibrium(const Problem& problem) {
   const std::optional<HeldEnd> best = best_end(problem);
   // Another end that is hardly better is not worth another search.
   if (!best || best->sag > 0.7 * *present)
-    return fmt::format("{}, and no other end holds it better; {}", now, general);
+    return {fmt::format("{}, and no other end holds it better; {}", now, general)};
   const StaticSolution solution =
       found_equilibrium(best->problem, 1, {.tolerance = 1e-9}, [] { return 0.0; });
   if (!solution.converged)
-    return fmt::format(
+    return {fmt::format(
         "{}; --set axis={} would sag by {}, and has no equilibrium either; {}, or more points as supports",
-        now, best->axis, millimetres(best->sag), general);
+        now, best->axis, millimetres(best->sag), general)};
   const bool named = std::ranges::any_of(problem.parameters, [](const auto& each) {
     return each.first.starts_with(fmt::format("{}:", support_name));
   });
-  return fmt::format(
-      "the support is the cause: {}; with --set axis={}{} it sags by {} and has an equilibrium", now,
-      best->axis, named ? " in place of --support" : "", millimetres(best->sag));
+  return {fmt::format(
+              "the support is the cause: {}; with --set axis={}{} it sags by {} and has an equilibrium", now,
+              best->axis, named ? " in place of --support" : "", millimetres(best->sag)),
+          true};
+}
+
+}  // namespace
+
+std::string remedy_without_equilibrium(const Problem& problem) {
+  return advice_without_equilibrium(problem).words;
+}
+
+std::string status_without_equilibrium(const Problem& problem, const StaticSolution& solution) {
+  // A search that may go on says so itself.
+  if (solution.converged || !(solution.remedy.empty() || solution.unstable))
+    return status_of(problem, solution);
+  const SupportAdvice advice = advice_without_equilibrium(problem);
+  return advice.is_the_cause ? cause_of(problem, solution) + "; " + advice.words : status_of(problem, solution);
 }
 
 }  // namespace hmax

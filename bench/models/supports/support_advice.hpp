@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "analysis/statics/static_solution.hpp"
 #include "bench/catalogue/method.hpp"
 
 namespace hmax {
@@ -19,5 +20,10 @@ std::optional<double> linear_sag(const TissueBody& body);
 /// smaller load or a stiffer material; empty where a part is held nowhere, which is the cause.
 /// @cost  up to seven factors of K0, and one search for an equilibrium
 std::string remedy_without_equilibrium(const Problem& problem);
+
+/// status_of() a search under the whole load; where the support is the cause that it has no equilibrium, that in
+/// place of a smaller load.
+/// @cost  as remedy_without_equilibrium() where the search has found nothing
+std::string status_without_equilibrium(const Problem& problem, const StaticSolution& solution);
 
 }  // namespace hmax

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
+#include "bench/models/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -34,6 +35,15 @@ TEST(RemedyWithoutEquilibrium, NamesTheEndThatHoldsABodyWhichItsSupportDoesNot) 
   EXPECT_NE(remedy.find("the support is the cause"), std::string::npos) << remedy;
   EXPECT_NE(remedy.find("--set axis="), std::string::npos) << remedy;
   EXPECT_EQ(remedy.find("stiffer material"), std::string::npos) << remedy;
+}
+
+TEST(StatusWithoutEquilibrium, NamesTheSupportWhereItIsTheCause) {
+  const Problem problem = block("fem_green@beam:n=2", {{"E", 2000}});
+  const StaticSolution solution = found_equilibrium(problem, 1, {.tolerance = 1e-9}, [] { return 0.0; });
+  ASSERT_FALSE(solution.converged);
+  const std::string status = status_without_equilibrium(problem, solution);
+  EXPECT_NE(status.find("the support is the cause"), std::string::npos) << status;
+  EXPECT_EQ(status.find("a smaller load"), std::string::npos) << status;
 }
 
 TEST(RemedyWithoutEquilibrium, IsALoadOrAMaterialWhereNoSupportHelps) {
