@@ -187,10 +187,10 @@ void check_start(const Problem& problem) {
               throw InputError(fmt::format(
                   "the forces on {} are not finite at the start; change its parameters", problem.id));
             throw InputError(
-                fmt::format("the derivative of {} in {} is {} at t = 0 and y = ({}); change the initial "
+                fmt::format("the derivative of {} in {} is {} at t = {} and y = ({}); change the initial "
                             "state or the parameters",
                             problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
-                            describe(problem.shown.state(problem.y0))));
+                            to_text(problem.shown.time(0)), describe(problem.shown.state(problem.y0))));
           }
       },
       problem.system);

@@ -114,6 +114,13 @@ Found found_limit(const Method& method, const Problem& problem, const Linearised
   // A model that grows does so with every method.
   found.row = predict(question.options ? method : find_method("linearly_implicit_euler"), near);
   found.row.method = method.id;
+  if (found.row.growing && question.options) {
+    if (found.row.h_max && !by_modes)
+      say(found.row,
+          "that is the limit of exact Jacobians and exact linear solves; what growth makes of other steps "
+          "is not computed");
+    return found;
+  }
   if (found.row.growing) {
     found.row.bound = Bound::model;
     found.row.h_max.reset();
@@ -261,7 +268,8 @@ Prediction predict_by_steps(const Method& method, const Problem& problem, const 
   const bool frozen = question.options && question.options->is_frozen();
   const LinearModel jacobian = frozen ? linear_model(problem, 0, problem.y0) : near.point.model;
   Found found = found_limit(method, problem, near, question, jacobian);
-  const bool has_claim = found.row.bound == Bound::stability || found.row.bound == Bound::accuracy;
+  const bool has_claim = !found.row.growing &&
+                         (found.row.bound == Bound::stability || found.row.bound == Bound::accuracy);
   if (question.verified && has_claim) verify_steps(found, method, problem, near, question, jacobian);
   return found.row;
 }
