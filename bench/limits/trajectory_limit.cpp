@@ -47,35 +47,10 @@ ModeSet modes_along(const Problem& problem, const OperatingPoint& point) {
 }
 
 /// Whether the tangents of two states of one problem are the same, so that their modes are.
-bool is_same(const OperatingPoint& a, const OperatingPoint& b) {
-  const double known = a.model.origin == JacobianOrigin::analytic ? 0 : 1e-9;
-  return relative_distance(a.model, b.model) <= known;
-}
+bool is_same(const OperatingPoint& a, const OperatingPoint& b) { return !jacobian_differs(a.model, b.model); }
 
 void look(const Watcher& watcher) {
   if (watcher) watcher();
-}
-
-/// Shows the motion from y0 to t_end at `points` instants, or where it is 0 after every step.
-/// @returns  how many steps were accepted
-std::int64_t show_motion(const Problem& problem, double t_end, int points, const Watcher& watcher,
-                         const Sink& show) {
-  RunSpec spec{
-      .t_end = t_end, .adaptive = true, .rtol = motion_tolerances.rtol, .atol = motion_tolerances.atol};
-  if (points > 0) spec.every = t_end / points;
-  spec.max_steps = most_observed_steps;
-  const Method method = find_method("dormand_prince_54");
-  check(spec, method, problem);
-  const RunRecord record =
-      method.bind(problem).run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        look(watcher);
-        show(t, y);
-      });
-  if (record.outcome != Outcome::reached_end)
-    throw InputError(
-        fmt::format("the motion of {} does not reach t = {} s ({} at {} s); take a shorter --t-end",
-                    problem.id, to_text(t_end), to_string(record.outcome), to_text(record.t)));
-  return record.stats.steps;
 }
 
 /// Traces of J and of J^2: sums of eigenvalues and of their squares, whatever the units of the states.
@@ -98,7 +73,7 @@ bool has_kink(const Problem& problem, double t, const Eigen::VectorXd& y) {
         const State here(y);
         State moved = here, f = here, above = here, below = here;
         system.rhs(t, here, f);
-        const double largest = y.cwiseAbs().maxCoeff(), least = std::max(1e-3 * largest, 1e-4),
+        const double largest = y.cwiseAbs().maxCoeff(), least = largest > 0 ? 1e-3 * largest : 1e-4,
                      noise = 1e3 * std::numeric_limits<double>::epsilon() * f.cwiseAbs().maxCoeff();
         for (Eigen::Index j = 0; j < y.size(); ++j) {
           // Twice the reach of jacobian_by_differences().
@@ -146,8 +121,11 @@ class Events {
     while (window_ + 2 < regular_.at.size() && t >= regular_.at[window_ + 1]) close_window();
     if (++count_ % stride_ != 0) return;
     if (!is_exact_ && has_kink(problem_, t, y)) return;
-    const Sample sample{invariants(problem_, t, y), t, y};
-    for (const int i : {0, 1}) widen(i, sample);
+    try {
+      const Sample sample{invariants(problem_, t, y), t, y};
+      for (const int i : {0, 1}) widen(i, sample);
+    } catch (const InputError&) {  // a Jacobian that is not finite has no modes
+    }
   }
 
   /// The regular path with the states that were found.
@@ -156,7 +134,7 @@ class Events {
     std::vector<std::size_t> order(found_.at.size());
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return found_.at[i]; });
-    Path path{.at = {}, .y = {}, .note = regular_.note};
+    Path path{.at = {}, .y = {}, .note = regular_.note, .tolerances = regular_.tolerances};
     std::size_t k = 0;
     const auto put = [&](double t, const Eigen::VectorXd& y) {
       if (!path.at.empty() && path.at.back() == t) return;
@@ -285,7 +263,7 @@ std::optional<Path> path_of_matrices(const Problem& problem, double t_end) {
   if (!(t_end > 0 && std::isfinite(t_end)))
     throw InputError(
         fmt::format("the end time is {} s but must be positive and finite; give another", to_text(t_end)));
-  Path path{.at = {0}, .y = {}, .note = {}};
+  Path path{.at = {0}, .y = {}};
   const std::vector<double> times = times_of_matrices(problem);
   std::ranges::copy_if(times, std::back_inserter(path.at), [&](double t) { return t > 0 && t < t_end; });
   if (!times.empty()) path.at.push_back(t_end);
@@ -310,14 +288,15 @@ Path motion_path(const Problem& problem, double t_end, int points, const Watcher
     path.at.push_back(t);
     path.y.emplace_back(y);
   };
+  path.tolerances = motion_tolerances(problem, t_end, watcher);
   std::int64_t accepted = 0;
   try {
-    accepted = show_motion(problem, t_end, points, watcher, keep);
+    accepted = show_motion(problem, path.tolerances, t_end, points, watcher, keep);
   } catch (const Inverted&) {
   }
   if (problem.body || linearity_of(problem) == Linearity::linear) return path;
   Events events(problem, path, t_end, accepted);
-  show_motion(problem, t_end, 0, watcher,
+  show_motion(problem, path.tolerances, t_end, 0, watcher,
               [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) { events.see(t, y); });
   return events.merged();
 }
@@ -328,23 +307,25 @@ MotionSize size_of_motion(const Problem& problem, double t_end, const Watcher& w
       std::clamp<std::size_t>(most_numbers / static_cast<std::size_t>(problem.y0.size() + 1), 2, most_states);
   MotionSize size;
   std::size_t stride = 1, count = 0;
-  show_motion(problem, t_end, 0, watcher, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-    const MotionSize here = size_of(y, is_second_order(problem));
-    size.positions = std::max(size.positions, here.positions);
-    size.velocities = std::max(size.velocities, here.velocities);
-    if (t < t_end && count++ % stride != 0) return;
-    size.t.push_back(t);
-    size.y.emplace_back(y);
-    if (size.t.size() < most) return;
-    // Every second state, from now on too.
-    stride *= 2;
-    for (std::size_t i = 0; 2 * i < size.t.size(); ++i) {
-      size.t[i] = size.t[2 * i];
-      size.y[i].swap(size.y[2 * i]);
-    }
-    size.t.resize((size.t.size() + 1) / 2);
-    size.y.resize(size.t.size());
-  });
+  const MotionTolerances tolerances = motion_tolerances(problem, t_end, watcher);
+  show_motion(problem, tolerances, t_end, 0, watcher,
+              [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+                const MotionSize here = size_of(y, is_second_order(problem));
+                size.positions = std::max(size.positions, here.positions);
+                size.velocities = std::max(size.velocities, here.velocities);
+                if (t < t_end && count++ % stride != 0) return;
+                size.t.push_back(t);
+                size.y.emplace_back(y);
+                if (size.t.size() < most) return;
+                // Every second state, from now on too.
+                stride *= 2;
+                for (std::size_t i = 0; 2 * i < size.t.size(); ++i) {
+                  size.t[i] = size.t[2 * i];
+                  size.y[i].swap(size.y[2 * i]);
+                }
+                size.t.resize((size.t.size() + 1) / 2);
+                size.y.resize(size.t.size());
+              });
   return size;
 }
 
@@ -415,7 +396,8 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
     limits.back() = TrajectoryLimit{.t = path.at,
                                     .h_max = {},
                                     .least = std::numeric_limits<double>::quiet_NaN(),
-                                    .y_least = path.y.front()};
+                                    .y_least = path.y.front(),
+                                    .tolerances = path.tolerances};
   }
   const bool asks_whether_constant = linearity_of(problem) == Linearity::unknown;
   std::optional<LinearModel> first;

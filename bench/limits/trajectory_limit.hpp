@@ -2,7 +2,6 @@
 /// from a start of its own.
 #pragma once
 
-#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -10,18 +9,16 @@
 #include <vector>
 
 #include "bench/catalogue/method.hpp"
-#include "integrators/tolerances.hpp"
+#include "bench/limits/motion_run.hpp"
 
 namespace hmax {
 
-/// Called from time to time while something long goes on; what it throws ends that.
-using Watcher = std::function<void()>;
-
 /// States that a model passes.
 struct Path {
-  std::vector<double> at;          ///< the instant of each [s], or its share of the load
-  std::vector<Eigen::VectorXd> y;  ///< shape (dim) each
-  std::string note;                ///< why it ends early; empty when it does not
+  std::vector<double> at;            ///< the instant of each [s], or its share of the load
+  std::vector<Eigen::VectorXd> y;    ///< shape (dim) each
+  std::string note = {};             ///< why it ends early; empty when it does not
+  MotionTolerances tolerances = {};  ///< of a motion
 };
 
 /// The longest period of what drives a problem [s]; nothing where no period is known.
@@ -31,15 +28,12 @@ std::optional<double> period_of_load(const Problem& problem);
 /// hundred times the problem's own end, and that at least.
 double end_of_motion(const Problem& problem);
 
-/// The tolerances of motion_path().
-inline constexpr Tolerances<double> motion_tolerances{1e-10, 1e-12};
-
 /// The times up to t_end at which matrices of a user are given, with the state zero, as a linear model is the
 /// same in all of them; t = 0 alone where they do not change. Nothing for other problems.
 /// @throws InputError  when t_end is not positive
 std::optional<Path> path_of_matrices(const Problem& problem, double t_end);
 
-/// The motion from y0 to t_end by dormand_prince_54 at motion_tolerances, looked at `points` times; of a
+/// The motion from y0 to t_end by dormand_prince_54 at motion_tolerances(), looked at `points` times; of a
 /// body as far as none of its elements is turned inside out; of matrices path_of_matrices(). Of other
 /// problems that are not linear also at the accepted steps between two instants at which the trace of J or of
 /// J^2 goes beyond theirs, and on both sides of the breakpoints of the system, so that no short event is
@@ -64,8 +58,9 @@ struct TrajectoryLimit {
   Eigen::VectorXd y_least;                                       ///< the state there, shape (dim)
   double growing = 0;                                            ///< share of the points whose tangent grows
   double grows_from = std::numeric_limits<double>::quiet_NaN();  ///< the first of them, as Path::at
-  std::string note = {};  ///< why points have no answer; empty where all have one, or only grow
-  bool constant = true;   ///< the Jacobian is the same at all points, to what it is known to
+  std::string note = {};             ///< why points have no answer; empty where all have one, or only grow
+  bool constant = true;              ///< the Jacobian is the same at all points, to what it is known to
+  MotionTolerances tolerances = {};  ///< of a motion
 };
 
 /// Of each method; nothing for those without an amplification, or that the problem does not suit. Of bodies

@@ -39,6 +39,12 @@ Json mode_json(const Mode& mode) {
                    mode.zeta.value_or(LimitRow::none), rates[0], rates[1]);
 }
 
+Json tolerances_json(const MotionTolerances& tolerances) {
+  Json document{{"rtol", tolerances.rtol}, {"atol", tolerances.atol}};
+  if (tolerances.has_velocities) document["atol_velocities"] = tolerances.atol_velocities;
+  return document;
+}
+
 /// "a; b", or the one of them that says something.
 std::string both(const std::string& a, const std::string& b) {
   return a + (a.empty() || b.empty() ? "" : "; ") + b;
@@ -75,11 +81,11 @@ Json options_json(const std::optional<StepChoices>& options) {
 }
 
 Json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem& problem) {
+  const bool of_load = row.point.path == "load";
+  Json document{{"h_min", number_or_word(along.least)}, {of_load ? "share" : "t", along.t_least}};
   Json path = Json::array();
   for (std::size_t i = 0; i < along.t.size(); ++i)
     path.push_back({along.t[i], number_or_word(along.h_max[i])});
-  Json document{{"h_min", number_or_word(along.least)},
-                {row.point.path == "load" ? "share" : "t", along.t_least}};
   // The states of bodies are long, and those of linear models do not matter.
   const bool of_matrices = is_matrices_id(problem.id);
   const Eigen::VectorXd& y = along.y_least;
@@ -88,7 +94,7 @@ Json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem&
   else if (!of_matrices)
     document["y"] = std::vector<double>(y.begin(), y.end());
   document["growing_share"] = along.growing;
-  if (row.point.path != "load" && !of_matrices) document["tolerances"] = to_json(motion_tolerances);
+  if (!of_load && !of_matrices) document["tolerances"] = tolerances_json(along.tolerances);
   document["path"] = std::move(path);
   const std::string status = both(words_of_growth(row), row.path_note);
   if (!status.empty()) document["status"] = status;

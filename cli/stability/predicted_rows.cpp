@@ -102,11 +102,12 @@ Path path_of(const LimitQuestion& question, const Problem& problem, const Watche
 
 /// What goes on along a path, and how to go without where nobody asked for it.
 std::string task_along(const LimitQuestion& question, const Problem& problem, std::string_view what) {
-  return fmt::format("{} {}{}", what,
-                     question.path == "load"
-                         ? "the growing load"
-                         : fmt::format("the motion to t = {} s", short_number(question.end_of(problem))),
-                     question.path_by_default ? "; --along none goes without" : "");
+  return fmt::format(
+      "{} {}{}", what,
+      question.path == "load"
+          ? "the growing load"
+          : fmt::format("the motion to t = {} s", short_number(problem.shown.time(question.end_of(problem)))),
+      question.path_by_default ? "; --along none goes without" : "");
 }
 
 /// Why the limits of one state do not tell of a motion, or may not.
@@ -140,13 +141,16 @@ std::string words_of_part(const Problem& problem, double t_end) {
   const std::optional<double> period = period_of_load(problem);
   if (!period || t_end >= (1 - 1e-5) * *period) return {};
   return fmt::format("the motion ends at t = {} s, before one period of the load, {} s; take --t-end {}\n",
-                     short_number(t_end), short_number(*period), short_number(*period));
+                     short_number(problem.shown.time(t_end)), short_number(*period),
+                     short_number(problem.shown.time(*period)));
 }
 
 /// What the limits of a model hold for, and where it was linearised.
+/// @param path      what was looked along; nothing where nobody looked
 /// @param constant  whether the Jacobian is the same along the path; nothing where nobody looked
 std::string words_of_model(const LimitQuestion& question, const Problem& problem, const Linearised& near,
-                           bool has_path, const std::optional<bool>& constant) {
+                           const std::optional<Path>& path, const std::optional<bool>& constant) {
+  const bool has_path = path.has_value();
   std::string words = fmt::format("{}: {}\n", problem.id, near.point.state);
   if (has_path && is_matrices_id(problem.id)) {
     if (!times_of_matrices(problem).empty())
@@ -155,26 +159,36 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
           "given up to t = {} s\n"
           "each limit is that of matrices that stay as they are; changes as fast as the motion may amplify it at any step "
           "size (parametric resonance)\n",
-          short_number(question.end_of(problem)));
+          short_number(problem.shown.time(question.end_of(problem))));
     return words;
   }
   if (has_path && question.path_by_default)
     words += fmt::format(
         "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
         "motion to t = {} s\n",
-        why_along(problem), short_number(question.end_of(problem)));
+        why_along(problem), short_number(problem.shown.time(question.end_of(problem))));
   else if (problem.body && !has_path && near.point.kind == StateKind::equilibrium &&
-           near.point.model.y.norm() > 0 && !problem.body->settings().model.is_linear)
+           near.point.model.y.norm() > 0 && near.point.linearity != Linearity::linear)
     words += "h_max holds for small motions about this state; for a sudden load add --along\n";
   if (has_path) words += words_of_samples(problem, constant);
   if (has_path && question.path == "motion") {
-    words += fmt::format("the motion: dormand_prince_54, {}\n", in_words(motion_tolerances));
+    words += fmt::format("the motion: dormand_prince_54, {}\n", in_words(path->tolerances));
     words += words_of_part(problem, question.end_of(problem));
   }
   if (const auto tool = tool_report(problem, near.point.model.t, near.point.model.y);
       tool && near.point.at_equilibrium)
     words += fmt::format("tool: {}\n", tool->words());
   return words;
+}
+
+/// A limit along a path, its times and its state as users count them; of a load, which bodies alone have, the
+/// same.
+TrajectoryLimit as_shown(TrajectoryLimit limit, const UserView& shown) {
+  for (double& t : limit.t) t = shown.time(t);
+  limit.t_least = shown.time(limit.t_least);
+  limit.grows_from = shown.time(limit.grows_from);
+  limit.y_least = shown.state(limit.y_least);
+  return limit;
 }
 
 /// Says what helps a body that has no equilibrium.
@@ -327,7 +341,7 @@ void PredictedRows::compute(std::size_t which, const std::vector<Method>& method
         path.reset();
       }
     }
-    tell_of_state(which, near, path.has_value(), answer.point);
+    tell_of_state(which, near, path, answer.point);
   } catch (const Interrupted&) {
     // The flag stays set: what is finished is printed.
   }
@@ -442,9 +456,10 @@ void PredictedRows::look_along(const Problem& problem, const Path& path, const s
     rows[i].path_note = path.note;
     if (!limits[i]) continue;
     constant_along_ = limits[i]->constant;
-    add_path(rows[i], *limits[i], path.note);
+    const TrajectoryLimit along = as_shown(*limits[i], problem.shown);
+    add_path(rows[i], along, path.note);
     Json details = Json::parse(rows[i].details);
-    details["along"] = path_json(*limits[i], rows[i], problem);
+    details["along"] = path_json(along, rows[i], problem);
     rows[i].details = details.dump();
   }
   if (!question_.runs_from_start) return;
@@ -459,14 +474,14 @@ void PredictedRows::look_along(const Problem& problem, const Path& path, const s
   }
 }
 
-void PredictedRows::tell_of_state(std::size_t which, const Linearised& near, bool along,
+void PredictedRows::tell_of_state(std::size_t which, const Linearised& near, const std::optional<Path>& path,
                                   OperatingPointRow& point) const {
   const Problem& problem = problems_[which];
-  point.status = words_of_state(problem, near, along);
+  point.status = words_of_state(problem, near, path.has_value());
   if (near.point.at_equilibrium)
     add_line(point.remarks, warning_of_tool(problem, near.point.model.t, near.point.model.y));
   if (has_moving_load(problem)) add_line(point.remarks, point.status);
-  point.words = words_of_model(question_, problem, near, along, constant_along_);
+  point.words = words_of_model(question_, problem, near, path, constant_along_);
   if (console_.json || store_) point.document = model_json(problem, near).dump();
   if (problem.body && (store_ || (which == 0 && !console_.json)))
     point.body_words = body_in_words(problem) + "\n" + fastest_mode_in_words(problem, near);

@@ -24,11 +24,14 @@ struct LimitQuestion {
   std::string path;              ///< motion | load; empty for one state alone
   bool path_by_default = false;  ///< nobody asked for it
   bool runs_from_start = false;  ///< limits along a motion are verified by runs from its start
-  std::optional<double> t_end;   ///< of that motion [s]; nothing: end_of_motion()
+  std::optional<double> t_end;   ///< of that motion, as users count time [s]; nothing: end_of_motion()
   std::optional<StepChoices> options = {};  ///< of linearly implicit methods; nothing: nobody asked
   std::vector<std::string> named = {};      ///< methods that were asked for one by one, not by family or all
 
-  [[nodiscard]] double end_of(const Problem& problem) const { return t_end.value_or(end_of_motion(problem)); }
+  /// The end of that motion, as runs count time.
+  [[nodiscard]] double end_of(const Problem& problem) const {
+    return t_end ? problem.shown.own_time(*t_end) : end_of_motion(problem);
+  }
   /// Whether a limit may be sought in the steps of a method, which takes minutes on large models.
   [[nodiscard]] bool seeks_in_steps(const Method& method, const Problem& problem) const;
 };
@@ -50,8 +53,8 @@ class PredictedRows {
   /// Every problem with every method; ends early when the user interrupts, with what is finished.
   void compute();
 
-  /// Sets the exit code: fails where there is no equilibrium though it was asked for, where every row is of a model that
-  /// only grows, where runs contradict a row, and where --verify has nothing to show for any.
+  /// Sets the exit code: fails where there is no equilibrium though it was asked for, where every row is of a
+  /// model that only grows, where runs contradict a row, and where --verify has nothing to show for any.
   void judge() const;
 
   [[nodiscard]] const std::vector<LimitRow>& rows() const { return rows_; }
@@ -76,8 +79,8 @@ class PredictedRows {
   [[nodiscard]] std::optional<StepChoices> options_of(const Method& method) const;
   /// What a row is called: with options the limits are others.
   [[nodiscard]] std::string name_of_row(const Method& method) const;
-  [[nodiscard]] Prediction predicted(const Method& method, const Problem& problem, const OperatingPoint& point,
-                                     const Linearised& near) const;
+  [[nodiscard]] Prediction predicted(const Method& method, const Problem& problem,
+                                     const OperatingPoint& point, const Linearised& near) const;
   void add(std::size_t which);
   void compute(std::size_t which, const std::vector<Method>& methods, Answer& answer);
   void keep(const Answer& answer);
@@ -86,7 +89,8 @@ class PredictedRows {
                    std::vector<LimitRow>& rows);
   void look_along(const Problem& problem, const Path& path, const std::vector<Method>& methods,
                   std::vector<LimitRow>& rows);
-  void tell_of_state(std::size_t which, const Linearised& near, bool along, OperatingPointRow& point) const;
+  void tell_of_state(std::size_t which, const Linearised& near, const std::optional<Path>& path,
+                     OperatingPointRow& point) const;
 
   LimitQuestion question_;
   std::vector<ProblemChoice> choices_;
@@ -102,7 +106,8 @@ class PredictedRows {
   std::vector<std::size_t> row_problems_;  ///< of each row, its index in problems_
   std::vector<OperatingPointRow> points_;  ///< one a problem
   std::size_t looked_up_ = 0;
-  std::optional<bool> constant_along_ = {};  ///< whether the Jacobian of the last problem is the same along its path
+  std::optional<bool> constant_along_ =
+      {};  ///< whether the Jacobian of the last problem is the same along its path
 };
 
 }  // namespace hmax

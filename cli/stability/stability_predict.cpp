@@ -236,9 +236,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   set_implicit_value(
       add_text(
           command, "--along", options->along,
-          "Also the smallest limit along the motion from the initial state, at " +
-              in_words(motion_tolerances) +
-              " (with --verify also the largest step that stays near it), or of a body while its load grows; "
+          "Also the smallest limit along the motion from the initial state, at " + in_words(motion_shares) +
+              " of the size of the motion (with --verify also the largest step that stays near it), or of a body while its load grows; "
               "motion for models that are not known to be linear and for loads that change with time, else none, by default",
           "motion|load|none"),
       std::string(path_names[0]));

@@ -16,6 +16,23 @@
 namespace hmax {
 namespace {
 
+/// x'' = F as a system of first order.
+struct Pushed {
+  using State = Eigen::Vector2d;
+  static constexpr bool autonomous = true;
+  double F;
+  static constexpr Eigen::Index dim() { return 2; }
+  void rhs(double, const State& y, State& dydt) const { dydt << y[1], F; }
+};
+
+/// J = diag(-1e10, -1), from t = 0.5 on diag(-1e10, 5).
+struct FastAndSlow {
+  using State = Eigen::Vector2d;
+  static constexpr bool autonomous = false;
+  static constexpr Eigen::Index dim() { return 2; }
+  void rhs(double t, const State& y, State& dydt) const { dydt << -1e10 * y[0], (t < 0.5 ? -1 : 5) * y[1]; }
+};
+
 Problem oscillator(double c, double k1, double k3, std::vector<double> y0) {
   return make_problem(
       "liver_cubic",
@@ -223,6 +240,40 @@ TEST(SizeOfAMotion, IsThatOfPositionsAndOfVelocitiesApart) {
   const MotionSize first_order = size_of_motion(make_problem("van_der_pol"), 2);
   EXPECT_GT(first_order.positions, 1);
   EXPECT_EQ(first_order.velocities, 0);
+}
+
+TEST(MotionTolerances, FollowTheSizeOfTheMotion) {
+  // z'' = -z - z^3 turns round at z = 1 where z(0) = 0 and z'(0)^2 = 1.5: omega = 2 there. In x = s z, t = T
+  // tau.
+  for (const double s : {1e-12, 1.0, 1e12})
+    for (const double T : {1e-12, 1.0, 1e12}) {
+      const Problem problem = oscillator(0, 1 / (T * T), 1 / (T * T * s * s), {0, std::sqrt(1.5) * s / T});
+      const auto along = limit_along(find_method("rk4"), problem, 20 * T);
+      ASSERT_TRUE(along);
+      EXPECT_NEAR(along->least / T, std::sqrt(8.0) / 2, 1e-3) << s << ' ' << T;
+      EXPECT_NEAR(along->tolerances.atol, 1e-12 * s, 1e-14 * s);
+      EXPECT_NEAR(along->tolerances.atol_velocities, 1e-12 * std::sqrt(1.5) * s / T, 1e-14 * s / T);
+    }
+}
+
+TEST(MotionTolerances, OfAMotionFromRestAreThoseOfWhatItBecomes) {
+  // m x'' = F from rest, m = 1: x = F t^2 / 2, v = F t.
+  const double F = 1e-9, t_end = 1e3;
+  Problem problem = oscillator(0, 1e-12, 0, {0, 0});
+  problem.system = AnySystem(Pushed{F});
+  const MotionTolerances tolerances = motion_tolerances(problem, t_end);
+  EXPECT_NEAR(tolerances.atol / 1e-12, F * t_end * t_end / 2, 0.01 * F * t_end * t_end);
+}
+
+TEST(LimitsAlong, SeeASlowModeChangeBesideAFastOne) {
+  Problem problem;
+  problem.id = "fast_and_slow";
+  problem.y0 = Eigen::Vector2d(1, 1);
+  problem.t_end = 1;
+  problem.system = AnySystem(FastAndSlow{});
+  const std::vector<Method> methods{find_method("rk4")};
+  const Path path{.at = {0, 1}, .y = {problem.y0, problem.y0}};
+  EXPECT_EQ(limits_along(methods, problem, path).front()->growing, 0.5);
 }
 
 TEST(LimitFromAStart, AsksPositionsAndVelocitiesToStayNear) {
