@@ -99,20 +99,30 @@ MotionTolerances shares_of(const Sizes& sizes, Tolerances<double> shares, bool m
           .has_velocities = mechanical};
 }
 
+/// @throws InputError  because a motion does not reach its end
+[[noreturn]] void refuse(const Problem& problem, double t_end, const RunEnd<double>& end) {
+  throw InputError(fmt::format(
+      "the motion of {} does not reach t = {} s ({} at {} s); take a shorter --t-end", problem.id,
+      to_text(problem.shown.time(t_end)), to_string(end.outcome), to_text(problem.shown.time(end.t))));
+}
+
 /// The sizes that a crude run sees, as far as it comes, of a body until an element is turned inside out.
+/// @throws InputError  where that takes too many steps, of which an exact run takes more
 Sizes seen_sizes(const Problem& problem, const Sizes& guess, double t_end, const Watcher& watcher,
                  bool mechanical) {
   struct Inverted {};
   constexpr Tolerances<double> crude{1e-4, 1e-6};
   Sizes seen;
   try {
-    run_motion(problem, shares_of(guess, crude, mechanical), t_end, 0,
-               [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-                 if (watcher) watcher();
-                 if (problem.body && !(problem.body->least_volume(t, y.head(problem.body->dofs())).first > 0))
-                   throw Inverted{};
-                 if (y.allFinite()) seen.include(sizes_of(y, mechanical));
-               });
+    const RunEnd<double> end = run_motion(
+        problem, shares_of(guess, crude, mechanical), t_end, 0,
+        [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+          if (watcher) watcher();
+          if (problem.body && !(problem.body->least_volume(t, y.head(problem.body->dofs())).first > 0))
+            throw Inverted{};
+          if (y.allFinite()) seen.include(sizes_of(y, mechanical));
+        });
+    if (end.outcome == Outcome::too_many_steps) refuse(problem, t_end, end);
   } catch (const Inverted&) {
   }
   return seen;
@@ -152,10 +162,7 @@ std::int64_t show_motion(const Problem& problem, const MotionTolerances& toleran
                                           if (watcher) watcher();
                                           show(t, y);
                                         });
-  if (end.outcome != Outcome::reached_end)
-    throw InputError(fmt::format(
-        "the motion of {} does not reach t = {} s ({} at {} s); take a shorter --t-end", problem.id,
-        to_text(problem.shown.time(t_end)), to_string(end.outcome), to_text(problem.shown.time(end.t))));
+  if (end.outcome != Outcome::reached_end) refuse(problem, t_end, end);
   return end.stats.steps;
 }
 
