@@ -136,6 +136,12 @@ bool is_far(double guess, double seen) {
 }  // namespace
 
 MotionTolerances motion_tolerances(const Problem& problem, double t_end, const Watcher& watcher) {
+  if (!(t_end > 0) && (problem.shown.t0 != 0 || problem.shown.direction < 0))
+    throw InputError(
+        fmt::format("the end time {} does not lie behind the start t = {} of the motion, which goes {}; "
+                    "give another --t-end",
+                    to_text(problem.shown.time(t_end)), to_text(problem.shown.t0),
+                    problem.shown.direction < 0 ? "back in time" : "forward"));
   check({.t_end = t_end, .adaptive = true, .rtol = motion_shares.rtol, .atol = motion_shares.atol},
         find_method("dormand_prince_54"), problem);
   const bool mechanical = is_second_order(problem);
