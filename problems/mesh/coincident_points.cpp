@@ -44,21 +44,22 @@ std::vector<Index> coincident_points(const TetMesh& mesh, double tolerance) {
     order.push_back(i);
   }
   const auto idle = [&](Index i) { return !std::isfinite(edge[at(i)]); };
-  double longest = 0;
-  for (Index i = 0; i < mesh.point_count(); ++i)
-    if (!idle(i)) longest = std::max(longest, edge[at(i)]);
   std::ranges::sort(order, {}, [&](Index i) { return along(i); });
+  const auto join_if_near = [&](Index i, Index j) {
+    if ((mesh.points.col(i) - mesh.points.col(j)).norm() > tolerance * std::min(edge[at(i)], edge[at(j)]))
+      return;
+    const Index one = root(parent, i), other = root(parent, j);
+    parent[at(std::max(one, other))] = std::min(one, other);
+  };
+  // From points with an edge alone: files may hold a million idle points at one place.
   for (std::size_t a = 0; a < order.size(); ++a) {
     const Index i = order[a];
-    const double reach = tolerance * (idle(i) ? longest : edge[at(i)]) + rounding;
-    for (std::size_t b = a + 1; b < order.size() && along(order[b]) - along(i) <= reach; ++b) {
-      const Index j = order[b];
-      if (idle(i) && idle(j)) continue;
-      if ((mesh.points.col(i) - mesh.points.col(j)).norm() > tolerance * std::min(edge[at(i)], edge[at(j)]))
-        continue;
-      const Index one = root(parent, i), other = root(parent, j);
-      parent[at(std::max(one, other))] = std::min(one, other);
-    }
+    if (idle(i)) continue;
+    const double reach = tolerance * edge[at(i)] + rounding;
+    for (std::size_t b = a + 1; b < order.size() && along(order[b]) - along(i) <= reach; ++b)
+      join_if_near(i, order[b]);
+    for (std::size_t b = a; b-- > 0 && along(i) - along(order[b]) <= reach;)
+      if (idle(order[b])) join_if_near(i, order[b]);
   }
   for (Index i = 0; i < mesh.point_count(); ++i) parent[at(i)] = root(parent, i);
   return parent;

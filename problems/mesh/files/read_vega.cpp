@@ -84,9 +84,14 @@ class VegaReader {
                                 whole = std::filesystem::weakly_canonical(path, ignored);
     if (!std::filesystem::is_regular_file(path, ignored))
       fail("but there is no such file beside it; put it there or its text here");
-    if (sources_.size() > deepest || ++included_ > most ||
-        std::ranges::any_of(sources_, [&](const Source& source) { return source.path == whole; }))
+    if (std::ranges::any_of(sources_, [&](const Source& source) { return source.path == whole; }))
       fail("which includes it again; put its text here instead");
+    if (sources_.size() > deepest)
+      fail("the " + std::to_string(deepest + 1) + "th file in one another, and " + std::to_string(deepest) +
+           " may be; put its text here instead");
+    if (++included_ > most)
+      fail("but " + std::to_string(most) +
+           " files are included before it, which are the most; put its text here instead");
     text().end_line("*INCLUDE");
     auto bytes = std::make_unique<std::string>(read_whole(path));
     MeshText inner(path.string(), *bytes, '#');

@@ -77,6 +77,7 @@ class VtuReader {
   MeshFile read() {
     const Grid grid = find_arrays();
     check_appended(grid);
+    check_regions(grid);
     MeshBuilder builder;
     std::int64_t first_cell = 0;
     for (const Piece& piece : grid.pieces) {
@@ -91,6 +92,23 @@ class VtuReader {
   }
 
  private:
+  /// All pieces that have cells have regions, or none has.
+  void check_regions(const Grid& grid) const {
+    const Piece* without = nullptr;
+    const XmlTag* regions = nullptr;
+    for (const Piece& piece : grid.pieces) {
+      if (piece.cells == 0) continue;
+      if (piece.regions)
+        regions = &*piece.regions;
+      else
+        without = &piece;
+    }
+    if (!regions || !without) return;
+    at(*regions).fail("the array " + in_quotes(regions->attribute("Name")) +
+                      " has the regions of this piece, and piece " +
+                      std::to_string(without - grid.pieces.data() + 1) + " has none; export the mesh again");
+  }
+
   /// Adds a piece behind those before it. @param first_cell  the number of its first cell
   void read_piece(const Piece& piece, std::int64_t first_cell, MeshBuilder& builder) const {
     VtkCells cells;

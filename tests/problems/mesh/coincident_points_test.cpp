@@ -1,5 +1,6 @@
 #include "problems/mesh/coincident_points.hpp"
 
+#include <chrono>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -63,6 +64,26 @@ TEST(CoincidentPoints, AnIdlePointCoincidesWithAUsedOneOnly) {
   mesh.points.rightCols(3) << 1, 5, 5, 0, 5, 5, 0, 5, 5;
   EXPECT_EQ(coincident_points(mesh, 0), (std::vector<TetMesh::Index>{0, 1, 2, 3, 1, 5, 6}));
   EXPECT_TRUE(coincidences(mesh, 0).empty());
+}
+
+TEST(CoincidentPoints, ManyIdleOnesAtOnePlaceTakeNoLongerThanOthers) {
+  constexpr Eigen::Index many = 200'000;
+  const auto first_with = [&](const Eigen::Vector3d& place) {
+    TetMesh mesh = unit_tetrahedron();
+    mesh.points.conservativeResize(3, 4 + many);
+    mesh.points.rightCols(many).colwise() = place;
+    const auto begun = std::chrono::steady_clock::now();
+    const std::vector<TetMesh::Index> first = coincident_points(mesh, 1e-3);
+    // Comparing each with each took a minute.
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(10));
+    return first;
+  };
+  const std::vector<TetMesh::Index> at_a_corner = first_with(Eigen::Vector3d::Zero()),
+                                    elsewhere = first_with({-1, -1, -1});
+  for (std::size_t i = 4; i < at_a_corner.size(); ++i) {
+    ASSERT_EQ(at_a_corner[i], 0);
+    ASSERT_EQ(elsewhere[i], static_cast<TetMesh::Index>(i));
+  }
 }
 
 }  // namespace

@@ -191,6 +191,12 @@ TEST(MeshTolerance, PiecesOfAGridFollowEachOther) {
   EXPECT_EQ(read.numbers, (std::vector<std::int64_t>{0, 1}));
   EXPECT_EQ(merge_points(read, 0), 3);
   expect_golden(read);
+  // Tetrahedra of one piece would be of another region than they were.
+  for (const std::string& pieces : {first + replaced(second, "Name=\"region\"", "Name=\"other\""),
+                                    replaced(first, "Name=\"region\"", "Name=\"other\"") + second}) {
+    GoldenMesh mesh{.name = "a.vtu", .text = file(pieces), .ele_name = "", .ele_text = ""};
+    expect_refused(mesh, "the array 'region' has the regions of this piece, and piece ");
+  }
   // A cell that another piece has, too, is one of these only.
   const std::string ghosts =
       "<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">1 0</DataArray>";
@@ -244,6 +250,16 @@ TEST(MeshTolerance, AnIncludedFileStandsInThePlaceOfItsLineAnywhere) {
   write_text(folder / "loop.veg", "*INCLUDE loop.veg\n");
   refused(head + "*INCLUDE loop.veg\n",
           "loop.veg, line 1: the file includes 'loop.veg', which includes it again");
+  for (int i = 1; i <= 17; ++i)
+    write_text(folder / ("deep" + std::to_string(i) + ".veg"),
+               "*INCLUDE deep" + std::to_string(i + 1) + ".veg\n");
+  refused(head + "*INCLUDE deep1.veg\n",
+          "deep16.veg, line 1: the file includes 'deep17.veg', the 17th file in one another, and 16 may be");
+  std::string often = head;
+  write_text(folder / "nothing.veg", "# nothing\n");
+  for (int i = 0; i < 999; ++i) often += "*INCLUDE nothing.veg\n";
+  // Points and tetrahedra were the first two.
+  refused(often, "a.veg, line 1004: the file includes 'nothing.veg', but 1000 files are included before it");
   write_text(folder / "part.set", "1,\n3\n");
   refused(head + "*SET part\n*INCLUDE part.set\n", "part.set, line 2: the set 'part' has '3'");
   write_text(folder / "part.set", "1,\n2");
