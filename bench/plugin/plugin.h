@@ -11,8 +11,8 @@
  *
  * Process.   The plugin is loaded into a child process of hmax. A crash, an exit or a function that does not return
  *            within `--patience` seconds ends the child and is an error of the command. What the plugin writes to
- *            standard output appears on standard error, up to 100,000 characters; more than 64 MB are an error. At the
- *            end hmax ends all processes that the plugin has started.
+ *            standard output and standard error appears on standard error, up to 100,000 characters; more than 64 MB
+ *            are an error. At the end hmax ends all processes that the plugin has started.
  * Threads.   All functions are called from one thread, one at a time. The plugin may have threads of its own, which rest
  *            when a function returns. Results that depend on their order are reported as not reproducible.
  * Lifetime.  hmax_plugin_get() is called once. Its tables live as long as the library. create() comes first, then the

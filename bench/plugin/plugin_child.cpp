@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
@@ -41,7 +42,7 @@ class Block {
  public:
   void resize(std::size_t bytes) {
     if (bytes <= room_) return;
-    memory_.reset(static_cast<std::byte*>(::operator new(bytes, std::align_val_t{64})));
+    memory_.reset(static_cast<std::byte*>(::operator new (bytes, std::align_val_t{64})));
     room_ = bytes;
   }
   [[nodiscard]] void* bytes() const { return memory_.get(); }
@@ -49,7 +50,7 @@ class Block {
 
  private:
   struct Free {
-    void operator()(std::byte* memory) const { ::operator delete(memory, std::align_val_t{64}); }
+    void operator()(std::byte* memory) const { ::operator delete (memory, std::align_val_t{64}); }
   };
   std::unique_ptr<std::byte, Free> memory_;
   std::size_t room_ = 0;
@@ -88,10 +89,14 @@ class Server {
     return true;
   }
 
-  /// With the first `numbers` of out_.
+  /// With the first `numbers` of out_. What the plugin has printed is written before the last reply: hmax
+  /// then ends this process at once.
   void reply(PluginReply::Kind kind, std::size_t numbers, std::string_view text) {
+    if (kind == PluginReply::Kind::failed) std::fflush(stdout);
     text = text.substr(0, most_plugin_characters);
-    page_.reply = {.kind = kind, .numbers = numbers, .characters = text.size(),
+    page_.reply = {.kind = kind,
+                   .numbers = numbers,
+                   .characters = text.size(),
                    .digest = std::hash<std::string_view>{}(text)};
     std::copy_n(out_.numbers(), numbers, page_.numbers.begin());
     std::memcpy(page_.numbers.data() + numbers, text.data(), text.size());
@@ -99,7 +104,8 @@ class Server {
   }
 
   void close() {
-    if (object_ && object_->destroy && created_) enter(PluginCall::destroy, [&] { return object_->destroy(handle_), 0; });
+    if (object_ && object_->destroy && created_)
+      enter(PluginCall::destroy, [&] { return object_->destroy(handle_), 0; });
   }
 
  private:
@@ -126,8 +132,8 @@ class Server {
   template <class Call>
   void check(PluginCall call, const Call& function) {
     if (const int code = enter(call, function); code != HMAX_OK)
-      throw Failure{fmt::format("{}() of the plugin failed: {}", plugin_call_names[static_cast<std::size_t>(call)],
-                                reason(code))};
+      throw Failure{fmt::format("{}() of the plugin failed: {}",
+                                plugin_call_names[static_cast<std::size_t>(call)], reason(code))};
   }
 
   void find_entry(const PluginName& plugin);
@@ -183,14 +189,16 @@ void Server::find_entry(const PluginName& plugin) {
   using Get = const hmax_plugin*();
   auto* get = reinterpret_cast<Get*>(dlsym(library, "hmax_plugin_get"));
   if (!get)
-    throw Failure{fmt::format("'{}' has no function hmax_plugin_get; see hmax/plugin.h", plugin.file.filename().string())};
+    throw Failure{fmt::format("'{}' has no function hmax_plugin_get; see hmax/plugin.h",
+                              plugin.file.filename().string())};
   const hmax_plugin* table = get();
   stage_.call = PluginCall::none;
   if (!table) throw Failure{"hmax_plugin_get() of the plugin returned no table"};
   version_ = table->version;
   if (version_ < 1 || version_ > HMAX_PLUGIN_VERSION)
-    throw Failure{fmt::format("the plugin has version {} of hmax/plugin.h and hmax has {}; compile it with the header of this hmax",
-                              version_, HMAX_PLUGIN_VERSION)};
+    throw Failure{fmt::format(
+        "the plugin has version {} of hmax/plugin.h and hmax has {}; compile it with the header of this hmax",
+        version_, HMAX_PLUGIN_VERSION)};
   std::string names;
   for (std::uint32_t i = 0; i < table->count && !entry_; ++i) {
     const hmax_plugin_entry& entry = table->entries[i];
@@ -204,9 +212,10 @@ void Server::find_entry(const PluginName& plugin) {
   model_ = entry_->model;
   if (!stepper_ == !model_) throw Failure{"an entry of the plugin must have either a model or a stepper"};
   object_ = stepper_ ? &stepper_->object : &model_->object;
-  const bool complete = object_->create && object_->dimension &&
-                        (stepper_ ? stepper_->get_state && stepper_->set_state && stepper_->step
-                                  : model_->start && (model_->force ? model_->mass != nullptr : model_->rhs != nullptr));
+  const bool complete =
+      object_->create && object_->dimension &&
+      (stepper_ ? stepper_->get_state && stepper_->set_state && stepper_->step
+                : model_->start && (model_->force ? model_->mass != nullptr : model_->rhs != nullptr));
   if (!complete)
     throw Failure{stepper_ ? "a stepper needs create, dimension, get_state, set_state and step"
                            : "a model needs create, dimension, start, and rhs or mass and force"};
@@ -221,7 +230,8 @@ void Server::create(const std::string& argument) {
   if (n_ < 1 || n_ > most_plugin_states)
     throw Failure{fmt::format("dimension() of the plugin is {}; it must be 1 to {}", n_, most_plugin_states)};
   if (model_ && model_->force && n_ % 2 != 0)
-    throw Failure{fmt::format("dimension() of the plugin is {}; with forces it is twice the number of positions", n_)};
+    throw Failure{
+        fmt::format("dimension() of the plugin is {}; with forces it is twice the number of positions", n_)};
 }
 
 void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting) {
@@ -251,19 +261,23 @@ void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting)
 
 void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greeting) {
   std::size_t count = 0, reach = 1;
-  check(PluginCall::couplings, [&] { return stepper_->couplings(handle_, &count, &reach, nullptr, nullptr); });
-  if (count > most_plugin_states) throw Failure{fmt::format("the plugin has {} couplings; it may have {}", count, most_plugin_states)};
+  check(PluginCall::couplings,
+        [&] { return stepper_->couplings(handle_, &count, &reach, nullptr, nullptr); });
+  if (count > most_plugin_states)
+    throw Failure{fmt::format("the plugin has {} couplings; it may have {}", count, most_plugin_states)};
   if (reach < 1) throw Failure{"the reach of the couplings of the plugin is 0; a step crosses at least one"};
   std::vector<std::size_t> group(n_);
   std::vector<std::array<std::size_t, 2>> pairs(count + 1);
   const std::size_t told = count;
   check(PluginCall::couplings, [&] {
-    return stepper_->couplings(handle_, &count, &reach, group.data(), reinterpret_cast<std::size_t(*)[2]>(pairs.data()));
+    return stepper_->couplings(handle_, &count, &reach, group.data(),
+                               reinterpret_cast<std::size_t(*)[2]>(pairs.data()));
   });
   if (count != told) throw Failure{fmt::format("the plugin has {} couplings, then {}", told, count)};
   pairs.resize(count);
   const auto add = [&](std::size_t of) {
-    if (of >= n_) throw Failure{fmt::format("a group of the couplings of the plugin is {}; they are below {}", of, n_)};
+    if (of >= n_)
+      throw Failure{fmt::format("a group of the couplings of the plugin is {}; they are below {}", of, n_)};
     words.push_back(static_cast<double>(of));
   };
   greeting.has_couplings = 1;
@@ -327,7 +341,8 @@ void Server::save(std::uint32_t slot) {
 }
 
 void Server::restore(std::uint32_t slot) {
-  if (slot >= slots_.size() || !slots_[slot].filled) throw Failure{"a state that was never saved is restored"};
+  if (slot >= slots_.size() || !slots_[slot].filled)
+    throw Failure{"a state that was never saved is restored"};
   const Slot& from = slots_[slot];
   if (stepper_->restore)
     check(PluginCall::restore, [&] { return stepper_->restore(handle_, from.blob.bytes(), from.bytes); });
@@ -338,11 +353,16 @@ void Server::restore(std::uint32_t slot) {
 std::size_t Server::handle(const PluginRequest& request) {
   if (model_) return handle_model(request);
   switch (request.ask) {
-    case PluginAsk::state: return state();
-    case PluginAsk::set_state: return set_state(received(in_, 0, n_)), 0;
-    case PluginAsk::steps: return steps(request.h, request.count), 0;
-    case PluginAsk::save: return save(request.slot), 0;
-    case PluginAsk::restore: return restore(request.slot), 0;
+    case PluginAsk::state:
+      return state();
+    case PluginAsk::set_state:
+      return set_state(received(in_, 0, n_)), 0;
+    case PluginAsk::steps:
+      return steps(request.h, request.count), 0;
+    case PluginAsk::save:
+      return save(request.slot), 0;
+    case PluginAsk::restore:
+      return restore(request.slot), 0;
     case PluginAsk::after:
       restore(request.slot);
       set_state(received(in_, 0, n_));
@@ -353,12 +373,13 @@ std::size_t Server::handle(const PluginRequest& request) {
       steps(request.h, 1);
       save(request.slot);
       return state();
-    default: throw Failure{std::string(plugin_destroyed)};
+    default:
+      throw Failure{std::string(plugin_destroyed)};
   }
 }
 
-/// d f / d x by central differences, at increments of the cube root of rounding, into out_ of n x n. f(y) is of the numbers in
-/// x, which are as before at the end.
+/// d f / d x by central differences, at increments of the cube root of rounding, into out_ of n x n. f(y) is
+/// of the numbers in x, which are as before at the end.
 template <class Function>
 void Server::differentiate(double* x, std::size_t n, const Function& f) {
   using Eigen::Map, Eigen::VectorXd;
@@ -373,7 +394,8 @@ void Server::differentiate(double* x, std::size_t n, const Function& f) {
     f(behind_.numbers());
     x[j] = at;
     Map<VectorXd>(out_.numbers() + j * n, size) =
-        (Map<const VectorXd>(ahead_.numbers(), size) - Map<const VectorXd>(behind_.numbers(), size)) / (2 * d);
+        (Map<const VectorXd>(ahead_.numbers(), size) - Map<const VectorXd>(behind_.numbers(), size)) /
+        (2 * d);
   }
 }
 
@@ -382,9 +404,14 @@ std::size_t Server::handle_model(const PluginRequest& request) {
   const bool of_rates = request.ask == PluginAsk::rhs || request.ask == PluginAsk::jacobian;
   const std::size_t m = of_rates ? n_ : n_ / 2;
   double *const y = received(in_, 0, m), *const v = received(in_velocities_, m, of_rates ? 0 : m);
-  const auto rhs = [&](double* to) { check(PluginCall::rhs, [&] { return model_->rhs(handle_, t, y, to); }); };
-  const auto force = [&](double* to) { check(PluginCall::force, [&] { return model_->force(handle_, t, y, v, to); }); };
-  const auto matrix = [&](PluginCall call, const auto& given, double* x, const auto& f, double sign, const auto& own) {
+  const auto rhs = [&](double* to) {
+    check(PluginCall::rhs, [&] { return model_->rhs(handle_, t, y, to); });
+  };
+  const auto force = [&](double* to) {
+    check(PluginCall::force, [&] { return model_->force(handle_, t, y, v, to); });
+  };
+  const auto matrix = [&](PluginCall call, const auto& given, double* x, const auto& f, double sign,
+                          const auto& own) {
     out_.resize(m * m * sizeof(double));
     if (given) {
       check(call, own);
@@ -396,8 +423,10 @@ std::size_t Server::handle_model(const PluginRequest& request) {
   };
   out_.resize(m * sizeof(double));
   switch (request.ask) {
-    case PluginAsk::rhs: return rhs(out_.numbers()), m;
-    case PluginAsk::force: return force(out_.numbers()), m;
+    case PluginAsk::rhs:
+      return rhs(out_.numbers()), m;
+    case PluginAsk::force:
+      return force(out_.numbers()), m;
     case PluginAsk::jacobian:
       return matrix(PluginCall::jacobian, model_->jacobian, y, rhs, 1,
                     [&] { return model_->jacobian(handle_, t, y, out_.numbers()); });
@@ -407,7 +436,8 @@ std::size_t Server::handle_model(const PluginRequest& request) {
     case PluginAsk::damping:
       return matrix(PluginCall::damping, model_->damping, v, force, -1,
                     [&] { return model_->damping(handle_, t, y, v, out_.numbers()); });
-    default: throw Failure{std::string(plugin_destroyed)};
+    default:
+      throw Failure{std::string(plugin_destroyed)};
   }
 }
 
@@ -425,7 +455,12 @@ void leave_the_parent(pid_t parent) {
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   pthread_atfork(nullptr, nullptr, [] { is_copy = true; });
   // A plugin that calls exit() must not end hmax's files and threads, which this process has copies of.
-  on_exit([](int code, void*) { _exit(code); }, nullptr);
+  on_exit(
+      [](int code, void*) {
+        std::fflush(stdout);
+        _exit(code);
+      },
+      nullptr);
 }
 
 }  // namespace
@@ -438,6 +473,7 @@ void serve_plugin(PluginPage& page, const PluginName& plugin, pid_t parent) {
     while (server.answer()) {
     }
     server.close();
+    std::fflush(stdout);
     server.reply(PluginReply::Kind::done, 0, "");
   } catch (const Failure& failure) {
     server.reply(PluginReply::Kind::failed, 0, failure.text);

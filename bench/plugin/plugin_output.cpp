@@ -4,11 +4,14 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fcntl.h>
 #include <poll.h>
+#include <string>
 #include <string_view>
 #include <sys/eventfd.h>
+#include <system_error>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -59,6 +62,8 @@ void PluginOutput::take_over() const {
   dup2(write_, STDERR_FILENO);
   if (const int nothing = open("/dev/null", O_RDONLY); nothing >= 0) dup2(nothing, STDIN_FILENO);
   close_range(STDERR_FILENO + 1, ~0U, 0);
+  // Lines appear when they are printed, also those before a crash.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
 }
 
 void PluginOutput::show() {
@@ -67,8 +72,15 @@ void PluginOutput::show() {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  reader_ = std::thread([this] { forward(); });
+  std::string failure;
+  try {
+    reader_ = std::thread([this] { forward(); });
+  } catch (const std::system_error& error) {
+    failure = error.what();
+  }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (!failure.empty())
+    throw InputError(fmt::format("the system has no thread for the output of the plugin: {}", failure));
 }
 
 void PluginOutput::forward() {

@@ -26,6 +26,7 @@ class PluginOutput {
   /// In the child: makes the pipe its standard output and error, and leaves it no other file of hmax's.
   void take_over() const;
   /// In hmax, after the child has been made.
+  /// @throws InputError  where the system has no thread
   void show();
   [[nodiscard]] bool is_flooded() const {
     return read_so_far_.load(std::memory_order_relaxed) > flood_of_plugin_output;

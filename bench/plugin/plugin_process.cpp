@@ -72,8 +72,8 @@ PluginProcess::PluginProcess(PluginName plugin, PluginSettings settings)
     : plugin_(std::move(plugin)), settings_(std::move(settings)) {
   if (!(settings_.patience > 0))
     throw InputError(fmt::format("--patience {} is not positive; give seconds", to_text(settings_.patience)));
-  start();
   try {
+    start();
     greet();
   } catch (...) {
     end();
@@ -111,11 +111,8 @@ void PluginProcess::start() {
     output_->take_over();
     serve_plugin(page(), plugin_, parent);
   }
-  if (child_ < 0) {
-    const InputError error(fmt::format("the system has no process for the plugin: {}", std::strerror(errno)));
-    end();
-    throw error;
-  }
+  if (child_ < 0)
+    throw InputError(fmt::format("the system has no process for the plugin: {}", std::strerror(errno)));
   // Both do it: whoever comes first.
   setpgid(child_, child_);
   memory_->close_to_further_children();
@@ -149,11 +146,13 @@ void PluginProcess::explain_end() {
   const int status = end();
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    throw InputError(fmt::format("the plugin crashed {} with signal {} ({}); run it in a debugger, or try other step sizes",
-                                 place, signal, strsignal(signal)));
+    throw InputError(fmt::format(
+        "the plugin crashed {} with signal {} ({}); run it in a debugger, or try other step sizes", place,
+        signal, strsignal(signal)));
   }
-  throw InputError(fmt::format("the plugin ended the process {} with exit code {}; a plugin returns a code instead", place,
-                               WEXITSTATUS(status)));
+  throw InputError(
+      fmt::format("the plugin ended the process {} with exit code {}; a plugin returns a code instead", place,
+                  WEXITSTATUS(status)));
 }
 
 void PluginProcess::explain_hang() {
@@ -165,8 +164,9 @@ void PluginProcess::explain_hang() {
 
 void PluginProcess::explain_flood() {
   end();
-  throw InputError(fmt::format("the plugin wrote more than {} MB to its standard output; print less",
-                               flood_of_plugin_output / 1'000'000));
+  throw InputError(
+      fmt::format("the plugin wrote more than {} MB to standard output and standard error; print less",
+                  flood_of_plugin_output / 1'000'000));
 }
 
 void PluginProcess::explain_destruction() {
@@ -204,7 +204,8 @@ PluginReply PluginProcess::reply() {
     explain_destruction();
   switch (reply.kind) {
     case PluginReply::Kind::done:
-    case PluginReply::Kind::diverged: return reply;
+    case PluginReply::Kind::diverged:
+      return reply;
     case PluginReply::Kind::failed: {
       const std::string text = text_of(reply);
       throw InputError(text.size() > most_shown ? text.substr(0, most_shown) + " ..." : text);
@@ -262,7 +263,8 @@ void PluginProcess::greet() {
   const double* at = page().numbers.data() + greeting_size;
   for (int i = 0; i < static_cast<int>(said.quaternions); ++i, ++at) {
     const double first = *at;
-    if (!is_count(first, 0, said.dimension - 4)) throw InputError("a quaternion of the plugin lies outside of its state");
+    if (!is_count(first, 0, said.dimension - 4))
+      throw InputError("a quaternion of the plugin lies outside of its state");
     facts_.quaternions.push_back(static_cast<Eigen::Index>(first));
   }
   const auto vector = [&at](Eigen::Index n) {

@@ -66,6 +66,14 @@ TEST(ProbeCommand, WhatAPluginSaysIsNoPartOfTheDocument) {
   const Told told = probe(tested + ":crash:talk --h0 1e-3 --h1 0.1 --no-runs --json");
   EXPECT_EQ(told.exit_code, 0);
   EXPECT_EQ(told.json()["dim"], 2);
+  EXPECT_EQ(told.err.substr(0, 7), "I talk\n");
+  // Also what it said before it crashed, line by line, and what has no end of line.
+  const Told crashed = probe(tested + ":crash:talk_segv --h0 1e-3 --h1 0.1 --no-runs");
+  EXPECT_EQ(crashed.exit_code, 2);
+  EXPECT_EQ(crashed.err.substr(0, 7), "I talk\n") << crashed.err;
+  EXPECT_NE(crashed.err.find("with signal 11"), std::string::npos) << crashed.err;
+  const Told whispered = probe(tested + ":crash:whisper --h0 1e-3 --h1 0.1 --no-runs");
+  EXPECT_NE(whispered.err.find("I whisper"), std::string::npos) << whispered.err;
 }
 
 TEST(ProbeCommand, InterruptedItLeavesNoProcess) {
@@ -78,8 +86,9 @@ TEST(ProbeCommand, InterruptedItLeavesNoProcess) {
 
 /// A pipe at which somebody waits for the end of the command, and what is left of the plugin then.
 Told told_by_pipe(const std::string& arguments) {
-  return Shell().line("timeout 30 sh -c \"'" HMAX_PROGRAM "' " + arguments +
-                      " 2>&1 | cat\"; echo ended with $?; sleep 0.1; pgrep -fc '^sleep 61.25'");
+  return Shell().line(
+      "timeout 30 sh -c \"('" HMAX_PROGRAM "' " + arguments +
+      "; echo code \\$?) 2>&1 | cat\"; echo ended with $?; sleep 0.1; pgrep -fc '^sleep 61.25'");
 }
 
 TEST(ProbeCommand, ProcessesOfAPluginEndWithIt) {
@@ -87,10 +96,11 @@ TEST(ProbeCommand, ProcessesOfAPluginEndWithIt) {
     const Told told =
         told_by_pipe("probe --plugin " + tested + ":unruly:" + way + " --h0 1e-2 --h1 1 --no-runs");
     EXPECT_NE(told.out.find("h_max     0.2"), std::string::npos) << way << told.out;
-    EXPECT_NE(told.out.find("ended with 0\n0\n"), std::string::npos) << way << told.out;
+    EXPECT_NE(told.out.find("code 0\nended with 0\n0\n"), std::string::npos) << way << told.out;
   }
   const Told told = told_by_pipe("run --plugin " + tested + ":faulty:child:5 --method rk4 --h 0.01");
-  EXPECT_NE(told.out.find("ended with 0\n0\n"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("reached the end"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("code 0\nended with 0\n0\n"), std::string::npos) << told.out;
 }
 
 TEST(ProbeCommand, WhatAPluginPrintsIsBounded) {
@@ -101,7 +111,8 @@ TEST(ProbeCommand, WhatAPluginPrintsIsBounded) {
             std::string::npos);
   const Told flood = probe(tested + ":unruly:floods --h0 1e-2 --h1 1");
   EXPECT_EQ(flood.exit_code, 2);
-  EXPECT_NE(flood.err.find("hmax: the plugin wrote more than 64 MB to its standard output; print less"),
+  EXPECT_NE(flood.err.find(
+                "hmax: the plugin wrote more than 64 MB to standard output and standard error; print less"),
             std::string::npos)
       << flood.err.substr(flood.err.size() - std::min<std::size_t>(300, flood.err.size()));
 }
@@ -126,7 +137,8 @@ TEST(ProbeCommand, ItsExamplesAreThoseThatTheTestsRun) {
   const Told told = shell.hmax("probe --example a");
   EXPECT_EQ(told.out, "a/hmax/plugin.h\na/plugin_stepper.cpp\na/plugin_model.c\n");
   EXPECT_EQ(read_text(shell / "a/hmax/plugin.h"), read_text(HMAX_SOURCE_DIR "/bench/plugin/plugin.h"));
-  EXPECT_EQ(read_text(shell / "a/plugin_stepper.cpp"), read_text(HMAX_SOURCE_DIR "/examples/plugin_stepper.cpp"));
+  EXPECT_EQ(read_text(shell / "a/plugin_stepper.cpp"),
+            read_text(HMAX_SOURCE_DIR "/examples/plugin_stepper.cpp"));
   EXPECT_EQ(shell.hmax("probe --example a").exit_code, 0);
   shell.line("echo >> a/plugin_model.c");
   expect_refused(shell.hmax("probe --example a"), "is there already and differs");
@@ -138,11 +150,13 @@ TEST(PluginOption, APluginThatGoesWrongIsAnError) {
     return Shell().hmax("run --plugin " + tested + ":faulty" + argument + " --method rk4 --h 0.01" + more);
   };
   EXPECT_EQ(run("").exit_code, 0);
-  expect_refused(run(":hang:100", " --patience 0.3"), "did not return within 0.3 s in rhs(); --patience gives it longer");
+  expect_refused(run(":hang:100", " --patience 0.3"),
+                 "did not return within 0.3 s in rhs(); --patience gives it longer");
   expect_refused(run(":segv:100"), "crashed in rhs() with signal 11");
   expect_refused(run("", " --patience 0"), "--patience 0 is not positive; give seconds");
   EXPECT_EQ(run(":nan:100").exit_code, 1);
-  expect_refused(Shell().hmax("run --problem kepler --patience 3 --method rk4 --h 0.01"), "--patience applies to --plugin only");
+  expect_refused(Shell().hmax("run --problem kepler --patience 3 --method rk4 --h 0.01"),
+                 "--patience applies to --plugin only");
 }
 
 /// A model behind the interface stands where any model stands.
@@ -155,10 +169,14 @@ TEST(PluginOption, IsAModelForEveryCommand) {
   const Told limit = shell.hmax("stability predict" + model + " --methods symplectic_euler --json");
   ASSERT_EQ(limit.exit_code, 0) << limit.err;
   EXPECT_GT(limit.json().at("rows").at(0).at("h_max").get<double>(), 0);
-  expect_refused(shell.hmax("run" + model + " --set a=1 --method rk4 --h 0.1"), "a plugin has no parameter 'a'");
-  expect_refused(shell.hmax("run" + model + " --y0 1 --method rk4 --h 0.1"), "the initial state has 1 numbers");
-  expect_refused(shell.hmax("run" + model + " --mesh liver --method rk4 --h 0.1"), "--mesh and --plugin are both given");
-  expect_refused(shell.hmax("run --plugin " + tested + ":chain --method rk4 --h 0.1"), "is a stepper and no model");
+  expect_refused(shell.hmax("run" + model + " --set a=1 --method rk4 --h 0.1"),
+                 "a plugin has no parameter 'a'");
+  expect_refused(shell.hmax("run" + model + " --y0 1 --method rk4 --h 0.1"),
+                 "the initial state has 1 numbers");
+  expect_refused(shell.hmax("run" + model + " --mesh liver --method rk4 --h 0.1"),
+                 "--mesh and --plugin are both given");
+  expect_refused(shell.hmax("run --plugin " + tested + ":chain --method rk4 --h 0.1"),
+                 "is a stepper and no model");
 }
 
 }  // namespace

@@ -3,15 +3,16 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <pthread.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "analysis/spectrum/linear_model.hpp"
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
-#include "analysis/spectrum/linear_model.hpp"
 #include "bench/plugin/plugin_model.hpp"
 #include "bench/plugin/plugin_stepper.hpp"
 #include "results/errors.hpp"
@@ -57,9 +58,10 @@ TEST(Plugin, StepsRestoresAndSetsStates) {
 }
 
 TEST(Plugin, CrashesAreErrorsThatNameTheStep) {
-  EXPECT_EQ(error_of_step("crash:segv", 0.5),
-            "the plugin crashed in step(0.5) with signal 11 (Segmentation fault); run it in a debugger, or try other step "
-            "sizes");
+  EXPECT_EQ(
+      error_of_step("crash:segv", 0.5),
+      "the plugin crashed in step(0.5) with signal 11 (Segmentation fault); run it in a debugger, or try other step "
+      "sizes");
   EXPECT_EQ(error_of_step("crash:segv", 0.001), "no error");
   EXPECT_NE(error_of_step("crash:abort", 0.02).find("in step(0.02) with signal 6"), std::string::npos);
   EXPECT_EQ(error_of_step("crash:exit", 0.02),
@@ -76,6 +78,21 @@ TEST(Plugin, HangsEndAfterTheTimeThatTheyAreGiven) {
             "the plugin did not return within 0.2 s in step(0.02); --patience gives it longer");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   expect_no_child();
+}
+
+TEST(Plugin, LeavesNoChildWhereThereIsNoThreadForItsOutput) {
+  pthread_attr_t usual, endless;
+  ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
+  pthread_attr_init(&endless);
+  ASSERT_EQ(pthread_attr_setstacksize(&endless, std::size_t{1} << 46U), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&endless), 0);
+  const std::string error = error_of_step("chain:3", 0.001);
+  pthread_setattr_default_np(&usual);
+  EXPECT_NE(error.find("the system has no thread for the output of the plugin"), std::string::npos) << error;
+  expect_no_child();
+  sigset_t blocked;
+  pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+  EXPECT_FALSE(sigismember(&blocked, SIGINT));
 }
 
 TEST(Plugin, LongSeriesOfShortStepsAreNoHang) {
@@ -100,19 +117,25 @@ TEST(Plugin, AStepThatCannotBeDoneIsDivergence) {
 }
 
 TEST(Plugin, WhatCannotBeLoadedSaysWhy) {
-  const auto error = [](const std::string& text) { return error_of([&] { PluginStepper engine(parse_plugin(text)); }); };
+  const auto error = [](const std::string& text) {
+    return error_of([&] { PluginStepper engine(parse_plugin(text)); });
+  };
   EXPECT_EQ(error("no.so"), "there is no file 'no.so'; give the path of the shared library");
   EXPECT_EQ(error("/tmp:a"), "'/tmp' is no file; give the path of the shared library");
   EXPECT_NE(error(HMAX_SOURCE_DIR "/README.md").find("the plugin cannot be loaded: "), std::string::npos);
-  EXPECT_NE(error(TESTED_PLUGIN_NAMELESS).find("has no function hmax_plugin_get; see hmax/plugin.h"), std::string::npos);
-  EXPECT_EQ(error(TESTED_PLUGIN_VERSION),
-            "the plugin has version 99 of hmax/plugin.h and hmax has 2; compile it with the header of this hmax");
+  EXPECT_NE(error(TESTED_PLUGIN_NAMELESS).find("has no function hmax_plugin_get; see hmax/plugin.h"),
+            std::string::npos);
+  EXPECT_EQ(
+      error(TESTED_PLUGIN_VERSION),
+      "the plugin has version 99 of hmax/plugin.h and hmax has 2; compile it with the header of this hmax");
   const std::string file = TESTED_PLUGIN;
-  EXPECT_EQ(error(file + ":chains").substr(0, 56), "the plugin has no entry 'chains'; it has chain, float_ch");
+  EXPECT_EQ(error(file + ":chains").substr(0, 56),
+            "the plugin has no entry 'chains'; it has chain, float_ch");
   EXPECT_EQ(error(file + ":neither"), "an entry of the plugin must have either a model or a stepper");
   EXPECT_EQ(error(file + ":start:empty"), "dimension() of the plugin is 0; it must be 1 to 10000000");
   EXPECT_EQ(error(file + ":start:refuse"), "create of the plugin threw an exception: refused");
-  EXPECT_EQ(error(EXAMPLE_MODEL), "'pendulum' of the plugin is a model and has no step of its own; name a stepper");
+  EXPECT_EQ(error(EXAMPLE_MODEL),
+            "'pendulum' of the plugin is a model and has no step of its own; name a stepper");
   expect_no_child();
 }
 
@@ -144,7 +167,9 @@ TEST(Plugin, AModelIsAProblem) {
 }
 
 TEST(Plugin, OneOfAnEarlierVersionWorksAndIsNotAskedForMore) {
-  const auto pattern = [](const char* file) { return PluginStepper(parse_plugin(std::string(file) + ":coupled:4")).pattern(); };
+  const auto pattern = [](const char* file) {
+    return PluginStepper(parse_plugin(std::string(file) + ":coupled:4")).pattern();
+  };
   EXPECT_EQ(pattern(TESTED_PLUGIN_EARLIER).size(), 0);
   EXPECT_EQ(pattern(TESTED_PLUGIN).rows(), 8);
 }
@@ -182,7 +207,8 @@ std::string error_of_rhs(const std::string& argument, double patience, int calls
 }
 
 TEST(Plugin, AModelThatHangsEndsAfterTheTimeThatItIsGiven) {
-  EXPECT_EQ(error_of_rhs("hang:3", 0.2), "the plugin did not return within 0.2 s in rhs(); --patience gives it longer");
+  EXPECT_EQ(error_of_rhs("hang:3", 0.2),
+            "the plugin did not return within 0.2 s in rhs(); --patience gives it longer");
   EXPECT_EQ(error_of_rhs("slow:3", 0.2), "no error");
   EXPECT_EQ(error_of_rhs("", -1), "--patience -1 is not positive; give seconds");
   expect_no_child();
@@ -190,8 +216,10 @@ TEST(Plugin, AModelThatHangsEndsAfterTheTimeThatItIsGiven) {
 
 TEST(Plugin, AModelThatEndsItsProcessIsAnErrorThatNamesTheCall) {
   for (const std::string at : {"0", "3", "5000"}) {
-    EXPECT_NE(error_of_rhs("segv:" + at, 10, 6000).find("the plugin crashed in rhs() with signal 11"), std::string::npos);
-    EXPECT_NE(error_of_rhs("kill:" + at, 10, 6000).find("the plugin crashed in rhs() with signal 9"), std::string::npos);
+    EXPECT_NE(error_of_rhs("segv:" + at, 10, 6000).find("the plugin crashed in rhs() with signal 11"),
+              std::string::npos);
+    EXPECT_NE(error_of_rhs("kill:" + at, 10, 6000).find("the plugin crashed in rhs() with signal 9"),
+              std::string::npos);
     EXPECT_EQ(error_of_rhs("exit:" + at, 10, 6000),
               "the plugin ended the process in rhs() with exit code 7; a plugin returns a code instead");
   }
@@ -222,7 +250,8 @@ TEST(Plugin, AMatrixByDifferencesTakesLongerThanOneCallMay) {
 TEST(Plugin, AStiffnessThatIsNotOfTheForceIsRefused) {
   EXPECT_EQ(plugin_problem(tested("stiff_pendulums")).y0.size(), 6);
   const std::string error = error_of([] { (void)plugin_problem(tested("stiff_pendulums:negative")); });
-  EXPECT_NE(error.find("stiffness() of the plugin is not the derivative of its force()"), std::string::npos) << error;
+  EXPECT_NE(error.find("stiffness() of the plugin is not the derivative of its force()"), std::string::npos)
+      << error;
 }
 
 TEST(Plugin, DifferencesAreThoseOfTheFormulaInArraysThatAreAligned) {
@@ -232,7 +261,8 @@ TEST(Plugin, DifferencesAreThoseOfTheFormulaInArraysThatAreAligned) {
   AnySystem::DofMatrix K, C;
   system.stiffness(0, q, v, K);
   system.damping(0, q, v, C);
-  // Central differences at increments of 6e-6 of each number, and of a thousandth of the largest at least, to the last bit.
+  // Central differences at increments of 6e-6 of each number, and of a thousandth of the largest at least, to
+  // the last bit.
   const auto by_differences = [](const Eigen::VectorXd& x, const auto& f) {
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, 3);
     const double least = 1e-3 * x.cwiseAbs().maxCoeff();
@@ -242,12 +272,10 @@ TEST(Plugin, DifferencesAreThoseOfTheFormulaInArraysThatAreAligned) {
     }
     return J;
   };
-  EXPECT_EQ(std::get<Eigen::MatrixXd>(K), by_differences(q, [&](int i, double x) {
-              return -std::sin(x) - 0.1 * v[i] * std::abs(v[i]);
-            }));
-  EXPECT_EQ(std::get<Eigen::MatrixXd>(C), by_differences(v, [&](int i, double x) {
-              return -std::sin(q[i]) - 0.1 * x * std::abs(x);
-            }));
+  EXPECT_EQ(std::get<Eigen::MatrixXd>(K),
+            by_differences(q, [&](int i, double x) { return -std::sin(x) - 0.1 * v[i] * std::abs(v[i]); }));
+  EXPECT_EQ(std::get<Eigen::MatrixXd>(C),
+            by_differences(v, [&](int i, double x) { return -std::sin(q[i]) - 0.1 * x * std::abs(x); }));
 }
 
 TEST(Plugin, AChildThatSleepsIsWoken) {
@@ -267,7 +295,9 @@ TEST(Plugin, SignalsThatInterruptAWaitChangeNothing) {
     sigaction(SIGALRM, &counting, &old);
     return old;
   }();
-  const itimerval often{.it_interval = {.tv_sec = 0, .tv_usec = 500}, .it_value = {.tv_sec = 0, .tv_usec = 500}}, never{};
+  const itimerval often{.it_interval = {.tv_sec = 0, .tv_usec = 500},
+                        .it_value = {.tv_sec = 0, .tv_usec = 500}},
+      never{};
   setitimer(ITIMER_REAL, &often, nullptr);
   EXPECT_EQ(error_of_rhs("slow:0", 10), "no error");
   setitimer(ITIMER_REAL, &never, nullptr);

@@ -32,14 +32,18 @@ struct Engine {
   virtual int set(const double* from) { return std::copy(from, from + y.size(), y.begin()), HMAX_OK; }
 };
 
-/// x_i'' = k (x_i-1 - 2 x_i + x_i+1) between walls by symplectic Euler; h_max = 1 / (sqrt(k) sin(n pi / (2 n + 2))).
+/// x_i'' = k (x_i-1 - 2 x_i + x_i+1) between walls by symplectic Euler; h_max = 1 / (sqrt(k) sin(n pi / (2 n
+/// + 2))).
 template <class Real>
 struct Chain : Engine {
   explicit Chain(const std::string& argument) : Engine(Numbers(2 * size_of(argument))) {}
-  static std::size_t size_of(const std::string& argument) { return argument.empty() ? 10 : std::stoul(argument); }
+  static std::size_t size_of(const std::string& argument) {
+    return argument.empty() ? 10 : std::stoul(argument);
+  }
   int step(double h) override {
     const std::size_t n = y.size() / 2;
-    std::vector<Real> x(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(n)), v(y.begin() + static_cast<std::ptrdiff_t>(n), y.end());
+    std::vector<Real> x(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(n)),
+        v(y.begin() + static_cast<std::ptrdiff_t>(n), y.end());
     const Real step = static_cast<Real>(h), k = 1e4;
     for (std::size_t i = 0; i < n; ++i)
       v[i] += step * k * ((i > 0 ? x[i - 1] : 0) - 2 * x[i] + (i + 1 < n ? x[i + 1] : 0));
@@ -60,7 +64,8 @@ int couplings(void* handle, size_t* count, size_t* reach, size_t* group, size_t 
 /// A chain by RK4, whose step reaches four masses far, from a declared reach: N:REACH.
 struct ReachingChain : Engine {
   explicit ReachingChain(const std::string& argument)
-      : Engine(Numbers(2 * std::stoul(argument))), reach(std::stoul(argument.substr(argument.find(':') + 1))) {}
+      : Engine(Numbers(2 * std::stoul(argument))),
+        reach(std::stoul(argument.substr(argument.find(':') + 1))) {}
   std::size_t reach;
   static Numbers slope(const Numbers& y) {
     const std::size_t n = y.size() / 2;
@@ -85,7 +90,8 @@ struct ReachingChain : Engine {
   }
 };
 
-/// x'' = -2 zeta omega x' - omega^2 x by explicit Euler, omega = 10, zeta = 0.1; h_max = 2 zeta / omega = 0.02.
+/// x'' = -2 zeta omega x' - omega^2 x by explicit Euler, omega = 10, zeta = 0.1; h_max = 2 zeta / omega =
+/// 0.02.
 struct ExplicitEuler : Engine {
   explicit ExplicitEuler(const std::string&) : Engine({0, 0}) {}
   int step(double h) override {
@@ -117,7 +123,8 @@ struct ImplicitEuler : Engine {
 
 /// x'' = -100 x - 1e4 x^3 from x = 0.2 by symplectic Euler: at rest 2 / 10, along the motion less.
 struct Stiffening : Engine {
-  explicit Stiffening(const std::string& argument) : Engine({argument.empty() ? 0.2 : std::stod(argument), 0}) {}
+  explicit Stiffening(const std::string& argument)
+      : Engine({argument.empty() ? 0.2 : std::stod(argument), 0}) {}
   int step(double h) override {
     y[1] -= h * (100 * y[0] + 1e4 * y[0] * y[0] * y[0]);
     y[0] += h * y[1];
@@ -165,8 +172,10 @@ struct FarFloat : Engine {
 using Quaternion = std::array<double, 4>;  // w, x, y, z
 
 Quaternion product(const Quaternion& a, const Quaternion& b) {
-  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
 }
 
 /// Rotations about a position of rest on springs with omega = 10, 20, 40 by symplectic Euler; h_max = 2 / 40.
@@ -214,12 +223,13 @@ struct Crash : Engine {
   std::string way;
   int step(double h) override {
     if (h < 0.01) return HMAX_OK;
-    if (way == "segv") raise(SIGSEGV);
+    if (way == "talk" || way == "talk_segv") std::puts("I talk");
+    if (way == "whisper") std::fputs("I whisper", stdout);
+    if (way == "segv" || way == "talk_segv") raise(SIGSEGV);
     if (way == "abort") std::abort();
     if (way == "exit") std::exit(7);
     if (way == "throw") throw std::runtime_error("no scene");
     if (way == "code") return 5;
-    if (way == "talk") std::puts("I talk");
     while (way == "hang") usleep(1000);
     return HMAX_DIVERGED;
   }
@@ -324,8 +334,17 @@ int couplings(void* handle, size_t* count, size_t* reach, size_t* group, size_t 
 template <class E>
 constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_t*, size_t*) = nullptr,
                              decltype(hmax_stepper::couplings) couplings = nullptr) {
-  return {{create<E>, destroy, error_text, dimension}, flags, get,     set,        step,     saved_size, save, restore,
-          quaternions,                                 nullptr, couplings};
+  return {{create<E>, destroy, error_text, dimension},
+          flags,
+          get,
+          set,
+          step,
+          saved_size,
+          save,
+          restore,
+          quaternions,
+          nullptr,
+          couplings};
 }
 
 /// Writes `byte` over 64 KB of all memory that this process shares with others, from `first` on.
@@ -345,7 +364,8 @@ void scribble_on(int byte, std::size_t first) {
   }).detach();
 }
 
-/// y' = -10 y from 1, which goes wrong at the call that the argument names: hang:500, segv:0, nan:0. Without an argument it does not.
+/// y' = -10 y from 1, which goes wrong at the call that the argument names: hang:500, segv:0, nan:0. Without
+/// an argument it does not.
 struct Faulty {
   std::string way;
   std::size_t from = 0, calls = 0;
@@ -380,8 +400,14 @@ int rhs_faulty(void* handle, double, const double* y, double* dydt) {
   while (faulty.way == "hang") usleep(1000);
   return HMAX_OK;
 }
-const hmax_model faulty{{create_faulty, destroy_faulty, nullptr, one}, start_faulty, rhs_faulty, nullptr, nullptr,
-                        nullptr, nullptr, nullptr};
+const hmax_model faulty{{create_faulty, destroy_faulty, nullptr, one},
+                        start_faulty,
+                        rhs_faulty,
+                        nullptr,
+                        nullptr,
+                        nullptr,
+                        nullptr,
+                        nullptr};
 
 /// Three pendulums q'' = -sin q - 0.1 v |v|, which refuse arrays that are not aligned as plugin.h promises.
 bool aligned(const double* numbers) { return reinterpret_cast<std::uintptr_t>(numbers) % 64 == 0; }
@@ -395,8 +421,14 @@ int force_of_pendulums(void*, double, const double* q, const double* v, double* 
   for (int i = 0; i < 3; ++i) f[i] = -std::sin(q[i]) - 0.1 * v[i] * std::abs(v[i]);
   return aligned(q) && aligned(v) && aligned(f) ? HMAX_OK : 9;
 }
-const hmax_model pendulums{{create_faulty, destroy_faulty, nullptr, six}, start_pendulums, nullptr, nullptr, mass_of_pendulums,
-                           force_of_pendulums, nullptr, nullptr};
+const hmax_model pendulums{{create_faulty, destroy_faulty, nullptr, six},
+                           start_pendulums,
+                           nullptr,
+                           nullptr,
+                           mass_of_pendulums,
+                           force_of_pendulums,
+                           nullptr,
+                           nullptr};
 
 /// The same with a stiffness, right or of the other sign by the argument.
 int stiffness_of_pendulums(void* handle, double, const double* q, const double*, double* K) {
@@ -405,8 +437,14 @@ int stiffness_of_pendulums(void* handle, double, const double* q, const double*,
   for (int i = 0; i < 3; ++i) K[4 * i] = sign * std::cos(q[i]);
   return HMAX_OK;
 }
-const hmax_model stiff_pendulums{{create_faulty, destroy_faulty, nullptr, six}, start_pendulums, nullptr, nullptr,
-                                 mass_of_pendulums, force_of_pendulums, stiffness_of_pendulums, nullptr};
+const hmax_model stiff_pendulums{{create_faulty, destroy_faulty, nullptr, six},
+                                 start_pendulums,
+                                 nullptr,
+                                 nullptr,
+                                 mass_of_pendulums,
+                                 force_of_pendulums,
+                                 stiffness_of_pendulums,
+                                 nullptr};
 
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
                    explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
