@@ -17,8 +17,8 @@ struct TooSlow {};
 /// One run from the start; adds to `result`.
 /// @param most_per_frame  as RunLength has it
 void run_once(const Candidate& candidate, const Runner& runner, const ProbingMotion& motion,
-              const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame, double most_per_frame,
-              MotionRun& result) {
+              const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame,
+              double most_per_frame, MotionRun& result) {
   constexpr double least_run = 1, least_first_frame = 20;  // [s]
   constexpr std::int64_t least_frames = 5, looked_every = 256;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
@@ -37,7 +37,8 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
     const double least = in_first ? least_first_frame : least_run;
     if (now - start < std::max(least, most_per_frame * static_cast<double>(begun))) return;
     // The frame at hand takes at least this long.
-    if (step % steps_per_frame != 0) (in_first ? result.first_frame_s : result.frames_s.emplace_back()) = now - last;
+    if (step % steps_per_frame != 0)
+      (in_first ? result.first_frame_s : result.frames_s.emplace_back()) = now - last;
     throw TooSlow{};
   };
   const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
@@ -52,7 +53,8 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
     }
     if (instant < reference.t.size() && t >= reference.t[instant] - 0.25 * h)
       result.error = std::max(result.error, relative_error(motion, reference, instant++, y));
-    if (std::isfinite(most_per_frame) && (step % steps_per_frame == 0 || step % looked_every == 0)) look_at_the_clock();
+    if (std::isfinite(most_per_frame) && (step % steps_per_frame == 0 || step % looked_every == 0))
+      look_at_the_clock();
     if (step % steps_per_frame == 0) last = thread_cpu_seconds();
   };
   RunSpec spec = candidate.spec(h, frames * frame);
@@ -86,7 +88,8 @@ double quantile(std::vector<double> values, double share) {
 FrameTimes frame_times(const std::vector<double>& frames_s) {
   FrameTimes times{quantile(frames_s, 0.5), quantile(frames_s, 0.99), quantile(frames_s, 1)};
   for (const double share : frame_shares)
-    if (share * static_cast<double>(frames_s.size()) >= 1) times.tail.push_back(quantile(frames_s, 1 - share));
+    if (share * static_cast<double>(frames_s.size()) >= 1)
+      times.tail.push_back(quantile(frames_s, 1 - share));
   return times;
 }
 
@@ -120,7 +123,6 @@ MotionRun repeated(const Candidate& candidate, const Runner& runner, const Probi
 MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion,
                      const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame,
                      const RunLength& length, const Watcher& watcher) {
-  constexpr std::size_t most_often = 20;  // of so many frames one
   const PinnedThread pinned;
   const Runner runner = candidate.method.bind(motion.problem);
   const auto run = [&] {
@@ -130,18 +132,21 @@ MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion,
     return static_cast<std::size_t>(
         std::ranges::count_if(frames_s, [&](double s) { return s > length.budget; }));
   };
+  const double begun = thread_cpu_seconds();
   MotionRun result = run();
+  const double taken = thread_cpu_seconds() - begun;
   result.missed = late(result.frames_s);
-  if (!result.reached_end() || !is_late(result.missed, result.frames_s.size()) ||
-      most_often * result.missed > result.frames_s.size())
+  const std::size_t frames = result.frames_s.size();
+  if (!result.reached_end() || !is_late(result.missed, frames) || is_surely_late(result.missed, frames) ||
+      3 * taken > length.with_repeats)
     return result;
   std::array<std::vector<double>, 3> times{result.frames_s};
   for (std::size_t i = 1; i < times.size(); ++i) {
     times[i] = run().frames_s;
-    if (times[i].size() != result.frames_s.size()) return result;
+    if (times[i].size() != frames) return result;
   }
   result.frames_s = middle_times(times);
-  for (std::size_t i = 0; i < result.frames_s.size(); ++i)
+  for (std::size_t i = 0; i < frames; ++i)
     if (times[0][i] > length.budget && result.frames_s[i] <= length.budget) ++result.disturbed;
   result.missed = late(result.frames_s);
   return result;

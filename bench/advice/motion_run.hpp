@@ -37,8 +37,13 @@ struct MotionRun {
 /// The smallest value that a share of all of them does not exceed; NaN of none.
 double quantile(std::vector<double> values, double share);
 
-/// Whether a deadline is missed by more than one frame in a thousand. A single late frame may be the machine's.
+/// Whether a deadline is missed by more than one frame in a thousand. A single late frame may be the
+/// machine's.
 inline bool is_late(std::size_t missed, std::size_t frames) { return missed > 1 && 1000 * missed > frames; }
+/// Whether it is missed by more frames than the machine delays: more than one in twenty.
+inline bool is_surely_late(std::size_t missed, std::size_t frames) {
+  return is_late(missed, frames) && 20 * missed > frames;
+}
 
 /// Order statistics of the time of a frame [s].
 struct FrameTimes {
@@ -57,19 +62,22 @@ std::vector<double> middle_times(const std::array<std::vector<double>, 3>& runs)
 /// How long a motion is run.
 struct RunLength {
   std::size_t frames = 1;  ///< again from the start until there are so many
-  /// A run that has taken so much for each frame but the first, and for at least five, and a second in all, ends as
-  /// Outcome::stopped; also one whose first frame takes 20 s: CPU time [s].
+  /// A run that has taken so much for each frame but the first, and for at least five, and a second in all,
+  /// ends as Outcome::stopped; also one whose first frame takes 20 s: CPU time [s].
   double most_per_frame = std::numeric_limits<double>::infinity();
   double budget = std::numeric_limits<double>::infinity();  ///< that a frame is late beyond, CPU time [s]
+  /// That the run may take together with the two which tell frames that the machine has delayed, CPU time
+  /// [s]; 0: there is one run only.
+  double with_repeats = 0;
 };
 
 /// Runs the motion with `steps_per_frame` steps in each frame; once where it does not reach its end. The
-/// thread is kept on its processor. Where more frames than is_late() allows are over the budget, but at most
-/// one in twenty, all of it is run twice more: the same steps take the same time but for what the machine
-/// does besides.
+/// thread is kept on its processor. Where frames are late, but not surely, all of it is run twice more as far
+/// as RunLength::with_repeats allows: the same steps take the same time but for what the machine does
+/// besides.
 /// @param frame  [s]
-MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion, const ReferenceMotion& reference,
-                     double frame, std::int64_t steps_per_frame, const RunLength& length = {},
-                     const Watcher& watcher = {});
+MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion,
+                     const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame,
+                     const RunLength& length = {}, const Watcher& watcher = {});
 
 }  // namespace hmax

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "bench/timing/timing.hpp"
+
 namespace hmax {
 
 namespace {
@@ -22,11 +24,17 @@ void record(ProofRun& proof, const MotionRun& run, const ProofPlan& plan) {
 
 }  // namespace
 
-std::vector<ProofRun> prove(const Candidate& candidate, std::int64_t steps_per_frame, const ProbingMotion& motion,
-                            const ReferenceMotion& reference, const ProofPlan& plan, const Watcher& watcher) {
+std::vector<ProofRun> prove(const Candidate& candidate, std::int64_t steps_per_frame,
+                            const ProbingMotion& motion, const ReferenceMotion& reference,
+                            const ProofPlan& plan, const Watcher& watcher) {
   const auto frames = static_cast<std::size_t>(std::ceil(plan.seconds / plan.frame));
   const double h = plan.frame / static_cast<double>(steps_per_frame);
   std::vector<ProofRun> proofs;
+  const double begun = thread_cpu_seconds();
+  // Of the time the first motion leaves half to the second.
+  const auto left = [&] {
+    return plan.cpu * static_cast<double>(proofs.size()) / 2 - (thread_cpu_seconds() - begun);
+  };
   // What is not stable is seen in a short run; the long one would only take its time.
   const auto run = [&](const ProbingMotion& of, double judged_to, const ReferenceMotion& against) {
     ProofRun& proof = proofs.emplace_back();
@@ -41,7 +49,7 @@ std::vector<ProofRun> prove(const Candidate& candidate, std::int64_t steps_per_f
     if (proof.stable)
       record(proof,
              run_motion(candidate, of, against, plan.frame, steps_per_frame,
-                        {.frames = frames, .budget = plan.budget}, watcher),
+                        {.frames = frames, .budget = plan.budget, .with_repeats = left()}, watcher),
              plan);
     else
       proof.seconds = judged.t_end;

@@ -59,8 +59,8 @@ std::string words_of_limit(const AdviceRow& row) {
   if (std::isinf(row.h_max)) return "stable at every step size (linearised model)";
   if (std::isnan(row.h_max)) return "no limit is predicted; stable in the run";
   const std::string seen = !std::isnan(row.h_max_observed) ? milliseconds(row.h_max_observed) + " ms observed"
-                           : row.status.empty()            ? "not observed"
-                                                           : row.status;
+                           : row.unobserved.empty()        ? "not observed"
+                                                           : row.unobserved;
   return fmt::format("h_max {} ms predicted, {}; {}", milliseconds(row.h_max, 4),
                      row.h_max_of_start ? "that of the start: along the motion none is known"
                                         : "the smallest along the motion",

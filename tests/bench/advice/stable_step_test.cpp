@@ -210,8 +210,10 @@ Method slow_on(std::function<double(int run, int frame)> seconds) {
 TEST(MotionRun, DoesNotCountFramesThatAreLateInOneRunOfThree) {
   const Problem problem = make_problem("liver_forced");
   const ProbingMotion motion{.problem = problem, .t_end = 1, .words = ""};
+  double with_repeats = 10;
   const auto run = [&](const std::function<double(int, int)>& seconds) {
-    return run_motion({slow_on(seconds), {}, {}}, motion, {}, 0.01, 1, {.budget = 2e-3});
+    return run_motion({slow_on(seconds), {}, {}}, motion, {}, 0.01, 1,
+                      {.budget = 2e-3, .with_repeats = with_repeats});
   };
   const MotionRun disturbed =
       run([](int now, int frame) { return frame == 20 + now || frame == 60 + now ? 3e-3 : 1e-5; });
@@ -221,6 +223,16 @@ TEST(MotionRun, DoesNotCountFramesThatAreLateInOneRunOfThree) {
   const MotionRun late = run([](int, int frame) { return frame == 20 || frame == 60 ? 3e-3 : 1e-5; });
   EXPECT_EQ(late.missed, 2U);
   EXPECT_EQ(late.disturbed, 0U);
+  // A run takes 7 ms at least.
+  with_repeats = 15e-3;
+  int runs = 0;
+  const MotionRun once = run([&](int now, int frame) {
+    runs = std::max(runs, now + 1);
+    return frame == 20 + now || frame == 60 + now ? 3e-3 : 1e-5;
+  });
+  EXPECT_EQ(runs, 1);
+  EXPECT_EQ(once.missed, 2U);
+  EXPECT_EQ(once.disturbed, 0U);
 }
 
 TEST(MiddleTimes, AreMedians) {
