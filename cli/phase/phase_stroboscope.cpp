@@ -84,10 +84,6 @@ Window around(const Problem& problem, const std::vector<VectorXd>& points, doubl
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-/// Applications of the period map after the looks, in which chaos dies out that does not last
-/// (analysis/dynamics/poincare.hpp).
-constexpr double settling = 3000;
-
 /// About what a period takes [s]: the first of the motion, or what its fixed steps take.
 double seconds_of_period(const Problem& problem, double period, const std::optional<FixedSteps>& steps) {
   constexpr double stage = 15e-9;
@@ -95,7 +91,8 @@ double seconds_of_period(const Problem& problem, double period, const std::optio
   return seconds_of([&] { stroboscope(problem, period, steps)(problem.y0); });
 }
 
-/// @throws InputError  where the periods would take too long
+/// @param periods  that are certain: motions that do not repeat are followed further
+/// @throws InputError  where they would take too long
 void check_length(const PhaseOptions& options, const std::string& asked, double periods, double seconds) {
   refuse_endless(
       {.asked = asked,
@@ -126,7 +123,7 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
   const double period = drive_period(problem, options.period);
   const Looks seen = looks_of(options, 2000);
   const auto steps = fixed_steps_of(options);
-  check_length(options, "this section", static_cast<double>(seen.skip) + seen.count + settling,
+  check_length(options, "this section", static_cast<double>(seen.skip) + seen.count,
                seconds_of_period(problem, period, steps));
   const VectorFunction map = stroboscope(problem, period, steps);
   const auto points = looks(map, problem.y0, seen.skip, seen.count);
@@ -283,7 +280,7 @@ void check_length(const PhaseOptions& options, const ProblemAt& problem_at,
   for (const std::size_t i : {std::size_t{0}, last / 2, last})
     seconds += seconds_of_period(problem_at(i), periods[i], steps) / 3;
   const double applications =
-      static_cast<double>(periods.size()) * (static_cast<double>(seen.skip) + seen.count + settling);
+      static_cast<double>(periods.size()) * (static_cast<double>(seen.skip) + seen.count);
   check_length(options, "this diagram", applications,
                seconds / static_cast<double>(options.follow ? 1 : jobs()));
 }

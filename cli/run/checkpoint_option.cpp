@@ -43,6 +43,8 @@ std::vector<RunFact> facts_of(const CheckpointedRun& run) {
       {"the problem", problem.id},
       {"the material", problem.material},
       {"the set of parameters", describe(problem.parameters)},
+      {"--t-start", to_text(problem.shown.t0)},
+      {"--t-end", to_text(problem.shown.time(spec.t_end))},
       {"the digest of the model and its start", model_digest(problem)},
       {"the method", method.id}};
   if (!method.parameters.empty())
@@ -57,7 +59,6 @@ std::vector<RunFact> facts_of(const CheckpointedRun& run) {
   } else {
     facts.push_back({"--h", to_text(spec.h)});
   }
-  facts.push_back({"--t-end", to_text(spec.t_end)});
   facts.push_back({"--jacobian", to_string(spec.jacobian)});
   facts.push_back({"--linear", to_string(spec.linear_solve)});
   facts.push_back({"--newton-tolerance", to_text(spec.newton.tolerance)});
@@ -71,13 +72,16 @@ std::vector<RunFact> facts_of(const CheckpointedRun& run) {
   return facts;
 }
 
-/// Where the run goes on, on standard error.
-void tell(Console& console, const RunCheckpoint& checkpoint, const std::string& file, bool has_output) {
+/// Where the run goes on, on standard error, in the time of the user.
+void tell(Console& console, const RunCheckpoint& checkpoint, const std::string& file,
+          const CheckpointedRun& run) {
+  const bool has_output = !run.output.empty();
   const bool finished = checkpoint.has_finished(reported_part);
   if (finished && (!has_output || checkpoint.has_finished(output_part)))
     console.note(fmt::format("the run is finished in {}; remove that file to run again", file));
   else if (const double t = checkpoint.resumes_at(finished ? output_part : reported_part); t >= 0)
-    console.note(fmt::format("the run goes on at t = {} s from {}", short_number(t, 10), file));
+    console.note(fmt::format("the run goes on at t = {} s from {}",
+                             short_number(run.problem.shown.time(t), 10), file));
 }
 
 }  // namespace
@@ -115,7 +119,7 @@ std::unique_ptr<RunCheckpoint> CheckpointChoice::open(const CheckpointedRun& run
     options.progress = [t_end = run.spec.t_end, progress = std::make_shared<Progress>(console, "run")](
                            double t) { progress->update(t / t_end); };
   auto checkpoint = std::make_unique<RunCheckpoint>(std::move(options));
-  tell(console, *checkpoint, file, !run.output.empty());
+  tell(console, *checkpoint, file, run);
   return checkpoint;
 }
 

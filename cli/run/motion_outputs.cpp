@@ -24,7 +24,8 @@ namespace {
 
 bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
 
-/// Rows of a table as they come. Where there is a limit, every 2^k-th row, so that no more than twice it are kept.
+/// Rows of a table as they come. Where there is a limit, every 2^k-th row, so that no more than twice it are
+/// kept.
 class Rows {
  public:
   Rows(std::vector<std::vector<double>>& columns, std::optional<std::size_t> limit)
@@ -70,11 +71,13 @@ class Rows {
 /// The rows before the first in which a state is above `times` the largest of the start; two rows at least.
 Table before_it_leaves(Table table, double times) {
   double start = 0;
-  for (std::size_t i = 1; i < table.values.size(); ++i) start = std::max(start, std::abs(table.values[i].front()));
+  for (std::size_t i = 1; i < table.values.size(); ++i)
+    start = std::max(start, std::abs(table.values[i].front()));
   if (start == 0) start = 1;
   std::size_t rows = table.values.front().size();
   for (std::size_t i = 1; i < table.values.size(); ++i) {
-    const auto out = std::ranges::find_if(table.values[i], [&](double y) { return !(std::abs(y) <= times * start); });
+    const auto out =
+        std::ranges::find_if(table.values[i], [&](double y) { return !(std::abs(y) <= times * start); });
     rows = std::min(rows, std::max<std::size_t>(2, static_cast<std::size_t>(out - table.values[i].begin())));
   }
   for (std::vector<double>& column : table.values) column.resize(std::min(rows, column.size()));
@@ -83,7 +86,8 @@ Table before_it_leaves(Table table, double times) {
 
 constexpr std::size_t most_drawn = 4000;  // points of a curve
 
-/// Runs once more for the points, kept by the checkpoint if there is one together with what the points change.
+/// Runs once more for the points, kept by the checkpoint if there is one together with what the points
+/// change.
 template <class... Members>
 void watch(const WatchedRun& run, RunCheckpoint* checkpoint, const Sink& sink, Members&... members) {
   if (checkpoint)
@@ -92,10 +96,11 @@ void watch(const WatchedRun& run, RunCheckpoint* checkpoint, const Sink& sink, M
     run.runner.run(run.spec, sink);
 }
 
-/// Whether half of the points lie in the first thousandth of the time, as those of stiff problems do.
+/// Whether half of the points lie in the first thousandth of a time from 0 on, as those of stiff problems do.
+/// A logarithm does not stretch the beginning of a time that begins elsewhere.
 bool begins_fast(const Table& table) {
   const std::vector<double>& t = table.values.front();
-  return t.size() > 20 && t[t.size() / 2] < 1e-3 * t.back();
+  return t.size() > 20 && t.front() == 0 && t.back() > 0 && t[t.size() / 2] < 1e-3 * t.back();
 }
 
 /// Between the long steps of an error control motions are smooth: more points of the same run.
@@ -109,9 +114,9 @@ Table smooth(const WatchedRun& run, Table table) {
 
 /// The method and how its steps are chosen.
 std::string words_of_steps(const WatchedRun& run) {
-  return run.spec.adaptive
-             ? fmt::format("{}, rtol {}, atol {}", run.method.id, to_text(run.spec.rtol), to_text(run.spec.atol))
-             : fmt::format("{}, h = {} s", run.method.id, to_text(run.spec.h));
+  return run.spec.adaptive ? fmt::format("{}, rtol {}, atol {}", run.method.id, to_text(run.spec.rtol),
+                                         to_text(run.spec.atol))
+                           : fmt::format("{}, h = {} s", run.method.id, to_text(run.spec.h));
 }
 
 }  // namespace
@@ -131,7 +136,8 @@ std::string unit_of(const Problem& problem, std::size_t state) {
   return state == 0 ? "m" : "m/s";
 }
 
-std::size_t write_series(const std::filesystem::path& file, const WatchedRun& run, RunCheckpoint* checkpoint) {
+std::size_t write_series(const std::filesystem::path& file, const WatchedRun& run,
+                         RunCheckpoint* checkpoint) {
   const TissueBody& body = *run.problem.body;
   std::vector<std::pair<double, std::string>> frames;
   const Sink write_frame = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
@@ -140,16 +146,18 @@ std::size_t write_series(const std::filesystem::path& file, const WatchedRun& ru
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_frames));
     const std::string name = fmt::format("{}_{:05}.vtu", file.stem().string(), frames.size());
     const Eigen::MatrixXd displacement = body.positions(t, y.head(body.dofs())) - body.mesh().points;
-    write_file(file.parent_path() / name,
-               vtu_text(body.origin()->file,
-                        {.points = {{"displacement", body.origin()->on_points(displacement)}}, .tetrahedra = {}}));
+    write_file(
+        file.parent_path() / name,
+        vtu_text(body.origin()->file,
+                 {.points = {{"displacement", body.origin()->on_points(displacement)}}, .tetrahedra = {}}));
     frames.emplace_back(t, name);
   };
   watch(run, checkpoint, write_frame, frames);
   for (const auto& [t, name] : frames)
     if (!std::filesystem::exists(file.parent_path() / name))
-      throw InputError(fmt::format("{} is missing, the mesh at t = {} s; remove the checkpoint to write all meshes again",
-                                   (file.parent_path() / name).string(), to_text(t)));
+      throw InputError(
+          fmt::format("{} is missing, the mesh at t = {} s; remove the checkpoint to write all meshes again",
+                      (file.parent_path() / name).string(), to_text(t)));
   write_file(file, pvd_text(frames));
   return frames.size();
 }
@@ -177,7 +185,8 @@ Table points_of(const WatchedRun& run, std::optional<std::size_t> limit, RunChec
   if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
   table.values.resize(table.columns.size());
   Rows rows(table.values, limit);
-  const Sink add = [&rows, &table, body = problem.body, &shown = problem.shown](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const Sink add = [&rows, &table, body = problem.body, &shown = problem.shown](
+                       double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(table.values[0].size()) > most_points)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
@@ -205,18 +214,21 @@ Figure motion_figure(const WatchedRun& run, const RunRecord& record) {
   if (diverged) table = before_it_leaves(std::move(table), 100);
   const std::size_t states = table.columns.size() - 1;
   const auto first = table.columns.begin() + 1;
-  const std::vector<std::string> shown(first, first + static_cast<std::ptrdiff_t>(std::min(states, most_states)));
+  const std::vector<std::string> shown(first,
+                                       first + static_cast<std::ptrdiff_t>(std::min(states, most_states)));
   const std::vector<LabelledTable> motion{{"", table}};
   Figure figure = series_figure(
-      diverged ? fmt::format("{} diverged at t = {:.4g} s; what is above a hundred times the start is not drawn",
-                             run.problem.id, record.t)
-               : run.problem.id,
+      diverged
+          ? fmt::format("{} diverged at t = {:.4g} s; what is above a hundred times the start is not drawn",
+                        run.problem.id, run.problem.shown.time(record.t))
+          : run.problem.id,
       motion, shown);
   for (Panel& panel : figure.panels) panel.x.logarithmic = logarithmic;
   if (is_oscillator(run.problem))
     figure.panels.push_back(phase_panel({.title = "orbit", .orbits = motion, .x = shown[0], .v = shown[1]}));
-  figure.footer = fmt::format("{}; {}{}", words_of_steps(run), describe_acting(run.problem),
-                              states > most_states ? fmt::format("; the first {} of {} states", most_states, states) : "");
+  figure.footer = fmt::format(
+      "{}; {}{}", words_of_steps(run), describe_acting(run.problem),
+      states > most_states ? fmt::format("; the first {} of {} states", most_states, states) : "");
   return figure;
 }
 

@@ -52,11 +52,15 @@ Problem as_shown(const Problem& problem) {
   return shown;
 }
 
-/// An adaptive run follows each period of a load by a step at least. Fixed steps are counted by check().
-void check_length(const RunSpec& spec, const Problem& problem) {
-  const std::optional<double> period = spec.adaptive ? period_of_load(problem) : std::nullopt;
+/// An adaptive run of an explicit method follows each period of a load by a step at least; an implicit one
+/// steps over fast loads that its tolerances do not see. Fixed steps are counted by check().
+void check_length(const RunOptions& options, const RunSpec& spec, const Method& method,
+                  const Problem& problem) {
+  if (!spec.adaptive || !method.is_explicit) return;
+  const std::optional<double> period = period_of_load(problem);
   if (!period) return;
-  refuse_endless({.asked = fmt::format("--t-end {}", to_text(spec.t_end)),
+  refuse_endless({.asked = options.t_end ? fmt::format("--t-end {}", to_text(*options.t_end))
+                                         : fmt::format("a run of {} s", to_text(spec.t_end)),
                   .count = spec.t_end / *period,
                   .of = "periods of the load, each of which takes a step at least",
                   .most_count = static_cast<double>(spec.max_steps),
@@ -76,10 +80,9 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
     return;
   }
   if (options.every && !(*options.every > 0 && *options.every <= spec.t_end))
-    throw InputError(
-        fmt::format("--every is {} but must be a number of seconds above 0 and up to the end "
-                    "time {}",
-                    to_text(*options.every), to_text(spec.t_end)));
+    throw InputError(fmt::format(
+        "--every is {} but must be a number of seconds above 0 and up to the length of the run, {}",
+        to_text(*options.every), to_text(spec.t_end)));
   if (is_series(options) && !problem.body)
     throw InputError(fmt::format(
         "{} would be a series of meshes, and {} is no body on a mesh; write to FILE.csv, or name a body with --mesh",
@@ -497,15 +500,12 @@ void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& re
         tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
 }
 
-void run(const RunOptions& options, Console& console) {
-  options.picture.check();
-  options.checkpoint.check(options.output, options.picture.file);
-  const Problem problem = problem_of(options);
+void run(const RunOptions& options, const Problem& problem, Console& console) {
   const Method method = options.method.make();
   const RunSpec asked = spec_of(options, problem);
   const RunSpec spec = options.checkpoint.file.empty() ? asked : kept_spec(asked);
   check(spec, method, problem);
-  check_length(spec, problem);
+  check_length(options, spec, method, problem);
   check_choices(options, problem, method, console.json);
   check_output(options, spec, problem);
   check_picture(options, problem);
@@ -532,7 +532,7 @@ void run(const RunOptions& options, Console& console) {
   if (!options.output.empty()) points = write_output(options, watched, checkpoint.get());
   // Nothing saves its state from here on: signals end the program again, also one that came while the last
   // run ended.
-  if (stop && stop->is_set()) throw Interrupted{};
+  if (stop && stop->is_set()) throw Interrupted::with_store(options.checkpoint.file);
   stop.reset();
   const bool drawn = draw_picture(options, watched, result.record, console);
   if (reached_end) {
@@ -562,11 +562,14 @@ void run(const RunOptions& options, Console& console) {
 
 /// The run, or where it was stopped to go on later.
 void run_or_stop(const RunOptions& options, Console& console) {
+  options.picture.check();
+  options.checkpoint.check(options.output, options.picture.file);
+  const Problem problem = problem_of(options);
   try {
-    run(options, console);
+    run(options, problem, console);
   } catch (const InterruptedRun& at) {
-    console.note(fmt::format("stopped at t = {} s; the same command goes on from {}", short_number(at.t, 10),
-                             options.checkpoint.file));
+    console.note(fmt::format("stopped at t = {} s; the same command goes on from {}",
+                             short_number(problem.shown.time(at.t), 10), options.checkpoint.file));
     console.exit_code = Exit::interrupted;
   } catch (const StateNotSaved&) {
     throw InputError(without_checkpoints(options.method.make()));
@@ -598,7 +601,7 @@ void add_run(CLI::App& app, Console& console) {
   add_number(command, "--h0", options->h0,
              "First step of an adaptive run [s]; chosen from the right-hand side by default");
   add_number(command, "--h-max", options->h_max,
-             "Longest step of an adaptive run [s]; a tenth of the end time by default");
+             "Longest step of an adaptive run [s]; a tenth of the span by default");
   add_control(command, options->control);
   add_text(
       command, "--jacobian", options->jacobian,

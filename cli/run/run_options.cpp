@@ -28,7 +28,7 @@ void set_step_bounds(const RunOptions& options, RunSpec& spec) {
     throw InputError(fmt::format("--h0 is {}, above --h-max {}; give a first step of at most --h-max",
                                  to_text(*options.h0), to_text(*options.h_max)));
   if (options.h0 && *options.h0 > spec.t_end)
-    throw InputError(fmt::format("--h0 is {}, beyond the end time {}; give a shorter first step",
+    throw InputError(fmt::format("--h0 is {}, above the length of the run, {}; give a shorter first step",
                                  to_text(*options.h0), to_text(spec.t_end)));
   spec.h_first = options.h0.value_or(spec.h_first);
   spec.h_max = options.h_max.value_or(spec.h_max);

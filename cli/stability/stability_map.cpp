@@ -220,14 +220,15 @@ std::pair<MapAxis, MapAxis> axes_of(const MapOptions& options) {
   return {std::move(x), std::move(y)};
 }
 
-/// The first point says what each of them takes.
-void check_length(const MapOptions& options, const MapStudy& study, const std::vector<Method>& methods) {
+/// The first point says what each of them takes. Ctrl-C ends the program at once here.
+void check_length(const MapOptions& options, const MapStudy& study, const ProblemAt& problem_at,
+                  const std::vector<Method>& methods) {
   const double limit = time_limit_of(options.time_limit);
   constexpr std::size_t few = 10'000;  // that take a second
   const std::size_t points = study.x.values.size() * study.y.values.size();
   if (!study.bare.body && points * methods.size() <= few) return;
   const double seconds = seconds_of([&] {
-    const Linearised near = linearised(study.bare);
+    const Linearised near = linearised(problem_at(study.x.values.front(), study.y.values.front()));
     for (const Method& method : methods) predict(method, near);
   });
   refuse_endless(
@@ -248,7 +249,7 @@ MapStudy study_of(const MapOptions& options, Console& console) {
                                    ? over_rayleigh(options.problem.id(), settings)
                                    : over_parameters(options.problem.id(), settings, study.x, study.y);
   const std::vector<Method> methods = options.methods.methods({study.bare}, console);
-  check_length(options, study, methods);
+  check_length(options, study, problem_at, methods);
   const auto& interrupted = interrupt_flag();
   Progress progress(console, "map");
   study.maps = stability_maps(methods, problem_at, study.x, study.y, [&](double share) {

@@ -27,8 +27,8 @@ TEST(Checkpoint, ARunThatIsKilledGoesOnWithTheSameAnswer) {
     const Shell shell;
     const std::string command = std::string(long_run) + "--checkpoint-every 0.05";
     // On a machine where it is done before that, what is finished is told again.
-    const Told stopped =
-        shell.line(fmt::format("timeout -s {} 0.5 '" HMAX_PROGRAM "' {} >first; echo $?; ls", signal, command));
+    const Told stopped = shell.line(
+        fmt::format("timeout -s {} 0.5 '" HMAX_PROGRAM "' {} >first; echo $?; ls", signal, command));
     ASSERT_NE(stopped.out.find("run.checkpoint"), std::string::npos) << stopped.out << stopped.err;
     // SIGKILL in the middle of a saving leaves its part, which nobody reads.
     const bool killed = std::string(signal) == "KILL";
@@ -100,6 +100,27 @@ TEST(Checkpoint, OfAnotherRunIsRefused) {
         "the digest of the model and its start");
   other("--problem liver_forced --method rk2_heun --h 0.01 --t-end 5", "the method is rk4 in the checkpoint");
   other("--problem liver_forced --method rk4 --h 0.01 --t-end 5 --output points.csv", "--output");
+}
+
+TEST(Checkpoint, TellsTheTimeOfTheUser) {
+  const Shell shell;
+  write_text(shell / "own.toml",
+             "[problem]\nt0 = 100\nt_end = 140\n[equations]\nx = \"-x\"\n[initial]\nx = 1\n");
+  const std::string run = "run --problem own.toml --method rk4 --checkpoint saved --checkpoint-every 0 ";
+  const Told stopped =
+      shell.line("'" HMAX_PROGRAM "' " + run +
+                 "--h 1e-6 & p=$!; until [ -e saved ]; do sleep 0.01; done; kill -TERM $p; wait $p; echo $?");
+  EXPECT_EQ(stopped.out, "130\n") << stopped.err;
+  EXPECT_NE(stopped.err.find("stopped at t = 1"), std::string::npos) << stopped.err;
+  const Told resumed =
+      shell.line("'" HMAX_PROGRAM "' " + run + "--h 1e-6 & p=$!; sleep 0.5; kill -TERM $p; wait $p");
+  EXPECT_NE(resumed.err.find("the run goes on at t = 1"), std::string::npos) << resumed.err;
+  std::filesystem::remove(shell / "saved");
+  ASSERT_EQ(shell.hmax(run + "--h 0.1").exit_code, 0);
+  expect_refused(shell.hmax(run + "--h 0.1 --t-start 101"),
+                 "--t-start is 100 in the checkpoint and 101 in this run");
+  expect_refused(shell.hmax(run + "--h 0.1 --t-end 150"),
+                 "--t-end is 140 in the checkpoint and 150 in this run");
 }
 
 TEST(Checkpoint, RefusesWhatItCannotDo) {

@@ -60,6 +60,28 @@ TEST(Run, DrawsMotionsOfWhatIsNoBody) {
                  "end in .svg");
 }
 
+/// A time that ends at 0 or begins above it has no logarithm that shows the beginning.
+TEST(Run, DrawsMotionsInTheTimeOfTheUser) {
+  const Shell shell;
+  const auto svg_of = [&](const std::string& text, const std::string& options) {
+    write_text(shell / "own.toml", text);
+    const Told told = shell.hmax("run --problem own.toml --picture own.svg --json " + options);
+    if (told.json().at("picture").is_null()) {
+      EXPECT_NE(told.err.find("gnuplot is not installed"), std::string::npos) << told.err;
+      return std::string();
+    }
+    return read_text(shell / "own.svg");
+  };
+  const std::string fast =
+      svg_of("[problem]\nt0 = -1\nt_end = 0\n[equations]\nx = \"-1e6*(x - cos(t))\"\n[initial]\nx = 2\n",
+             "--method radau_iia_5 --rtol 1e-9 --atol 1e-9");
+  const std::string blows_up = svg_of(
+      "[problem]\nt0 = 5\nt_end = 8\n[equations]\nx = \"x^2\"\n[initial]\nx = 1\n", "--method rk4 --h 0.01");
+  if (fast.empty()) return;
+  EXPECT_NE(fast.find(">-0.5<"), std::string::npos) << "the axis has no negative times";
+  EXPECT_NE(blows_up.find("diverged at t = 6"), std::string::npos);
+}
+
 TEST(Run, DrawsAMotionOfMoreStepsThanCanBeKept) {
   const Shell shell;
   const Told told = shell.hmax(
@@ -293,13 +315,15 @@ TEST(Run, SaysWhenItsLimitOfNewtonIterationsIsTheCause) {
 
 TEST(Run, NamesTheElementThatInvertsWhereARunFails) {
   const Shell shell;
-  for (const char* run : {"run --mesh ball:n=2 --set g=40 --t-end 2 --method sdirk_4 --h 0.02",
-                          "run --mesh cube:n=2 --load pull --set force=50 --t-end 2 --method symplectic_euler --h 0.005"}) {
+  for (const char* run :
+       {"run --mesh ball:n=2 --set g=40 --t-end 2 --method sdirk_4 --h 0.02",
+        "run --mesh cube:n=2 --load pull --set force=50 --t-end 2 --method symplectic_euler --h 0.005"}) {
     const Told told = shell.hmax(run);
     ASSERT_EQ(told.exit_code, 1) << told.out;
     EXPECT_NE(told.out.find(" is inverted at t = "), std::string::npos) << told.out;
-    EXPECT_NE(told.out.find("`hmax static` shows whether the load causes this, otherwise take a smaller step"),
-              std::string::npos)
+    EXPECT_NE(
+        told.out.find("`hmax static` shows whether the load causes this, otherwise take a smaller step"),
+        std::string::npos)
         << told.out;
   }
   // Without a body there is no element to name.
@@ -310,10 +334,12 @@ TEST(Run, NamesTheElementThatInvertsWhereARunFails) {
 
 TEST(Run, NamesAnOldJacobianAsAPossibleCause) {
   const Shell shell;
-  const std::string run = "run --mesh cube:n=2 --load press --set force=8 --t-end 5 --method rosenbrock_23 --h 0.01 --jacobian ";
+  const std::string run =
+      "run --mesh cube:n=2 --load press --set force=8 --t-end 5 --method rosenbrock_23 --h 0.01 --jacobian ";
   const Told frozen = shell.hmax(run + "frozen");
   ASSERT_EQ(frozen.exit_code, 1) << frozen.out;
-  EXPECT_NE(frozen.out.find("or --jacobian exact, which tells whether the Jacobian of --jacobian frozen is the cause"),
+  EXPECT_NE(frozen.out.find(
+                "or --jacobian exact, which tells whether the Jacobian of --jacobian frozen is the cause"),
             std::string::npos)
       << frozen.out;
   // It is: the advice leads to the end.
@@ -373,7 +399,7 @@ TEST(Run, TakesTheFirstAndTheLongestStep) {
   expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 0.2 --h-max 0.1"), "above --h-max 0.1");
   expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 0"), "--h0 is 0 but must be");
   expect_refused(run("--rtol 1e-3 --atol 1e-3 --h-max -1"), "--h-max is -1 but must be");
-  expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 11"), "beyond the end time 10");
+  expect_refused(run("--rtol 1e-3 --atol 1e-3 --h0 11"), "--h0 is 11, above the length of the run, 10");
 }
 
 /// Steps of 0.05 s in which a hanging beam doubles its length: three stages that lie far apart share one

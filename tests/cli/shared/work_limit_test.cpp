@@ -37,6 +37,24 @@ TEST(WorkLimit, NamesTheEstimateOfWhatCannotEnd) {
   expect_endless(shell, "advise --mesh cube:n=1 --rate 100 --motion far.csv", "2.15e+11 frames");
 }
 
+/// What a command need not do is not counted.
+TEST(WorkLimit, IsOfWorkThatIsCertain) {
+  const Shell shell;
+  // 1.6e10 periods of a load that the tolerances do not see.
+  const std::string fast =
+      "run --problem liver_forced --set w=1e9 --set P=1e-9 --rtol 1e-3 --atol 1e-3 --method ";
+  EXPECT_EQ(shell.hmax(fast + "radau_iia_5").exit_code, 0);
+  expect_refused(shell.hmax(fast + "ode45"), "a run of 100 s asks for 1.59e+10 periods of the load");
+  // 30 periods of about 1257 steps of four stages; 3000 more follow where the motion does not repeat.
+  EXPECT_EQ(
+      shell
+          .hmax(
+              "phase --problem liver_forced --poincare --skip 10 --periods 20 --method rk4 --h 0.01 --time-limit "
+              "0.02")
+          .exit_code,
+      0);
+}
+
 TEST(WorkLimit, IsRaisedByAnOption) {
   const Shell shell;
   const std::string line = "phase --problem liver_forced --poincare --skip 10 --periods 20 --time-limit ";
