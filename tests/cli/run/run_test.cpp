@@ -215,7 +215,7 @@ TEST(Run, RefusesStepsTolerancesAndTimesThatAreNone) {
   refused("--h ten", "--h is 'ten'");
   refused("--h", "hmax run --help");
   refused("--h 0.1 --t-end -5", "before the start");
-  refused("--h 0.1 --t-end nan", "the end time is nan");
+  refused("--h 0.1 --t-end nan", "--t-end is nan but must be a finite number of seconds");
   refused("--h 0.1 --max-steps 0", "--max-steps");
   refused("", "--rtol");
   refused("--rtol 1e-3", "--atol is missing");
