@@ -500,6 +500,28 @@ void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& re
         tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
 }
 
+/// Tells what a run came to, in the order of states and the time of the user.
+/// @param points  written to --output
+void tell(const RunOptions& options, const Problem& problem, const Method& method, const RunSpec& spec,
+          const TimedRun& result, bool drawn, std::optional<std::size_t> points, Console& console) {
+  const Problem shown = as_shown(problem);
+  const TimedRun told = as_shown(problem, result);
+  RunSpec told_spec = spec;
+  told_spec.t_end = problem.shown.time(spec.t_end);
+  if (console.json) {
+    Json document = to_json(shown, method, told_spec, told, options.full);
+    document["picture"] = drawn ? Json(options.picture.file) : Json();
+    if (points) {
+      document["output"] = options.output;
+      document["points"] = *points;
+    }
+    if (!options.checkpoint.file.empty()) document["checkpoint"] = options.checkpoint.file;
+    return console.print_json(document);
+  }
+  console.print(for_people(shown, method, told_spec, told, !options.method.tableau.empty(), console));
+  if (points) console.print(fmt::format("{} points in {}\n", *points, options.output));
+}
+
 void run(const RunOptions& options, const Problem& problem, Console& console) {
   const Method method = options.method.make();
   const RunSpec asked = spec_of(options, problem);
@@ -541,23 +563,7 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
   } else {
     console.exit_code = Exit::failed;
   }
-
-  const Problem shown = as_shown(problem);
-  const TimedRun told = as_shown(problem, result);
-  RunSpec told_spec = spec;
-  told_spec.t_end = problem.shown.time(spec.t_end);
-  if (console.json) {
-    Json document = to_json(shown, method, told_spec, told, options.full);
-    document["picture"] = drawn ? Json(options.picture.file) : Json();
-    if (points) {
-      document["output"] = options.output;
-      document["points"] = *points;
-    }
-    if (checkpoint) document["checkpoint"] = options.checkpoint.file;
-    return console.print_json(document);
-  }
-  console.print(for_people(shown, method, told_spec, told, !options.method.tableau.empty(), console));
-  if (points) console.print(fmt::format("{} points in {}\n", *points, options.output));
+  tell(options, problem, method, spec, result, drawn, points, console);
 }
 
 /// The run, or where it was stopped to go on later.
