@@ -119,10 +119,10 @@ SupportAdvice advice_without_equilibrium(const Problem& problem) {
   const bool named = std::ranges::any_of(problem.parameters, [](const auto& each) {
     return each.first.starts_with(fmt::format("{}:", support_name));
   });
-  return {fmt::format(
-              "the support is the cause: {}; with --set axis={}{} it sags by {} and has an equilibrium", now,
-              best->axis, named ? " in place of --support" : "", millimetres(best->sag)),
-          true};
+  return {
+      fmt::format("the support is the cause: {}; with --set axis={}{} it sags by {} and has an equilibrium",
+                  now, best->axis, named ? " in place of --support" : "", millimetres(best->sag)),
+      true};
 }
 
 }  // namespace
@@ -133,10 +133,11 @@ std::string remedy_without_equilibrium(const Problem& problem) {
 
 std::string status_without_equilibrium(const Problem& problem, const StaticSolution& solution) {
   // A search that may go on says so itself.
-  if (solution.converged || !(solution.remedy.empty() || solution.unstable))
+  if (solution.converged || !(solution.remedy.empty() || solution.unstable || solution.barred))
     return status_of(problem, solution);
   const SupportAdvice advice = advice_without_equilibrium(problem);
-  return advice.is_the_cause ? cause_of(problem, solution) + "; " + advice.words : status_of(problem, solution);
+  return advice.is_the_cause ? cause_of(problem, solution) + "; " + advice.words
+                             : status_of(problem, solution);
 }
 
 }  // namespace hmax
