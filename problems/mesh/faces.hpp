@@ -8,9 +8,14 @@
 #include <span>
 #include <vector>
 
-#include "problems/mesh/topology.hpp"
+#include "problems/mesh/tet_mesh.hpp"
 
 namespace hmax {
+
+/// The four faces of a tetrahedron by its own corners, that opposite to corner i at i, counter-clockwise as
+/// seen from outside.
+inline constexpr std::array<std::array<int, 3>, 4> tetrahedron_faces{
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// The corners of a face, counter-clockwise as seen from outside of a positive tetrahedron.
 /// @param owner  4 tetrahedron + face of it

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "problems/mesh/faces.hpp"
 #include "problems/mesh/tet_mesh.hpp"
 
 namespace hmax {
@@ -14,9 +15,6 @@ using MeshTriangles = Eigen::Matrix<TetMesh::Index, 3, Eigen::Dynamic>;
 /// The six edges of a tetrahedron by its own corners 0 to 3.
 inline constexpr std::array<std::array<int, 2>, 6> tetrahedron_edges{
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-/// Its faces, that opposite to corner i at i, counter-clockwise as seen from outside.
-inline constexpr std::array<std::array<int, 3>, 4> tetrahedron_faces{
-    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// The edges of a mesh, each once, lower point first, sorted.
 struct EdgeTable {
