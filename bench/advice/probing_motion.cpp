@@ -11,7 +11,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/linearised_problem.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "problems/mesh/topology.hpp"

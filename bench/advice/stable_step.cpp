@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/timing/timing.hpp"
 
 namespace hmax {

@@ -6,7 +6,7 @@
 
 #include "bench/advice/candidate.hpp"
 #include "bench/advice/probing_motion.hpp"
-#include "bench/models/inversion.hpp"
+#include "bench/models/equilibria/inversion.hpp"
 
 namespace hmax {
 

@@ -59,7 +59,7 @@ struct Problem {
   std::optional<ExtendedSystem> extended = std::nullopt;
   std::shared_ptr<const TissueBody> body = nullptr;  ///< of tissue, whose states have no names
   std::vector<std::int64_t>
-      tetrahedron_numbers{};        ///< of it, as users know them (bench/models/body_balance.hpp)
+      tetrahedron_numbers{};        ///< of it, as users know them (bench/models/equilibria/body_balance.hpp)
   std::vector<std::string> idle{};  ///< names of `parameters` that change nothing here
   UserView shown{};                 ///< how users count its time and states
 };

@@ -8,7 +8,7 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "analysis/amplification/region.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 
 namespace hmax {
 

@@ -11,7 +11,7 @@
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
 #include "bench/limits/problem_linearity.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "core/size_limits.hpp"

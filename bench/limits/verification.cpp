@@ -17,7 +17,7 @@
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/mode_start.hpp"
 #include "bench/limits/problem_linearity.hpp"
-#include "bench/models/supports/free_parts.hpp"
+#include "bench/models/free_parts.hpp"
 #include "bench/models/planar.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "core/memory_share.hpp"

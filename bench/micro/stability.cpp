@@ -8,7 +8,7 @@
 #include "analysis/spectrum/block_product.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/spectrum.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/limits/predict.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/tissue/body.hpp"

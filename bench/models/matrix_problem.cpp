@@ -15,7 +15,7 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/spectrum/modal_motion.hpp"
 #include "bench/input/suggest.hpp"
-#include "bench/models/supports/free_parts.hpp"
+#include "bench/models/free_parts.hpp"
 #include "core/size_limits.hpp"
 #include "problems/matrices/exchanged.hpp"
 #include "results/errors.hpp"

@@ -10,7 +10,7 @@
 
 #include "bench/input/suggest.hpp"
 #include "bench/models/idle_parameters.hpp"
-#include "bench/models/supports/support_sets.hpp"
+#include "bench/models/support_sets.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/contact.hpp"

@@ -65,7 +65,7 @@ struct TissueParameters {
     double value;
   };
   std::vector<OfRegion> of_regions{};
-  /// Sets of held points (bench/models/supports/support_sets.hpp), instead of a share of an end: `support:capsule=1`.
+  /// Sets of held points (bench/models/support_sets.hpp), instead of a share of an end: `support:capsule=1`.
   std::vector<std::string> supports{};
   /// Points (strain, phi) of a law of springs by table (problems/tissue/forces/springs.hpp): `phi:0.1=0.14`.
   /// (0, 0) is always one.

@@ -5,7 +5,7 @@
 #include "bench/advice/motion_run.hpp"
 #include "bench/advice/probing_motion.hpp"
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
 #include "core/parallel_for.hpp"

@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
 #include "core/dense_solvers.hpp"

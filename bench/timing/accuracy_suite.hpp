@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/chosen_methods.hpp"
+#include "bench/catalogue/choice/chosen_methods.hpp"
 #include "results/baseline.hpp"
 
 namespace hmax {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/chosen_methods.hpp"
+#include "bench/catalogue/choice/chosen_methods.hpp"
 #include "problems/oscillator/liver_problems.hpp"
 #include "results/store.hpp"
 

@@ -13,7 +13,7 @@
 #include "bench/advice/advice_records.hpp"
 #include "bench/advice/remaking.hpp"
 #include "bench/documents/advice_json.hpp"
-#include "bench/models/supports/support_sets.hpp"
+#include "bench/models/support_sets.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"
 #include "cli/bodies/body_scene.hpp"

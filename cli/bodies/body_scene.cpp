@@ -10,7 +10,7 @@
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "bench/limits/fastest_mode.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/supports/free_parts.hpp"
+#include "bench/models/free_parts.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/mesh_choice.hpp"
 

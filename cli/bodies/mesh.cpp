@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "bench/models/mesh_choice.hpp"
-#include "bench/models/supports/support_sets.hpp"
+#include "bench/models/support_sets.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"

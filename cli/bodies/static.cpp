@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/support_advice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"

@@ -9,7 +9,7 @@
 
 #include "analysis/spectrum/linear_model.hpp"
 #include "analysis/spectrum/spectrum.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"

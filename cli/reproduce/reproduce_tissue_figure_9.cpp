@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
 #include "problems/tissue/body.hpp"

@@ -7,7 +7,7 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "bench/limits/linearised_problem.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/studies/local_model.hpp"
 #include "bench/studies/organ_rates.hpp"
 #include "bench/studies/organ_study.hpp"

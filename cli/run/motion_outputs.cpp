@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "cli/run/checkpoint_option.hpp"
 #include "cli/shared/outputs.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/chosen_methods.hpp"
+#include "bench/catalogue/choice/chosen_methods.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 #include "integrators/tolerances.hpp"
@@ -29,7 +29,7 @@ struct MeshOptions {
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
 
-/// --support, sets of points as of bench/models/supports/support_sets.hpp
+/// --support, sets of points as of bench/models/support_sets.hpp
 /// @param otherwise  what holds where there is no such option
 void add_support(CLI::App& command, std::vector<std::string>& sets,
                  std::string_view otherwise = "instead of one end");

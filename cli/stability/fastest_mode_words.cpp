@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "bench/limits/fastest_mode.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "cli/shared/console.hpp"
 #include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "cli/shared/choices.hpp"

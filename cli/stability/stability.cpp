@@ -9,7 +9,7 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "analysis/amplification/numerical_damping.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/catalogue/tableau_file.hpp"
 #include "bench/documents/stability_json.hpp"
 #include "cli/shared/choices.hpp"

@@ -1,7 +1,7 @@
 /// What the subcommands of `hmax stability` share.
 #pragma once
 
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/documents/number_json.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"

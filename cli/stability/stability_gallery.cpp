@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/amplification/limits.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/limits/predict.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/dynamics/phase_plane.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/models/parameter_units.hpp"

@@ -8,7 +8,7 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "bench/limits/fastest_mode.hpp"
 #include "bench/limits/predict.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"

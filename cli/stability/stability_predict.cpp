@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/limits/problem_linearity.hpp"
 #include "bench/models/matrix_problem.hpp"
 #include "bench/models/tissue_problem.hpp"

@@ -1,5 +1,5 @@
 /// The catalogue of methods, and their stability.
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/documents/method_json.hpp"
 #include "bench/documents/stability_json.hpp"
 #include "python/bindings/calls.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

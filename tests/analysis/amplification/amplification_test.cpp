@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/step_limits/stable_step.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/catalogue/measured_amplification.hpp"
 
 namespace hmax {

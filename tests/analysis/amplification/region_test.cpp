@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 
 namespace hmax {
 namespace {

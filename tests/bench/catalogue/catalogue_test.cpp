@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/chosen_methods.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/chosen_methods.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/catalogue/families.hpp"
 #include "results/errors.hpp"
 

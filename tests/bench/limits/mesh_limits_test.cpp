@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/amplification/amplification.hpp"
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 #include "bench/limits/mode_curve.hpp"
 #include "bench/limits/mode_range.hpp"
 #include "bench/limits/mode_start.hpp"

@@ -7,7 +7,7 @@
 
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/errors.hpp"
 #include "tests/results/scratch.hpp"

@@ -7,7 +7,7 @@
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/limits/verification.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"

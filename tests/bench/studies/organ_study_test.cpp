@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 
 namespace hmax {

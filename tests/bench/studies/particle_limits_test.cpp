@@ -8,7 +8,7 @@
 #include "analysis/statics/static_solution.hpp"
 #include "bench/catalogue/catalogue.hpp"
 #include "bench/limits/predict.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 

@@ -1,9 +1,9 @@
-#include "bench/models/supports/support_advice.hpp"
+#include "bench/models/equilibria/support_advice.hpp"
 
 #include <gtest/gtest.h>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 

@@ -1,4 +1,4 @@
-#include "bench/models/supports/free_parts.hpp"
+#include "bench/models/free_parts.hpp"
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/limits/verification.hpp"
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "tests/results/scratch.hpp"

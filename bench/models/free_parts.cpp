@@ -1,4 +1,4 @@
-#include "bench/models/supports/free_parts.hpp"
+#include "bench/models/free_parts.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "bench/models/supports/support_sets.hpp"
+#include "bench/models/support_sets.hpp"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
-#include "bench/models/inversion.hpp"
+#include "bench/models/equilibria/inversion.hpp"
 
 #include <fmt/format.h>
 
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

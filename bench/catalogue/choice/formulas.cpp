@@ -1,4 +1,4 @@
-#include "bench/catalogue/formulas.hpp"
+#include "bench/catalogue/choice/formulas.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "analysis/amplification/multistep_amplification.hpp"
 #include "analysis/amplification/stabilised_amplification.hpp"
-#include "bench/catalogue/chosen_methods.hpp"
+#include "bench/catalogue/choice/chosen_methods.hpp"
 #include "results/errors.hpp"
 #include "results/numbers.hpp"
 

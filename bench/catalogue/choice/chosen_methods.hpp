@@ -9,7 +9,7 @@
 
 namespace hmax {
 
-struct Formula;  // bench/catalogue/formulas.hpp
+struct Formula;  // bench/catalogue/choice/formulas.hpp
 
 /// A method that a family or `all` holds, and that cannot be taken.
 struct LeftOut {

@@ -1,4 +1,4 @@
-#include "bench/catalogue/chosen_methods.hpp"
+#include "bench/catalogue/choice/chosen_methods.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "bench/models/body_balance.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/models/supports/free_parts.hpp"
+#include "bench/models/free_parts.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "problems/mesh/files/mesh_import.hpp"

@@ -1,4 +1,4 @@
-#include "bench/models/supports/support_advice.hpp"
+#include "bench/models/equilibria/support_advice.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
-#include "bench/models/body_balance.hpp"
-#include "bench/models/supports/free_parts.hpp"
+#include "bench/models/equilibria/body_balance.hpp"
+#include "bench/models/free_parts.hpp"
 #include "bench/models/tissue_parameters.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "integrators/linear/sparse_solver.hpp"
