@@ -238,7 +238,9 @@ class CentralDifferences {
     if (n > most_resolved_columns || !f_.allFinite()) return J;
     ResolvedDifferences<Eigen::MatrixXd, Eigen::VectorXd>(J, f_.template cast<double>(), 1e-7)
         .resolve(increments, static_cast<double>(largest_),
-                 [&](Eigen::Index j, double d, Eigen::VectorXd& into) { return take(j, d, into); });
+                 [&](Eigen::Index j, double d, Eigen::VectorXd& into) {
+                   return take(j, d, into) && is_straight();
+                 });
     return J;
   }
 
@@ -250,6 +252,18 @@ class CentralDifferences {
     for (Eigen::Index i = 0; i < column.size(); ++i) column[i] = slope(i, j);
     put_back(j);
     return column.allFinite();
+  }
+
+  /// Whether the slopes on both sides of the last evaluation agree to 1 % or rounding. What bends is not what
+  /// rounding hid: a wider increment has met a kink or a jump, such as the contact of a body in flight.
+  [[nodiscard]] bool is_straight() const {
+    for (Eigen::Index i = 0; i < f_.size(); ++i) {
+      const Real above = f_plus_[i] - f_[i], below = f_[i] - f_minus_[i],
+                 rounding = 16 * std::numeric_limits<Real>::epsilon() * std::abs(f_[i]);
+      if (!(std::abs(above - below) <= Real(0.01) * std::max(std::abs(above), std::abs(below)) + rounding))
+        return false;
+    }
+    return true;
   }
 
   /// Where the size of a component is a guess f may bend within the increment: the differences then change
