@@ -8,7 +8,7 @@
 
 #include "analysis/statics/static_solution.hpp"
 #include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/support_advice.hpp"
+#include "bench/models/equilibria/support_advice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
 #include "cli/bodies/body_picture.hpp"
