@@ -595,7 +595,7 @@ TEST(SweepPlan, RefusesWhatCannotBeMeasuredBeforeAnythingRuns) {
 // The reference of a stiff problem is integrated while errors are measured, which takes many times the run.
 TEST(Sweep, TheBudgetOfARunIsThatOfTheRunAlone) {
   SweepSpec spec;
-  spec.problems = {"oregonator"};
+  spec.problems = {{.name = "oregonator", .settings = {}}};
   spec.methods = {"radau_iia_5"};
   spec.h.clear();
   spec.tolerances = {{1e-9, 1e-9}};
