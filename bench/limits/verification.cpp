@@ -544,7 +544,7 @@ Finding watch_runs(Prediction& row, const Method& method, const Linearised& near
                    const ShowSteps& run, const Outcome& outcome, const FarSteps& far) {
   Finding finding = row.bound == Bound::stability ? watch_limit(row, method, near, start, run)
                                                   : watch_without_limit(row, start, run, outcome, far);
-  if (!finding.seen.agrees && 4 * finding.seen.steps > most_steps(near))
+  if (!finding.seen.agrees && finding.seen.steps >= most_steps(near))
     finding.excuse =
         fmt::format("growth beyond this limit is too slow to be seen in {} steps", finding.seen.steps);
   return finding;
