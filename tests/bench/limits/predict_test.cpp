@@ -18,6 +18,7 @@
 #include "bench/limits/verification.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "results/errors.hpp"
+#include "tests/bench/limits/planted_tableau.hpp"
 
 namespace hmax {
 
@@ -304,7 +305,7 @@ TYPED_TEST(PlantedMistake, InAnyCoefficientThatTheStepReadsIsNoticedByRunning) {
   const std::size_t s = right.stages();
   const std::vector<bool> used = stages_used(right);
   // The tableau that is carried along as data steps as the one the compiler knows.
-  EXPECT_FALSE(noticed_by_running(make_method(right), claimed));
+  EXPECT_FALSE(noticed_by_running(planted_method(right), claimed));
 
   int noticed = 0, slight = 0, unread = 0;
   const auto plant = [&](long double& (*at)(RuntimeTableau&, std::size_t), std::size_t index, bool is_read,
@@ -313,7 +314,7 @@ TYPED_TEST(PlantedMistake, InAnyCoefficientThatTheStepReadsIsNoticedByRunning) {
     const auto seen = [&](long double factor) {
       RuntimeTableau wrong = right;
       at(wrong, index) *= factor;
-      return noticed_by_running(make_method(wrong), claimed);
+      return noticed_by_running(planted_method(wrong), claimed);
     };
     // Some coefficients of long tableaux hardly move the limit: twentieths of them move it by less than the
     // thousandth that a verification tells, halves do not.

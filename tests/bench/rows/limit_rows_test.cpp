@@ -37,7 +37,7 @@ TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
 
 TEST(LimitRows, SayFromWhereThePathGrows) {
   LimitRow row;
-  add_path(row, {.t = {0, 1, 2}, .h_max = {0.1, LimitRow::none, 0.2}, .least = 0.1, .t_least = 0, .y_least = {}, .growing = 1.0 / 3},
+  add_path(row, {.t = {0, 1, 2}, .h_max = {0.1, LimitRow::none, 0.2}, .least = 0.1, .t_least = 0, .y_least = {}, .growing = 1.0 / 3, .grows_from = 1},
            "ends early");
   EXPECT_EQ(row.along_least, 0.1);
   EXPECT_EQ(row.along_grows_from, 1);

@@ -23,6 +23,7 @@
 #include "integrators/implicit/imex_tableaux.hpp"
 #include "integrators/implicit/radau_coefficients.hpp"
 #include "integrators/implicit/rosenbrock_tableaux.hpp"
+#include "tests/bench/limits/planted_tableau.hpp"
 
 namespace hmax {
 namespace {
@@ -301,7 +302,7 @@ void expect_wrong_code_is_noticed() {
   RuntimeTableau code = at_run_time<T>();
   const std::vector<bool> used = stages_used(T::tableau);
   const std::size_t s = used.size();
-  const auto defect = [&] { return step_defect(with(make_method(code), *claimed.amplification)); };
+  const auto defect = [&] { return step_defect(with(planted_method(code), *claimed.amplification)); };
   EXPECT_LE(defect(), 1e-12) << T::id;
   const std::vector<long double*> numbers = joined({all_of(code.b), all_of(code.a)});
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -336,7 +337,7 @@ TEST(StepDefect, MakesAVerificationFailWhoseLimitIsNotMoved) {
   const Method rk4 = find_method("rk4");
   RuntimeTableau wrong = at_run_time<tableaux::Rk4>();
   wrong.b[2] *= 1 + planted;
-  const Method code = with(make_method(wrong), *rk4.amplification);
+  const Method code = with(planted_method(wrong), *rk4.amplification);
   Prediction row = predict(rk4, near);
   verify(row, code, problem, near);
   ASSERT_TRUE(row.observed);
