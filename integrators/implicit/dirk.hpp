@@ -358,6 +358,8 @@ class Dirk {
   /// slope(t_(n+1) + tau) = slopes_0 + slopes_1 tau + slopes_2 tau^2 from the step that is being accepted.
   void extrapolate_slopes() {
     const Real per_h = 1 / h_;
+    // Of steps whose square underflows nothing is known but a line.
+    const Real per_h2 = std::isfinite(per_h * per_h) ? per_h * per_h : Real(0);
     if constexpr (!stiffly_accurate) {
       // Mean slopes belong to the middles of steps. slopes_0 + slopes_1 (-h_old / 2) was the last one.
       static_assert(s == 1, "the mean slope of a step is that of its one stage");
@@ -395,7 +397,7 @@ class Dirk {
         detail::assign(slopes_[1],
                        [&](auto access) { return (access(f1) - access(f0) + access(slopes_[2])) * per_h; });
         if constexpr (has_inner_stage || order > 2)
-          detail::assign(slopes_[2], [&](auto access) { return access(slopes_[2]) * (per_h * per_h); });
+          detail::assign(slopes_[2], [&](auto access) { return access(slopes_[2]) * per_h2; });
         slopes_known_ = has_inner_stage || order > 2 ? 3 : 2;
       } else {
         slopes_known_ = 1;

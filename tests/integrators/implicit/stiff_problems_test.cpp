@@ -108,13 +108,20 @@ TYPED_TEST(Stiff, AWrongJacobianIsNoticedAndNeverGivesAWrongAnswer) {
     EXPECT_GT(run(factor).stats.rejected, exact.stats.rejected) << factor;
 }
 
-TYPED_TEST(Stiff, AWrongJacobianFailsAFixedStep) {
+TYPED_TEST(Stiff, AWrongJacobianFailsAFixedStepOrIsOvercome) {
   for (const double factor : {0.0, -1.0}) {
     Eigen::Vector2d y(0, 0);
     const auto end = integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{}, WrongJacobian{factor},
                                Span<double>{0, 1}, y, FixedStep<double>(0.1));
-    EXPECT_EQ(end.outcome, Outcome::newton_failed);
-    EXPECT_EQ(end.t, 0);
+    // The accelerated iteration of Radau's stages converges for a linear f whatever the Jacobian.
+    if (std::is_same_v<TypeParam, RadauMethod>) {
+      EXPECT_EQ(end.outcome, Outcome::reached_end);
+      EXPECT_NEAR(y[0], std::cos(1.0), 1e-3);
+      EXPECT_NEAR(y[1], (std::cos(1.0) + std::sin(1.0) - std::exp(-1.0)) / 2, 1e-3);
+    } else {
+      EXPECT_EQ(end.outcome, Outcome::newton_failed);
+      EXPECT_EQ(end.t, 0);
+    }
   }
 }
 
