@@ -320,12 +320,14 @@ TEST(StabilityPredict, LooksAlongTheMotionOfAnOscillatorAndOfABody) {
   const Json small =
       shell.hmax(predict + "--problem liver_forced --along").json().at("rows").at(0).at("along");
   EXPECT_EQ(small.at("y").size(), 2U);
-  EXPECT_EQ(small.at("path").size(), 401U);
-  // From rest: 1e-12 of the largest displacement and of the largest velocity on the way.
+  // 400 regular instants, and steps between them where the limit goes beyond.
+  EXPECT_GE(small.at("path").size(), 401U);
+  // From rest: 1e-12 of the largest displacement and of the largest velocity on the way, which a crude run
+  // tells to some percent.
   EXPECT_EQ(small.at("tolerances").at("rtol"), 1e-10);
-  EXPECT_GE(small.at("tolerances").at("atol"), 0.999e-12 * std::abs(small.at("y").at(0).get<double>()));
+  EXPECT_GE(small.at("tolerances").at("atol"), 0.97e-12 * std::abs(small.at("y").at(0).get<double>()));
   EXPECT_GE(small.at("tolerances").at("atol_velocities"),
-            0.999e-12 * std::abs(small.at("y").at(1).get<double>()));
+            0.97e-12 * std::abs(small.at("y").at(1).get<double>()));
   // The word that is meant when none is given.
   EXPECT_EQ(shell.hmax(predict + "--problem liver_forced --along motion").json().at("rows").at(0).at("along"),
             small);
