@@ -51,6 +51,8 @@ std::optional<FixedSteps> fixed_steps_of(const PhaseOptions& options) {
     throw InputError("--h is a step of a method; name one with --method, or leave --h out");
   if (!named) return std::nullopt;
   if (!options.h) throw InputError("no step size is given; add --h in seconds");
+  if (!(*options.h > 0 && std::isfinite(*options.h)))
+    throw InputError(fmt::format("--h is {} but must be a positive number of seconds", to_text(*options.h)));
   return FixedSteps{options.method.make(), *options.h};
 }
 

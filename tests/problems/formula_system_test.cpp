@@ -566,5 +566,16 @@ TEST(FormulaSystem, PositionsAndVelocitiesMayBeNamed) {
   EXPECT_SAYS(named({"x"}, {"v"}), "equation x' = \"2*v\": this is not the velocity 'v'; write x = \"v\"");
 }
 
+TEST(FormulaSystem, ATimeDerivativeThatIsInfiniteIsADifference) {
+  const FormulaSystem root(
+      {.name = "root", .equations = {{"y", "t^0.5 - y"}}, .parameters = {}, .y0 = {1}, .t_end = 1});
+  FormulaSystem::State slope(1);
+  root.time_derivative(0, root.y0(), slope);
+  // (d^(1/2) - 0) / d with d = 2^-26.
+  EXPECT_NEAR(slope[0], std::pow(2.0, 13), 1e-6);
+  root.time_derivative(0.25, root.y0(), slope);
+  EXPECT_DOUBLE_EQ(slope[0], 1);
+}
+
 }  // namespace
 }  // namespace hmax
