@@ -236,11 +236,11 @@ class CentralDifferences {
       J.col(j) = column;
     }
     if (n > most_resolved_columns || !f_.allFinite()) return J;
-    ResolvedDifferences<Eigen::MatrixXd, Eigen::VectorXd>(J, f_.template cast<double>(), 1e-7)
-        .resolve(increments, static_cast<double>(largest_),
-                 [&](Eigen::Index j, double d, Eigen::VectorXd& into) {
-                   return take(j, d, into) && is_straight();
-                 });
+    ResolvedDifferences<Eigen::VectorXd> hidden(1e-7);
+    hidden.resize(n);
+    hidden.resolve(
+        J, f_.template cast<double>(), increments, static_cast<double>(largest_),
+        [&](Eigen::Index j, double d, Eigen::VectorXd& into) { return take(j, d, into) && is_straight(); });
     return J;
   }
 

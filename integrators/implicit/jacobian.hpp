@@ -162,7 +162,8 @@ class JacobianSource {
       if (pattern_.size() == 0)  // a sparse matrix of whose pattern nothing is known is full
         pattern_ = jacobian_of<Vector>::Ones(system.dim(), system.dim()).sparseView();
     groups_ = ColumnGroups(pattern_);
-    increments_.resize(pattern_.cols());
+    increments_.resize(system.dim());
+    if (pattern_.size() == 0) hidden_.resize(system.dim());
   }
 
   /// J = df/dy at (t, y), shape (n, n). Differences cost one evaluation of f for each column, or each group
@@ -255,7 +256,6 @@ class JacobianSource {
     Dense& out = as<Dense>(J);
     out.resize(y.size(), y.size());
     const Real scale = scale_of(y);
-    increments_.resize(y.size());
     for (Eigen::Index j = 0; j < y.size(); ++j) {
       increments_[j] = increment(y, j, scale);
       moved_[j] = y[j] + increments_[j];
@@ -265,15 +265,14 @@ class JacobianSource {
     }
     // A search that goes on in every Jacobian finds nothing.
     if (y.size() > detail::most_resolved_columns || !looks_for_hidden_) return;
-    const int taken =
-        detail::ResolvedDifferences<Dense, State>(out, f0, Real(1e-4))
-            .resolve(increments_, y.cwiseAbs().maxCoeff(), [&](Eigen::Index j, Real delta, State& column) {
-              moved_[j] = y[j] + delta;
-              system.rhs(t, moved_, f1_);
-              column = (f1_ - f0) / (moved_[j] - y[j]);
-              moved_[j] = y[j];
-              return column.allFinite();
-            });
+    const auto take = [&](Eigen::Index j, Real delta, State& column) {
+      moved_[j] = y[j] + delta;
+      system.rhs(t, moved_, f1_);
+      column = (f1_ - f0) / (moved_[j] - y[j]);
+      moved_[j] = y[j];
+      return column.allFinite();
+    };
+    const int taken = hidden_.resolve(out, f0, increments_, y.cwiseAbs().maxCoeff(), take);
     searched_ += taken;
     looks_for_hidden_ = searched_ < 100 * y.size();
   }
@@ -323,7 +322,9 @@ class JacobianSource {
   /// Columns that are moved together.
   ColumnGroups groups_;
   Vector increments_;             ///< of the columns
-  bool looks_for_hidden_ = true;  ///< for columns that rounding hides
+  /// Columns that rounding hides, and whether they are looked for.
+  detail::ResolvedDifferences<State> hidden_{Real(1e-4)};
+  bool looks_for_hidden_ = true;
   Eigen::Index searched_ = 0;     ///< evaluations that this took
 };
 

@@ -25,7 +25,7 @@ TEST(WorkLimit, NamesTheEstimateOfWhatCannotEnd) {
   expect_endless(shell, "run --problem liver_forced --method rk4 --h 1 --t-end 2147483648", "2.15e+09 steps");
   expect_endless(shell, "phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 2147483648",
                  "values of the parameter");
-  expect_endless(shell, "phase --problem liver_forced --bifurcation P --from 0 --to 2147483648",
+  expect_endless(shell, "phase --problem liver_forced --bifurcation P --from 0 --to 1e15",
                  "periods of the force, about");
   expect_endless(shell, "phase --problem liver_forced --poincare --periods 2147483648", "2.15e+09 periods");
   expect_endless(shell, "phase --problem liver_forced --poincare --method rk4 --h 1e-9",
